@@ -1,0 +1,1 @@
+//! The models: equations, correlations and the fast integrator.

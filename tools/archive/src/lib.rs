@@ -1,0 +1,1 @@
+//! Builds and validates FMU archives.

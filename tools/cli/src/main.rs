@@ -1,0 +1,2 @@
+//! The motor-fmu command.
+fn main() {}

@@ -1,0 +1,1 @@
+//! A black-box FMI client: load, step and record any FMU.

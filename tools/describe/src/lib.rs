@@ -1,0 +1,1 @@
+//! What the declarations say, as XML, Markdown and checked values.

@@ -1,0 +1,2 @@
+//! Set-up, tests, demo, benchmarks and tidiness of the workspace.
+fn main() {}
