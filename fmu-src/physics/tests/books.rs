@@ -20,7 +20,12 @@ fn input(m: &mut AnnulusCooledMotor, name: &str, value: f64, slope: f64) {
 }
 
 /// A second of everything at once: volts, amperes, load, fan and room on ramps, reversing under friction.
-fn run(drive: DriveMode, coupling: MechanicalMode, slopes: bool, mut each: impl FnMut(&mut AnnulusCooledMotor)) {
+fn run(
+    drive: DriveMode,
+    coupling: MechanicalMode,
+    slopes: bool,
+    mut each: impl FnMut(&mut AnnulusCooledMotor),
+) {
     let mut m = motor(drive, coupling);
     m.parameters.effects.coulomb_friction = friction(0.00983);
     m.parameters.effects.viscous_friction.k = 3e-6;

@@ -155,11 +155,7 @@ impl<const N: usize> Forcing<N> {
     /// Simpson's rule over the three.
     #[inline]
     pub fn through(start: SVector<f64, N>, middle: SVector<f64, N>, end: SVector<f64, N>) -> Self {
-        Forcing {
-            n0: start,
-            n1: middle * 4.0 - start * 3.0 - end,
-            n2: (start + end) * 2.0 - middle * 4.0,
-        }
+        Forcing { n0: start, n1: middle * 4.0 - start * 3.0 - end, n2: (start + end) * 2.0 - middle * 4.0 }
     }
 }
 

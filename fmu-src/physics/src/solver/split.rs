@@ -284,7 +284,8 @@ impl<const N: usize> Split<N> {
             let error = (miss + miss_thermal + doubt + SENSITIVITY * bend + unsettled) / TOLERANCE;
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -(m.transpose() * capacity);
-            let rest = |s: f64, temp: &SVector<f64, N>| system.ambient_flow(t + s * h, temp) - share.dot(temp);
+            let rest =
+                |s: f64, temp: &SVector<f64, N>| system.ambient_flow(t + s * h, temp) - share.dot(temp);
             let ambient = share.dot(&thermal.integral(&temp0, &warming))
                 + h / 6.0 * (rest(0.0, &temp0) + 4.0 * rest(0.5, &tempm) + rest(1.0, &temp1));
             let next = State {

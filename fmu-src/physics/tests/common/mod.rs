@@ -160,7 +160,8 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
         }
         let times: Vec<f64> = (1..=steps).map(|k| k as f64 * h).collect();
         // The reference sees temperatures as rises, so that its tolerance is one on the rise.
-        let shift = |y: &[f64; STATES], by: f64| std::array::from_fn(|s| y[s] + if RISE[s] { by } else { 0.0 });
+        let shift =
+            |y: &[f64; STATES], by: f64| std::array::from_fn(|s| y[s] + if RISE[s] { by } else { 0.0 });
         let rates = |t: f64, z: &[f64; STATES]| step.rates(t, &shift(z, ambient));
         let truth = integrate(rates, &shift(&y, -ambient), &times, TIGHT).unwrap();
         let truth: Vec<[f64; STATES]> = truth.iter().map(|z| shift(z, ambient)).collect();

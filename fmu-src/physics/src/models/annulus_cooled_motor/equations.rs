@@ -391,7 +391,12 @@ impl System<NODES> for Step<'_> {
             let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
             (copper, copper + air_gap)
         };
-        Work { heat: Temperatures::new(copper + heat, friction), electrical: electrical + heat, mechanical, doubt }
+        Work {
+            heat: Temperatures::new(copper + heat, friction),
+            electrical: electrical + heat,
+            mechanical,
+            doubt,
+        }
     }
 
     #[inline]
