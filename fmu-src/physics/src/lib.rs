@@ -10,3 +10,5 @@ pub mod model;
 pub mod models;
 pub mod solver;
 pub mod start_values;
+
+pub use declare;

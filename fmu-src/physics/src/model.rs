@@ -125,6 +125,9 @@ fn token(name: &str, entries: &[Entry]) -> String {
     )
 }
 
+/// Value reference of the independent variable, time, in every model.
+pub const TIME: u32 = 0;
+
 /// Why a value is not taken.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
@@ -141,6 +144,11 @@ pub enum Refusal {
 }
 
 impl Entry {
+    /// Whether an importer may let the variable run along a slope.
+    pub fn is_continuous_input(&self) -> bool {
+        self.row.causality == Causality::Input && self.row.variability == Variability::Continuous
+    }
+
     /// Whether `value` may be set; `running` once initialization is over.
     #[inline]
     pub fn check(&self, value: f64, running: bool) -> Result<(), Refusal> {
@@ -214,8 +222,8 @@ pub trait Model: Send {
     fn set_slope(&mut self, slot: Slot, slope: f64);
     /// Ends initialization at `time`: checks the parameters together, sets every state.
     fn start(&mut self, time: f64) -> Result<(), Fault>;
-    /// Advances by `h` > 0 seconds; on failure nothing changes.
-    fn step(&mut self, h: f64) -> Result<(), Fault>;
+    /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes.
+    fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;
     /// The time that the model has reached, s.
     fn time(&self) -> f64;
     /// Everything that the future depends on, as numbers.
@@ -296,3 +304,11 @@ macro_rules! groups {
         }
     };
 }
+
+/// Log categories of every FMU: name and description.
+pub const LOG_CATEGORIES: &[(&str, &str)] = &[
+    ("logStatusError", "Calls that are not allowed and failures of the model"),
+    ("logStatusDiscard", "Values and steps that are refused"),
+    ("logStatusWarning", "Calls that are done, with something to say"),
+    ("logEvents", "Steps of the life cycle"),
+];

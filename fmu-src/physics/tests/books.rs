@@ -45,7 +45,7 @@ fn run(
         drive("ambient_temperature", &|t| 298.15 + 5.0 * t);
         drive("electrical_power", &|t| 20.0 + 15.0 * (6.0 * t).sin());
         drive("heat_power", &|t| 3.0 * (2.0 * t).sin());
-        m.step(h).unwrap();
+        m.step(m.time(), h).unwrap();
         each(&mut m);
     }
 }
@@ -93,9 +93,9 @@ fn the_books_close_for_an_onlooker() {
     let mut before = look(&mut m);
     for _ in 0..3600 {
         // Simpson's rule with the half step seen on the way.
-        m.step(0.5 * h).unwrap();
+        m.step(m.time(), 0.5 * h).unwrap();
         let middle = look(&mut m);
-        m.step(0.5 * h).unwrap();
+        m.step(m.time(), 0.5 * h).unwrap();
         let after = look(&mut m);
         taken += h / 6.0 * (before.0 + 4.0 * middle.0 + after.0);
         given += h / 6.0 * (before.1 + 4.0 * middle.1 + after.1);
@@ -116,7 +116,7 @@ fn signs() {
     m.inputs.imposed_speed = -500.0;
     m.start(0.0).unwrap();
     for _ in 0..60 {
-        m.step(1.0).unwrap();
+        m.step(m.time(), 1.0).unwrap();
     }
     assert!(output(&mut m, "winding_temperature") > output(&mut m, "housing_temperature"));
     assert!(output(&mut m, "housing_temperature") > 298.15);
@@ -139,9 +139,9 @@ fn tuning_a_parameter_keeps_the_books() {
     let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
     m.inputs.current_command = 5.0;
     m.start(0.0).unwrap();
-    m.step(100.0).unwrap();
+    m.step(m.time(), 100.0).unwrap();
     input_parameter(&mut m, "thermal.C_h", 300.0);
-    m.step(100.0).unwrap();
+    m.step(m.time(), 100.0).unwrap();
     let error = output(&mut m, "energy_balance_error");
     assert!(error.abs() < 1e-6 * output(&mut m, "energy_electrical"), "{error} J");
 }

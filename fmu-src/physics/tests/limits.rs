@@ -17,7 +17,7 @@ fn a_locked_rotor_is_an_rl_circuit() {
     m.start(0.0).unwrap();
     let (r, l) = (m.parameters.motor.R_ref, m.parameters.motor.L);
     for k in 1..=20 {
-        m.step(1e-4).unwrap();
+        m.step(m.time(), 1e-4).unwrap();
         let exact = 2.0 / r * (1.0 - (-k as f64 * 1e-4 * r / l).exp());
         assert!((m.state().x[0] - exact).abs() < 1e-11, "step {k}: {} {exact}", m.state().x[0]);
     }
@@ -38,7 +38,7 @@ fn two_nodes_follow_the_matrix_exponential() {
     let q = Vector2::new(10.0 / c_w, 0.0);
     let mut t = 0.0;
     for h in [1e-3, 0.5, 2.0, 30.0, 600.0, 3600.0] {
-        m.step(h).unwrap();
+        m.step(m.time(), h).unwrap();
         t += h;
         let exact = a.try_inverse().unwrap() * ((a * t).exp() - Matrix2::identity()) * q;
         let rise = m.state().temperature.add_scalar(-298.15);
@@ -53,7 +53,7 @@ fn the_steady_state_is_ohms_law_of_heat() {
     m.inputs.electrical_power = 10.0;
     m.start(0.0).unwrap();
     for _ in 0..100 {
-        m.step(1000.0).unwrap();
+        m.step(m.time(), 1000.0).unwrap();
     }
     let t = m.state().temperature;
     assert!((t[1] - 298.15 - 10.0 / 0.1351).abs() < 1e-6, "{t}");
@@ -67,7 +67,7 @@ fn an_unloaded_motor_runs_until_the_back_emf_meets_the_supply() {
     m.inputs.voltage = 48.0;
     m.start(0.0).unwrap();
     for _ in 0..1000 {
-        m.step(1e-3).unwrap();
+        m.step(m.time(), 1e-3).unwrap();
     }
     let k_t = m.parameters.motor.torque_constant(m.state().temperature[1]);
     assert!((m.state().x[1] - 48.0 / k_t).abs() < 1e-3, "{}", m.state().x[1]);
@@ -83,7 +83,7 @@ fn the_no_load_point_of_the_datasheet() {
     m.inputs.voltage = 48.0;
     m.start(0.0).unwrap();
     for _ in 0..200 {
-        m.step(1e-3).unwrap();
+        m.step(m.time(), 1e-3).unwrap();
     }
     assert!((m.state().x[0] - 0.356).abs() < 1e-3, "{} A", m.state().x[0]);
     let rpm = m.state().x[1] * 30.0 / std::f64::consts::PI;

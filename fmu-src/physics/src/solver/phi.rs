@@ -1,16 +1,21 @@
 //! The phi functions of a small matrix: the exact solution of a linear system with polynomial forcing.
 //!
+//! ```text
 //! phi_0(z) = e^z,   phi_k(z) = (phi_{k-1}(z) - 1/(k-1)!) / z                               (1)
-//!
+//! ```
 //! x' = A x + sum_j n_j (t/h)^j,  j = 0, 1, 2, is solved over a step h by
-//!     x(h)          = phi_0 x0 + h sum_j j! phi_{j+1} n_j                                  (2)
-//!     int x dt      = h phi_1 x0 + h^2 sum_j j! phi_{j+2} n_j                              (3)
-//!     int t x dt    = h^2 (phi_1 - phi_2) x0 + h^3 sum_j j! (phi_{j+2} - phi_{j+3}) n_j    (4)
+//! ```text
+//! x(h)          = phi_0 x0 + h sum_j j! phi_{j+1} n_j                                      (2)
+//! int x dt      = h phi_1 x0 + h^2 sum_j j! phi_{j+2} n_j                                  (3)
+//! int t x dt    = h^2 (phi_1 - phi_2) x0 + h^3 sum_j j! (phi_{j+2} - phi_{j+3}) n_j        (4)
+//! ```
 //! with phi_k = phi_k(h A). No inverse of A is taken, so a singular A (a shaft without friction, a current
 //! that is imposed) is no special case.
 //!
 //! *Method*: Taylor series of the highest phi at A h / 2^s, the others by (1) backwards, then s doublings
-//!     phi_k(2z) = 2^-k [ phi_0(z) phi_k(z) + sum_{j=1..k} phi_j(z) / (k-j)! ]              (5)
+//! ```text
+//! phi_k(2z) = 2^-k [ phi_0(z) phi_k(z) + sum_{j=1..k} phi_j(z) / (k-j)! ]                  (5)
+//! ```
 //! *Source*: Hochbruck, Ostermann: Exponential integrators, Acta Numerica 19 (2010), sections 2.1 and 4.1;
 //! (5): Skaflestad, Wright, Applied Numerical Mathematics 59 (2009).
 

@@ -4,8 +4,10 @@
 //! the *whole* remainder, so that a stale A costs accuracy in the error estimate and never in the equations.
 //! N is followed by a parabola through three stages (ETD3RK); a linear system with input ramps is exact.
 //!
-//!     N_0 = N(0, x0)     x_a = x(h/2; N_0)     N_a = N(h/2, x_a)     x_b = x(h; 2 N_a - N_0)
-//!     x1  = x(h; parabola through N_0, N_a, N(h, x_b))                                     (1)
+//! ```text
+//! N_0 = N(0, x0)     x_a = x(h/2; N_0)     N_a = N(h/2, x_a)     x_b = x(h; 2 N_a - N_0)
+//! x1  = x(h; parabola through N_0, N_a, N(h, x_b))                                         (1)
+//! ```
 //!
 //! Heat: the system turns the *integrals* of the fast solution into the heat of the step ([`System::work`]), so
 //! a current transient that dies within the step heats the winding by what it really dissipates, and the books

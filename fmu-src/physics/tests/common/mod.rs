@@ -172,7 +172,7 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
             for row in 0..Inputs::TABLE.len() {
                 model.set_slope(Slot { group: 0, row: row as u16 }, slopes.get(row));
             }
-            model.step(h).unwrap();
+            model.step(model.time(), h).unwrap();
             let got = states(&model);
             for s in 0..STATES {
                 let origin = if RISE[s] { ambient } else { 0.0 };

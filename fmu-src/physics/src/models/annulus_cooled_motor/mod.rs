@@ -180,18 +180,19 @@ impl Model for AnnulusCooledMotor {
             temperature: Temperatures::repeat(ambient),
             energy: [0.0; 3],
         };
+        self.split = Split::default();
         self.follow_inputs();
         self.stored_at_start = self.step_equations().stored(&self.state);
         Ok(())
     }
 
-    fn step(&mut self, h: f64) -> Result<(), Fault> {
+    fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         let step = Step::new(&self.parameters, &self.inputs, &self.slopes);
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
             Fault(format!(
                 "The motor's equations have no solution {} s after {} s even with steps of {} s \
                  (current {} A, speed {} rad/s, winding {} K).",
-                stuck.t, self.time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
+                stuck.t, time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
             ))
         })?;
         if self.slopes != Inputs::ZERO {
@@ -199,7 +200,7 @@ impl Model for AnnulusCooledMotor {
             self.slopes = Inputs::ZERO;
             self.follow_inputs();
         }
-        self.time += h;
+        self.time = time + h;
         self.outputs_are_stale = true;
         Ok(())
     }

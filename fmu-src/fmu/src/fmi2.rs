@@ -1,0 +1,409 @@
+//! FMI 2.0: the 44 functions. Only translation; what is allowed is decided in `instance.rs`.
+//!
+//! Arguments are as in the standard, "Functional Mock-up Interface for Model Exchange and Co-Simulation",
+//! version 2.0.4; each function's documentation names its section.
+
+use crate::boundary::{self, Outcome, Refused, array, array_mut, enter, hand_out, place, take_back, text};
+use crate::instance::{Instance, Type};
+use crate::logger::{Log, Logger2, Sink, Status};
+use crate::saved_handle::{self, deserialize, free, save, serialize, serialized_size};
+use std::ffi::{c_char, c_int, c_void};
+
+/// An instance's handle.
+pub type Component = *mut c_void;
+/// A saved state's handle.
+pub type FmuState = *mut c_void;
+/// FMI 2's Boolean: zero is false.
+pub type Boolean = c_int;
+
+/// What the importer offers an instance.
+#[repr(C)]
+pub struct CallbackFunctions {
+    /// Takes messages.
+    pub logger: Option<Logger2>,
+    /// Unused: this library has an allocator of its own.
+    pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
+    /// Unused.
+    pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
+    /// Unused: steps are synchronous.
+    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    /// Handed back to the logger.
+    pub environment: *mut c_void,
+}
+
+/// What an event brought about.
+#[repr(C)]
+pub struct EventInfo {
+    /// Another event iteration is needed.
+    pub new_discrete_states_needed: Boolean,
+    /// The model asks to end.
+    pub terminate_simulation: Boolean,
+    /// Nominal values have changed.
+    pub nominals_changed: Boolean,
+    /// States have changed.
+    pub values_changed: Boolean,
+    /// A time event is known.
+    pub next_event_time_defined: Boolean,
+    /// Its time, s.
+    pub next_event_time: f64,
+}
+
+/// `fmi2Type`: which interface an instance is to have.
+const CO_SIMULATION: c_int = 1;
+/// `fmi2StatusKind`: time of the last successful step.
+const LAST_SUCCESSFUL_TIME: c_int = 2;
+/// `fmi2StatusKind`: whether the model asks to end.
+const TERMINATED: c_int = 3;
+
+fn unsupported(what: &str) -> Outcome {
+    Err(Refused::error(format!("{what} is not supported; modelDescription.xml says so.")))
+}
+
+fn model_exchange() -> Outcome {
+    Err(Refused::error("this instance is a Co-Simulation one and has no Model Exchange functions."))
+}
+
+fn nothing_pending() -> Outcome {
+    Err(Refused::discard("steps are synchronous, so none is pending."))
+}
+
+/// Platform of the header files; section 2.1.3.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// Version of the standard; section 2.1.4.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// Turns messages on or off; section 2.1.5.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    c: Component,
+    on: Boolean,
+    n: usize,
+    categories: *const *const c_char,
+) -> Status {
+    // SAFETY: as the crate's documentation says; so for every block below.
+    unsafe {
+        enter(c, "fmi2SetDebugLogging", |i| {
+            let names: Vec<Option<String>> =
+                array(categories, n, "categories")?.iter().map(|&name| text(name)).collect();
+            i.set_logging(on != 0, &names)
+        })
+    }
+}
+
+/// Makes an instance; section 2.1.5.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    name: *const c_char,
+    interface: c_int,
+    guid: *const c_char,
+    _resources: *const c_char,
+    functions: *const CallbackFunctions,
+    _visible: Boolean,
+    logging_on: Boolean,
+) -> Component {
+    hand_out(|| unsafe {
+        let sink = match functions.as_ref() {
+            Some(CallbackFunctions { logger: Some(logger), environment, .. }) => {
+                Sink::Fmi2(*logger, *environment)
+            }
+            _ => Sink::None,
+        };
+        let name = text(name).unwrap_or_default();
+        let log = Log::new(sink, &name, logging_on != 0);
+        let complain = Log::new(sink, &name, false);
+        let made = if name.is_empty() {
+            Err(Refused::error("the instance name is missing."))
+        } else if interface != CO_SIMULATION {
+            Err(Refused::error(format!(
+                "the interface type {interface} is not in this FMU; 1, Co-Simulation, is."
+            )))
+        } else {
+            Instance::new(text(guid).as_deref(), log)
+        };
+        made.map_err(|r| complain.tell(r.status, &format!("fmi2Instantiate: {}", r.message))).ok()
+    })
+}
+
+/// Drops an instance; section 2.1.5.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
+    unsafe { take_back(c) }
+}
+
+/// Announces the window of time; section 2.1.6.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetupExperiment(
+    c: Component,
+    _tolerance_defined: Boolean,
+    _tolerance: f64,
+    start: f64,
+    stop_defined: Boolean,
+    stop: f64,
+) -> Status {
+    unsafe {
+        enter(c, "fmi2SetupExperiment", |i| {
+            i.set_window(start, if stop_defined != 0 { Some(stop) } else { None })
+        })
+    }
+}
+
+/// A function of the life cycle: a name and the instance's method.
+macro_rules! life_cycle {
+    ($($(#[doc = $doc:literal])* $name:ident => $method:ident;)*) => {$(
+        $(#[doc = $doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(c: Component) -> Status {
+            unsafe { enter(c, stringify!($name), Instance::$method) }
+        }
+    )*};
+}
+
+life_cycle! {
+    /// Begins initialization; section 2.1.6.
+    fmi2EnterInitializationMode => enter_initialization;
+    /// Ends initialization; section 2.1.6.
+    fmi2ExitInitializationMode => exit_initialization;
+    /// Ends the run; section 2.1.6.
+    fmi2Terminate => terminate;
+    /// Back to the state after instantiation; section 2.1.6.
+    fmi2Reset => reset;
+}
+
+/// Getter and setter of one type; `of` is the interface's type, `value` the C type.
+macro_rules! values {
+    ($get:ident, $set:ident, $value:ty, $of:expr, $from:expr, $to:expr) => {
+        /// Reads values; section 2.1.7.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $get(c: Component, vr: *const u32, n: usize, value: *mut $value) -> Status {
+            unsafe {
+                enter(c, stringify!($get), |i| {
+                    let (vr, value) = (array(vr, n, "vr")?, array_mut(value, n, "value")?);
+                    i.get(vr, $of, |k, number| value[k] = $from(number))
+                })
+            }
+        }
+
+        /// Sets values, all or none; section 2.1.7.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $set(
+            c: Component,
+            vr: *const u32,
+            n: usize,
+            value: *const $value,
+        ) -> Status {
+            unsafe {
+                enter(c, stringify!($set), |i| {
+                    let (vr, value) = (array(vr, n, "vr")?, array(value, n, "value")?);
+                    i.set(vr, $of, |k| $to(value[k]))
+                })
+            }
+        }
+    };
+}
+
+values!(fmi2GetReal, fmi2SetReal, f64, Type::Real, |x| x, |x| x);
+values!(fmi2GetInteger, fmi2SetInteger, c_int, Type::Enumeration, |x| x as c_int, f64::from);
+values!(fmi2GetBoolean, fmi2SetBoolean, Boolean, Type::Boolean, |x| c_int::from(x != 0.0), f64::from);
+values!(fmi2GetString, fmi2SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), |_| f64::NAN);
+
+/// Saves the instance; section 2.1.8. A handle that is not NULL is used again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status {
+    unsafe { enter(c, "fmi2GetFMUstate", |i| save(i, state)) }
+}
+
+/// Takes the instance back; section 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Status {
+    unsafe { enter(c, "fmi2SetFMUstate", |i| saved_handle::restore(i, state)) }
+}
+
+/// Drops a saved state; section 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status {
+    unsafe { enter(c, "fmi2FreeFMUstate", |_| free(state)) }
+}
+
+/// Bytes that a saved state needs; section 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
+    c: Component,
+    state: FmuState,
+    size: *mut usize,
+) -> Status {
+    unsafe { enter(c, "fmi2SerializedFMUstateSize", |_| serialized_size(state, size)) }
+}
+
+/// Writes a saved state as bytes; section 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    c: Component,
+    state: FmuState,
+    bytes: *mut u8,
+    n: usize,
+) -> Status {
+    unsafe { enter(c, "fmi2SerializeFMUstate", |_| serialize(state, bytes, n)) }
+}
+
+/// Makes a saved state of bytes; section 2.1.8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
+    c: Component,
+    bytes: *const u8,
+    n: usize,
+    state: *mut FmuState,
+) -> Status {
+    unsafe { enter(c, "fmi2DeSerializeFMUstate", |i| deserialize(i, bytes, n, state)) }
+}
+
+/// Derivatives with respect to inputs and states; section 2.1.9. Not provided.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
+    c: Component,
+    _unknowns: *const u32,
+    _n_unknown: usize,
+    _knowns: *const u32,
+    _n_known: usize,
+    _seed: *const f64,
+    _sensitivity: *mut f64,
+) -> Status {
+    unsafe { enter(c, "fmi2GetDirectionalDerivative", |_| unsupported("the directional derivative")) }
+}
+
+/// Sets slopes of inputs over the next step; section 4.2.1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
+    c: Component,
+    vr: *const u32,
+    n: usize,
+    order: *const c_int,
+    value: *const f64,
+) -> Status {
+    unsafe {
+        enter(c, "fmi2SetRealInputDerivatives", |i| {
+            i.set_slopes(array(vr, n, "vr")?, array(order, n, "order")?, array(value, n, "value")?)
+        })
+    }
+}
+
+/// Derivatives of outputs; section 4.2.1. Not provided.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
+    c: Component,
+    _vr: *const u32,
+    _n: usize,
+    _order: *const c_int,
+    _value: *mut f64,
+) -> Status {
+    unsafe { enter(c, "fmi2GetRealOutputDerivatives", |_| unsupported("a derivative of an output")) }
+}
+
+/// Steps; section 4.2.2.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DoStep(c: Component, at: f64, h: f64, _no_set_state_prior: Boolean) -> Status {
+    unsafe { enter(c, "fmi2DoStep", |i| i.step(at, h)) }
+}
+
+/// Cancels a pending step; section 4.2.2. None is ever pending.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2CancelStep(c: Component) -> Status {
+    unsafe {
+        enter(c, "fmi2CancelStep", |_| {
+            Err(Refused::error("steps are synchronous, so none can be cancelled."))
+        })
+    }
+}
+
+/// Status of a pending step; section 4.2.3.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetStatus(c: Component, _kind: c_int, _value: *mut Status) -> Status {
+    unsafe { enter(c, "fmi2GetStatus", |_| nothing_pending()) }
+}
+
+/// Time of the last successful step; section 4.2.3.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status {
+    unsafe {
+        enter(c, "fmi2GetRealStatus", |i| {
+            if kind != LAST_SUCCESSFUL_TIME {
+                return nothing_pending();
+            }
+            *place(value, "value")? = i.time();
+            Ok(())
+        })
+    }
+}
+
+/// Integer status; section 4.2.3. There is none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, _kind: c_int, _value: *mut c_int) -> Status {
+    unsafe { enter(c, "fmi2GetIntegerStatus", |_| nothing_pending()) }
+}
+
+/// Whether the model asks to end; section 4.2.3. It never does.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status {
+    unsafe {
+        enter(c, "fmi2GetBooleanStatus", |_| {
+            if kind != TERMINATED {
+                return nothing_pending();
+            }
+            *place(value, "value")? = 0;
+            Ok(())
+        })
+    }
+}
+
+/// Text about a pending step; section 4.2.3.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetStringStatus(
+    c: Component,
+    _kind: c_int,
+    value: *mut *const c_char,
+) -> Status {
+    unsafe {
+        boundary::write(value, c"".as_ptr());
+        enter(c, "fmi2GetStringStatus", |_| nothing_pending())
+    }
+}
+
+/// Functions of Model Exchange: exported, because importers resolve all symbols, and refused.
+macro_rules! model_exchange {
+    ($($(#[doc = $doc:literal])* $name:ident($($argument:ident: $type:ty),*);)*) => {$(
+        $(#[doc = $doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(c: Component $(, $argument: $type)*) -> Status {
+            unsafe { enter(c, stringify!($name), |_| model_exchange()) }
+        }
+    )*};
+}
+
+model_exchange! {
+    /// Section 3.2.2.
+    fmi2EnterEventMode();
+    /// Section 3.2.2.
+    fmi2NewDiscreteStates(_info: *mut EventInfo);
+    /// Section 3.2.2.
+    fmi2EnterContinuousTimeMode();
+    /// Section 3.2.2.
+    fmi2CompletedIntegratorStep(_no_set: Boolean, _enter_event: *mut Boolean, _terminate: *mut Boolean);
+    /// Section 3.2.1.
+    fmi2SetTime(_time: f64);
+    /// Section 3.2.1.
+    fmi2SetContinuousStates(_x: *const f64, _n: usize);
+    /// Section 3.2.2.
+    fmi2GetDerivatives(_derivatives: *mut f64, _n: usize);
+    /// Section 3.2.2.
+    fmi2GetEventIndicators(_indicators: *mut f64, _n: usize);
+    /// Section 3.2.2.
+    fmi2GetContinuousStates(_x: *mut f64, _n: usize);
+    /// Section 3.2.2.
+    fmi2GetNominalsOfContinuousStates(_nominals: *mut f64, _n: usize);
+}

@@ -1,0 +1,228 @@
+//! FMI 3.0: the 75 functions. Only translation; what is allowed is decided in `instance.rs`.
+//!
+//! Arguments are as in the standard, "Functional Mock-up Interface Specification", version 3.0.2.
+//! `fmi3/values.rs` has the getters and setters, `fmi3/absent.rs` what these
+//! models have no use for: clocks, intervals, dependencies of array elements, Model Exchange.
+
+mod absent;
+mod values;
+
+pub use absent::*;
+pub use values::*;
+
+use crate::boundary::{Refused, array, enter, hand_out, place, take_back, text, write};
+use crate::instance::Instance;
+use crate::logger::{Log, Logger3, Sink, Status};
+use crate::saved_handle;
+use std::ffi::{c_char, c_void};
+
+/// An instance's handle.
+pub type InstanceHandle = *mut c_void;
+/// A saved state's handle.
+pub type FmuState = *mut c_void;
+/// FMI 3's Boolean, C's bool, read as a byte: C may hand over what no Rust bool may hold.
+pub type Boolean = u8;
+
+/// Version of the standard.
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi3GetVersion() -> *const c_char {
+    c"3.0".as_ptr()
+}
+
+/// Turns messages on or off.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetDebugLogging(
+    instance: InstanceHandle,
+    on: Boolean,
+    n: usize,
+    categories: *const *const c_char,
+) -> Status {
+    // SAFETY: as the crate's documentation says; so for every block below.
+    unsafe {
+        enter(instance, "fmi3SetDebugLogging", |i| {
+            let names: Vec<Option<String>> =
+                array(categories, n, "categories")?.iter().map(|&name| text(name)).collect();
+            i.set_logging(on != 0, &names)
+        })
+    }
+}
+
+/// The sink of a logger that may be missing.
+fn sink(log_message: Option<Logger3>, environment: *mut c_void) -> Sink {
+    log_message.map_or(Sink::None, |logger| Sink::Fmi3(logger, environment))
+}
+
+/// Makes an instance for Co-Simulation.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
+    name: *const c_char,
+    token: *const c_char,
+    _resources: *const c_char,
+    _visible: Boolean,
+    logging_on: Boolean,
+    event_mode_used: Boolean,
+    _early_return_allowed: Boolean,
+    _intermediate: *const u32,
+    n_intermediate: usize,
+    environment: *mut c_void,
+    log_message: Option<Logger3>,
+    _intermediate_update: Option<unsafe extern "C" fn()>,
+) -> InstanceHandle {
+    hand_out(|| unsafe {
+        let sink = sink(log_message, environment);
+        let name = text(name).unwrap_or_default();
+        let log = Log::new(sink, &name, logging_on != 0);
+        let complain = Log::new(sink, &name, false);
+        let refuse = |message: &str| Err(Refused::error(message));
+        let made = if name.is_empty() {
+            refuse("the instance name is missing.")
+        } else if event_mode_used != 0 {
+            refuse("event mode is not in this FMU (hasEventMode is false).")
+        } else if n_intermediate > 0 {
+            refuse("intermediate variables are not in this FMU (providesIntermediateUpdate is false).")
+        } else {
+            Instance::new(text(token).as_deref(), log)
+        };
+        made.map_err(|r| complain.tell(r.status, &format!("fmi3InstantiateCoSimulation: {}", r.message))).ok()
+    })
+}
+
+/// Drops an instance.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3FreeInstance(instance: InstanceHandle) {
+    unsafe { take_back(instance) }
+}
+
+/// Announces the window of time and begins initialization.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3EnterInitializationMode(
+    instance: InstanceHandle,
+    _tolerance_defined: Boolean,
+    _tolerance: f64,
+    start: f64,
+    stop_defined: Boolean,
+    stop: f64,
+) -> Status {
+    unsafe {
+        enter(instance, "fmi3EnterInitializationMode", |i| {
+            i.set_window(start, if stop_defined != 0 { Some(stop) } else { None })?;
+            i.enter_initialization()
+        })
+    }
+}
+
+/// A function of the life cycle: a name and the instance's method.
+macro_rules! life_cycle {
+    ($($(#[doc = $doc:literal])* $name:ident => $method:ident;)*) => {$(
+        $(#[doc = $doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(instance: InstanceHandle) -> Status {
+            unsafe { enter(instance, stringify!($name), Instance::$method) }
+        }
+    )*};
+}
+
+life_cycle! {
+    /// Ends initialization.
+    fmi3ExitInitializationMode => exit_initialization;
+    /// Ends the run.
+    fmi3Terminate => terminate;
+    /// Back to the state after instantiation.
+    fmi3Reset => reset;
+}
+
+/// Saves the instance. A handle that is not NULL is used again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetFMUState(instance: InstanceHandle, state: *mut FmuState) -> Status {
+    unsafe { enter(instance, "fmi3GetFMUState", |i| saved_handle::save(i, state)) }
+}
+
+/// Takes the instance back.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetFMUState(instance: InstanceHandle, state: FmuState) -> Status {
+    unsafe { enter(instance, "fmi3SetFMUState", |i| saved_handle::restore(i, state)) }
+}
+
+/// Drops a saved state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3FreeFMUState(instance: InstanceHandle, state: *mut FmuState) -> Status {
+    unsafe { enter(instance, "fmi3FreeFMUState", |_| saved_handle::free(state)) }
+}
+
+/// Bytes that a saved state needs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
+    instance: InstanceHandle,
+    state: FmuState,
+    size: *mut usize,
+) -> Status {
+    unsafe { enter(instance, "fmi3SerializedFMUStateSize", |_| saved_handle::serialized_size(state, size)) }
+}
+
+/// Writes a saved state as bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SerializeFMUState(
+    instance: InstanceHandle,
+    state: FmuState,
+    bytes: *mut u8,
+    n: usize,
+) -> Status {
+    unsafe { enter(instance, "fmi3SerializeFMUState", |_| saved_handle::serialize(state, bytes, n)) }
+}
+
+/// Makes a saved state of bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3DeserializeFMUState(
+    instance: InstanceHandle,
+    bytes: *const u8,
+    n: usize,
+    state: *mut FmuState,
+) -> Status {
+    unsafe { enter(instance, "fmi3DeserializeFMUState", |i| saved_handle::deserialize(i, bytes, n, state)) }
+}
+
+/// Steps.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3DoStep(
+    instance: InstanceHandle,
+    at: f64,
+    h: f64,
+    _no_set_state_prior: Boolean,
+    event_handling_needed: *mut Boolean,
+    terminate_simulation: *mut Boolean,
+    early_return: *mut Boolean,
+    last_successful_time: *mut f64,
+) -> Status {
+    unsafe {
+        enter(instance, "fmi3DoStep", |i| {
+            write(event_handling_needed, 0);
+            write(terminate_simulation, 0);
+            write(early_return, 0);
+            let outcome = i.step(at, h);
+            write(last_successful_time, i.time());
+            outcome
+        })
+    }
+}
+
+/// Number of continuous states. None is exposed for Co-Simulation.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetNumberOfContinuousStates(instance: InstanceHandle, n: *mut usize) -> Status {
+    unsafe {
+        enter(instance, "fmi3GetNumberOfContinuousStates", |_| {
+            *place(n, "nContinuousStates")? = 0;
+            Ok(())
+        })
+    }
+}
+
+/// Number of event indicators. None is exposed for Co-Simulation.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(instance: InstanceHandle, n: *mut usize) -> Status {
+    unsafe {
+        enter(instance, "fmi3GetNumberOfEventIndicators", |_| {
+            *place(n, "nEventIndicators")? = 0;
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,162 @@
+//! Functions that importers resolve when they load the library and that these FMUs declare not to have.
+
+use super::{Boolean, InstanceHandle};
+use crate::boundary::{Refused, enter, hand_out, text};
+use crate::logger::{Log, Logger3, Status};
+use std::ffi::{c_char, c_int, c_void};
+
+/// Functions that refuse with one sentence.
+macro_rules! absent {
+    ($why:literal; $($(#[doc = $doc:literal])* $name:ident($($argument:ident: $type:ty),*);)*) => {$(
+        $(#[doc = $doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(instance: InstanceHandle $(, $argument: $type)*) -> Status {
+            // SAFETY: as the crate's documentation says.
+            unsafe { enter(instance, stringify!($name), |_| Err(Refused::error($why))) }
+        }
+    )*};
+}
+
+/// Constructors that refuse with one sentence.
+fn refuse_to_make(
+    function: &str,
+    interface: &str,
+    name: *const c_char,
+    environment: *mut c_void,
+    log_message: Option<Logger3>,
+) -> InstanceHandle {
+    hand_out(|| {
+        // SAFETY: as the crate's documentation says.
+        let name = unsafe { text(name) }.unwrap_or_default();
+        let log = Log::new(super::sink(log_message, environment), &name, false);
+        log.tell(Status::Error, &format!("{function}: {interface} is not in this FMU; Co-Simulation is."));
+        None
+    })
+}
+
+/// Makes an instance for Model Exchange.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+    name: *const c_char,
+    _token: *const c_char,
+    _resources: *const c_char,
+    _visible: Boolean,
+    _logging_on: Boolean,
+    environment: *mut c_void,
+    log_message: Option<Logger3>,
+) -> InstanceHandle {
+    refuse_to_make("fmi3InstantiateModelExchange", "Model Exchange", name, environment, log_message)
+}
+
+/// Makes an instance for Scheduled Execution.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
+    name: *const c_char,
+    _token: *const c_char,
+    _resources: *const c_char,
+    _visible: Boolean,
+    _logging_on: Boolean,
+    environment: *mut c_void,
+    log_message: Option<Logger3>,
+    _clock_update: Option<unsafe extern "C" fn()>,
+    _lock: Option<unsafe extern "C" fn()>,
+    _unlock: Option<unsafe extern "C" fn()>,
+) -> InstanceHandle {
+    refuse_to_make("fmi3InstantiateScheduledExecution", "Scheduled Execution", name, environment, log_message)
+}
+
+absent! {
+    "this instance is a Co-Simulation one and has no Model Exchange functions.";
+    /// Enter continuous time mode.
+    fmi3EnterContinuousTimeMode();
+    /// Completed integrator step.
+    fmi3CompletedIntegratorStep(_no_set: Boolean, _enter_event: *mut Boolean, _terminate: *mut Boolean);
+    /// Set time.
+    fmi3SetTime(_time: f64);
+    /// Set continuous states.
+    fmi3SetContinuousStates(_x: *const f64, _n: usize);
+    /// Get continuous state derivatives.
+    fmi3GetContinuousStateDerivatives(_derivatives: *mut f64, _n: usize);
+    /// Get event indicators.
+    fmi3GetEventIndicators(_indicators: *mut f64, _n: usize);
+    /// Get continuous states.
+    fmi3GetContinuousStates(_x: *mut f64, _n: usize);
+    /// Get nominals of continuous states.
+    fmi3GetNominalsOfContinuousStates(_nominals: *mut f64, _n: usize);
+}
+
+absent! {
+    "event mode is not in this FMU (hasEventMode is false).";
+    /// Enter event mode.
+    fmi3EnterEventMode();
+    /// Evaluate discrete states.
+    fmi3EvaluateDiscreteStates();
+    /// Update discrete states.
+    fmi3UpdateDiscreteStates(
+        _need_update: *mut Boolean, _terminate: *mut Boolean, _nominals_changed: *mut Boolean,
+        _values_changed: *mut Boolean, _next_event_defined: *mut Boolean, _next_event: *mut f64
+    );
+    /// Enter step mode.
+    fmi3EnterStepMode();
+}
+
+absent! {
+    "there are no structural parameters in this FMU.";
+    /// Enter configuration mode.
+    fmi3EnterConfigurationMode();
+    /// Exit configuration mode.
+    fmi3ExitConfigurationMode();
+}
+
+absent! {
+    "derivatives are not provided; modelDescription.xml says so.";
+    /// Get directional derivative.
+    fmi3GetDirectionalDerivative(
+        _unknowns: *const u32, _n_unknowns: usize, _knowns: *const u32, _n_knowns: usize,
+        _seed: *const f64, _n_seed: usize, _sensitivity: *mut f64, _n_sensitivity: usize
+    );
+    /// Get adjoint derivative.
+    fmi3GetAdjointDerivative(
+        _unknowns: *const u32, _n_unknowns: usize, _knowns: *const u32, _n_knowns: usize,
+        _seed: *const f64, _n_seed: usize, _sensitivity: *mut f64, _n_sensitivity: usize
+    );
+    /// Get output derivatives.
+    fmi3GetOutputDerivatives(
+        _vr: *const u32, _n: usize, _orders: *const i32, _values: *mut f64, _n_values: usize
+    );
+}
+
+absent! {
+    "dependencies of array elements are not provided (providesPerElementDependencies is false).";
+    /// Get number of variable dependencies.
+    fmi3GetNumberOfVariableDependencies(_vr: u32, _n: *mut usize);
+    /// Get variable dependencies.
+    fmi3GetVariableDependencies(
+        _dependent: u32, _elements: *mut usize, _independents: *mut u32, _independent_elements: *mut usize,
+        _kinds: *mut c_int, _n: usize
+    );
+}
+
+absent! {
+    "there are no clocks in this FMU.";
+    /// Get interval decimal.
+    fmi3GetIntervalDecimal(_vr: *const u32, _n: usize, _intervals: *mut f64, _qualifiers: *mut c_int);
+    /// Get interval fraction.
+    fmi3GetIntervalFraction(
+        _vr: *const u32, _n: usize, _counters: *mut u64, _resolutions: *mut u64, _qualifiers: *mut c_int
+    );
+    /// Get shift decimal.
+    fmi3GetShiftDecimal(_vr: *const u32, _n: usize, _shifts: *mut f64);
+    /// Get shift fraction.
+    fmi3GetShiftFraction(_vr: *const u32, _n: usize, _counters: *mut u64, _resolutions: *mut u64);
+    /// Set interval decimal.
+    fmi3SetIntervalDecimal(_vr: *const u32, _n: usize, _intervals: *const f64);
+    /// Set interval fraction.
+    fmi3SetIntervalFraction(_vr: *const u32, _n: usize, _counters: *const u64, _resolutions: *const u64);
+    /// Set shift decimal.
+    fmi3SetShiftDecimal(_vr: *const u32, _n: usize, _shifts: *const f64);
+    /// Set shift fraction.
+    fmi3SetShiftFraction(_vr: *const u32, _n: usize, _counters: *const u64, _resolutions: *const u64);
+    /// Activate model partition.
+    fmi3ActivateModelPartition(_clock: u32, _time: f64);
+}

@@ -1,0 +1,136 @@
+//! FMI 3.0 getters and setters. Float64, Int64 (enumerations) and Boolean have variables, the
+//! other types have none and say so.
+
+use super::{Boolean, InstanceHandle};
+use crate::boundary::{Outcome, Refused, array, array_mut, enter};
+use crate::instance::Type;
+use crate::logger::Status;
+use std::ffi::c_char;
+
+/// All variables are scalar: as many values as references.
+fn same_length(references: usize, values: usize) -> Outcome {
+    if references == values {
+        return Ok(());
+    }
+    Err(Refused::error(format!("{references} scalar variables have {references} values and not {values}.")))
+}
+
+/// Getter and setter of one type.
+macro_rules! values {
+    ($($get:ident, $set:ident, $value:ty, $of:expr, $from:expr, $to:expr;)*) => {$(
+        /// Reads values.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $get(
+            instance: InstanceHandle, vr: *const u32, n: usize, value: *mut $value, n_values: usize,
+        ) -> Status {
+            // SAFETY: as the crate's documentation says; so for every block below.
+            unsafe {
+                enter(instance, stringify!($get), |i| {
+                    same_length(n, n_values)?;
+                    let (vr, value) = (array(vr, n, "valueReferences")?, array_mut(value, n, "values")?);
+                    i.get(vr, $of, |k, number| value[k] = $from(number))
+                })
+            }
+        }
+
+        /// Sets values, all or none.
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $set(
+            instance: InstanceHandle, vr: *const u32, n: usize, value: *const $value, n_values: usize,
+        ) -> Status {
+            unsafe {
+                enter(instance, stringify!($set), |i| {
+                    same_length(n, n_values)?;
+                    let (vr, value) = (array(vr, n, "valueReferences")?, array(value, n, "values")?);
+                    i.set(vr, $of, |k| $to(value[k]))
+                })
+            }
+        }
+    )*};
+}
+
+/// A type without variables: what is read is never used, what is set never looked at.
+fn none<T>(_: T) -> f64 {
+    f64::NAN
+}
+
+values! {
+    fmi3GetFloat64, fmi3SetFloat64, f64, Type::Real, |x| x, |x| x;
+    fmi3GetInt64, fmi3SetInt64, i64, Type::Enumeration, |x| x as i64, |x| x as f64;
+    fmi3GetBoolean, fmi3SetBoolean, Boolean, Type::Boolean, |x| u8::from(x != 0.0), |x| f64::from(u8::from(x != 0));
+    fmi3GetFloat32, fmi3SetFloat32, f32, Type::Absent("Float32"), |_| 0.0, none;
+    fmi3GetInt8, fmi3SetInt8, i8, Type::Absent("Int8"), |_| 0, none;
+    fmi3GetUInt8, fmi3SetUInt8, u8, Type::Absent("UInt8"), |_| 0, none;
+    fmi3GetInt16, fmi3SetInt16, i16, Type::Absent("Int16"), |_| 0, none;
+    fmi3GetUInt16, fmi3SetUInt16, u16, Type::Absent("UInt16"), |_| 0, none;
+    fmi3GetInt32, fmi3SetInt32, i32, Type::Absent("Int32"), |_| 0, none;
+    fmi3GetUInt32, fmi3SetUInt32, u32, Type::Absent("UInt32"), |_| 0, none;
+    fmi3GetUInt64, fmi3SetUInt64, u64, Type::Absent("UInt64"), |_| 0, none;
+    fmi3GetString, fmi3SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), none;
+}
+
+/// Reads binary values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetBinary(
+    instance: InstanceHandle,
+    vr: *const u32,
+    n: usize,
+    _sizes: *mut usize,
+    _values: *mut *const u8,
+    n_values: usize,
+) -> Status {
+    unsafe {
+        enter(instance, "fmi3GetBinary", |i| {
+            same_length(n, n_values)?;
+            i.get(array(vr, n, "valueReferences")?, Type::Absent("Binary"), |_, _| {})
+        })
+    }
+}
+
+/// Sets binary values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetBinary(
+    instance: InstanceHandle,
+    vr: *const u32,
+    n: usize,
+    _sizes: *const usize,
+    _values: *const *const u8,
+    n_values: usize,
+) -> Status {
+    unsafe {
+        enter(instance, "fmi3SetBinary", |i| {
+            same_length(n, n_values)?;
+            i.set(array(vr, n, "valueReferences")?, Type::Absent("Binary"), none)
+        })
+    }
+}
+
+/// Reads clocks.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetClock(
+    instance: InstanceHandle,
+    vr: *const u32,
+    n: usize,
+    _values: *mut Boolean,
+) -> Status {
+    unsafe {
+        enter(instance, "fmi3GetClock", |i| {
+            i.get(array(vr, n, "valueReferences")?, Type::Absent("Clock"), |_, _| {})
+        })
+    }
+}
+
+/// Sets clocks.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetClock(
+    instance: InstanceHandle,
+    vr: *const u32,
+    n: usize,
+    _values: *const Boolean,
+) -> Status {
+    unsafe {
+        enter(instance, "fmi3SetClock", |i| {
+            i.set(array(vr, n, "valueReferences")?, Type::Absent("Clock"), none)
+        })
+    }
+}

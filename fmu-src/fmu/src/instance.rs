@@ -1,0 +1,358 @@
+//! An instance: its life cycle, and what it refuses.
+
+use crate::boundary::{Outcome, Refused};
+use crate::logger::{CATEGORIES, Log};
+use crate::saved::Saved;
+use physics::declare::Kind;
+use physics::model::{Entry, Model, ModelType, Refusal, TIME};
+
+/// Where an instance is in its life cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Mode {
+    /// Made, not yet initializing.
+    Instantiated = 0,
+    /// Between entering and exiting initialization.
+    Initialization = 1,
+    /// Ready to step.
+    Step = 2,
+    /// Terminated.
+    Terminated = 3,
+    /// An internal failure left it in doubt.
+    Broken = 4,
+}
+
+impl Mode {
+    /// The mode of this number.
+    pub fn from_number(number: u8) -> Option<Mode> {
+        [Mode::Instantiated, Mode::Initialization, Mode::Step, Mode::Terminated]
+            .into_iter()
+            .find(|m| *m as u8 == number)
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Mode::Instantiated => "instantiated",
+            Mode::Initialization => "in initialization mode",
+            Mode::Step => "in step mode",
+            Mode::Terminated => "terminated",
+            Mode::Broken => "broken by an internal failure",
+        }
+    }
+}
+
+/// Which of the interface's types a call speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// FMI 2 Real, FMI 3 Float64.
+    Real,
+    /// FMI 2 Integer, FMI 3 Int64: enumerations.
+    Enumeration,
+    /// Boolean.
+    Boolean,
+    /// A type that no variable has, with its name.
+    Absent(&'static str),
+}
+
+impl Type {
+    fn of(entry: &Entry) -> Type {
+        match entry.row.kind {
+            Kind::Real => Type::Real,
+            Kind::Boolean => Type::Boolean,
+            Kind::Enumeration(_) => Type::Enumeration,
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Type::Real => "Real (Float64)",
+            Type::Enumeration => "Enumeration",
+            Type::Boolean => "Boolean",
+            Type::Absent(name) => name,
+        }
+    }
+}
+
+/// One motor, or whatever else the token asked for, in an importer's hands.
+pub struct Instance {
+    kind: &'static ModelType,
+    model: Box<dyn Model>,
+    mode: Mode,
+    /// Start and stop time, s; the stop is infinite where it was not announced.
+    window: (f64, f64),
+    /// Values were set since the model last started, during initialization.
+    unsettled: bool,
+    /// Where messages go.
+    pub log: Log,
+}
+
+impl Instance {
+    /// The instance of the model with this token.
+    pub fn new(token: Option<&str>, log: Log) -> Outcome<Instance> {
+        let Some(kind) = token.and_then(physics::models::by_token) else {
+            let known: Vec<String> = physics::models::ALL
+                .iter()
+                .map(|m| (m.declaration)())
+                .map(|d| format!("{} of {}", d.token, d.name))
+                .collect();
+            let token = token.unwrap_or("NULL");
+            return Err(Refused::error(format!(
+                "the token {token} is none of this library's: {}; its modelDescription.xml is of another build.",
+                known.join(", ")
+            )));
+        };
+        let model = crate::new_model(kind);
+        let window = (0.0, f64::INFINITY);
+        Ok(Instance { kind, model, mode: Mode::Instantiated, window, unsettled: true, log })
+    }
+
+    fn require(&self, allowed: &[Mode]) -> Outcome {
+        if allowed.contains(&self.mode) {
+            return Ok(());
+        }
+        Err(Refused::error(format!("not allowed while the instance is {}.", self.mode.words())))
+    }
+
+    /// After a panic: nothing but reset and free is allowed.
+    pub fn break_down(&mut self) {
+        self.mode = Mode::Broken;
+    }
+
+    /// Turns the telling of events on or off; refuses a category that does not exist.
+    pub fn set_logging(&mut self, on: bool, categories: &[Option<String>]) -> Outcome {
+        for category in categories {
+            let category = category.as_deref().unwrap_or("NULL");
+            if !CATEGORIES.iter().any(|(name, _)| *name == category) {
+                let known: Vec<&str> = CATEGORIES.iter().map(|(name, _)| *name).collect();
+                return Err(Refused::error(format!(
+                    "the log category {category} is none of {}.",
+                    known.join(", ")
+                )));
+            }
+        }
+        self.log.on = on;
+        Ok(())
+    }
+
+    /// Announces the window of time; `None` where no stop is known.
+    pub fn set_window(&mut self, start: f64, stop: Option<f64>) -> Outcome {
+        self.require(&[Mode::Instantiated])?;
+        if !start.is_finite() {
+            return Err(Refused::error(format!("the start time {start} s is not finite.")));
+        }
+        if let Some(stop) = stop
+            && (stop.is_nan() || stop < start)
+        {
+            return Err(Refused::error(format!(
+                "the stop time {stop} s is not after the start time {start} s."
+            )));
+        }
+        self.window = (start, stop.unwrap_or(f64::INFINITY));
+        Ok(())
+    }
+
+    /// Instantiated -> initialization.
+    pub fn enter_initialization(&mut self) -> Outcome {
+        self.require(&[Mode::Instantiated])?;
+        self.mode = Mode::Initialization;
+        self.unsettled = true;
+        Ok(())
+    }
+
+    /// Initialization -> step.
+    pub fn exit_initialization(&mut self) -> Outcome {
+        self.require(&[Mode::Initialization])?;
+        self.settle()?;
+        self.mode = Mode::Step;
+        Ok(())
+    }
+
+    /// Step -> terminated.
+    pub fn terminate(&mut self) -> Outcome {
+        self.require(&[Mode::Step])?;
+        self.mode = Mode::Terminated;
+        Ok(())
+    }
+
+    /// Any -> instantiated, as new: start values, time and integrator.
+    pub fn reset(&mut self) -> Outcome {
+        self.model = crate::new_model(self.kind);
+        self.mode = Mode::Instantiated;
+        self.window = (0.0, f64::INFINITY);
+        self.unsettled = true;
+        Ok(())
+    }
+
+    /// During initialization the model starts anew from what was set last.
+    #[inline]
+    fn settle(&mut self) -> Outcome {
+        if self.mode == Mode::Initialization && self.unsettled {
+            self.model.start(self.window.0).map_err(|fault| Refused::error(fault.0))?;
+            self.unsettled = false;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn entry(&self, value_reference: u32, of: Type) -> Outcome<&'static Entry> {
+        let declaration = self.model.declaration();
+        let Some(entry) = declaration.by_reference(value_reference) else {
+            return Err(Refused::error(format!(
+                "{} has no variable with the value reference {value_reference}.",
+                declaration.name
+            )));
+        };
+        let is = Type::of(entry);
+        if is != of {
+            return Err(Refused::error(format!(
+                "{} (value reference {value_reference}) is of type {} and not {}.",
+                entry.name,
+                is.words(),
+                of.words()
+            )));
+        }
+        Ok(entry)
+    }
+
+    /// Reads values; `put` gets each with its place in the list.
+    #[inline]
+    pub fn get(&mut self, references: &[u32], of: Type, mut put: impl FnMut(usize, f64)) -> Outcome {
+        self.require(&[Mode::Initialization, Mode::Step, Mode::Terminated])?;
+        self.settle()?;
+        for (k, &value_reference) in references.iter().enumerate() {
+            if value_reference == TIME && of == Type::Real {
+                put(k, self.model.time());
+                continue;
+            }
+            let slot = self.entry(value_reference, of)?.slot;
+            put(k, self.model.get(slot));
+        }
+        Ok(())
+    }
+
+    /// Sets values, all or none.
+    #[inline]
+    pub fn set(&mut self, references: &[u32], of: Type, value: impl Fn(usize) -> f64) -> Outcome {
+        self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step])?;
+        let running = self.mode == Mode::Step;
+        for (k, &value_reference) in references.iter().enumerate() {
+            if value_reference == TIME && of == Type::Real {
+                return Err(Refused::error("time is the independent variable and cannot be set."));
+            }
+            let entry = self.entry(value_reference, of)?;
+            if let Err(refusal) = entry.check(value(k), running) {
+                let message = entry.explain(value(k), &refusal);
+                return Err(match refusal {
+                    Refusal::Computed | Refusal::Fixed => Refused::error(message),
+                    _ => Refused::discard(message),
+                });
+            }
+        }
+        for (k, &value_reference) in references.iter().enumerate() {
+            let slot = self.entry(value_reference, of)?.slot;
+            self.model.set(slot, value(k));
+        }
+        self.unsettled = true;
+        Ok(())
+    }
+
+    /// Sets the slopes of continuous inputs over the next step, all or none.
+    pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], slopes: &[f64]) -> Outcome {
+        self.require(&[Mode::Initialization, Mode::Step])?;
+        for ((&value_reference, &order), &slope) in references.iter().zip(orders).zip(slopes) {
+            let entry = self.entry(value_reference, Type::Real)?;
+            if !entry.is_continuous_input() {
+                return Err(Refused::error(format!(
+                    "{} is no continuous input and takes no slope.",
+                    entry.name
+                )));
+            }
+            if order != 1 {
+                return Err(Refused::error(format!(
+                    "the derivative of order {order} of {} cannot be set; order 1 can.",
+                    entry.name
+                )));
+            }
+            if !slope.is_finite() {
+                return Err(Refused::discard(format!(
+                    "the slope {slope} {}/s of {} is not a finite number.",
+                    entry.row.unit.name(),
+                    entry.name
+                )));
+            }
+        }
+        for (&value_reference, &slope) in references.iter().zip(slopes) {
+            let slot = self.entry(value_reference, Type::Real)?.slot;
+            self.model.set_slope(slot, slope);
+        }
+        Ok(())
+    }
+
+    /// Steps from the communication point `at`, s, by `h` seconds.
+    #[inline]
+    pub fn step(&mut self, at: f64, h: f64) -> Outcome {
+        self.require(&[Mode::Step])?;
+        let now = self.model.time();
+        if !(h > 0.0 && h.is_finite()) {
+            return Err(Refused::error(format!(
+                "the communication step size {h} s is not positive and finite."
+            )));
+        }
+        // Importers count time in their own way; a thousandth of a step is rounding, more is a mistake.
+        let rounding = (1e-3 * h).max(8.0 * f64::EPSILON * now.abs());
+        if !((at - now).abs() <= rounding) {
+            return Err(Refused::error(format!(
+                "the communication point {at} s is not where the instance stands, {now} s."
+            )));
+        }
+        if at + h > self.window.1 + rounding {
+            return Err(Refused::error(format!(
+                "the step from {at} s by {h} s leads past the announced stop time {} s.",
+                self.window.1
+            )));
+        }
+        self.model.step(at, h).map_err(|fault| Refused::discard(fault.0))
+    }
+
+    /// The time reached, s.
+    pub fn time(&self) -> f64 {
+        self.model.time()
+    }
+
+    fn require_living(&self) -> Outcome {
+        self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step, Mode::Terminated])
+    }
+
+    /// Saves the instance, into `old` where there is one of the same model.
+    pub fn save(&self, old: Option<&mut Saved>) -> Outcome<Option<Saved>> {
+        self.require_living()?;
+        let (mode, window) = (self.mode, self.window);
+        if let Some(old) = old
+            && old.model.copy_from(self.model.as_ref())
+        {
+            (old.mode, old.window) = (mode, window);
+            return Ok(None);
+        }
+        Ok(Some(Saved { model: self.model.boxed_clone(), mode, window }))
+    }
+
+    /// Takes the instance back to what was saved.
+    pub fn restore(&mut self, saved: &Saved) -> Outcome {
+        self.require_living()?;
+        if !self.model.copy_from(saved.model.as_ref()) {
+            return Err(Refused::error(format!(
+                "the saved state is of {} and not of {}.",
+                saved.model.declaration().name,
+                self.model.declaration().name
+            )));
+        }
+        (self.mode, self.window, self.unsettled) = (saved.mode, saved.window, true);
+        Ok(())
+    }
+
+    /// The saved state of bytes.
+    pub fn deserialize(&self, bytes: &[u8]) -> Outcome<Saved> {
+        self.require_living()?;
+        Saved::from_bytes(bytes, self.model.as_ref())
+    }
+}

@@ -1,0 +1,67 @@
+//! Saved instances: in memory for get and set, as bytes for serialization.
+
+use crate::boundary::{Outcome, Refused};
+use crate::instance::Mode;
+use physics::model::Model;
+
+/// Begins every serialized state; the digit is the format's version.
+const MAGIC: &[u8; 8] = b"motorfm1";
+
+/// What an FMU state handle of the importer leads to.
+pub struct Saved {
+    /// The model with its integrator.
+    pub model: Box<dyn Model>,
+    /// Where in its life cycle the instance was.
+    pub mode: Mode,
+    /// The window of time the importer announced, s.
+    pub window: (f64, f64),
+}
+
+impl Saved {
+    /// The state as bytes: magic, mode, token, window, count of numbers, numbers.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut numbers = vec![self.window.0, self.window.1];
+        self.model.save(&mut numbers);
+        let token = self.model.declaration().token.as_bytes();
+        let mut bytes = Vec::with_capacity(MAGIC.len() + 9 + token.len() + 8 * numbers.len());
+        bytes.extend(MAGIC);
+        bytes.push(self.mode as u8);
+        bytes.extend((token.len() as u32).to_le_bytes());
+        bytes.extend(token);
+        bytes.extend((numbers.len() as u32).to_le_bytes());
+        numbers.iter().for_each(|n| bytes.extend(n.to_le_bytes()));
+        bytes
+    }
+
+    /// The state of bytes that [`to_bytes`](Saved::to_bytes) gave, for an instance of the model `like`.
+    pub fn from_bytes(bytes: &[u8], like: &dyn Model) -> Outcome<Saved> {
+        let bad = |why: &str| Refused::error(format!("the serialized state of {} bytes {why}.", bytes.len()));
+        let mut rest = bytes;
+        let mut take = |n: usize| -> Outcome<&[u8]> {
+            let (head, tail) = rest.split_at_checked(n).ok_or_else(|| bad("is cut short"))?;
+            rest = tail;
+            Ok(head)
+        };
+        let length = |b: &[u8]| u32::from_le_bytes(b.try_into().unwrap_or_default()) as usize;
+        if take(MAGIC.len())? != MAGIC {
+            return Err(bad("is none of this library's version 1"));
+        }
+        let mode = Mode::from_number(take(1)?[0]).ok_or_else(|| bad("is damaged"))?;
+        let token_length = length(take(4)?);
+        if take(token_length)? != like.declaration().token.as_bytes() {
+            return Err(bad("belongs to another model"));
+        }
+        let count = length(take(4)?);
+        let numbers: Vec<f64> = take(count.saturating_mul(8))?
+            .chunks_exact(8)
+            .map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()))
+            .collect();
+        let mut model = like.boxed_clone();
+        match numbers.split_at_checked(2) {
+            Some((window, numbers)) if rest.is_empty() && model.restore(numbers) => {
+                Ok(Saved { model, mode, window: (window[0], window[1]) })
+            }
+            _ => Err(bad("is damaged")),
+        }
+    }
+}

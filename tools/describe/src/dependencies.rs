@@ -1,0 +1,139 @@
+//! Which output depends on which input and parameter, found by moving each of them.
+//!
+//! The structure is asked of the model in every combination of its choices, at points where no effect is
+//! neutral: a dependency that is there in any of them is declared. What importers sort their loops by can thus
+//! not drift away from the equations.
+
+use physics::declare::{Causality, Kind};
+use physics::model::{Declaration, Entry, Model, ModelType};
+
+/// For each output, in the order of the declaration, the entries (by index) that it depends on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dependencies {
+    /// Index of the output's entry, indices of the inputs that move it at once while the model runs.
+    pub running: Vec<(usize, Vec<usize>)>,
+    /// Index of the output's entry, indices of the inputs and parameters that decide it at the start.
+    pub initial: Vec<(usize, Vec<usize>)>,
+}
+
+impl Dependencies {
+    /// The structure of a model.
+    pub fn of(kind: &ModelType) -> Dependencies {
+        let declaration = (kind.declaration)();
+        let outputs = indices(declaration, |e| e.row.causality == Causality::Output);
+        let inputs = indices(declaration, |e| e.row.causality == Causality::Input);
+        let knowns = indices(declaration, |e| e.row.causality != Causality::Output);
+        let choices = indices(declaration, |e| matches!(e.row.kind, Kind::Enumeration(_)));
+        let mut running: Vec<(usize, Vec<usize>)> = outputs.iter().map(|&o| (o, Vec::new())).collect();
+        let mut initial = running.clone();
+        let mut probe = Probe::default();
+        for combination in combinations(declaration, &choices) {
+            let mut model = (kind.new)();
+            for &k in &knowns {
+                let entry = &declaration.entries[k];
+                model.set(entry.slot, probe.generic(entry));
+            }
+            for &(k, value) in &combination {
+                model.set(declaration.entries[k].slot, value);
+            }
+            let point = || model.boxed_clone();
+            note(&mut initial, &knowns, &outputs, declaration, &mut probe, point, |m| m.start(0.0).is_ok());
+            // A point away from rest, at which each input moves by itself.
+            let mut moving = model.boxed_clone();
+            let reached =
+                moving.start(0.0).is_ok() && (0..3).all(|k| moving.step(f64::from(k) * 1e-3, 1e-3).is_ok());
+            if reached {
+                note(
+                    &mut running,
+                    &inputs,
+                    &outputs,
+                    declaration,
+                    &mut probe,
+                    || moving.boxed_clone(),
+                    |_| true,
+                );
+            }
+        }
+        for list in [&mut running, &mut initial] {
+            list.iter_mut().for_each(|(_, on)| on.sort_unstable());
+        }
+        Dependencies { running, initial }
+    }
+}
+
+fn indices(declaration: &Declaration, which: impl Fn(&Entry) -> bool) -> Vec<usize> {
+    declaration.entries.iter().enumerate().filter(|(_, e)| which(e)).map(|(k, _)| k).collect()
+}
+
+/// Every combination of the choices' items.
+fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize, f64)>> {
+    choices.iter().fold(vec![Vec::new()], |all, &k| {
+        let Kind::Enumeration(t) = declaration.entries[k].row.kind else { return all };
+        let with = |one: &Vec<(usize, f64)>, value: i32| [one.as_slice(), &[(k, f64::from(value))]].concat();
+        all.iter().flat_map(|one| t.items.iter().map(move |i| with(one, i.value))).collect()
+    })
+}
+
+/// Adds to `found` every output that a move of one of `knowns` moves.
+fn note(
+    found: &mut [(usize, Vec<usize>)],
+    knowns: &[usize],
+    outputs: &[usize],
+    declaration: &Declaration,
+    probe: &mut Probe,
+    point: impl Fn() -> Box<dyn Model>,
+    settle: impl Fn(&mut Box<dyn Model>) -> bool,
+) {
+    let read = |mut model: Box<dyn Model>| -> Option<Vec<u64>> {
+        settle(&mut model)
+            .then(|| outputs.iter().map(|&o| model.get(declaration.entries[o].slot).to_bits()).collect())
+    };
+    let Some(before) = read(point()) else { return };
+    for &k in knowns {
+        let entry = &declaration.entries[k];
+        let moves: Vec<f64> = match entry.row.kind {
+            Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
+            Kind::Boolean => vec![0.0, 1.0],
+            Kind::Real => (0..2).map(|_| probe.generic(entry)).collect(),
+        };
+        for value in moves {
+            let mut model = point();
+            model.set(entry.slot, value);
+            let Some(after) = read(model) else { continue };
+            for (n, (_, on)) in found.iter_mut().enumerate() {
+                if before[n] != after[n] && !on.contains(&k) {
+                    on.push(k);
+                }
+            }
+        }
+    }
+}
+
+/// Numbers without pattern, the same at every run.
+#[derive(Default)]
+struct Probe(u64);
+
+impl Probe {
+    /// A share in (0, 1): the golden-ratio sequence.
+    fn share(&mut self) -> f64 {
+        self.0 += 1;
+        (self.0 as f64 * 0.618_033_988_749_895).fract().clamp(0.05, 0.95)
+    }
+
+    /// A value within the limits, of the variable's typical size, and not its start.
+    fn generic(&mut self, entry: &Entry) -> f64 {
+        let row = entry.row;
+        match row.kind {
+            Kind::Real => {
+                let base = if row.start == 0.0 { row.nominal } else { row.start };
+                let value = base * (0.7 + 0.6 * self.share());
+                if (row.min..=row.max).contains(&value) {
+                    value
+                } else {
+                    row.min + (row.max - row.min) * self.share()
+                }
+            }
+            _ => row.start,
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! The generated files of `model-description/`: what they should hold, and whether they do.
+
+use crate::preset::StartValues;
+use crate::{fmi2, fmi3, lock, markdown};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why the files cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum GenerateError {
+    /// Declarations that break the lock.
+    #[error(transparent)]
+    Lock(#[from] lock::LockError),
+    /// A file that cannot be written.
+    #[error("{path} cannot be written: {source}")]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+/// Every generated file below `folder`: path and text.
+pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
+    let mut files = Vec::new();
+    let starts = StartValues::default();
+    for kind in physics::models::ALL {
+        let home = folder.join((kind.declaration)().name);
+        files.push((home.join("fmi2.xml"), fmi2::model_description(kind, &starts)));
+        files.push((home.join("fmi3.xml"), fmi3::model_description(kind, &starts)));
+        files.push((home.join("parameters.md"), markdown::parameters(kind)));
+    }
+    let declarations: Vec<_> = physics::models::ALL.iter().map(|m| (m.declaration)()).collect();
+    let path = folder.join("value-references.lock");
+    let old = fs::read_to_string(&path).unwrap_or_default();
+    files.push((path, lock::update(&old, &declarations)?));
+    Ok(files)
+}
+
+/// The files that do not hold what they should.
+pub fn stale(folder: &Path) -> Result<Vec<PathBuf>, GenerateError> {
+    let differs = |(path, text): &(PathBuf, String)| fs::read_to_string(path).ok().as_ref() != Some(text);
+    Ok(files(folder)?.into_iter().filter(differs).map(|(path, _)| path).collect())
+}
+
+/// Writes all files.
+pub fn write(folder: &Path) -> Result<(), GenerateError> {
+    for (path, text) in files(folder)? {
+        let home = path.parent().unwrap_or(folder);
+        fs::create_dir_all(home)
+            .and_then(|()| fs::write(&path, text))
+            .map_err(|source| GenerateError::Write { path, source })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,25 @@
+//! Writes the files of `model-description/`, or with `--check` says which of them are stale.
+
+use describe::generated;
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let folder = Path::new("model-description");
+    let check = std::env::args().any(|a| a == "--check");
+    let outcome =
+        if check { generated::stale(folder) } else { generated::write(folder).map(|()| Vec::new()) };
+    match outcome {
+        Ok(stale) if stale.is_empty() => ExitCode::SUCCESS,
+        Ok(stale) => {
+            for path in stale {
+                eprintln!("{} is stale: run `cargo xtask describe` and commit what changes", path.display());
+            }
+            ExitCode::FAILURE
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Presets: start values in a TOML file, each with its unit, checked against the declarations.
+//!
+//! ```toml
+//! name = "maxon-305015"
+//! model = "AnnulusCooledMotor"
+//! description = "..."
+//!
+//! [start]
+//! "motor.R_ref" = { value = 0.386, unit = "Ohm" }
+//! "drive_mode" = "current"
+//! ```
+
+use physics::declare::Kind;
+use physics::model::{Declaration, Entry};
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// The presets that come with the tool: name and text.
+const BUILT_IN: &[(&str, &str)] =
+    &[("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml"))];
+
+/// Start values that differ from the declared ones, by value reference.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StartValues(BTreeMap<u32, f64>);
+
+impl StartValues {
+    /// The start value of a variable.
+    pub fn of(&self, entry: &Entry) -> f64 {
+        self.0.get(&entry.value_reference).copied().unwrap_or(entry.row.start)
+    }
+
+    /// Value references and values, ascending.
+    pub fn entries(&self) -> Vec<(u32, f64)> {
+        self.0.iter().map(|(k, v)| (*k, *v)).collect()
+    }
+}
+
+/// A preset that has been read and checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preset {
+    /// Its name.
+    pub name: String,
+    /// The model it is for.
+    pub model: String,
+    /// What it describes.
+    pub description: String,
+    /// The values.
+    pub starts: StartValues,
+}
+
+/// Why a preset cannot be used: one sentence with file and line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct PresetError(String);
+
+impl Preset {
+    /// The preset of a built-in name or of a file.
+    pub fn load(name_or_file: &str) -> Result<Preset, PresetError> {
+        if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_file) {
+            return Preset::parse(text, &format!("preset {name}"));
+        }
+        match std::fs::read_to_string(Path::new(name_or_file)) {
+            Ok(text) => Preset::parse(&text, name_or_file),
+            Err(error) => {
+                let names: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+                Err(PresetError(format!(
+                    "preset {name_or_file} is neither a built-in one ({}) nor a file that can be read ({error})",
+                    names.join(", ")
+                )))
+            }
+        }
+    }
+
+    /// The preset of a text; `file` names it in errors.
+    pub fn parse(text: &str, file: &str) -> Result<Preset, PresetError> {
+        let at = |offset: usize, message: String| {
+            let line = 1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|b| **b == b'\n').count();
+            PresetError(format!("{file}:{line}: {message}"))
+        };
+        let table = DeTable::parse(text)
+            .map_err(|e| at(e.span().map_or(0, |s| s.start), e.message().replace('\n', " ")))?;
+        let mut words = BTreeMap::new();
+        let mut start = None;
+        for (key, value) in table.get_ref() {
+            match (key.get_ref().as_ref(), value.get_ref()) {
+                (known @ ("name" | "model" | "description"), DeValue::String(word)) => {
+                    words.insert(known, (word.to_string(), value.span().start));
+                }
+                (known @ ("name" | "model" | "description"), _) => {
+                    return Err(at(value.span().start, format!("{known} must be a text")));
+                }
+                ("start", DeValue::Table(values)) => start = Some(values),
+                (other, _) => {
+                    return Err(at(
+                        key.span().start,
+                        format!("{other} is no key of a preset; name, model, description and [start] are"),
+                    ));
+                }
+            }
+        }
+        let word = |key: &str| {
+            words.get(key).cloned().ok_or_else(|| PresetError(format!("{file}: the key {key} is missing")))
+        };
+        let (model, model_at) = word("model")?;
+        let kind = physics::models::by_name(&model).ok_or_else(|| {
+            let known: Vec<&str> = physics::models::ALL.iter().map(|m| (m.declaration)().name).collect();
+            at(model_at, format!("{model} is no model; there is {}", known.join(", ")))
+        })?;
+        let declaration = (kind.declaration)();
+        let mut starts = StartValues::default();
+        for (key, value) in start.into_iter().flatten() {
+            let entry = declaration
+                .by_name(key.get_ref())
+                .ok_or_else(|| at(key.span().start, unknown(declaration, key.get_ref())))?;
+            let number = number(entry, value).map_err(|message| at(value.span().start, message))?;
+            starts.0.insert(entry.value_reference, number);
+        }
+        let description = words.get("description").map(|(text, _)| text.clone()).unwrap_or_default();
+        Ok(Preset { name: word("name")?.0, model, description, starts })
+    }
+}
+
+/// One sentence about a name that a model does not have, with the nearest that it has.
+pub fn unknown(declaration: &Declaration, name: &str) -> String {
+    let nearest = declaration.entries.iter().min_by_key(|e| distance(&e.name, name));
+    let hint = nearest.map(|e| format!("; did you mean {}?", e.name)).unwrap_or_default();
+    format!("{} has no variable {name}{hint}", declaration.name)
+}
+
+/// Edit distance (Levenshtein).
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// The number that a preset's value stands for, checked.
+fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
+    let name = &entry.name;
+    let unit = entry.row.unit.name();
+    let value = match value.get_ref() {
+        DeValue::Table(table) => {
+            for key in table.keys() {
+                if !matches!(key.get_ref().as_ref(), "value" | "unit") {
+                    return Err(format!("{name} has the key {}; value and unit are known", key.get_ref()));
+                }
+            }
+            match table.get("unit").map(|u| u.get_ref()) {
+                Some(DeValue::String(given)) if given.as_ref() == unit => {}
+                None => {}
+                Some(given) => {
+                    let given = given.as_str().unwrap_or("no text");
+                    return Err(format!("{name} is in {unit} and not in {given}"));
+                }
+            }
+            table.get("value").ok_or_else(|| format!("{name} has no value"))?.get_ref()
+        }
+        plain => plain,
+    };
+    let number = match (value, entry.row.kind) {
+        (DeValue::Float(text), _) => text.as_str().replace('_', "").parse::<f64>().ok(),
+        (DeValue::Integer(text), _) => {
+            i64::from_str_radix(text.as_str(), text.radix()).ok().map(|n| n as f64)
+        }
+        (DeValue::Boolean(flag), Kind::Boolean) => Some(f64::from(u8::from(*flag))),
+        (DeValue::String(item), Kind::Enumeration(t)) => {
+            let found = t.items.iter().find(|i| i.name == item.as_ref());
+            let Some(found) = found else {
+                let names: Vec<&str> = t.items.iter().map(|i| i.name).collect();
+                return Err(format!("{name} = {item} is none of {}", names.join(", ")));
+            };
+            Some(f64::from(found.value))
+        }
+        _ => None,
+    };
+    let number = number.ok_or_else(|| format!("the value of {name} is not a number in {unit}"))?;
+    entry
+        .check(number, false)
+        .map_err(|refusal| entry.explain(number, &refusal).trim_end_matches('.').to_string())?;
+    Ok(number)
+}

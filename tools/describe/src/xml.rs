@@ -1,0 +1,175 @@
+//! What both model descriptions share: a writer, numbers, units.
+
+use crate::preset::StartValues;
+use physics::declare::{Causality, Kind, Unit, Variability};
+use physics::model::{Declaration, Entry};
+use quick_xml::Writer;
+use std::io;
+
+/// A writer into memory; writing there does not fail.
+pub(crate) type Xml = Writer<Vec<u8>>;
+/// Attributes of an element.
+pub(crate) type Attributes = Vec<(&'static str, String)>;
+
+/// A document with this root element.
+pub(crate) fn document(
+    root: &str,
+    attributes: &Attributes,
+    body: impl FnOnce(&mut Xml) -> io::Result<()>,
+) -> String {
+    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+    element(&mut xml, root, attributes, body).expect("writing to memory does not fail");
+    let text = String::from_utf8(xml.into_inner()).expect("names and descriptions are UTF-8");
+    format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{text}\n")
+}
+
+/// An element with content.
+pub(crate) fn element(
+    xml: &mut Xml,
+    name: &str,
+    attributes: &Attributes,
+    body: impl FnOnce(&mut Xml) -> io::Result<()>,
+) -> io::Result<()> {
+    xml.create_element(name)
+        .with_attributes(attributes.iter().map(|(k, v)| (*k, v.as_str())))
+        .write_inner_content(body)?;
+    Ok(())
+}
+
+/// An element without content.
+pub(crate) fn empty(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::Result<()> {
+    xml.create_element(name)
+        .with_attributes(attributes.iter().map(|(k, v)| (*k, v.as_str())))
+        .write_empty()?;
+    Ok(())
+}
+
+/// What the declarations say of the choices' types, log and experiment, with the element and attribute names
+/// that the standards share.
+pub(crate) fn log_categories(xml: &mut Xml) -> io::Result<()> {
+    element(xml, "LogCategories", &vec![], |xml| {
+        physics::model::LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
+            empty(
+                xml,
+                "Category",
+                &vec![("name", name.to_string()), ("description", description.to_string())],
+            )
+        })
+    })
+}
+
+/// The run that importers are offered.
+pub(crate) fn default_experiment(xml: &mut Xml) -> io::Result<()> {
+    let attributes = vec![
+        ("startTime", "0".to_string()),
+        ("stopTime", number(crate::DEFAULT_STOP)),
+        ("stepSize", number(crate::DEFAULT_STEP)),
+    ];
+    empty(xml, "DefaultExperiment", &attributes)
+}
+
+/// The units that the variables use, with dimension and shown unit; the same text in both standards.
+pub(crate) fn unit_definitions(xml: &mut Xml, declaration: &Declaration) -> io::Result<()> {
+    let used =
+        |unit: &&Unit| **unit == Unit::Second || declaration.entries.iter().any(|e| e.row.unit == **unit);
+    element(xml, "UnitDefinitions", &vec![], |xml| {
+        Unit::ALL.iter().filter(used).try_for_each(|unit| {
+            element(xml, "Unit", &vec![("name", unit.name().to_string())], |xml| {
+                let b = unit.base();
+                let powers = [
+                    ("kg", b.kg),
+                    ("m", b.m),
+                    ("s", b.s),
+                    ("A", b.A),
+                    ("K", b.K),
+                    ("mol", b.mol),
+                    ("cd", b.cd),
+                    ("rad", b.rad),
+                ];
+                let base = powers.iter().filter(|(_, p)| *p != 0).map(|(n, p)| (*n, p.to_string())).collect();
+                empty(xml, "BaseUnit", &base)?;
+                let Some(shown) = unit.display() else { return Ok(()) };
+                let mut attributes = vec![("name", shown.name.to_string())];
+                if shown.factor != 1.0 {
+                    attributes.push(("factor", number(shown.factor)));
+                }
+                if shown.offset != 0.0 {
+                    attributes.push(("offset", number(shown.offset)));
+                }
+                empty(xml, "DisplayUnit", &attributes)
+            })
+        })
+    })
+}
+
+/// A number that reads back to the same double.
+pub(crate) fn number(value: f64) -> String {
+    format!("{value}")
+}
+
+/// The attributes of a real value: unit to start, in the order that both standards have them.
+pub(crate) fn real_attributes(entry: &Entry, starts: &StartValues) -> Attributes {
+    let row = entry.row;
+    let mut attributes = vec![("unit", row.unit.name().to_string())];
+    if let Some(shown) = row.unit.display() {
+        attributes.push(("displayUnit", shown.name.to_string()));
+    }
+    if row.relative {
+        attributes.push(("relativeQuantity", "true".to_string()));
+    }
+    for (name, limit) in [("min", row.min), ("max", row.max)] {
+        if limit.is_finite() {
+            attributes.push((name, number(limit)));
+        }
+    }
+    attributes.push(("nominal", number(row.nominal)));
+    if row.causality != Causality::Output {
+        attributes.push(("start", number(starts.of(entry))));
+    }
+    attributes
+}
+
+/// Causality, variability and, where it is to be stated, `initial`.
+pub(crate) fn role_attributes(entry: &Entry) -> Attributes {
+    let causality = match entry.row.causality {
+        Causality::Parameter => "parameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+    };
+    let variability = match entry.row.variability {
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    };
+    let mut attributes = vec![("causality", causality.to_string()), ("variability", variability.to_string())];
+    match entry.row.causality {
+        Causality::Parameter => attributes.push(("initial", "exact".to_string())),
+        Causality::Output => attributes.push(("initial", "calculated".to_string())),
+        Causality::Input => {}
+    }
+    attributes
+}
+
+/// The description as one line.
+pub(crate) fn description(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The enumeration types of a model, each once.
+pub(crate) fn enumerations(declaration: &Declaration) -> Vec<&'static physics::declare::Enumeration> {
+    let mut types = Vec::new();
+    for entry in &declaration.entries {
+        if let Kind::Enumeration(t) = entry.row.kind
+            && !types.contains(&t)
+        {
+            types.push(t);
+        }
+    }
+    types
+}
+
+/// Indices or value references as a list.
+pub(crate) fn list(numbers: impl Iterator<Item = u64>) -> String {
+    numbers.map(|n| n.to_string()).collect::<Vec<_>>().join(" ")
+}
