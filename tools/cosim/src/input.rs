@@ -226,10 +226,7 @@ mod tests {
             ("time,u\n", "in.csv, line 1: there are no rows below the header"),
             ("time\n0\n", "in.csv, line 1: there is no input column beside time"),
             ("t,u\n0,0\n", "in.csv, line 1: the first column is \"t\", not \"time\""),
-            (
-                "time,v\n0,0\n",
-                "in.csv, line 1: unknown column: m has no variable v",
-            ),
+            ("time,v\n0,0\n", "in.csv, line 1: unknown column: m has no variable v"),
             ("time,p\n0,0\n", "in.csv, line 1: column p is a parameter, only inputs can change in time"),
             ("time,u,u\n0,0,0\n", "in.csv, line 1: column u is there twice"),
             ("time,u\n0,0\n\n1,x\n", "in.csv, line 4: u = \"x\" is not a finite number"),

@@ -23,6 +23,7 @@
 //! ```
 
 mod archive;
+mod decimate;
 mod description;
 mod error;
 mod fmi2;

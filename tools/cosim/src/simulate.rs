@@ -318,7 +318,9 @@ impl Recorder {
             if count > MAX_ELEMENTS {
                 return Err(Error::Unsupported {
                     name: variable.name.clone(),
-                    reason: format!("cannot be recorded: it has {count} elements, the limit is {MAX_ELEMENTS}"),
+                    reason: format!(
+                        "cannot be recorded: it has {count} elements, the limit is {MAX_ELEMENTS}"
+                    ),
                 });
             }
             let group = Group::of(&mut recorder.groups, variable.kind);

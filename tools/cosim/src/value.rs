@@ -126,7 +126,9 @@ impl ModelDescription {
             let contains = wanted.len() >= 3 && candidate.contains(&wanted);
             let score = if contains { 1 } else { distance(&wanted, &candidate) };
             // A third of the letters may differ, but never all of them.
-            if contains || score <= (1 + wanted.chars().count() / 4).min(wanted.chars().count().saturating_sub(1)) {
+            if contains
+                || score <= (1 + wanted.chars().count() / 4).min(wanted.chars().count().saturating_sub(1))
+            {
                 scored.push((score, &variable.name));
             }
         }
@@ -172,20 +174,27 @@ pub(crate) fn integer_limits(kind: Kind) -> (i64, i64) {
     }
 }
 
-/// Levenshtein distance: insertions, deletions and replacements that turn `a` into `b`.
+/// Insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`.
 fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let width = b.len() + 1;
+    // Row i, column j: the distance of the first i characters of `a` from the first j of `b`.
+    let mut table = vec![0; (a.len() + 1) * width];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            let at = i * width + j;
+            table[at] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let replaced = table[at - width - 1] + usize::from(a[i - 1] != b[j - 1]);
+                replaced.min(table[at - 1] + 1).min(table[at - width] + 1)
+            };
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                table[at] = table[at].min(table[at - 2 * width - 2] + 1);
+            }
         }
     }
-    row[b.len()]
+    table[table.len() - 1]
 }
 
 #[cfg(test)]
@@ -195,7 +204,7 @@ mod tests {
     #[test]
     fn distances() {
         assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("motor.R_ref", "motor.R_rfe"), 2);
+        assert_eq!(distance("motor.R_ref", "motor.R_rfe"), 1);
         assert_eq!(distance("voltage", "voltage"), 0);
         assert_eq!(distance("kitten", "sitting"), 3);
     }
