@@ -13,7 +13,9 @@ const PANEL_WIDTH: u32 = 640;
 const PANEL_HEIGHT: u32 = 230;
 const LEGEND_ROW: i32 = 18;
 const TITLE_HEIGHT: u32 = 44;
-const MARGIN: i32 = 14;
+const MARGIN: i32 = 10;
+/// From the left edge of a panel to its axis.
+const AXIS_WIDTH: i32 = 72;
 const FONT: &str = "sans-serif";
 /// Panels from which two columns are used.
 const TWO_COLUMNS_FROM: usize = 5;
@@ -100,7 +102,7 @@ fn draw_panel(area: &Area, panel: &Panel, times: &[f64], name_time: bool) -> Res
         .margin_left(MARGIN)
         .margin_bottom(6)
         .x_label_area_size(if name_time { 42 } else { 24 })
-        .y_label_area_size(70)
+        .y_label_area_size(AXIS_WIDTH - MARGIN)
         .build_cartesian_2d(first..last, low..high)?;
     let label = (FONT, 12).into_font().color(&TEXT);
     chart
@@ -109,7 +111,7 @@ fn draw_panel(area: &Area, panel: &Panel, times: &[f64], name_time: bool) -> Res
         .bold_line_style(GRID)
         .axis_style(AXIS)
         .x_labels(8)
-        .y_labels(5)
+        .y_labels(6)
         .x_label_formatter(&|t| tick(*t, last - first))
         .y_label_formatter(&|y| tick(*y, high - low))
         .x_desc(if name_time { "time in s" } else { "" })
@@ -176,13 +178,13 @@ fn axis_title(column: &Column) -> String {
 
 /// The top left corner of each legend entry, in rows that do not leave the panel.
 fn legend(panel: &Panel) -> Vec<(i32, i32)> {
-    let (mut x, mut y) = (MARGIN + 70, 0);
+    let (mut x, mut y) = (AXIS_WIDTH, 0);
     let mut places = Vec::new();
     for column in &panel.columns {
         // Swatch, gap, and generous seven pixels for a letter: the true font is not known here.
         let width = 24 + 7 * column.name.chars().count() as i32 + 16;
-        if x + width > PANEL_WIDTH as i32 && x > MARGIN + 70 {
-            (x, y) = (MARGIN + 70, y + LEGEND_ROW);
+        if x + width > PANEL_WIDTH as i32 && x > AXIS_WIDTH {
+            (x, y) = (AXIS_WIDTH, y + LEGEND_ROW);
         }
         places.push((x, y));
         x += width;
