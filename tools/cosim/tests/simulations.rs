@@ -72,6 +72,17 @@ fn slopes_make_a_ramp_exact_and_held_inputs_do_not() {
 }
 
 #[test]
+fn a_kink_within_a_step_becomes_the_mean_slope() {
+    let options = Options {
+        input: Some(table(FmiVersion::V2, "time,u\n0,0\n0.5,0\n1,2\n")),
+        step: Some(1.0),
+        ..Options::default()
+    };
+    let r = run(FmiVersion::V2, &options).unwrap();
+    assert!(close(r.column("x").unwrap().values[1], ramp_response(2.0, 2.0, 1.0)));
+}
+
+#[test]
 fn jumps_happen_at_their_row() {
     for version in BOTH {
         // 0.7 is a point that 7 * 0.1 misses by a rounding error.
