@@ -1,1 +1,51 @@
-//! A black-box FMI client: load, step and record any FMU.
+//! A black-box FMI client: open, check, step and record any FMU, FMI 2.0 or 3.0, Co-Simulation.
+//!
+//! The crate knows nothing of the models of this project: what it can say about an FMU it reads from
+//! the archive, and what it can do it does through the C functions of the standard.
+//!
+//! | step | item |
+//! |---|---|
+//! | unpack the archive, safely | [`Archive`] |
+//! | read `modelDescription.xml` | [`ModelDescription`], [`Variable`] |
+//! | turn text into a checked value | [`ModelDescription::parse_value`], [`Value`] |
+//! | call the binary | [`Instance`], [`State`], [`Log`] |
+//! | time tables for the inputs | [`InputTable`] |
+//! | the whole run | [`simulate`](fn@simulate), [`Options`], [`Recording`] |
+//!
+//! Every failure is an [`Error`]: one sentence that names the variable, value, limits, file and line.
+//!
+//! ```no_run
+//! let archive = cosim::Archive::open("motor.fmu".as_ref())?;
+//! let options = cosim::Options { stop: Some(10.0), ..Default::default() };
+//! let recording = cosim::simulate(&archive, &options, &mut |_| ())?;
+//! recording.write_csv("motor.csv".as_ref())?;
+//! # Ok::<(), cosim::Error>(())
+//! ```
+
+mod archive;
+mod decimate;
+mod description;
+mod error;
+mod fmi2;
+mod fmi3;
+mod functions;
+mod input;
+mod instance;
+mod log;
+mod plot;
+mod recording;
+mod simulate;
+mod value;
+
+pub use archive::Archive;
+pub use description::{
+    Causality, DefaultExperiment, Dimension, DisplayUnit, Enumeration, EnumerationItem, FmiVersion, Initial,
+    Interface, Kind, ModelDescription, Unit, Variability, Variable,
+};
+pub use error::Error;
+pub use input::InputTable;
+pub use instance::{Instance, State, Step};
+pub use log::{Log, LogMessage, Status};
+pub use recording::{Column, Recording};
+pub use simulate::{Options, simulate};
+pub use value::Value;

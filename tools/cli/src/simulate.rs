@@ -1,0 +1,202 @@
+//! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
+use cosim::{Archive, Error, InputTable, Log, Options, Recording, Status};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Map, Value, json};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Messages of the FMU that are repeated to the user.
+const MAX_MESSAGES: usize = 5;
+
+/// Simulate one FMU (FMI 2.0 or 3.0, Co-Simulation), ours or not.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The FMU
+    file: PathBuf,
+    /// Start time in s [default: that of the FMU, else 0]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    start: Option<f64>,
+    /// Stop time in s [default: that of the FMU, else 1 s after the start]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    stop: Option<f64>,
+    /// Communication step in s [default: that of the FMU, else a 500th of the time]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Set a parameter or input, in its unit; an enumeration by the name of an item. May be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
+    sets: Vec<(String, String)>,
+    /// Inputs over time: CSV with the header time,<input names>; reals run linearly between rows, the rest holds
+    #[arg(long, value_name = "F.csv")]
+    input: Option<PathBuf>,
+    /// Write time and all outputs as CSV with 17 digits
+    #[arg(long, value_name = "F.csv")]
+    output: Option<PathBuf>,
+    /// Draw the outputs as SVG
+    #[arg(long, value_name = "F.svg")]
+    plot: Option<PathBuf>,
+    /// Hold inputs during a step, also where the FMU could take their slopes
+    #[arg(long)]
+    held_inputs: bool,
+    /// Print the final values as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One sentence: what could not be read, set, run or written.
+pub fn run(args: Args) -> Result<ExitCode, Error> {
+    let archive = Archive::open(&args.file)?;
+    let input =
+        args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
+    let options = Options {
+        start: args.start,
+        stop: args.stop,
+        step: args.step,
+        sets: args.sets,
+        input,
+        input_slopes: !args.held_inputs,
+        log: Log::new(),
+    };
+    let bar = progress_bar();
+    let result = cosim::simulate(&archive, &options, &mut |share| bar.set_position((share * 100.0) as u64));
+    bar.finish_and_clear();
+    let recording = result?;
+
+    if let Some(path) = &args.output {
+        recording.write_csv(path)?;
+    }
+    if let Some(path) = &args.plot {
+        recording.plot_svg(path)?;
+    }
+    remarks(&recording);
+    let text = if args.json {
+        format!("{}\n", machine(&args.file.to_string_lossy(), &recording))
+    } else {
+        summary(&recording)
+    };
+    // A reader that has seen enough and closed the pipe is no failure; `print!` would panic.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `name=value`; the value may have further equal signs.
+fn setting(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("expected name=value".to_owned()),
+    }
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn progress_bar() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(100);
+    if let Ok(style) = ProgressStyle::with_template("simulating {wide_bar} {percent:>3} %, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Tells on stderr what the FMU complained about, and whether it stopped early.
+fn remarks(recording: &Recording) {
+    let complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
+    for message in complaints.iter().take(MAX_MESSAGES) {
+        eprintln!("{}: {}: {}", recording.model_name, message.status, message.text);
+    }
+    if complaints.len() > MAX_MESSAGES {
+        eprintln!("{}: {} more messages", recording.model_name, complaints.len() - MAX_MESSAGES);
+    }
+    if let Some(time) = recording.ended_early {
+        eprintln!("{}: the FMU ended the simulation at t = {time} s", recording.model_name);
+    }
+}
+
+/// What ran, and the final values with their units.
+fn summary(recording: &Recording) -> String {
+    let last = recording.times.last().copied().unwrap_or(0.0);
+    let mut text = format!(
+        "{}: {} steps to t = {last} s in {:.3} s\n",
+        recording.model_name, recording.steps, recording.seconds_wall
+    );
+    let width = recording.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);
+    for column in &recording.columns {
+        let Some((value, unit)) = column.last_shown() else { continue };
+        let value = match column.kind {
+            cosim::Kind::Boolean => (value != 0.0).to_string(),
+            kind if kind.is_float() => significant(value),
+            _ => value.to_string(),
+        };
+        let unit = if unit == "1" { "" } else { unit };
+        text += format!("  {:width$}  {value:>12} {unit}", column.name).trim_end();
+        text.push('\n');
+    }
+    text
+}
+
+/// Six significant digits.
+fn significant(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || !value.is_finite() || (1e-3..1e6).contains(&size) {
+        let digits =
+            if size > 0.0 && size.is_finite() { (5.0 - size.log10().floor()).max(0.0) as usize } else { 0 };
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
+/// The result for a script: final values in the variables' own units and types, null for what is not finite.
+fn machine(file: &str, recording: &Recording) -> Value {
+    let last = |c: &cosim::Column| {
+        let value = c.values.last().copied().unwrap_or(f64::NAN);
+        let value = match c.kind {
+            cosim::Kind::Boolean => json!(value != 0.0),
+            kind if kind.is_float() => json!(value),
+            _ => json!(value as i64),
+        };
+        (c.name.clone(), value)
+    };
+    let finals: Map<String, Value> = recording.columns.iter().map(last).collect();
+    let mut result = json!({
+        "file": file,
+        "steps": recording.steps,
+        "seconds_wall": recording.seconds_wall,
+        "final": finals,
+    });
+    if let Some(time) = recording.ended_early {
+        result["ended_early"] = json!(time);
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_split_at_the_first_equal_sign() {
+        assert_eq!(setting("a.b = 1"), Ok(("a.b".to_owned(), "1".to_owned())));
+        assert_eq!(setting("label=x=y"), Ok(("label".to_owned(), "x=y".to_owned())));
+        assert!(setting("a").is_err() && setting("=1").is_err());
+    }
+
+    #[test]
+    fn numbers_have_six_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (298.15, "298.150"),
+            (-1.5e-7, "-1.50000e-7"),
+            (f64::NAN, "NaN"),
+            (123456.7, "123457"),
+        ] {
+            assert_eq!(significant(value), text);
+        }
+    }
+}

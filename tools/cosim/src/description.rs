@@ -1,0 +1,328 @@
+//! What `modelDescription.xml` says, in one shape for FMI 2.0 and 3.0. The reader is in `description/parse.rs`.
+mod parse;
+
+use std::fmt;
+
+/// The generation of the standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FmiVersion {
+    /// FMI 2.0
+    V2,
+    /// FMI 3.0
+    V3,
+}
+
+impl fmt::Display for FmiVersion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::V2 => "2.0",
+            Self::V3 => "3.0",
+        })
+    }
+}
+
+/// The content of `modelDescription.xml`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelDescription {
+    /// Generation of the standard.
+    pub fmi_version: FmiVersion,
+    /// `modelName`
+    pub model_name: String,
+    /// FMI 2 `guid`, FMI 3 `instantiationToken`.
+    pub token: String,
+    /// `description` of the model.
+    pub description: Option<String>,
+    /// `generationTool`
+    pub generation_tool: Option<String>,
+    /// The Co-Simulation interface, if there is one.
+    pub co_simulation: Option<Interface>,
+    /// The Model Exchange interface, if there is one.
+    pub model_exchange: Option<Interface>,
+    /// `DefaultExperiment`; empty when absent.
+    pub default_experiment: DefaultExperiment,
+    /// Names of the log categories.
+    pub log_categories: Vec<String>,
+    /// Unit definitions.
+    pub units: Vec<Unit>,
+    /// Enumeration types.
+    pub enumerations: Vec<Enumeration>,
+    /// All variables, in the order of the file.
+    pub variables: Vec<Variable>,
+}
+
+/// One interface with its capability flags; absent flags have the standard's default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Interface {
+    /// Name of the binary, without extension.
+    pub model_identifier: String,
+    /// The FMU needs another program to run.
+    pub needs_execution_tool: bool,
+    /// One instance per process only.
+    pub only_once_per_process: bool,
+    /// States can be saved and restored.
+    pub can_get_and_set_state: bool,
+    /// Saved states can be turned into bytes.
+    pub can_serialize_state: bool,
+    /// Directional derivatives are provided.
+    pub provides_directional_derivatives: bool,
+    /// Co-Simulation: the step size may differ from step to step.
+    pub can_handle_variable_step: bool,
+    /// Co-Simulation, FMI 2: derivatives of inputs are understood.
+    pub can_interpolate_inputs: bool,
+    /// Co-Simulation: highest order of output derivatives.
+    pub max_output_derivative_order: u32,
+    /// Co-Simulation, FMI 3: the internal step size (s).
+    pub fixed_internal_step_size: Option<f64>,
+    /// Co-Simulation, FMI 3: event mode exists.
+    pub has_event_mode: bool,
+    /// Line of the element in the file.
+    pub line: u32,
+}
+
+/// What the FMU proposes for a run; times in s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DefaultExperiment {
+    /// `startTime`
+    pub start: Option<f64>,
+    /// `stopTime`
+    pub stop: Option<f64>,
+    /// `tolerance`, relative
+    pub tolerance: Option<f64>,
+    /// `stepSize`
+    pub step: Option<f64>,
+}
+
+/// A unit and the units in which its values may be shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// The name that variables refer to.
+    pub name: String,
+    /// Units for people.
+    pub display_units: Vec<DisplayUnit>,
+}
+
+/// `shown = factor * value + offset`, or with `inverse` `shown = factor / value`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplayUnit {
+    /// Name of the display unit.
+    pub name: String,
+    /// Factor, 1 when absent.
+    pub factor: f64,
+    /// Offset, 0 when absent.
+    pub offset: f64,
+    /// FMI 3 `inverse`
+    pub inverse: bool,
+}
+
+impl DisplayUnit {
+    /// `value` (in the unit this belongs to) in the display unit.
+    pub fn show(&self, value: f64) -> f64 {
+        if self.inverse { self.factor / value } else { self.factor * value + self.offset }
+    }
+}
+
+/// An enumeration type.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Enumeration {
+    /// Type name, as `declaredType` refers to it.
+    pub name: String,
+    /// Its items, in the order of the file.
+    pub items: Vec<EnumerationItem>,
+}
+
+/// One item of an enumeration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnumerationItem {
+    /// Name of the item.
+    pub name: String,
+    /// Its number.
+    pub value: i64,
+}
+
+/// The type of a variable. FMI 2 `Real` is `Float64`, FMI 2 `Integer` is `Int32`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs)] // the names say it all
+pub enum Kind {
+    Float64,
+    Float32,
+    Int8,
+    UInt8,
+    Int16,
+    UInt16,
+    Int32,
+    UInt32,
+    Int64,
+    UInt64,
+    Boolean,
+    String,
+    Binary,
+    Enumeration,
+    Clock,
+}
+
+impl Kind {
+    /// `Float64` or `Float32`.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::Float64 | Self::Float32)
+    }
+
+    /// Whether a value can be written as a number: floats, integers, enumerations, Booleans.
+    pub fn is_numeric(self) -> bool {
+        !matches!(self, Self::String | Self::Binary | Self::Clock)
+    }
+}
+
+/// `causality`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the standard's words
+pub enum Causality {
+    Parameter,
+    CalculatedParameter,
+    StructuralParameter,
+    Input,
+    Output,
+    Local,
+    Independent,
+}
+
+impl fmt::Display for Causality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Parameter => "parameter",
+            Self::CalculatedParameter => "calculated parameter",
+            Self::StructuralParameter => "structural parameter",
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Local => "local variable",
+            Self::Independent => "independent variable",
+        })
+    }
+}
+
+/// `variability`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the standard's words
+pub enum Variability {
+    Constant,
+    Fixed,
+    Tunable,
+    Discrete,
+    Continuous,
+}
+
+impl fmt::Display for Variability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Constant => "constant",
+            Self::Fixed => "fixed",
+            Self::Tunable => "tunable",
+            Self::Discrete => "discrete",
+            Self::Continuous => "continuous",
+        })
+    }
+}
+
+/// `initial`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the standard's words
+pub enum Initial {
+    Exact,
+    Approx,
+    Calculated,
+}
+
+/// One dimension of an array (FMI 3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// A fixed size.
+    Size(u64),
+    /// The value of the structural parameter with this value reference.
+    Reference(u32),
+}
+
+/// A variable. `unit`, `display_unit`, `min` and `max` are taken from the declared type where the variable
+/// itself has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Unique name.
+    pub name: String,
+    /// The handle for get and set; unique within a kind only.
+    pub value_reference: u32,
+    /// Type.
+    pub kind: Kind,
+    /// Role. `Local` when absent.
+    pub causality: Causality,
+    /// When it may change; the standard's default when absent.
+    pub variability: Variability,
+    /// As written in the file; `None` when absent.
+    pub initial: Option<Initial>,
+    /// Start value as text, as in the file; items of an array are separated by blanks.
+    pub start: Option<String>,
+    /// Unit of the value.
+    pub unit: Option<String>,
+    /// Unit for people.
+    pub display_unit: Option<String>,
+    /// A difference (of temperatures, say): the offset of a display unit does not apply.
+    pub relative: bool,
+    /// Name of the declared type.
+    pub declared_type: Option<String>,
+    /// Lower limit.
+    pub min: Option<f64>,
+    /// Upper limit.
+    pub max: Option<f64>,
+    /// Meaning.
+    pub description: Option<String>,
+    /// Line in the file.
+    pub line: u32,
+    /// Dimensions; empty for a scalar.
+    pub dimensions: Vec<Dimension>,
+}
+
+impl ModelDescription {
+    /// The variable called `name`.
+    pub fn variable(&self, name: &str) -> Option<&Variable> {
+        self.variables.iter().find(|v| v.name == name)
+    }
+
+    /// The outputs, in the order of the file.
+    pub fn outputs(&self) -> impl Iterator<Item = &Variable> {
+        self.variables.iter().filter(|v| v.causality == Causality::Output)
+    }
+
+    /// The enumeration type of a variable.
+    pub fn enumeration(&self, variable: &Variable) -> Option<&Enumeration> {
+        let name = variable.declared_type.as_deref()?;
+        if variable.kind == Kind::Enumeration {
+            self.enumerations.iter().find(|e| e.name == name)
+        } else {
+            None
+        }
+    }
+
+    /// How a variable is to be shown to people, if it says so and the display unit is defined.
+    pub fn display_unit(&self, variable: &Variable) -> Option<DisplayUnit> {
+        let (unit, wanted) = (variable.unit.as_deref()?, variable.display_unit.as_deref()?);
+        let unit = self.units.iter().find(|u| u.name == unit)?;
+        let mut display = unit.display_units.iter().find(|d| d.name == wanted)?.clone();
+        if variable.relative {
+            display.offset = 0.0;
+        }
+        Some(display)
+    }
+
+    /// Number of elements of a variable, 1 for a scalar. Sizes that hang on structural parameters are those of
+    /// the start values, unless `size_of` knows better.
+    pub fn element_count(&self, variable: &Variable, size_of: &dyn Fn(u32) -> Option<u64>) -> u64 {
+        let size = |dimension: &Dimension| match *dimension {
+            Dimension::Size(n) => n,
+            Dimension::Reference(reference) => size_of(reference).unwrap_or_else(|| {
+                let sizes = |v: &&Variable| {
+                    v.value_reference == reference && v.causality == Causality::StructuralParameter
+                };
+                let start = self.variables.iter().find(sizes).and_then(|v| v.start.as_deref());
+                start.and_then(|s| s.trim().parse().ok()).unwrap_or(0)
+            }),
+        };
+        variable.dimensions.iter().map(size).fold(1, u64::saturating_mul)
+    }
+}

@@ -1,0 +1,209 @@
+//! What can go wrong, with the data a caller needs; the text of each error is one sentence.
+use crate::log::{LogMessage, Status};
+use std::path::PathBuf;
+
+/// A failure of this crate. `Display` gives one sentence naming what, where, and the limits.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read or written.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// What was attempted: "open", "write", ...
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file is not an archive that can be unpacked safely.
+    #[error("{} is not a usable FMU archive: {reason}", path.display())]
+    Archive {
+        /// The archive.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// `modelDescription.xml` cannot be understood.
+    #[error("{file}, line {line}: {message}")]
+    Description {
+        /// The archive (when known) and the XML file.
+        file: String,
+        /// Line of the XML file, from 1.
+        line: u32,
+        /// What is wrong there.
+        message: String,
+    },
+    /// The archive has no binary for this machine.
+    #[error("{} has no binary {wanted} for this platform, it has {present}", path.display())]
+    Platform {
+        /// The archive.
+        path: PathBuf,
+        /// The entry that was looked for.
+        wanted: String,
+        /// The platforms that are there, as text.
+        present: String,
+    },
+    /// The binary cannot be loaded.
+    #[error("cannot load {} of {}: {reason}", binary.display(), path.display())]
+    Library {
+        /// The archive.
+        path: PathBuf,
+        /// The binary, relative to the unpacked archive.
+        binary: PathBuf,
+        /// What the loader says.
+        reason: String,
+    },
+    /// The binary lacks a function of its standard.
+    #[error("the binary of {} does not export {symbol}", path.display())]
+    Symbol {
+        /// The archive.
+        path: PathBuf,
+        /// The missing function.
+        symbol: &'static str,
+    },
+    /// The FMU refused to be instantiated (a wrong GUID or token, most often).
+    #[error("{} refused to be instantiated as {name}{}", path.display(), because(messages))]
+    Instantiate {
+        /// The archive.
+        path: PathBuf,
+        /// The name of the instance.
+        name: String,
+        /// What the FMU logged meanwhile.
+        messages: Vec<LogMessage>,
+    },
+    /// An FMI function did not succeed.
+    #[error("{function} of {instance} returned {status}{}{}", at(*time), because(messages))]
+    Call {
+        /// The name of the instance.
+        instance: String,
+        /// The C function.
+        function: &'static str,
+        /// Discard, Error, Fatal or Pending.
+        status: Status,
+        /// The communication point (s), for a step.
+        time: Option<f64>,
+        /// The last messages the FMU logged during the call.
+        messages: Vec<LogMessage>,
+    },
+    /// The FMU reported Fatal earlier; it must not be called again.
+    #[error("{function} of {instance} was not called because the FMU reported Fatal before")]
+    Dead {
+        /// The name of the instance.
+        instance: String,
+        /// The C function.
+        function: &'static str,
+    },
+    /// The FMU, or its version of the standard, cannot do what is asked for.
+    #[error("{name} {reason}")]
+    Unsupported {
+        /// The FMU or the instance.
+        name: String,
+        /// A predicate: "is for Model Exchange only".
+        reason: String,
+    },
+    /// A call was made with lists that do not fit together, or a value its type cannot hold.
+    #[error("{function} of {instance}: {reason}")]
+    Misuse {
+        /// The name of the instance.
+        instance: String,
+        /// The function.
+        function: &'static str,
+        /// What does not fit.
+        reason: String,
+    },
+    /// No variable has this name.
+    #[error("{model} has no variable {name}{}", suggestion(near))]
+    UnknownVariable {
+        /// The name that was asked for.
+        name: String,
+        /// The model.
+        model: String,
+        /// Names that look alike, best first.
+        near: Vec<String>,
+    },
+    /// The variable exists but is not for the user to set.
+    #[error("{name} cannot be set: it is {what}, and only parameters and inputs can be")]
+    NotSettable {
+        /// The variable.
+        name: String,
+        /// Its causality and variability, as text.
+        what: String,
+    },
+    /// The text is no value of the variable's type.
+    #[error("{name} = {text:?} is not {expected}")]
+    BadValue {
+        /// The variable.
+        name: String,
+        /// The text as given.
+        text: String,
+        /// What would be right: "a finite number", "one of off, slow, fast".
+        expected: String,
+    },
+    /// The value lies outside the declared limits.
+    #[error("{name} = {value}{} is outside its limits {}", spaced(unit), limits(*min, *max))]
+    OutOfRange {
+        /// The variable.
+        name: String,
+        /// The value as given, in the variable's unit.
+        value: f64,
+        /// Declared minimum.
+        min: Option<f64>,
+        /// Declared maximum.
+        max: Option<f64>,
+        /// Declared unit.
+        unit: Option<String>,
+    },
+    /// A simulation option makes no sense.
+    #[error("{option} = {value} {reason}")]
+    Option {
+        /// "stop time", "step size", ...
+        option: &'static str,
+        /// The value as given.
+        value: String,
+        /// A predicate: "must be above the start time 0 s".
+        reason: String,
+    },
+    /// An input table is wrong.
+    #[error("{}, line {line}: {message}", path.display())]
+    Input {
+        /// The CSV file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong there.
+        message: String,
+    },
+    /// The figure could not be drawn.
+    #[error("cannot draw {}: {reason}", path.display())]
+    Plot {
+        /// The SVG file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+fn at(time: Option<f64>) -> String {
+    time.map(|t| format!(" at t = {t} s")).unwrap_or_default()
+}
+
+/// The FMU's own words, on one line.
+fn because(messages: &[LogMessage]) -> String {
+    let texts: Vec<String> =
+        messages.iter().map(|m| m.text.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    if texts.is_empty() { String::new() } else { format!(": {}", texts.join("; ")) }
+}
+
+fn suggestion(near: &[String]) -> String {
+    if near.is_empty() { String::new() } else { format!(", did you mean {}?", near.join(" or ")) }
+}
+
+fn spaced(unit: &Option<String>) -> String {
+    unit.as_ref().map(|u| format!(" {u}")).unwrap_or_default()
+}
+
+fn limits(min: Option<f64>, max: Option<f64>) -> String {
+    let text = |x: Option<f64>, none: &str| x.map_or(none.to_owned(), |v| v.to_string());
+    format!("{} ... {}", text(min, "-inf"), text(max, "inf"))
+}

@@ -1,0 +1,258 @@
+//! Reading and setting variables.
+use super::{Backend, Instance};
+use crate::fmi2::c_string;
+use crate::value::integer_limits;
+use crate::{Error, Kind, Value, Variable};
+use std::ffi::{CStr, CString, c_int};
+
+impl Instance {
+    /// Reads `Float64` variables (FMI 2: `Real`).
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
+    pub fn get_f64(&mut self, vrs: &[u32], values: &mut [f64]) -> Result<(), Error> {
+        self.get_number(Kind::Float64, vrs, values)
+    }
+
+    /// Sets `Float64` variables (FMI 2: `Real`).
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
+    pub fn set_f64(&mut self, vrs: &[u32], values: &[f64]) -> Result<(), Error> {
+        self.set_number(Kind::Float64, vrs, values)
+    }
+
+    /// Reads integers or enumerations, all of the same `kind`. Numbers above `i64::MAX` are cut to it.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length or a kind that is no integer.
+    pub fn get_i64(&mut self, kind: Kind, vrs: &[u32], values: &mut [i64]) -> Result<(), Error> {
+        let functions = names("Get", kind);
+        if !self.fits(functions, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        self.is_integer(functions, kind)?;
+        self.call(functions, |b| match b {
+            Backend::Two(i) => i.get_int(vrs, values, i64::from),
+            Backend::Three(i) => i.get_int(kind, vrs, values, |x| x),
+        })
+    }
+
+    /// Sets integers or enumerations, all of the same `kind`.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] as for [`Self::get_i64`] and for a value that its type cannot hold.
+    pub fn set_i64(&mut self, kind: Kind, vrs: &[u32], values: &[i64]) -> Result<(), Error> {
+        let functions = names("Set", kind);
+        if !self.fits(functions, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        self.is_integer(functions, kind)?;
+        let (low, high) = self.integer_limits(kind);
+        if let Some(value) = values.iter().find(|v| !(low..=high).contains(*v)) {
+            return Err(self.misuse(functions, format!("{value} is not in {low} ... {high}")));
+        }
+        self.call(functions, |b| match b {
+            Backend::Two(i) => i.set_int(vrs, values, |x| x as c_int),
+            Backend::Three(i) => i.set_int(kind, vrs, values, |x| x),
+        })
+    }
+
+    /// Reads Booleans.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
+    pub fn get_bool(&mut self, vrs: &[u32], values: &mut [bool]) -> Result<(), Error> {
+        let functions = names("Get", Kind::Boolean);
+        if !self.fits(functions, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        self.call(functions, |b| match b {
+            Backend::Two(i) => i.get_bool(vrs, values, |x| x),
+            Backend::Three(i) => i.get_bool(vrs, values, |x| x),
+        })
+    }
+
+    /// Sets Booleans.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
+    pub fn set_bool(&mut self, vrs: &[u32], values: &[bool]) -> Result<(), Error> {
+        let functions = names("Set", Kind::Boolean);
+        if !self.fits(functions, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        self.call(functions, |b| match b {
+            Backend::Two(i) => i.set_bool(vrs, values, |x| x),
+            Backend::Three(i) => i.set_bool(vrs, values, |x| x),
+        })
+    }
+
+    /// Reads scalar strings.
+    ///
+    /// # Errors
+    /// [`Error::Call`].
+    pub fn get_string(&mut self, vrs: &[u32]) -> Result<Vec<String>, Error> {
+        let mut texts = Vec::new();
+        self.call(names("Get", Kind::String), |b| {
+            let (status, read) = match b {
+                Backend::Two(i) => i.get_string(vrs),
+                Backend::Three(i) => i.get_string(vrs),
+            };
+            texts = read;
+            status
+        })?;
+        Ok(texts)
+    }
+
+    /// Sets strings. A NUL ends a string early.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
+    pub fn set_string(&mut self, vrs: &[u32], values: &[&str]) -> Result<(), Error> {
+        let functions = names("Set", Kind::String);
+        if !self.fits(functions, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        let owned: Vec<CString> = values.iter().map(|v| c_string(v)).collect();
+        let texts: Vec<&CStr> = owned.iter().map(CString::as_c_str).collect();
+        self.call(functions, |b| match b {
+            Backend::Two(i) => i.set_string(vrs, &texts),
+            Backend::Three(i) => i.set_string(vrs, &texts),
+        })
+    }
+
+    /// Reads variables of one numeric `kind` as numbers: integers and enumerations as such (exact to 2^53),
+    /// Booleans as 0 and 1.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length or a kind that is no number.
+    pub fn get_number(&mut self, kind: Kind, vrs: &[u32], values: &mut [f64]) -> Result<(), Error> {
+        let functions = names("Get", kind);
+        if !self.fits(functions, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        self.is_numeric(functions, kind)?;
+        self.call(functions, |b| match (b, kind) {
+            (Backend::Two(i), Kind::Float64 | Kind::Float32) => i.get_f64(vrs, values),
+            (Backend::Three(i), Kind::Float64) => i.get_f64(vrs, values),
+            (Backend::Three(i), Kind::Float32) => i.get_f32(vrs, values),
+            (Backend::Two(i), Kind::Boolean) => i.get_bool(vrs, values, |x| x.into()),
+            (Backend::Three(i), Kind::Boolean) => i.get_bool(vrs, values, |x| x.into()),
+            (Backend::Two(i), _) => i.get_int(vrs, values, f64::from),
+            (Backend::Three(i), _) => i.get_int(kind, vrs, values, |x| x as f64),
+        })
+    }
+
+    /// Sets variables of one numeric `kind` from numbers: rounded for integers, different from 0 is true.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] as for [`Self::get_number`] and for a value that its type cannot hold.
+    pub fn set_number(&mut self, kind: Kind, vrs: &[u32], values: &[f64]) -> Result<(), Error> {
+        let functions = names("Set", kind);
+        if !self.fits(functions, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        self.is_numeric(functions, kind)?;
+        if !kind.is_float() && kind != Kind::Boolean {
+            let (low, high) = self.integer_limits(kind);
+            let fits = |v: &f64| v.is_finite() && v.round() >= low as f64 && v.round() <= high as f64;
+            if let Some(value) = values.iter().find(|v| !fits(v)) {
+                return Err(self.misuse(functions, format!("{value} is not in {low} ... {high}")));
+            }
+        }
+        self.call(functions, |b| match (b, kind) {
+            (Backend::Two(i), Kind::Float64 | Kind::Float32) => i.set_f64(vrs, values),
+            (Backend::Three(i), Kind::Float64) => i.set_f64(vrs, values),
+            (Backend::Three(i), Kind::Float32) => i.set_f32(vrs, values),
+            (Backend::Two(i), Kind::Boolean) => i.set_bool(vrs, values, |x| x != 0.0),
+            (Backend::Three(i), Kind::Boolean) => i.set_bool(vrs, values, |x| x != 0.0),
+            (Backend::Two(i), _) => i.set_int(vrs, values, |x| x.round() as c_int),
+            (Backend::Three(i), _) => i.set_int(kind, vrs, values, |x| x.round() as i64),
+        })
+    }
+
+    /// Sets one scalar variable.
+    ///
+    /// # Errors
+    /// [`Error::Call`], [`Error::Misuse`] for a value of another type.
+    pub fn set_value(&mut self, variable: &Variable, value: &Value) -> Result<(), Error> {
+        let vr = &[variable.value_reference];
+        match (value, variable.kind) {
+            (Value::Real(x), kind) if kind.is_float() => self.set_number(kind, vr, &[*x]),
+            (Value::Integer(x), kind) => self.set_i64(kind, vr, &[*x]),
+            (Value::Boolean(x), Kind::Boolean) => self.set_bool(vr, &[*x]),
+            (Value::String(x), Kind::String) => self.set_string(vr, &[x]),
+            _ => Err(self.misuse(
+                names("Set", variable.kind),
+                format!("{} is a {:?} and cannot take {value:?}", variable.name, variable.kind),
+            )),
+        }
+    }
+
+    /// Whether there is anything to do; an error if the lists cannot belong together. For FMI 3 there may be more
+    /// values than references, as arrays have several.
+    pub(super) fn fits(
+        &self,
+        functions: [&'static str; 2],
+        vrs: usize,
+        values: usize,
+    ) -> Result<bool, Error> {
+        let good = match self.backend {
+            Backend::Two(_) => vrs == values,
+            Backend::Three(_) => vrs <= values && (vrs > 0 || values == 0),
+        };
+        if good {
+            Ok(vrs > 0)
+        } else {
+            Err(self.misuse(functions, format!("{values} values for {vrs} variables")))
+        }
+    }
+
+    fn is_integer(&self, functions: [&'static str; 2], kind: Kind) -> Result<(), Error> {
+        let integer = kind.is_numeric() && !kind.is_float() && kind != Kind::Boolean;
+        if integer { Ok(()) } else { Err(self.misuse(functions, format!("{kind:?} is no integer type"))) }
+    }
+
+    fn is_numeric(&self, functions: [&'static str; 2], kind: Kind) -> Result<(), Error> {
+        if kind.is_numeric() {
+            Ok(())
+        } else {
+            Err(self.misuse(functions, format!("{kind:?} is no numeric type")))
+        }
+    }
+
+    /// FMI 2 has C `int` alone.
+    fn integer_limits(&self, kind: Kind) -> (i64, i64) {
+        integer_limits(if matches!(self.backend, Backend::Two(_)) { Kind::Int32 } else { kind })
+    }
+}
+
+/// The names of the get or set function of a kind, for messages.
+fn names(verb: &str, kind: Kind) -> [&'static str; 2] {
+    macro_rules! both {
+        ($two:literal, $three:literal) => {
+            if verb == "Get" {
+                [concat!("fmi2Get", $two), concat!("fmi3Get", $three)]
+            } else {
+                [concat!("fmi2Set", $two), concat!("fmi3Set", $three)]
+            }
+        };
+    }
+    match kind {
+        Kind::Float64 => both!("Real", "Float64"),
+        Kind::Float32 => both!("Real", "Float32"),
+        Kind::Int8 => both!("Integer", "Int8"),
+        Kind::UInt8 => both!("Integer", "UInt8"),
+        Kind::Int16 => both!("Integer", "Int16"),
+        Kind::UInt16 => both!("Integer", "UInt16"),
+        Kind::Int32 => both!("Integer", "Int32"),
+        Kind::UInt32 => both!("Integer", "UInt32"),
+        Kind::Int64 | Kind::Enumeration => both!("Integer", "Int64"),
+        Kind::UInt64 => both!("Integer", "UInt64"),
+        Kind::Boolean => both!("Boolean", "Boolean"),
+        Kind::String => both!("String", "String"),
+        Kind::Binary => both!("Binary", "Binary"),
+        Kind::Clock => both!("Clock", "Clock"),
+    }
+}

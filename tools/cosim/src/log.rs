@@ -1,0 +1,182 @@
+//! Where an FMU's messages go, and the two C callbacks that bring them there.
+use std::collections::VecDeque;
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Messages kept by a [`Log`]; older ones make room, so that a talkative FMU cannot fill the memory.
+const CAPACITY: usize = 1000;
+
+/// The result of an FMI call. The order is that of the standards: worse is greater.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Status {
+    /// All is well.
+    Ok,
+    /// Something looks wrong, the computation goes on.
+    Warning,
+    /// The call was refused; the FMU is as it was before.
+    Discard,
+    /// The instance can no longer be used, apart from reset and free.
+    Error,
+    /// The binary can no longer be used at all.
+    Fatal,
+    /// FMI 2 only: the step runs on in another thread, which this client does not allow.
+    Pending,
+}
+
+impl Status {
+    /// The meaning of a C status; numbers outside the standard count as [`Status::Error`].
+    pub(crate) fn from_c(status: c_int) -> Self {
+        match status {
+            0 => Self::Ok,
+            1 => Self::Warning,
+            2 => Self::Discard,
+            4 => Self::Fatal,
+            5 => Self::Pending,
+            _ => Self::Error,
+        }
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
+    }
+}
+
+/// One message of an FMU.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogMessage {
+    /// How bad it is, in the FMU's view.
+    pub status: Status,
+    /// The log category, one of [`crate::ModelDescription::log_categories`] if the FMU keeps to them.
+    pub category: String,
+    /// The text.
+    pub text: String,
+}
+
+/// A sink for messages, shared by all its clones; give one to [`crate::Instance::instantiate`] and keep a clone.
+/// The last 1000 messages are kept.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    sink: Arc<Sink>,
+    debug: bool,
+}
+
+/// What the FMU's environment pointer refers to.
+#[derive(Debug, Default)]
+pub(crate) struct Sink {
+    kept: Mutex<VecDeque<LogMessage>>,
+    /// Messages ever logged, also those that made room; atomic, as each FMI call reads it.
+    total: AtomicU64,
+}
+
+impl Log {
+    /// A sink for warnings and errors.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A sink that also asks the FMU for its debug messages (`loggingOn`), which may be slow.
+    pub fn with_debug() -> Self {
+        Self { debug: true, ..Self::default() }
+    }
+
+    /// The messages that are kept, oldest first.
+    pub fn messages(&self) -> Vec<LogMessage> {
+        self.sink.lock().iter().cloned().collect()
+    }
+
+    /// Whether debug messages are asked for.
+    pub(crate) fn debug(&self) -> bool {
+        self.debug
+    }
+
+    /// A mark for [`Log::since`].
+    pub(crate) fn mark(&self) -> u64 {
+        self.sink.total.load(Ordering::Relaxed)
+    }
+
+    /// At most the last three messages logged after `mark`.
+    pub(crate) fn since(&self, mark: u64) -> Vec<LogMessage> {
+        let messages = self.sink.lock();
+        let fresh = (self.mark().saturating_sub(mark)).min(3) as usize;
+        let skip = messages.len().saturating_sub(fresh);
+        messages.iter().skip(skip).cloned().collect()
+    }
+
+    /// The pointer that the FMU hands back with each message; valid as long as a clone of `self` lives.
+    pub(crate) fn environment(&self) -> *mut c_void {
+        Arc::as_ptr(&self.sink).cast_mut().cast()
+    }
+}
+
+impl Sink {
+    fn lock(&self) -> MutexGuard<'_, VecDeque<LogMessage>> {
+        // A poisoned list of messages is still a list of messages.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn push(&self, message: LogMessage) {
+        let mut messages = self.lock();
+        if messages.len() == CAPACITY {
+            messages.pop_front();
+        }
+        messages.push_back(message);
+        self.total.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// The text behind a C string, empty for NULL.
+///
+/// # Safety
+/// `text` is NULL or points to a NUL-terminated string that stays unchanged during the call.
+pub(crate) unsafe fn text_of(text: *const c_char) -> String {
+    if text.is_null() {
+        return String::new();
+    }
+    // SAFETY: not NULL, and terminated by the caller's promise.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+}
+
+/// The FMI 3 callback `fmi3LogMessageCallback`.
+pub(crate) unsafe extern "C" fn log_message(
+    environment: *mut c_void,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    if environment.is_null() {
+        return;
+    }
+    // SAFETY: the FMU gives back `Log::environment`, alive as long as the instance, and C strings.
+    let (sink, category, text) =
+        unsafe { (&*environment.cast::<Sink>(), text_of(category), text_of(message)) };
+    sink.push(LogMessage { status: Status::from_c(status), category, text });
+}
+
+/// The fixed arguments of the C-variadic `fmi2CallbackLogger`, and the first of the variable ones.
+///
+/// Stable Rust cannot define a variadic function, so this plain one stands in for it. That works where a
+/// variadic call passes its first pointers as a plain call would: the System V ABI of x86-64, AAPCS64
+/// and the Windows x64 ABI. `argument` sits in the sixth pointer register (or stack slot); if the FMU passed
+/// no sixth argument it is noise, which is harmless to receive and is never followed unless `message` is
+/// exactly "%s" - and then the FMU did pass a string, or would crash every other importer too.
+/// Any other format is shown raw: the remaining arguments are out of reach.
+/// Apple's AArch64 ABI passes variable arguments on the stack, so there "%s" is shown raw as well.
+pub(crate) unsafe extern "C" fn log_fmi2(
+    environment: *mut c_void,
+    _instance: *const c_char,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+    argument: *const c_char,
+) {
+    let follow = !cfg!(all(target_vendor = "apple", target_arch = "aarch64"));
+    // SAFETY: `message` is NULL or a C string.
+    let is_plain_string = !message.is_null() && unsafe { CStr::from_ptr(message) } == c"%s";
+    let text = if follow && is_plain_string { argument } else { message };
+    // SAFETY: the format "%s" promises a C string in `argument`; the rest as in `log_message`.
+    unsafe { log_message(environment, status, category, text) }
+}

@@ -1,0 +1,106 @@
+//! What a run gives: time and outputs, and the CSV file of them. The figure is in `plot.rs`.
+use crate::{DisplayUnit, Error, Kind, LogMessage, plot};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// Time and outputs of a run, one row for each communication point, the start included.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// The model's name.
+    pub model_name: String,
+    /// Times of the rows (s).
+    pub times: Vec<f64>,
+    /// The outputs, in the order of the model description. An array gives one column for each element; strings,
+    /// binaries and clocks are left out.
+    pub columns: Vec<Column>,
+    /// Communication steps made.
+    pub steps: usize,
+    /// Wall time from instantiation to termination (s).
+    pub seconds_wall: f64,
+    /// The time (s) at which the FMU asked for the end, if it did so before the stop time.
+    pub ended_early: Option<f64>,
+    /// What the FMU had to say (the last 1000 messages).
+    pub messages: Vec<LogMessage>,
+}
+
+/// One recorded output.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// Name of the variable; element i of an array is `name[i]`, counted from 1.
+    pub name: String,
+    /// Its type. All values are recorded as numbers.
+    pub kind: Kind,
+    /// Unit of the values.
+    pub unit: Option<String>,
+    /// The unit for people, if the FMU defines one.
+    pub display_unit: Option<DisplayUnit>,
+    /// One value for each time.
+    pub values: Vec<f64>,
+}
+
+impl Column {
+    /// The last value, in the unit for people, and that unit's name ("" for none).
+    pub fn last_shown(&self) -> Option<(f64, &str)> {
+        let value = *self.values.last()?;
+        Some(match &self.display_unit {
+            Some(display) => (display.show(value), &display.name),
+            None => (value, self.unit.as_deref().unwrap_or("")),
+        })
+    }
+}
+
+impl Recording {
+    /// The column called `name`.
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|c| c.name == name)
+    }
+
+    /// Writes `time,<outputs>` and the rows with 17 significant digits, which a reader turns into the same bits.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn write_csv(&self, path: &Path) -> Result<(), Error> {
+        let io = |source| Error::Io { action: "write", path: path.to_owned(), source };
+        let mut out = BufWriter::new(File::create(path).map_err(io)?);
+        self.csv_to(&mut out).and_then(|()| out.flush()).map_err(io)
+    }
+
+    fn csv_to(&self, out: &mut impl Write) -> std::io::Result<()> {
+        write!(out, "time")?;
+        for column in &self.columns {
+            write!(out, ",{}", quoted(&column.name))?;
+        }
+        writeln!(out)?;
+        for (row, time) in self.times.iter().enumerate() {
+            write!(out, "{time:.16e}")?;
+            for column in &self.columns {
+                write!(out, ",{:.16e}", column.values[row])?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    }
+
+    /// Draws the outputs over time as SVG: one panel for each unit, kelvin as degC where the FMU says so.
+    ///
+    /// # Errors
+    /// [`Error::Plot`], [`Error::Io`].
+    pub fn plot_svg(&self, path: &Path) -> Result<(), Error> {
+        let svg = plot::svg(self).map_err(|reason| Error::Plot { path: path.to_owned(), reason })?;
+        std::fs::write(path, svg).map_err(|source| Error::Io {
+            action: "write",
+            path: path.to_owned(),
+            source,
+        })
+    }
+}
+
+/// Names such as `a[1,2]` need quotes in CSV.
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.to_owned()
+    }
+}

@@ -1,0 +1,365 @@
+//! The master for one FMU: settings, initialization, steps, recording.
+use crate::input::InputTable;
+use crate::{
+    Archive, Causality, Column, Error, FmiVersion, Instance, Interface, Kind, Log, ModelDescription,
+    Recording, Step, Value, Variable,
+};
+use std::time::Instant;
+
+/// How to run an FMU. What is `None` comes from the FMU's default experiment.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Start time (s), else 0.
+    pub start: Option<f64>,
+    /// Stop time (s), else 1 s after the start.
+    pub stop: Option<f64>,
+    /// Communication step (s), else a 500th of the time span.
+    pub step: Option<f64>,
+    /// Parameters and inputs to set, as name and text, see [`ModelDescription::parse_value`].
+    pub sets: Vec<(String, String)>,
+    /// Inputs over time.
+    pub input: Option<InputTable>,
+    /// Send the slopes of continuous inputs to FMI 2 FMUs that understand them; otherwise inputs hold during a step.
+    pub input_slopes: bool,
+    /// Where the FMU's messages go.
+    pub log: Log,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            start: None,
+            stop: None,
+            step: None,
+            sets: Vec::new(),
+            input: None,
+            input_slopes: true,
+            log: Log::new(),
+        }
+    }
+}
+
+/// Communication points that one run may have.
+const MAX_STEPS: f64 = 1e9;
+/// Elements of an array that are recorded.
+const MAX_ELEMENTS: u64 = 100_000;
+
+/// Runs an FMU from start to stop and records its outputs.
+///
+/// Parameters are set before initialization, inputs during it. At each communication point the inputs are set, then
+/// the FMU steps, then the outputs are read, so an output with direct feedthrough shows the input of the step that
+/// ends there. `progress` is told the share that is done, 0 ... 1, at most about 200 times.
+///
+/// # Errors
+/// Bad options (see [`Options`] and [`ModelDescription::parse_value`]), and all that [`Instance`] reports.
+pub fn simulate(
+    archive: &Archive,
+    options: &Options,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Recording, Error> {
+    let description = archive.description();
+    let interface = description.co_simulation.clone().unwrap_or_default();
+    let sets = checked_sets(description, options)?;
+    let grid = Grid::new(description, &interface, options)?;
+
+    let begun = Instant::now();
+    let mut instance = Instance::instantiate(archive, &description.model_name, options.log.clone())?;
+    set_structural(&mut instance, &sets)?;
+    for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Parameter) {
+        instance.set_value(variable, value)?;
+    }
+    instance.enter_initialization(grid.start, Some(grid.stop), description.default_experiment.tolerance)?;
+    for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Input) {
+        instance.set_value(variable, value)?;
+    }
+    let slopes =
+        options.input_slopes && description.fmi_version == FmiVersion::V2 && interface.can_interpolate_inputs;
+    let mut drive = options.input.as_ref().map(|table| Drive::new(table, slopes, grid.slack));
+    if let Some(drive) = &mut drive {
+        drive.set_values(&mut instance, grid.start)?;
+    }
+    instance.exit_initialization()?;
+
+    let mut recorder = Recorder::new(description, &sets, grid.steps + 1)?;
+    recorder.record(&mut instance, grid.start)?;
+    let mut ended_early = None;
+    let mut steps = 0;
+    let report_every = grid.steps.div_ceil(200).max(1);
+    for k in 0..grid.steps {
+        let (t, h) = grid.interval(k);
+        if let Some(drive) = &mut drive {
+            drive.set_values(&mut instance, t)?;
+            drive.set_slopes(&mut instance, t, h)?;
+        }
+        if instance.do_step(t, h)? == Step::Terminated {
+            ended_early = Some(t);
+            break;
+        }
+        steps = k + 1;
+        recorder.record(&mut instance, grid.point(steps))?;
+        if steps % report_every == 0 || steps == grid.steps {
+            progress(steps as f64 / grid.steps as f64);
+        }
+    }
+    instance.terminate()?;
+    drop(instance);
+    Ok(Recording {
+        model_name: description.model_name.clone(),
+        times: recorder.times,
+        columns: recorder.columns,
+        steps,
+        seconds_wall: begun.elapsed().as_secs_f64(),
+        ended_early,
+        messages: options.log.messages(),
+    })
+}
+
+/// The communication points `start + k * step`, the last of them `stop`.
+struct Grid {
+    start: f64,
+    stop: f64,
+    step: f64,
+    steps: usize,
+    /// Times closer than this are the same.
+    slack: f64,
+}
+
+impl Grid {
+    fn new(description: &ModelDescription, interface: &Interface, options: &Options) -> Result<Self, Error> {
+        let default = &description.default_experiment;
+        let start = options.start.or(default.start).unwrap_or(0.0);
+        let stop = options.stop.or(default.stop).unwrap_or(start + 1.0);
+        let refuse = |option, value: f64, reason: String| {
+            Err(Error::Option { option, value: format!("{value} s"), reason })
+        };
+        if !start.is_finite() {
+            return refuse("start time", start, "must be finite".to_owned());
+        }
+        if !stop.is_finite() || stop <= start {
+            return refuse("stop time", stop, format!("must be finite and above the start time {start} s"));
+        }
+        let span = stop - start;
+        let step =
+            options.step.or(default.step).unwrap_or_else(|| match interface.fixed_internal_step_size {
+                Some(fixed) if fixed > 0.0 => fixed * (span / 500.0 / fixed).round().max(1.0),
+                _ => span / 500.0,
+            });
+        if !step.is_finite() || step <= 0.0 {
+            return refuse("step size", step, "must be finite and above 0 s".to_owned());
+        }
+        let ratio = span / step;
+        if ratio > MAX_STEPS || start + step == start || stop - step == stop {
+            return refuse("step size", step, format!("is too small for a span of {span} s"));
+        }
+        // Whole but for rounding: 3600 / 0.01 is not exactly 360000.
+        let whole = (ratio - ratio.round()).abs() <= 1e-9 * ratio.max(1.0) && ratio.round() >= 1.0;
+        if !whole && !interface.can_handle_variable_step && description.co_simulation.is_some() {
+            let reason = format!(
+                "does not divide the time from {start} s to {stop} s, and {} cannot vary its step",
+                description.model_name
+            );
+            return refuse("step size", step, reason);
+        }
+        let steps = if whole { ratio.round() } else { ratio.ceil() } as usize;
+        Ok(Self { start, stop, step, steps, slack: 1e-9 * step.min(span) })
+    }
+
+    /// Communication point `k`, without accumulated rounding.
+    fn point(&self, k: usize) -> f64 {
+        if k == self.steps { self.stop } else { self.start + k as f64 * self.step }
+    }
+
+    /// Start and length of step `k`. All lengths but the last are the same to the bit, so that an FMU can keep what
+    /// it has computed for a length.
+    fn interval(&self, k: usize) -> (f64, f64) {
+        let t = self.point(k);
+        let rest = self.stop - t;
+        let shorter = k + 1 == self.steps && (rest - self.step).abs() > self.slack;
+        (t, if shorter { rest } else { self.step })
+    }
+}
+
+/// The settings as variables and values; refuses what is set twice over.
+fn checked_sets<'a>(
+    description: &'a ModelDescription,
+    options: &Options,
+) -> Result<Vec<(&'a Variable, Value)>, Error> {
+    let mut sets: Vec<(&Variable, Value)> = Vec::new();
+    for (name, text) in &options.sets {
+        let set = description.parse_value(name, text)?;
+        let reason = if sets.iter().any(|(v, _)| v.name == *name) {
+            "is set twice"
+        } else if options.input.iter().flat_map(InputTable::names).any(|n| n == name) {
+            "is also a column of the input table"
+        } else {
+            sets.push(set);
+            continue;
+        };
+        return Err(Error::Option {
+            option: "setting",
+            value: format!("{name} = {text}"),
+            reason: format!("is refused because {name} {reason}"),
+        });
+    }
+    Ok(sets)
+}
+
+/// Structural parameters have a mode of their own.
+fn set_structural(instance: &mut Instance, sets: &[(&Variable, Value)]) -> Result<(), Error> {
+    let structural: Vec<_> =
+        sets.iter().filter(|(v, _)| v.causality == Causality::StructuralParameter).collect();
+    if structural.is_empty() {
+        return Ok(());
+    }
+    instance.enter_configuration_mode()?;
+    for (variable, value) in structural {
+        instance.set_value(variable, value)?;
+    }
+    instance.exit_configuration_mode()
+}
+
+/// Variables of one kind that are set or read in one call.
+struct Group {
+    kind: Kind,
+    vrs: Vec<u32>,
+    /// Where each value belongs: a column of the input table or of the recording.
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Group {
+    /// The group of `kind`, made if it is not there.
+    fn of(groups: &mut Vec<Group>, kind: Kind) -> &mut Group {
+        let index = groups.iter().position(|g| g.kind == kind).unwrap_or_else(|| {
+            groups.push(Group { kind, vrs: Vec::new(), columns: Vec::new(), values: Vec::new() });
+            groups.len() - 1
+        });
+        &mut groups[index]
+    }
+}
+
+/// Feeds an input table to an instance.
+struct Drive<'a> {
+    table: &'a InputTable,
+    groups: Vec<Group>,
+    /// The continuous reals, if their slopes are wanted.
+    slopes: Option<Group>,
+    slack: f64,
+}
+
+impl<'a> Drive<'a> {
+    fn new(table: &'a InputTable, slopes: bool, slack: f64) -> Self {
+        let mut groups = Vec::new();
+        let mut continuous = Vec::new();
+        for (index, column) in table.columns().iter().enumerate() {
+            let add = |groups: &mut Vec<Group>| {
+                let group = Group::of(groups, column.kind);
+                group.vrs.push(column.value_reference);
+                group.columns.push(index);
+                group.values.push(0.0);
+            };
+            add(&mut groups);
+            if slopes && column.continuous {
+                add(&mut continuous);
+            }
+        }
+        Self { table, groups, slopes: continuous.pop(), slack }
+    }
+
+    fn set_values(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
+        for group in &mut self.groups {
+            for (value, column) in group.values.iter_mut().zip(&group.columns) {
+                *value = self.table.after(*column, t, self.slack);
+            }
+            instance.set_number(group.kind, &group.vrs, &group.values)?;
+        }
+        Ok(())
+    }
+
+    /// The mean slope over the step: it meets the table at both ends of the step.
+    fn set_slopes(&mut self, instance: &mut Instance, t: f64, h: f64) -> Result<(), Error> {
+        let Some(group) = &mut self.slopes else { return Ok(()) };
+        for (slope, column) in group.values.iter_mut().zip(&group.columns) {
+            let (from, to) =
+                (self.table.after(*column, t, self.slack), self.table.before(*column, t + h, self.slack));
+            *slope = (to - from) / h;
+        }
+        instance.set_input_derivatives(&group.vrs, &group.values)
+    }
+}
+
+/// Reads the outputs and keeps them.
+struct Recorder {
+    times: Vec<f64>,
+    columns: Vec<Column>,
+    groups: Vec<Group>,
+}
+
+impl Recorder {
+    fn new(description: &ModelDescription, sets: &[(&Variable, Value)], rows: usize) -> Result<Self, Error> {
+        let size_of = |reference: u32| {
+            sets.iter().find_map(|(variable, value)| match value {
+                Value::Integer(n)
+                    if variable.value_reference == reference
+                        && variable.causality == Causality::StructuralParameter =>
+                {
+                    u64::try_from(*n).ok()
+                }
+                _ => None,
+            })
+        };
+        let mut recorder = Self { times: Vec::new(), columns: Vec::new(), groups: Vec::new() };
+        let mut complete = recorder.times.try_reserve_exact(rows).is_ok();
+        for variable in description.outputs().filter(|v| v.kind.is_numeric()) {
+            let count = description.element_count(variable, &size_of);
+            if count == 0 {
+                continue;
+            }
+            if count > MAX_ELEMENTS {
+                return Err(Error::Unsupported {
+                    name: variable.name.clone(),
+                    reason: format!(
+                        "cannot be recorded: it has {count} elements, the limit is {MAX_ELEMENTS}"
+                    ),
+                });
+            }
+            let group = Group::of(&mut recorder.groups, variable.kind);
+            group.vrs.push(variable.value_reference);
+            for element in 1..=count {
+                group.columns.push(recorder.columns.len());
+                group.values.push(0.0);
+                let mut values = Vec::new();
+                complete &= values.try_reserve_exact(rows).is_ok();
+                recorder.columns.push(Column {
+                    name: if variable.dimensions.is_empty() {
+                        variable.name.clone()
+                    } else {
+                        format!("{}[{element}]", variable.name)
+                    },
+                    kind: variable.kind,
+                    unit: variable.unit.clone(),
+                    display_unit: description.display_unit(variable),
+                    values,
+                });
+                if !complete {
+                    return Err(Error::Unsupported {
+                        name: description.model_name.clone(),
+                        reason: format!("cannot be recorded: {rows} rows do not fit into memory"),
+                    });
+                }
+            }
+        }
+        Ok(recorder)
+    }
+
+    fn record(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
+        self.times.push(t);
+        for group in &mut self.groups {
+            instance.get_number(group.kind, &group.vrs, &mut group.values)?;
+            for (value, column) in group.values.iter().zip(&group.columns) {
+                self.columns[*column].values.push(*value);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,211 @@
+//! Text to values: `--set name=value`, cells of input tables.
+use crate::{Causality, Error, Kind, ModelDescription, Variability, Variable};
+
+/// A value that a variable can be set to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// For `Float64` and `Float32`; in the variable's unit.
+    Real(f64),
+    /// For all integers and enumerations.
+    Integer(i64),
+    /// For `Boolean`.
+    Boolean(bool),
+    /// For `String`.
+    String(String),
+}
+
+impl ModelDescription {
+    /// The parameter or input called `name` and `text` as a value of its type, within its limits.
+    ///
+    /// Enumerations take the name of an item or its number, Booleans true, false, 1 or 0.
+    ///
+    /// # Errors
+    /// An unknown name (with similar ones), a variable that is not for the user to set, text that is no finite
+    /// value of the type, a value outside min and max.
+    pub fn parse_value(&self, name: &str, text: &str) -> Result<(&Variable, Value), Error> {
+        let variable = self.settable(name)?;
+        Ok((variable, self.value_of(variable, text)?))
+    }
+
+    /// The parameter or input called `name`.
+    ///
+    /// # Errors
+    /// [`Error::UnknownVariable`], [`Error::NotSettable`].
+    pub fn settable(&self, name: &str) -> Result<&Variable, Error> {
+        let variable = self.variable(name).ok_or_else(|| Error::UnknownVariable {
+            name: name.to_owned(),
+            model: self.model_name.clone(),
+            near: self.near(name),
+        })?;
+        use Causality::{Input, Parameter, StructuralParameter};
+        let role_fits = matches!(variable.causality, Parameter | StructuralParameter | Input);
+        if role_fits && variable.variability != Variability::Constant {
+            return Ok(variable);
+        }
+        let what = match variable.variability {
+            Variability::Constant => format!("a constant {}", variable.causality),
+            _ if variable.causality == Causality::Output => "an output".to_owned(),
+            _ if variable.causality == Causality::Independent => "the independent variable".to_owned(),
+            _ => format!("a {}", variable.causality),
+        };
+        Err(Error::NotSettable { name: name.to_owned(), what })
+    }
+
+    /// `text` as a value of `variable`, within its limits.
+    ///
+    /// # Errors
+    /// [`Error::BadValue`], [`Error::OutOfRange`], [`Error::Unsupported`] for arrays, binaries and clocks.
+    pub fn value_of(&self, variable: &Variable, text: &str) -> Result<Value, Error> {
+        let text = text.trim();
+        let bad = |expected: String| Error::BadValue {
+            name: variable.name.clone(),
+            text: text.to_owned(),
+            expected,
+        };
+        if !variable.dimensions.is_empty() || matches!(variable.kind, Kind::Binary | Kind::Clock) {
+            let what = if variable.dimensions.is_empty() { "binary or clock" } else { "array" };
+            return Err(Error::Unsupported {
+                name: variable.name.clone(),
+                reason: format!("cannot be set from text: {what} values have no text form here"),
+            });
+        }
+        match variable.kind {
+            Kind::Boolean => match text {
+                "true" | "1" => Ok(Value::Boolean(true)),
+                "false" | "0" => Ok(Value::Boolean(false)),
+                _ => Err(bad("true or false".to_owned())),
+            },
+            Kind::String => Ok(Value::String(text.to_owned())),
+            kind if kind.is_float() => {
+                let value: f64 = text.parse().map_err(|_| bad(finite(variable)))?;
+                // A Float32 must be finite after rounding, too.
+                let fits = if kind == Kind::Float32 { (value as f32).is_finite() } else { value.is_finite() };
+                if !fits {
+                    return Err(bad(finite(variable)));
+                }
+                within(variable, value)?;
+                Ok(Value::Real(value))
+            }
+            Kind::Enumeration => self.item(variable, text).map(Value::Integer).ok_or_else(|| {
+                let items = self.enumeration(variable).map_or(&[][..], |e| &e.items);
+                let names: Vec<_> = items.iter().map(|i| format!("{} ({})", i.name, i.value)).collect();
+                bad(if names.is_empty() {
+                    "an item of its enumeration".to_owned()
+                } else {
+                    format!("one of {}", names.join(", "))
+                })
+            }),
+            kind => {
+                let (low, high) = integer_limits(kind);
+                let value: i64 = text.parse().map_err(|_| bad("a whole number".to_owned()))?;
+                if value < low || value > high {
+                    return Err(bad(format!("a whole number from {low} to {high}")));
+                }
+                within(variable, value as f64)?;
+                Ok(Value::Integer(value))
+            }
+        }
+    }
+
+    /// The number of an item given by name or number. A type without items takes any number.
+    fn item(&self, variable: &Variable, text: &str) -> Option<i64> {
+        let items = self.enumeration(variable).map_or(&[][..], |e| &e.items);
+        if let Some(item) = items.iter().find(|i| i.name == text) {
+            return Some(item.value);
+        }
+        let number: i64 = text.parse().ok()?;
+        (items.is_empty() || items.iter().any(|i| i.value == number)).then_some(number)
+    }
+
+    /// At most three settable names that look like `name`, best first.
+    fn near(&self, name: &str) -> Vec<String> {
+        let wanted = name.to_lowercase();
+        let mut scored: Vec<(usize, &str)> = Vec::new();
+        for variable in self.variables.iter().filter(|v| self.settable_role(v)) {
+            let candidate = variable.name.to_lowercase();
+            let contains = wanted.len() >= 3 && candidate.contains(&wanted);
+            let score = if contains { 1 } else { distance(&wanted, &candidate) };
+            // A third of the letters may differ, but never all of them.
+            if contains
+                || score <= (1 + wanted.chars().count() / 4).min(wanted.chars().count().saturating_sub(1))
+            {
+                scored.push((score, &variable.name));
+            }
+        }
+        scored.sort();
+        scored.into_iter().take(3).map(|(_, name)| name.to_owned()).collect()
+    }
+
+    fn settable_role(&self, v: &Variable) -> bool {
+        matches!(v.causality, Causality::Parameter | Causality::StructuralParameter | Causality::Input)
+    }
+}
+
+fn finite(variable: &Variable) -> String {
+    variable.unit.as_ref().map_or("a finite number".to_owned(), |u| format!("a finite number (in {u})"))
+}
+
+fn within(variable: &Variable, value: f64) -> Result<(), Error> {
+    let above = variable.min.is_none_or(|min| value >= min);
+    let below = variable.max.is_none_or(|max| value <= max);
+    if above && below {
+        return Ok(());
+    }
+    Err(Error::OutOfRange {
+        name: variable.name.clone(),
+        value,
+        min: variable.min,
+        max: variable.max,
+        unit: variable.unit.clone(),
+    })
+}
+
+/// The range of an integer type, cut to that of `i64`.
+pub(crate) fn integer_limits(kind: Kind) -> (i64, i64) {
+    match kind {
+        Kind::Int8 => (i8::MIN.into(), i8::MAX.into()),
+        Kind::UInt8 => (0, u8::MAX.into()),
+        Kind::Int16 => (i16::MIN.into(), i16::MAX.into()),
+        Kind::UInt16 => (0, u16::MAX.into()),
+        Kind::Int32 => (i32::MIN.into(), i32::MAX.into()),
+        Kind::UInt32 => (0, u32::MAX.into()),
+        Kind::UInt64 => (0, i64::MAX),
+        _ => (i64::MIN, i64::MAX),
+    }
+}
+
+/// Insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let width = b.len() + 1;
+    // Row i, column j: the distance of the first i characters of `a` from the first j of `b`.
+    let mut table = vec![0; (a.len() + 1) * width];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            let at = i * width + j;
+            table[at] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let replaced = table[at - width - 1] + usize::from(a[i - 1] != b[j - 1]);
+                replaced.min(table[at - 1] + 1).min(table[at - width] + 1)
+            };
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                table[at] = table[at].min(table[at - 2 * width - 2] + 1);
+            }
+        }
+    }
+    table[table.len() - 1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance;
+
+    #[test]
+    fn distances() {
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("motor.R_ref", "motor.R_rfe"), 1);
+        assert_eq!(distance("voltage", "voltage"), 0);
+        assert_eq!(distance("kitten", "sitting"), 3);
+    }
+}

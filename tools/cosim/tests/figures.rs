@@ -1,0 +1,122 @@
+//! The figure of a run.
+mod common;
+use common::*;
+use cosim::{Column, DisplayUnit, FmiVersion, Kind, Options, Recording};
+
+#[test]
+fn a_run_becomes_an_svg_with_panels_by_unit() {
+    let r = run(FmiVersion::V3, &Options { sets: sets(&[("u", "1")]), ..Options::default() }).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("out.svg");
+    r.plot_svg(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    roxmltree::Document::parse(&text).unwrap();
+    for expected in ["Lag", "°C", "time in s", "warm", "twice", "y[2]", "false 0, true 1"] {
+        assert!(text.contains(expected), "{expected}");
+    }
+    assert!(r.plot_svg(&dir.path().join("no/out.svg")).unwrap_err().to_string().starts_with("cannot write "));
+}
+
+#[test]
+fn degenerate_recordings_are_drawn_or_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("out.svg");
+    let mut r = Recording {
+        model_name: "a < b & c".to_owned(),
+        times: vec![0.0],
+        columns: Vec::new(),
+        steps: 0,
+        seconds_wall: 0.0,
+        ended_early: None,
+        messages: Vec::new(),
+    };
+    assert!(r.plot_svg(&path).unwrap_err().to_string().ends_with("there are no numeric outputs"));
+    let column = |value: f64| Column {
+        name: format!("v{value}"),
+        kind: Kind::Float64,
+        unit: None,
+        display_unit: None,
+        values: vec![value],
+    };
+    for value in [0.0, f64::NAN, f64::INFINITY, 1e300, -1e-300] {
+        r.columns = vec![column(value)];
+        r.plot_svg(&path).unwrap();
+        roxmltree::Document::parse(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    }
+}
+
+/// Draws the outputs of a motor-like model, for a look at it: the file stays in the target directory.
+#[test]
+fn a_motor_sized_figure() {
+    let times: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 0.18).collect();
+    let shapes: [fn(f64) -> f64; 4] = [
+        |t| 1.0 - (-t / 600.0).exp(),
+        |t| (t / 60.0).sin(),
+        |t| (-t / 900.0).exp(),
+        |t| (t * 7.0).sin() * 0.2 + 1.0,
+    ];
+    let names = [
+        ("current", "A"),
+        ("shaft_angle", "rad"),
+        ("shaft_speed", "rad/s"),
+        ("shaft_torque", "N.m"),
+        ("winding_temperature", "degC"),
+        ("stator_temperature", "degC"),
+        ("magnet_temperature", "degC"),
+        ("housing_temperature", "degC"),
+        ("air_outlet_temperature", "degC"),
+        ("air_flow_rate", "m3/s"),
+        ("air_pressure_drop", "Pa"),
+        ("winding_resistance", "Ohm"),
+        ("torque_constant", "N.m/A"),
+        ("power_electrical", "W"),
+        ("power_mechanical", "W"),
+        ("loss_copper", "W"),
+        ("loss_iron", "W"),
+        ("loss_friction", "W"),
+        ("loss_drive", "W"),
+        ("heat_to_ambient", "W"),
+        ("power_balance_error", "W"),
+        ("winding_margin", "K"),
+        ("over_temperature", ""),
+        ("torque_density", "N.m/kg"),
+    ];
+    let columns = names.iter().enumerate().map(|(i, (name, unit))| {
+        let scale = match *unit {
+            "m3/s" => 3e-3,
+            "Pa" => 60.0,
+            "degC" => 20.0 + 9.0 * i as f64,
+            "W" => 10.0 + i as f64,
+            _ => 1.0,
+        };
+        let offset = if *unit == "degC" { 298.15 } else { 0.0 };
+        let celsius = DisplayUnit { name: "degC".to_owned(), factor: 1.0, offset: -273.15, inverse: false };
+        let boolean = unit.is_empty();
+        Column {
+            name: (*name).to_owned(),
+            kind: if boolean { Kind::Boolean } else { Kind::Float64 },
+            unit: Some((*unit).to_owned()),
+            display_unit: (*unit == "degC").then_some(celsius),
+            values: times
+                .iter()
+                .map(|t| {
+                    let y = shapes[i % 4](*t) * scale + offset;
+                    if boolean { f64::from(u8::from(*t > 2000.0)) } else { y }
+                })
+                .collect(),
+        }
+    });
+    let r = Recording {
+        model_name: "AnnulusCooledMotor".to_owned(),
+        columns: columns.collect(),
+        steps: times.len() - 1,
+        times,
+        seconds_wall: 0.0,
+        ended_early: None,
+        messages: Vec::new(),
+    };
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("motor.svg");
+    r.plot_svg(&path).unwrap();
+    let length = std::fs::metadata(&path).unwrap().len();
+    assert!(length < 2_000_000, "{length} bytes");
+}
