@@ -1,1 +1,4 @@
 //! Builds and validates FMU archives.
+
+pub mod build;
+pub mod documentation;

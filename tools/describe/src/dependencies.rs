@@ -27,11 +27,19 @@ impl Dependencies {
         let mut running: Vec<(usize, Vec<usize>)> = outputs.iter().map(|&o| (o, Vec::new())).collect();
         let mut initial = running.clone();
         let mut probe = Probe::default();
-        for combination in combinations(declaration, &choices) {
+        // Inputs of their usual size and a thousand times smaller: what saturates at one moves at the other.
+        let points =
+            combinations(declaration, &choices).into_iter().flat_map(|c| [(c.clone(), 1.0), (c, 1e-3)]);
+        for (combination, scale) in points {
             let mut model = (kind.new)();
             for &k in &knowns {
                 let entry = &declaration.entries[k];
-                model.set(entry.slot, probe.generic(entry));
+                let share = if entry.row.causality == Causality::Input && entry.row.start == 0.0 {
+                    scale
+                } else {
+                    1.0
+                };
+                model.set(entry.slot, share * probe.generic(entry));
             }
             for &(k, value) in &combination {
                 model.set(declaration.entries[k].slot, value);
@@ -94,7 +102,7 @@ fn note(
         let moves: Vec<f64> = match entry.row.kind {
             Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
             Kind::Boolean => vec![0.0, 1.0],
-            Kind::Real => (0..2).map(|_| probe.generic(entry)).collect(),
+            Kind::Real => vec![probe.generic(entry), probe.generic(entry), entry.row.min, entry.row.max],
         };
         for value in moves {
             let mut model = point();

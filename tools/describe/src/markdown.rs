@@ -3,47 +3,70 @@
 use crate::preset::StartValues;
 use crate::xml::description;
 use physics::declare::{Causality, Kind};
-use physics::model::ModelType;
+use physics::model::{Entry, ModelType};
 use std::fmt::Write;
+
+/// Headings of the columns of [`Section::rows`].
+pub const COLUMNS: [&str; 6] = ["name", "unit", "start", "limits", "changes", "description"];
+
+/// Variables of one role, as cells of text.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// What they are.
+    pub title: &'static str,
+    /// One row a variable.
+    pub rows: Vec<[String; COLUMNS.len()]>,
+}
+
+/// A model's variables by role.
+pub fn sections(kind: &ModelType, starts: &StartValues) -> Vec<Section> {
+    let roles =
+        [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)];
+    let entries = &(kind.declaration)().entries;
+    roles
+        .into_iter()
+        .map(|(title, role)| {
+            let rows = entries.iter().filter(|e| e.row.causality == role).map(|e| row(e, starts)).collect();
+            Section { title, rows }
+        })
+        .collect()
+}
+
+fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
+    let row = entry.row;
+    let start = match row.kind {
+        _ if row.causality == Causality::Output => String::new(),
+        Kind::Enumeration(t) => {
+            let item = t.items.iter().find(|i| f64::from(i.value) == starts.of(entry));
+            item.map(|i| i.name.to_string()).unwrap_or_default()
+        }
+        _ => starts.of(entry).to_string(),
+    };
+    let limits = match row.kind {
+        Kind::Enumeration(t) => t.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", "),
+        Kind::Boolean => "true, false".to_string(),
+        Kind::Real if row.min.is_finite() => format!("{} ... {}", row.min, row.max),
+        Kind::Real => String::new(),
+    };
+    let unit = if row.kind == Kind::Real { row.unit.name().to_string() } else { String::new() };
+    let changes = format!("{:?}", row.variability).to_lowercase();
+    [entry.name.clone(), unit, start, limits, changes, description(row.doc)]
+}
 
 /// The text of parameters.md.
 pub fn parameters(kind: &ModelType) -> String {
     let declaration = (kind.declaration)();
-    let starts = StartValues::default();
     let mut text = format!("# {}\n\n{}.\n", declaration.name, declaration.description);
-    let sections =
-        [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)];
-    for (title, causality) in sections {
-        let _ = write!(text, "\n## {title}\n\n");
-        text.push_str(
-            "| name | unit | start | limits | changes | description |\n|---|---|---|---|---|---|\n",
+    for section in sections(kind, &StartValues::default()) {
+        let _ = write!(
+            text,
+            "\n## {}\n\n| {} |\n|{}\n",
+            section.title,
+            COLUMNS.join(" | "),
+            "---|".repeat(COLUMNS.len())
         );
-        for entry in declaration.entries.iter().filter(|e| e.row.causality == causality) {
-            let row = entry.row;
-            let start = match row.kind {
-                _ if causality == Causality::Output => String::new(),
-                Kind::Enumeration(t) => t
-                    .items
-                    .iter()
-                    .find(|i| f64::from(i.value) == starts.of(entry))
-                    .map(|i| i.name.to_string())
-                    .unwrap_or_default(),
-                _ => starts.of(entry).to_string(),
-            };
-            let limits = match row.kind {
-                Kind::Enumeration(t) => t.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", "),
-                Kind::Boolean => "true, false".to_string(),
-                Kind::Real if row.min.is_finite() => format!("{} ... {}", row.min, row.max),
-                Kind::Real => String::new(),
-            };
-            let unit = if row.kind == Kind::Real { row.unit.name() } else { "" };
-            let changes = format!("{:?}", row.variability).to_lowercase();
-            let _ = writeln!(
-                text,
-                "| `{}` | {unit} | {start} | {limits} | {changes} | {} |",
-                entry.name,
-                description(row.doc)
-            );
+        for [name, rest @ ..] in section.rows {
+            let _ = writeln!(text, "| `{name}` | {} |", rest.join(" | "));
         }
     }
     text

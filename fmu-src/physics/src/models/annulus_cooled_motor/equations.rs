@@ -255,9 +255,10 @@ impl<'a> Step<'a> {
         ]);
         let [energy_in, energy_out, energy_heat] = state.energy;
         let r = model.motor.resistance(t_w);
-        let electrical = match model.choices.drive_mode {
-            DriveMode::Power => self.inputs.electrical_power,
-            _ => p.voltage * i,
+        let copper = r * i * i;
+        let (electrical, copper) = match model.choices.drive_mode {
+            DriveMode::Power => (self.inputs.electrical_power, copper + self.inputs.electrical_power),
+            _ => (p.voltage * i, copper),
         };
         Outputs {
             current: i,
@@ -272,7 +273,7 @@ impl<'a> Step<'a> {
             torque_constant: model.motor.torque_constant(t_h),
             power_electrical: electrical,
             power_mechanical: p.shaft_torque * w,
-            loss_copper: r * i * i + electrical - p.voltage * i,
+            loss_copper: copper,
             loss_friction: p.drag * w,
             heat_to_ambient: p.to_ambient,
             power_balance_error,

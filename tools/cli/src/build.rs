@@ -1,0 +1,73 @@
+//! `motor-fmu build`: archives of the models.
+
+use crate::Failure;
+use archive::build::{Standard, build, library_path};
+use clap::ValueEnum;
+use describe::{ModelType, Preset, models};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Which standards to build for.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Which {
+    /// FMI 2.0.
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0.
+    #[value(name = "3")]
+    Three,
+    /// Both.
+    Both,
+}
+
+/// Writes <out>/fmi2/<Model>.fmu and <out>/fmi3/<Model>.fmu and validates them.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Models to build; all if none is named.
+    #[arg(value_name = "MODEL")]
+    models: Vec<String>,
+    /// Version of the standard.
+    #[arg(long, value_enum, default_value = "both")]
+    fmi: Which,
+    /// Start values: a built-in preset's name or a TOML file.
+    #[arg(long, value_name = "NAME|FILE")]
+    preset: Option<String>,
+    /// Folder to write to.
+    #[arg(long, value_name = "DIR", default_value = "dist")]
+    out: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<ExitCode, Failure> {
+    let preset = args.preset.as_deref().map(Preset::load).transpose()?;
+    let standards = match args.fmi {
+        Which::Two => &Standard::ALL[..1],
+        Which::Three => &Standard::ALL[1..],
+        Which::Both => &Standard::ALL[..],
+    };
+    let library = library_path()?;
+    let mut paths = Vec::new();
+    for kind in chosen(&args.models, preset.as_ref())? {
+        for standard in standards {
+            let path = build(kind, *standard, preset.as_ref(), &library, &args.out)?;
+            println!("{}", path.display());
+            paths.push(path);
+        }
+    }
+    crate::validate::report(&paths, false)
+}
+
+/// The models that are named; without names those the preset is for, or all.
+fn chosen(names: &[String], preset: Option<&Preset>) -> Result<Vec<&'static ModelType>, Failure> {
+    if names.is_empty() {
+        let fits = |m: &&ModelType| preset.is_none_or(|p| p.model == (m.declaration)().name);
+        return Ok(models::ALL.iter().filter(fits).collect());
+    }
+    let find = |name: &String| {
+        models::by_name(name).ok_or_else(|| {
+            let known: Vec<&str> = models::ALL.iter().map(|m| (m.declaration)().name).collect();
+            Failure::new(format!("{name} is no model; there is {}", known.join(", ")))
+        })
+    };
+    names.iter().map(find).collect()
+}
