@@ -1,1 +1,3 @@
 //! Builds and validates FMU archives.
+
+pub mod validate;
