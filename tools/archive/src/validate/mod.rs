@@ -54,6 +54,11 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
     let mut file = File::open(path).map_err(open)?;
     let directory = directory::read(&mut file).map_err(open)?;
     let Some(directory) = directory else { return Err(unreadable("is not a zip archive".into())) };
+    if directory.spanned {
+        let mut out = Findings::new();
+        zip::check(&directory, &mut out);
+        return Ok(out.into_list());
+    }
     let mut archive = Archive::new(BufReader::new(file))
         .map_err(|e| unreadable(format!("is not a readable zip archive: {e}")))?;
 

@@ -66,7 +66,8 @@ pub(crate) fn check_build(bytes: &[u8], model: &Model, entries: &HashSet<String>
     for configuration in root.children().filter(|c| c.has_tag_name("BuildConfiguration")) {
         let place = xml.place(configuration);
         let Some(identifier) = configuration.attribute("modelIdentifier") else { continue };
-        if !model.interfaces.iter().any(|i| i.attribute("modelIdentifier") == Some(identifier)) {
+        let is_ours = |i: &roxmltree::Node| i.attribute("modelIdentifier") == Some(identifier);
+        if !model.interfaces.is_empty() && !model.interfaces.iter().any(is_ours) {
             let message = format!(
                 "The build configuration is for the modelIdentifier \"{}\", which no interface type has",
                 short(identifier)

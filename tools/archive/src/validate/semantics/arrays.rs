@@ -68,6 +68,7 @@ pub(super) fn size(model: &Model, v: &Variable) -> Option<u128> {
             Some(start) => parse_integer(start),
             None => unsigned(d, "valueReference")
                 .and_then(|r| model.resolve(r))
+                .filter(|i| model.variables[*i].kind == Kind::UInt64)
                 .and_then(|i| model.variables[i].typed.attribute("start"))
                 .and_then(parse_integer),
         };

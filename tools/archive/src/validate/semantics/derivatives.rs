@@ -14,10 +14,10 @@ use crate::validate::schema::types::parse_integer;
 const HIGHEST_ORDER: usize = 64;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
-    let units: HashMap<&str, Node> = children(model.root, "UnitDefinitions")
-        .flat_map(|list| children(list, "Unit"))
-        .filter_map(|u| Some((u.attribute("name")?, u)))
-        .collect();
+    let mut units: HashMap<&str, Node> = HashMap::new();
+    for unit in children(model.root, "UnitDefinitions").flat_map(|list| children(list, "Unit")) {
+        unit.attribute("name").map(|name| units.entry(name).or_insert(unit));
+    }
     for (i, v) in model.variables.iter().enumerate() {
         check_attribute(model, i, v, out);
     }
@@ -204,8 +204,11 @@ fn check_unlisted(model: &Model, out: &mut Findings) {
         return;
     }
     let states = model.states();
-    for v in &model.variables {
+    for (index, v) in model.variables.iter().enumerate() {
         let Some(target) = model.state_of(v).filter(|t| !states[*t]) else { continue };
+        if is_on_cycle(model, index) || is_on_cycle(model, target) {
+            continue;
+        }
         let state = &model.variables[target];
         if v.causality == "local" && state.causality == "local" && state.variability == "continuous" {
             let message = format!(

@@ -37,8 +37,13 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
                 out.add(&rules::UNKNOWN_REPEATED, place, message);
                 continue;
             }
-            let initial = list == "initial unknowns";
-            check_dependencies(model, unknown, &model.variables[index], initial, &states, out);
+            let knowns = match list {
+                "initial unknowns" => Knowns::Initial,
+                "outputs" | "state derivatives" => Knowns::Running(&states),
+                // The standard gives no list of knowns for the others.
+                _ => Knowns::Any,
+            };
+            check_dependencies(model, unknown, &model.variables[index], knowns, out);
         }
     }
     check_outputs(model, out);
@@ -80,14 +85,17 @@ fn check_event_indicators(model: &Model, out: &mut Findings) {
     }
 }
 
-fn check_dependencies(
-    model: &Model,
-    unknown: &Unknown,
-    v: &Variable,
-    initial: bool,
-    states: &[bool],
-    out: &mut Findings,
-) {
+/// Which variables an unknown may depend on.
+#[derive(Clone, Copy)]
+enum Knowns<'a> {
+    /// In initialisation mode.
+    Initial,
+    /// Later; with, for each variable, whether it is a continuous state.
+    Running(&'a [bool]),
+    Any,
+}
+
+fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Knowns, out: &mut Findings) {
     let place = model.place(unknown.node);
     let kinds: Option<Vec<&str>> =
         unknown.node.attribute("dependenciesKind").map(|k| k.split_ascii_whitespace().collect());
@@ -103,7 +111,7 @@ fn check_dependencies(
     };
     let written = text.split_ascii_whitespace().count();
     if let Some(kinds) = &kinds {
-        check_kinds(v, kinds, written, initial, &place, out);
+        check_kinds(v, kinds, written, matches!(knowns, Knowns::Initial), &place, out);
     }
     let dependencies = unsigned_list(text);
     if model.version == Version::Fmi2 && !dependencies.is_sorted() {
@@ -134,9 +142,12 @@ fn check_dependencies(
             continue;
         };
         let known = &model.variables[index];
-        let is_known = if initial { is_initial_known(known) } else { is_known(known, states[index]) };
+        let (is_known, mode) = match knowns {
+            Knowns::Initial => (is_initial_known(known), "during initialisation"),
+            Knowns::Running(states) => (is_known(known, states[index]), "after initialisation"),
+            Knowns::Any => (true, ""),
+        };
         if !is_known {
-            let mode = if initial { "during initialisation" } else { "after initialisation" };
             let message = format!(
                 "Variable \"{}\" depends on \"{}\", which is {} {} and not among the knowns {mode}",
                 short(v.name),
@@ -179,13 +190,12 @@ fn check_kinds(v: &Variable, kinds: &[&str], written: usize, initial: bool, plac
 /// Discrete-time states are knowns too, and nothing marks them outside the clocked ones; so every discrete variable
 /// passes. Parameters pass in FMI 2 as well: its formulas have them, its list of knowns forgets them.
 fn is_known(v: &Variable, is_state: bool) -> bool {
-    matches!(v.causality, "input" | "parameter" | "structuralParameter" | "independent")
-        || is_state
-        || v.variability == "discrete"
-        || v.kind == Kind::Clock
+    let computed = matches!(v.causality, "output" | "local" | "calculatedParameter");
+    !computed || is_state || v.variability == "discrete" || v.kind == Kind::Clock
 }
 
 /// Knowns in initialisation mode.
 fn is_initial_known(v: &Variable) -> bool {
-    matches!(v.causality, "input" | "independent") || v.initial == Some("exact") || v.kind == Kind::Clock
+    let computed = matches!(v.causality, "output" | "local" | "calculatedParameter");
+    !computed || v.initial == Some("exact") || v.kind == Kind::Clock
 }

@@ -78,7 +78,7 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
         out.add(&rules::CAUSALITY_VARIABILITY, &place, message);
         return;
     }
-    if v.variability == "continuous" && !v.kind.is_float() {
+    if v.variability == "continuous" && !v.kind.is_float() && v.causality != "independent" {
         let floats = if model.version == Version::Fmi2 { "Real" } else { "Float32 and Float64" };
         let message = format!(
             "{} is a {} with variability continuous{by_default}; only {floats} may be continuous",
