@@ -138,13 +138,14 @@ pub(crate) fn check_content(archive: &mut Archive, directory: &Directory, out: &
     for index in 0..archive.len() {
         let name =
             archive.name_for_index(index).and_then(Result::ok).map(|n| n.into_owned()).unwrap_or_default();
+        let is_reported =
+            |e: &RawEntry| e.text() == name && (e.is_encrypted() || ![0, 8].contains(&e.method));
+        if directory.entries.iter().any(is_reported) {
+            continue;
+        }
         let Ok(mut entry) = archive.by_index(index) else {
-            let is_reported =
-                |e: &RawEntry| e.text() == name && (e.is_encrypted() || ![0, 8].contains(&e.method));
-            if !directory.entries.iter().any(is_reported) {
-                let message = format!("The entry \"{}\" cannot be read: its header is damaged", short(&name));
-                out.add(&rules::ENTRY_DAMAGED, &name, message);
-            }
+            let message = format!("The entry \"{}\" cannot be read: its header is damaged", short(&name));
+            out.add(&rules::ENTRY_DAMAGED, &name, message);
             continue;
         };
         let size = entry.size();

@@ -186,7 +186,7 @@ pub const CASES: &[Case] = &[
         "derivative-missing",
         Fmi3,
         r#"<ContinuousStateDerivative valueReference="4""#,
-        r#"<ContinuousStateDerivative valueReference="11"/><ContinuousStateDerivative valueReference="4""#,
+        r#"<ContinuousStateDerivative valueReference="1"/><ContinuousStateDerivative valueReference="4""#,
     ),
     (
         "derivative-not-listed",
