@@ -47,12 +47,11 @@ pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out:
     for system in children(root, "GraphicalRepresentation").flat_map(|g| children(g, "CoordinateSystem")) {
         let corner = |name| double(system, name);
         for (low, high) in [("x1", "x2"), ("y1", "y2")] {
-            if let (Some(a), Some(b)) = (corner(low), corner(high)) {
-                if a >= b {
-                    let message =
-                        format!("{low} = {a} of the coordinate system must be less than {high} = {b}");
-                    out.add(&rules::COORDINATE_SYSTEM, xml.place(system), message);
-                }
+            if let (Some(a), Some(b)) = (corner(low), corner(high))
+                && a >= b
+            {
+                let message = format!("{low} = {a} of the coordinate system must be less than {high} = {b}");
+                out.add(&rules::COORDINATE_SYSTEM, xml.place(system), message);
             }
         }
     }

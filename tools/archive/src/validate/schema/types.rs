@@ -73,7 +73,7 @@ impl Type {
             Type::Integer(_, low, high) => parse_integer(value).is_some_and(|v| (low..=high).contains(&v)),
             Type::Boolean => parse_boolean(value).is_some(),
             Type::DateTime => is_date_time(value),
-            Type::HexBinary => value.len() % 2 == 0 && value.bytes().all(|b| b.is_ascii_hexdigit()),
+            Type::HexBinary => value.len().is_multiple_of(2) && value.bytes().all(|b| b.is_ascii_hexdigit()),
             Type::NonNegative => {
                 let digits = value.strip_prefix('+').unwrap_or(value);
                 let zero =

@@ -64,15 +64,15 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             out.add(&rules::STATE_CAUSALITY, model.place(state.node), message);
         }
         check_unit(model, v, state, &units, out);
-        if let (Some(a), Some(b)) = (arrays::size(model, v), arrays::size(model, state)) {
-            if a != b {
-                let message = format!(
-                    "The state \"{}\" has {b} elements but its derivative \"{}\" has {a}",
-                    short(state.name),
-                    short(v.name)
-                );
-                out.add(&rules::DERIVATIVE_SIZE, &place, message);
-            }
+        if let (Some(a), Some(b)) = (arrays::size(model, v), arrays::size(model, state))
+            && a != b
+        {
+            let message = format!(
+                "The state \"{}\" has {b} elements but its derivative \"{}\" has {a}",
+                short(state.name),
+                short(v.name)
+            );
+            out.add(&rules::DERIVATIVE_SIZE, &place, message);
         }
     }
     check_unlisted(model, out);

@@ -25,14 +25,14 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     if model.root.attribute("modelName").is_some_and(|t| t.trim().is_empty()) {
         out.add(&rules::MODEL_NAME_EMPTY, &place, "The attribute modelName is empty");
     }
-    if let Some(date) = model.root.attribute("generationDateAndTime").filter(|d| Type::DateTime.accepts(d)) {
-        if !(date.len() == 20 && date.ends_with('Z')) {
-            let message = format!(
-                "generationDateAndTime is \"{}\" and should have the form 2026-01-31T12:00:00Z",
-                short(date)
-            );
-            out.add(&rules::DATE_FORM, &place, message);
-        }
+    if let Some(date) = model.root.attribute("generationDateAndTime").filter(|d| Type::DateTime.accepts(d))
+        && !(date.len() == 20 && date.ends_with('Z'))
+    {
+        let message = format!(
+            "generationDateAndTime is \"{}\" and should have the form 2026-01-31T12:00:00Z",
+            short(date)
+        );
+        out.add(&rules::DATE_FORM, &place, message);
     }
     check_experiment(model, out);
     for list in children(model.root, "LogCategories") {
@@ -79,13 +79,14 @@ fn check_experiment(model: &Model, out: &mut Findings) {
         let start = double(node, "startTime").unwrap_or(0.0);
         if let Some(stop) = double(node, "stopTime").filter(|stop| *stop <= start) {
             complain(format!("stopTime {stop} of the default experiment is not after its startTime {start}"));
-        } else if let (Some(stop), Some(step)) = (double(node, "stopTime"), double(node, "stepSize")) {
-            if step > stop - start && step.is_finite() {
-                let message = format!(
-                    "stepSize {step} of the default experiment is longer than the experiment from {start} to {stop}"
-                );
-                out.add(&rules::EXPERIMENT_STEP_LONG, model.place(node), message);
-            }
+        } else if let (Some(stop), Some(step)) = (double(node, "stopTime"), double(node, "stepSize"))
+            && step > stop - start
+            && step.is_finite()
+        {
+            let message = format!(
+                "stepSize {step} of the default experiment is longer than the experiment from {start} to {stop}"
+            );
+            out.add(&rules::EXPERIMENT_STEP_LONG, model.place(node), message);
         }
     }
 }

@@ -30,11 +30,11 @@ fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
             );
         }
     }
-    if let (Some(min), Some(max)) = (min, max) {
-        if min > max {
-            out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", v.label()));
-            return;
-        }
+    if let (Some(min), Some(max)) = (min, max)
+        && min > max
+    {
+        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", v.label()));
+        return;
     }
     for text in v.typed.attribute("start").unwrap_or_default().split_ascii_whitespace() {
         let Some(start) = parse_double(text) else { continue };
@@ -84,11 +84,11 @@ fn check_integers(model: &Model, v: &Variable, out: &mut Findings) {
     let place = model.place(v.typed);
     let limit = |name: &str| model.attribute(v, name).and_then(parse_integer);
     let (min, max) = (limit("min"), limit("max"));
-    if let (Some(min), Some(max)) = (min, max) {
-        if min > max {
-            out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", v.label()));
-            return;
-        }
+    if let (Some(min), Some(max)) = (min, max)
+        && min > max
+    {
+        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", v.label()));
+        return;
     }
     let items: Option<Vec<i128>> = (v.kind == Kind::Enumeration).then_some(()).and_then(|()| {
         let t = model.type_of(v).filter(|t| t.type_name == "Enumeration")?;
