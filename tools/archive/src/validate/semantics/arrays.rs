@@ -42,7 +42,7 @@ fn check_dimension(model: &Model, v: &Variable, dimension: Node, out: &mut Findi
             };
             if size.kind != Kind::UInt64 {
                 complain(format!(
-                    "refers to \"{}\", which is a {}, not a UInt64",
+                    "refers to \"{}\", which is of type {}, not UInt64",
                     short(size.name),
                     size.type_name
                 ));

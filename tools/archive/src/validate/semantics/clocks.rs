@@ -108,9 +108,11 @@ fn check_clocked(model: &Model, v: &Variable, out: &mut Findings) {
             None => {
                 complain(format!("names the clock with value reference {reference}, which no variable has"))
             }
-            Some(c) if c.kind != Kind::Clock => {
-                complain(format!("names \"{}\" as its clock, which is a {}", short(c.name), c.type_name))
-            }
+            Some(c) if c.kind != Kind::Clock => complain(format!(
+                "names \"{}\" as its clock, which is of type {}",
+                short(c.name),
+                c.type_name
+            )),
             Some(_) => {}
         }
     }

@@ -27,7 +27,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let place = model.place(unknown.node);
         if !v.kind.is_float() || v.variability != "continuous" {
             let message = format!(
-                "The state derivative \"{}\" is a {} {}, not a continuous floating point number",
+                "The state derivative \"{}\" is {} of type {}, not a continuous floating point number",
                 short(v.name),
                 v.variability,
                 v.type_name
@@ -98,7 +98,7 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     }
     if !state.kind.is_float() || state.variability != "continuous" {
         let message = format!(
-            "{} is the derivative of \"{}\", which is a {} {} and has no derivative",
+            "{} is the derivative of \"{}\", which is {} of type {} and has no derivative",
             v.label(),
             short(state.name),
             state.variability,

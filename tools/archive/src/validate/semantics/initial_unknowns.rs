@@ -37,7 +37,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if !expected.contains(&i) && !v.clocked && v.kind != Kind::Clock {
             let initial = v.initial.unwrap_or("none");
             let message = format!(
-                "{} is listed among the initial unknowns but is a {} with initial {initial} that does not belong there",
+                "{} is listed among the initial unknowns but does not belong there: its causality is {}, its initial {initial}",
                 v.label(),
                 v.causality
             );

@@ -72,7 +72,7 @@ fn check_event_indicators(model: &Model, out: &mut Findings) {
     for unknown in &model.structure.event_indicators {
         let Some(v) = unknown.variable.map(|i| &model.variables[i]) else { continue };
         let wrong = if !v.kind.is_float() {
-            format!("is a {}, not a floating point number", v.type_name)
+            format!("is of type {}, not a floating point number", v.type_name)
         } else if v.variability != "continuous" {
             format!("has variability {}, not continuous", v.variability)
         } else if !["local", "output"].contains(&v.causality) {
@@ -177,7 +177,7 @@ fn check_kinds(v: &Variable, kinds: &[&str], written: usize, initial: bool, plac
         out.add(&rules::KIND_INITIAL, place, message);
     } else if let Some(kind) = kinds.iter().find(|k| !v.kind.is_float() && **k != "dependent") {
         let message = format!(
-            "{} is a {} and has the dependenciesKind {kind}, which is meant for floating point numbers",
+            "{} is of type {} and has the dependenciesKind {kind}, which is meant for floating point numbers",
             v.label(),
             v.type_name
         );

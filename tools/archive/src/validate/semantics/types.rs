@@ -52,7 +52,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             }
             Some(t) if t.type_name != v.type_name => {
                 let message = format!(
-                    "{} is a {} and cannot have the declared type \"{}\", which is a {}",
+                    "{} is of type {} and cannot have the declared type \"{}\", which defines {}",
                     v.label(),
                     v.type_name,
                     short(declared),

@@ -81,7 +81,7 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
     if v.variability == "continuous" && !v.kind.is_float() && v.causality != "independent" {
         let floats = if model.version == Version::Fmi2 { "Real" } else { "Float32 and Float64" };
         let message = format!(
-            "{} is a {} with variability continuous{by_default}; only {floats} may be continuous",
+            "{} is of type {} with variability continuous{by_default}; only {floats} may be continuous",
             v.label(),
             v.type_name
         );
@@ -155,7 +155,7 @@ fn check_independent(model: &Model, out: &mut Findings) {
     for v in &all {
         if !v.kind.is_float() {
             let message = format!(
-                "{} is the independent variable and must be a floating point number, not a {}",
+                "{} is the independent variable and must be a floating point number, not {}",
                 v.label(),
                 v.type_name
             );
