@@ -1,0 +1,102 @@
+//! What the validator reports, and the list it is collected in.
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+
+use super::model::Version;
+use super::rules::Rule;
+
+/// How grave a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// A breach of the standard or of the FMU's own declarations.
+    Error,
+    /// Doubtful practice: allowed, but a known source of trouble.
+    Warning,
+    /// Information.
+    Note,
+}
+
+/// One thing the validator noticed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// How grave it is.
+    pub severity: Severity,
+    /// The rule's short name, a key into [`super::rules::ALL`].
+    pub code: &'static str,
+    /// Where: `modelDescription.xml:12` or the name of an archive entry.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// One sentence with variable, value, rule and the standard's section.
+    pub message: String,
+}
+
+/// A file with one systematic fault in ten thousand variables is described well enough by this many lines.
+const MOST_PER_RULE: usize = 200;
+
+/// The findings of one run; knows the standard, so that each message can end with its section.
+pub(crate) struct Findings {
+    pub(crate) version: Version,
+    list: Vec<Finding>,
+    counts: HashMap<&'static str, usize>,
+}
+
+impl Findings {
+    pub(crate) fn new() -> Self {
+        Findings { version: Version::Fmi3, list: Vec::new(), counts: HashMap::new() }
+    }
+
+    /// Adds a finding; `message` is a sentence without its full stop.
+    pub(crate) fn add(&mut self, rule: &'static Rule, place: impl Into<String>, message: impl AsRef<str>) {
+        let count = self.counts.entry(rule.code).or_insert(0);
+        *count += 1;
+        if *count > MOST_PER_RULE {
+            return;
+        }
+        let (standard, section) = match self.version {
+            Version::Fmi2 => ("FMI 2.0", rule.fmi2),
+            Version::Fmi3 => ("FMI 3.0", rule.fmi3),
+        };
+        let reference =
+            if section.is_empty() { String::new() } else { format!(" ({standard}, section {section})") };
+        self.list.push(Finding {
+            severity: rule.severity,
+            code: rule.code,
+            place: place.into(),
+            message: format!("{}{reference}.", message.as_ref()),
+        });
+    }
+
+    /// Whether any error has been found so far.
+    pub(crate) fn any_error(&self) -> bool {
+        self.list.iter().any(|f| f.severity == Severity::Error)
+    }
+
+    /// The list, with a last line for each rule that was broken too often to show every case.
+    pub(crate) fn into_list(mut self) -> Vec<Finding> {
+        let mut cut: Vec<_> = self.counts.into_iter().filter(|(_, n)| *n > MOST_PER_RULE).collect();
+        cut.sort_unstable();
+        for (code, count) in cut {
+            let severity = self.list.iter().find(|f| f.code == code).map_or(Severity::Note, |f| f.severity);
+            self.list.push(Finding {
+                severity,
+                code,
+                place: String::new(),
+                message: format!("{} more findings of this kind are not listed.", count - MOST_PER_RULE),
+            });
+        }
+        self.list
+    }
+}
+
+/// Shortens a text from the file so that a message stays one readable line.
+pub(crate) fn short(text: &str) -> String {
+    const MOST: usize = 80;
+    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
+    if text.chars().nth(MOST).is_some() {
+        out.push_str("...");
+    }
+    out
+}

@@ -1,0 +1,149 @@
+//! Checks an FMU without loading it: the archive, the XML files against the schemas of the standards, and the rules
+//! that only the text of the standards states.
+//!
+//! Any FMU of FMI 2.0 or 3.0 is judged alike. [`rules::ALL`] lists every rule; a breach of the standard or of the
+//! FMU's own declarations is an error, doubtful practice a warning.
+
+mod binaries;
+mod directory;
+mod finding;
+mod layout;
+mod model;
+pub mod rules;
+mod schema;
+mod semantics;
+mod sources;
+mod symbols;
+mod terminals;
+mod xml;
+mod zip;
+
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+pub use self::finding::{Finding, Severity};
+use self::finding::{Findings, short};
+use self::model::{Model, Version};
+use self::xml::Xml;
+use self::zip::Archive;
+
+/// The file is not an archive that could be checked at all.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {reason}")]
+pub struct Unreadable {
+    path: String,
+    reason: String,
+}
+
+/// A model description larger than this is an attack or a mistake.
+const LARGEST_XML: u64 = 512 << 20;
+const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+
+/// Runs every check that needs no loading of the FMU.
+///
+/// # Errors
+/// [`Unreadable`] when the file cannot be opened or is no zip archive.
+pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
+    let unreadable = |reason: String| Unreadable { path: path.display().to_string(), reason };
+    let open = |e: std::io::Error| unreadable(format!("cannot be read: {e}"));
+    if path.is_dir() {
+        return Err(unreadable("is a folder, not an FMU archive".into()));
+    }
+    let mut file = File::open(path).map_err(open)?;
+    let directory = directory::read(&mut file).map_err(open)?;
+    let Some(directory) = directory else { return Err(unreadable("is not a zip archive".into())) };
+    if directory.spanned {
+        let mut out = Findings::new();
+        zip::check(&directory, &mut out);
+        return Ok(out.into_list());
+    }
+    let mut archive = Archive::new(BufReader::new(file))
+        .map_err(|e| unreadable(format!("is not a readable zip archive: {e}")))?;
+
+    let mut out = Findings::new();
+    let description = zip::read(&mut archive, MODEL_DESCRIPTION, LARGEST_XML);
+    if let Some(bytes) = &description {
+        // The archive's rules, too, cite the section of the right standard.
+        out.version = guess_version(bytes);
+    }
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("fmu")) {
+        out.add(&rules::EXTENSION, "archive", "The name of the archive does not end in .fmu");
+    }
+    zip::check(&directory, &mut out);
+    zip::check_content(&mut archive, &directory, &mut out);
+    let entries: HashSet<String> = directory.entries.iter().map(|e| e.text()).collect();
+    match description {
+        Some(bytes) => check_description(&bytes, &mut archive, &entries, &mut out),
+        None if entries.contains(MODEL_DESCRIPTION) => {
+            if !out.any_error() {
+                let message = format!("{MODEL_DESCRIPTION} cannot be read from the archive");
+                out.add(&rules::DESCRIPTION_MISSING, MODEL_DESCRIPTION, message);
+            }
+        }
+        None => {
+            let suffix = format!("/{MODEL_DESCRIPTION}");
+            let elsewhere =
+                directory.entries.iter().map(|e| e.text()).find(|e| e.replace('\\', "/").ends_with(&suffix));
+            let hint = elsewhere.map(|e| format!("; it is at \"{}\"", short(&e))).unwrap_or_default();
+            out.add(
+                &rules::DESCRIPTION_MISSING,
+                "archive",
+                format!("The archive has no {MODEL_DESCRIPTION} at its root{hint}"),
+            );
+        }
+    }
+    Ok(out.into_list())
+}
+
+/// A first look for the version, before the file is parsed.
+fn guess_version(bytes: &[u8]) -> Version {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+    let version =
+        head.split_once("fmiVersion").map_or("", |(_, rest)| rest).trim_start_matches([' ', '=', '"', '\'']);
+    if version.starts_with('2') { Version::Fmi2 } else { Version::Fmi3 }
+}
+
+fn check_description(bytes: &[u8], archive: &mut Archive, entries: &HashSet<String>, out: &mut Findings) {
+    let Some(xml) = Xml::parse(MODEL_DESCRIPTION, bytes, out) else { return };
+    let root = xml.root();
+    let version = match root.attribute("fmiVersion") {
+        Some("2.0") => Version::Fmi2,
+        Some(v) if v.starts_with("3.") => {
+            if v != "3.0" {
+                let message =
+                    format!("fmiVersion is \"{}\"; the file is checked by the rules of 3.0", short(v));
+                out.add(&rules::VERSION_NEWER, xml.place(root), message);
+            }
+            Version::Fmi3
+        }
+        Some(v) => {
+            let message = format!("fmiVersion is \"{}\", which is neither 2.0 nor 3.0", short(v));
+            out.add(&rules::VERSION, xml.place(root), message);
+            return;
+        }
+        // The schema rules report the missing attribute; its neighbours tell which schema was meant.
+        None if root.attribute("guid").is_some() => Version::Fmi2,
+        None => Version::Fmi3,
+    };
+    out.version = version;
+    let table = match version {
+        Version::Fmi2 => &schema::fmi2::MODEL_DESCRIPTION,
+        Version::Fmi3 => &schema::fmi3::MODEL_DESCRIPTION,
+    };
+    if !schema::check(&xml, table, out) {
+        return;
+    }
+    let model = Model::read(&xml, version);
+    semantics::check(&model, out);
+    layout::check(&model, entries, out);
+    sources::check(&model, entries, out);
+    if let Some(bytes) = zip::read(archive, sources::FILE, LARGEST_XML) {
+        sources::check_build(&bytes, &model, entries, out);
+    }
+    if let Some(bytes) = zip::read(archive, terminals::FILE, LARGEST_XML) {
+        terminals::check(&bytes, &model, entries, out);
+    }
+    binaries::check(archive, &model, entries, out);
+}

@@ -1,0 +1,233 @@
+//! The FMI schema files as tables, and the one walker that holds a document against them.
+//!
+//! The tables say what the XSDs of the standards say: which attributes, of which type, which children, in which
+//! order and how often. Every content model of the FMI schemas is a sequence of slots; a slot is one element or a
+//! choice of elements, repeated within limits. That is all the walker needs to know.
+
+pub(crate) mod build;
+pub(crate) mod fmi2;
+pub(crate) mod fmi3;
+mod fmi3_variables;
+pub(crate) mod terminals;
+pub(crate) mod types;
+
+use roxmltree::Node;
+
+use self::types::Type;
+use super::finding::{Findings, short};
+use super::rules;
+use super::xml::Xml;
+
+/// An element of a schema.
+pub(crate) struct Element {
+    name: &'static str,
+    attributes: &'static [&'static [Attribute]],
+    /// `xs:anyAttribute`: attributes that the table does not know are allowed.
+    any_attribute: bool,
+    content: Content,
+}
+
+/// What may stand inside an element.
+enum Content {
+    /// A sequence of slots.
+    Slots(&'static [Slot]),
+    /// Anything, with at most so many child elements.
+    Any(usize),
+}
+
+/// One place of a sequence: an element, or a choice of elements.
+pub(crate) struct Slot {
+    choices: &'static [&'static Element],
+    least: usize,
+    most: usize,
+}
+
+/// An attribute of a schema.
+pub(crate) struct Attribute {
+    name: &'static str,
+    kind: Type,
+    required: bool,
+}
+
+const UNBOUNDED: usize = usize::MAX;
+const INSTANCE_NAMESPACE: &str = "http://www.w3.org/2001/XMLSchema-instance";
+
+const fn required(name: &'static str, kind: Type) -> Attribute {
+    Attribute { name, kind, required: true }
+}
+
+const fn optional(name: &'static str, kind: Type) -> Attribute {
+    Attribute { name, kind, required: false }
+}
+
+const fn element(
+    name: &'static str,
+    attributes: &'static [&'static [Attribute]],
+    slots: &'static [Slot],
+) -> Element {
+    Element { name, attributes, any_attribute: false, content: Content::Slots(slots) }
+}
+
+const fn maybe(choices: &'static [&'static Element]) -> Slot {
+    Slot { choices, least: 0, most: 1 }
+}
+
+const fn once(choices: &'static [&'static Element]) -> Slot {
+    Slot { choices, least: 1, most: 1 }
+}
+
+const fn any_number(choices: &'static [&'static Element]) -> Slot {
+    Slot { choices, least: 0, most: UNBOUNDED }
+}
+
+const fn at_least_one(choices: &'static [&'static Element]) -> Slot {
+    Slot { choices, least: 1, most: UNBOUNDED }
+}
+
+/// Checks a whole document whose root must be `root`; false when the root is something else.
+pub(crate) fn check(xml: &Xml, root: &'static Element, out: &mut Findings) -> bool {
+    let node = xml.root();
+    if node.tag_name().name() != root.name || node.tag_name().namespace().is_some() {
+        let space = node
+            .tag_name()
+            .namespace()
+            .map(|n| format!(" in the namespace \"{}\"", short(n)))
+            .unwrap_or_default();
+        let message = format!(
+            "The root element is <{}>{space} instead of <{}>",
+            short(node.tag_name().name()),
+            root.name
+        );
+        out.add(&rules::XSD_ROOT, xml.place(node), message);
+        return false;
+    }
+    walk(xml, node, root, out);
+    true
+}
+
+fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
+    check_attributes(xml, node, element, out);
+    let slots = match element.content {
+        Content::Any(most) => {
+            let count = node.children().filter(Node::is_element).count();
+            if count > most {
+                let message =
+                    format!("<{}> has {count} child elements, at most {most} is allowed", element.name);
+                out.add(&rules::XSD_ELEMENT_REPEATED, xml.place(node), message);
+            }
+            return;
+        }
+        Content::Slots(slots) => slots,
+    };
+    let mut counts = vec![0_usize; slots.len()];
+    let mut cursor = 0;
+    for child in node.children() {
+        if child.is_text()
+            && child.text().is_some_and(|t| !t.trim_matches([' ', '\t', '\n', '\r']).is_empty())
+        {
+            let message = format!(
+                "<{}> contains the text \"{}\", but only elements are allowed",
+                element.name,
+                short(child.text().unwrap_or_default().trim())
+            );
+            out.add(&rules::XSD_TEXT, xml.place(child), message);
+        }
+        if !child.is_element() {
+            continue;
+        }
+        let name = child.tag_name().name();
+        let found = slots.iter().enumerate().find_map(|(i, slot)| {
+            let known =
+                slot.choices.iter().find(|e| e.name == name && child.tag_name().namespace().is_none());
+            known.map(|e| (i, *e))
+        });
+        let Some((index, known)) = found else {
+            let message = format!("The element <{}> is not allowed in <{}>", short(name), element.name);
+            out.add(&rules::XSD_ELEMENT_UNKNOWN, xml.place(child), message);
+            continue;
+        };
+        counts[index] += 1;
+        if index < cursor {
+            let after: Vec<_> = slots[cursor].choices.iter().map(|e| e.name).collect();
+            let message =
+                format!("The element <{name}> must stand before <{}> in <{}>", after.join("|"), element.name);
+            out.add(&rules::XSD_ELEMENT_ORDER, xml.place(child), message);
+        }
+        cursor = cursor.max(index);
+        if counts[index] == slots[index].most.saturating_add(1) {
+            let message = format!(
+                "The element <{name}> occurs too often in <{}>: at most {} allowed",
+                element.name, slots[index].most
+            );
+            out.add(&rules::XSD_ELEMENT_REPEATED, xml.place(child), message);
+        }
+        walk(xml, child, known, out);
+    }
+    for (slot, count) in slots.iter().zip(&counts) {
+        if *count < slot.least {
+            let names: Vec<_> = slot.choices.iter().map(|e| format!("<{}>", e.name)).collect();
+            let message = format!("<{}> must contain {}", element.name, names.join(" or "));
+            out.add(&rules::XSD_ELEMENT_MISSING, xml.place(node), message);
+        }
+    }
+}
+
+fn check_attributes(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
+    let known = || element.attributes.iter().flat_map(|group| group.iter());
+    for attribute in node.attributes() {
+        let name = attribute.name();
+        match attribute.namespace() {
+            Some(INSTANCE_NAMESPACE) => continue,
+            Some(_) if element.any_attribute || matches!(element.content, Content::Any(_)) => continue,
+            Some(space) => {
+                let message = format!(
+                    "The attribute \"{}\" of the namespace \"{}\" is not allowed in <{}>",
+                    short(name),
+                    short(space),
+                    element.name
+                );
+                out.add(&rules::XSD_ATTRIBUTE_UNKNOWN, xml.place(node), message);
+                continue;
+            }
+            None => {}
+        }
+        match known().find(|a| a.name == name) {
+            Some(a) if !a.kind.accepts(attribute.value()) => {
+                let label = node
+                    .attribute("name")
+                    .filter(|_| name != "name")
+                    .map(|n| format!(" of \"{}\"", short(n)))
+                    .unwrap_or_default();
+                let message = format!(
+                    "The value \"{}\" of the attribute \"{name}\" in <{}>{label} is not {}",
+                    short(attribute.value()),
+                    element.name,
+                    a.kind.describe()
+                );
+                out.add(&rules::XSD_ATTRIBUTE_VALUE, xml.place(node), message);
+            }
+            Some(_) => {}
+            // No type at all in the schema: nothing to say.
+            None if element.any_attribute && matches!(element.content, Content::Any(_)) => {}
+            None if element.any_attribute => {
+                let message = format!(
+                    "<{}> has the attribute \"{}\", which is not a capability flag of the standard and has no namespace",
+                    element.name,
+                    short(name)
+                );
+                out.add(&rules::CAPABILITY_UNKNOWN, xml.place(node), message);
+            }
+            None => {
+                let message =
+                    format!("The attribute \"{}\" is not allowed in <{}>", short(name), element.name);
+                out.add(&rules::XSD_ATTRIBUTE_UNKNOWN, xml.place(node), message);
+            }
+        }
+    }
+    for a in known().filter(|a| a.required && node.attribute(a.name).is_none()) {
+        let label = node.attribute("name").map(|n| format!(" \"{}\"", short(n))).unwrap_or_default();
+        let message =
+            format!("The element <{}>{label} lacks the required attribute \"{}\"", element.name, a.name);
+        out.add(&rules::XSD_ATTRIBUTE_MISSING, xml.place(node), message);
+    }
+}

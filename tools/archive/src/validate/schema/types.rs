@@ -1,0 +1,228 @@
+//! The simple types of XML Schema that the FMI files use.
+
+/// A simple type.
+#[derive(Clone, Copy)]
+pub(crate) enum Type {
+    /// xs:string and xs:normalizedString: any text is valid (white space is replaced, not refused).
+    Text,
+    /// xs:double.
+    Double,
+    /// xs:float; the same written forms as xs:double.
+    Float,
+    /// An integer type with its name and limits.
+    Integer(&'static str, i128, i128),
+    /// xs:boolean.
+    Boolean,
+    /// xs:dateTime.
+    DateTime,
+    /// xs:hexBinary.
+    HexBinary,
+    /// xs:nonNegativeInteger: without an upper limit.
+    NonNegative,
+    /// One of these words.
+    Words(&'static [&'static str]),
+    /// A white-space separated list.
+    List(&'static Type),
+    /// `3.0`, `3.1.2`, `3.0-beta.1`.
+    Version3,
+}
+
+/// xs:byte.
+pub(crate) const BYTE: Type = Type::Integer("xs:byte", i8::MIN as i128, i8::MAX as i128);
+/// xs:unsignedByte.
+pub(crate) const UNSIGNED_BYTE: Type = Type::Integer("xs:unsignedByte", 0, u8::MAX as i128);
+/// xs:short.
+pub(crate) const SHORT: Type = Type::Integer("xs:short", i16::MIN as i128, i16::MAX as i128);
+/// xs:unsignedShort.
+pub(crate) const UNSIGNED_SHORT: Type = Type::Integer("xs:unsignedShort", 0, u16::MAX as i128);
+/// xs:int.
+pub(crate) const INT: Type = Type::Integer("xs:int", i32::MIN as i128, i32::MAX as i128);
+/// xs:unsignedInt.
+pub(crate) const UNSIGNED_INT: Type = Type::Integer("xs:unsignedInt", 0, u32::MAX as i128);
+/// xs:long.
+pub(crate) const LONG: Type = Type::Integer("xs:long", i64::MIN as i128, i64::MAX as i128);
+/// xs:unsignedLong.
+pub(crate) const UNSIGNED_LONG: Type = Type::Integer("xs:unsignedLong", 0, u64::MAX as i128);
+
+impl Type {
+    /// What a value of this type is, for a message.
+    pub(crate) fn describe(self) -> String {
+        match self {
+            Type::Text => "a text".into(),
+            Type::Double => "an xs:double".into(),
+            Type::Float => "an xs:float".into(),
+            Type::Integer(name, low, high) => format!("an {name} ({low} to {high})"),
+            Type::Boolean => "an xs:boolean (true, false, 1 or 0)".into(),
+            Type::DateTime => "an xs:dateTime such as 2026-01-31T12:00:00Z".into(),
+            Type::HexBinary => "an xs:hexBinary (pairs of hexadecimal digits)".into(),
+            Type::NonNegative => "an xs:nonNegativeInteger".into(),
+            Type::Words(words) => format!("one of {}", words.join(", ")),
+            Type::List(item) => format!("a list, each item {}", item.describe()),
+            Type::Version3 => "a version such as 3.0".into(),
+        }
+    }
+
+    /// Whether `text` is a valid written form.
+    pub(crate) fn accepts(self, text: &str) -> bool {
+        // All but text and words collapse white space.
+        let value = text.trim_matches([' ', '\t', '\n', '\r']);
+        match self {
+            Type::Text => true,
+            Type::Words(words) => words.contains(&text),
+            Type::Double | Type::Float => parse_double(value).is_some(),
+            Type::Integer(_, low, high) => parse_integer(value).is_some_and(|v| (low..=high).contains(&v)),
+            Type::Boolean => parse_boolean(value).is_some(),
+            Type::DateTime => is_date_time(value),
+            Type::HexBinary => value.len().is_multiple_of(2) && value.bytes().all(|b| b.is_ascii_hexdigit()),
+            Type::NonNegative => {
+                let digits = value.strip_prefix('+').unwrap_or(value);
+                let zero =
+                    value.strip_prefix('-').is_some_and(|d| !d.is_empty() && d.bytes().all(|b| b == b'0'));
+                zero || !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())
+            }
+            Type::List(item) => value.split_ascii_whitespace().all(|part| item.accepts(part)),
+            Type::Version3 => is_version3(text),
+        }
+    }
+}
+
+/// Reads an xs:double; unlike Rust it knows `INF` but neither `inf`, `infinity` nor `nan`.
+pub(crate) fn parse_double(text: &str) -> Option<f64> {
+    let text = text.trim_matches([' ', '\t', '\n', '\r']);
+    match text {
+        "INF" | "+INF" => Some(f64::INFINITY),
+        "-INF" => Some(f64::NEG_INFINITY),
+        "NaN" => Some(f64::NAN),
+        _ if text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b)) => text.parse().ok(),
+        _ => None,
+    }
+}
+
+/// Reads an integer of any XML Schema type.
+pub(crate) fn parse_integer(text: &str) -> Option<i128> {
+    let text = text.trim_matches([' ', '\t', '\n', '\r']);
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    // Leading zeros are allowed in any number.
+    let significant = digits.trim_start_matches('0');
+    let value: i128 = if significant.is_empty() { 0 } else { significant.parse().ok()? };
+    Some(if text.starts_with('-') { -value } else { value })
+}
+
+/// Reads an xs:boolean.
+pub(crate) fn parse_boolean(text: &str) -> Option<bool> {
+    match text.trim_matches([' ', '\t', '\n', '\r']) {
+        "true" | "1" => Some(true),
+        "false" | "0" => Some(false),
+        _ => None,
+    }
+}
+
+fn is_version3(text: &str) -> bool {
+    let number =
+        |s: &str| s == "0" || !s.starts_with('0') && !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
+    let (numbers, label) = text.split_once('-').map_or((text, None), |(n, l)| (n, Some(l)));
+    let parts: Vec<_> = numbers.split('.').collect();
+    label != Some("")
+        && (2..=3).contains(&parts.len())
+        && parts[0] == "3"
+        && parts[1..].iter().all(|p| number(p))
+}
+
+fn is_date_time(text: &str) -> bool {
+    let text = text.strip_prefix('-').unwrap_or(text);
+    let Some((date, time)) = text.split_once('T') else { return false };
+    let parts: Vec<_> = date.split('-').collect();
+    let [year, month, day] = parts[..] else { return false };
+    let fixed = |s: &str, low: u32, high: u32| {
+        s.len() == 2
+            && s.bytes().all(|b| b.is_ascii_digit())
+            && s.parse().is_ok_and(|v: u32| (low..=high).contains(&v))
+    };
+    let year_ok = year.len() >= 4
+        && year.bytes().all(|b| b.is_ascii_digit())
+        && (year.len() == 4 || !year.starts_with('0'));
+    let leap = year
+        .get(year.len().saturating_sub(4)..)
+        .and_then(|y| y.parse::<u32>().ok())
+        .is_some_and(|y| y % 4 == 0 && (y % 100 != 0 || y % 400 == 0));
+    let longest = match month {
+        "02" if leap => 29,
+        "02" => 28,
+        "04" | "06" | "09" | "11" => 30,
+        _ => 31,
+    };
+    let (clock, zone) = match time.find(['Z', '+', '-']) {
+        Some(i) => time.split_at(i),
+        None => (time, ""),
+    };
+    let zone_ok = zone.is_empty()
+        || zone == "Z"
+        || zone[1..]
+            .split_once(':')
+            .is_some_and(|(h, m)| fixed(h, 0, 14) && fixed(m, 0, 59) && (h != "14" || m == "00"));
+    let (whole, fraction) = clock.split_once('.').map_or((clock, "0"), |(w, f)| (w, f));
+    let hms: Vec<_> = whole.split(':').collect();
+    let [h, m, s] = hms[..] else { return false };
+    let midnight = h == "24" && m == "00" && s == "00" && fraction.bytes().all(|b| b == b'0');
+    let clock_ok = midnight || fixed(h, 0, 23) && fixed(m, 0, 59) && fixed(s, 0, 59);
+    let fraction_ok = !fraction.is_empty() && fraction.bytes().all(|b| b.is_ascii_digit());
+    year_ok && fixed(month, 1, 12) && fixed(day, 1, longest) && clock_ok && fraction_ok && zone_ok
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn written_forms_follow_xml_schema() {
+        for good in ["1", "-1.5e-3", ".5", "5.", "INF", "-INF", "NaN", " 1 "] {
+            assert!(Type::Double.accepts(good), "{good}");
+        }
+        for bad in ["", "inf", "nan", "infinity", "1,5", "0x10", "1e", "--1", "1_000"] {
+            assert!(!Type::Double.accepts(bad), "{bad}");
+        }
+        assert!(
+            INT.accepts("+0000000000000000000000000000000000000000000000000007")
+                && INT.accepts("-2147483648")
+        );
+        assert!(!INT.accepts("2147483648") && !INT.accepts("1.0") && !UNSIGNED_INT.accepts("-1"));
+        assert!(Type::Boolean.accepts("1") && !Type::Boolean.accepts("True"));
+        assert!(
+            Type::HexBinary.accepts("") && Type::HexBinary.accepts("0aF1") && !Type::HexBinary.accepts("abc")
+        );
+        assert!(Type::List(&UNSIGNED_INT).accepts("") && Type::List(&UNSIGNED_INT).accepts("1 2\n3"));
+        for good in ["3.0", "3.1", "3.0.2", "3.0-beta.1"] {
+            assert!(Type::Version3.accepts(good), "{good}");
+        }
+        for bad in ["3", "2.0", "3.00", "3.0.1.2", "3.0-", " 3.0"] {
+            assert!(!Type::Version3.accepts(bad), "{bad}");
+        }
+    }
+
+    #[test]
+    fn dates_follow_xml_schema() {
+        for good in [
+            "2026-02-28T12:00:00Z",
+            "2024-02-29T00:00:00",
+            "2026-01-01T24:00:00Z",
+            "2026-01-01T01:02:03.5+14:00",
+        ] {
+            assert!(Type::DateTime.accepts(good), "{good}");
+        }
+        for bad in [
+            "2026-02-29T12:00:00Z",
+            "2026-13-01T00:00:00Z",
+            "2026-01-01 00:00:00Z",
+            "2026-01-01",
+            "2026-01-01T25:00:00Z",
+            "2026-01-01T00:00Z",
+            "2026-01-01T00:00:00+1",
+            "é",
+        ] {
+            assert!(!Type::DateTime.accepts(bad), "{bad}");
+        }
+    }
+}

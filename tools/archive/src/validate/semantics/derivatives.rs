@@ -1,0 +1,222 @@
+//! Continuous states and their derivatives.
+
+use std::collections::HashMap;
+
+use roxmltree::Node;
+
+use super::arrays;
+use crate::validate::finding::{Findings, short};
+use crate::validate::model::{Model, Variable, Version, children, double};
+use crate::validate::rules;
+use crate::validate::schema::types::parse_integer;
+
+/// No equation of motion has more time derivatives than this.
+const HIGHEST_ORDER: usize = 64;
+
+pub(super) fn check(model: &Model, out: &mut Findings) {
+    let mut units: HashMap<&str, Node> = HashMap::new();
+    for unit in children(model.root, "UnitDefinitions").flat_map(|list| children(list, "Unit")) {
+        unit.attribute("name").map(|name| units.entry(name).or_insert(unit));
+    }
+    for (i, v) in model.variables.iter().enumerate() {
+        check_attribute(model, i, v, out);
+    }
+    let mut derivative_of: HashMap<usize, &str> = HashMap::new();
+    for unknown in &model.structure.derivatives {
+        let Some(v) = unknown.variable.map(|i| &model.variables[i]) else { continue };
+        let place = model.place(unknown.node);
+        if !v.kind.is_float() || v.variability != "continuous" {
+            let message = format!(
+                "The state derivative \"{}\" is {} of type {}, not a continuous floating point number",
+                short(v.name),
+                v.variability,
+                v.type_name
+            );
+            out.add(&rules::DERIVATIVE_NOT_CONTINUOUS, &place, message);
+            continue;
+        }
+        if v.typed.attribute("derivative").is_none() {
+            let message = format!(
+                "The state derivative \"{}\" has no attribute derivative, so its state is not known",
+                short(v.name)
+            );
+            out.add(&rules::DERIVATIVE_MISSING, &place, message);
+            continue;
+        }
+        let Some(index) = model.state_of(v) else { continue };
+        let state = &model.variables[index];
+        if let Some(first) = derivative_of.insert(index, v.name) {
+            let message = format!(
+                "The variables \"{}\" and \"{}\" are both listed as derivative of the state \"{}\"",
+                short(first),
+                short(v.name),
+                short(state.name)
+            );
+            out.add(&rules::STATE_REPEATED, &place, message);
+            continue;
+        }
+        if !["local", "output"].contains(&state.causality) {
+            let message = format!(
+                "The continuous state \"{}\" has causality {}; it must be local or output",
+                short(state.name),
+                state.causality
+            );
+            out.add(&rules::STATE_CAUSALITY, model.place(state.node), message);
+        }
+        check_unit(model, v, state, &units, out);
+        if let (Some(a), Some(b)) = (arrays::size(model, v), arrays::size(model, state))
+            && a != b
+        {
+            let message = format!(
+                "The state \"{}\" has {b} elements but its derivative \"{}\" has {a}",
+                short(state.name),
+                short(v.name)
+            );
+            out.add(&rules::DERIVATIVE_SIZE, &place, message);
+        }
+    }
+    check_unlisted(model, out);
+}
+
+fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings) {
+    let Some(reference) = v.derivative else { return };
+    let place = model.place(v.typed);
+    let Some(target) = model.state_of(v) else {
+        let message = format!(
+            "{} is the derivative of {} {reference}, which no variable has",
+            v.label(),
+            model.reference_word()
+        );
+        out.add(&rules::DERIVATIVE_REFERENCE, place, message);
+        return;
+    };
+    let state = &model.variables[target];
+    if is_on_cycle(model, index) {
+        let message = format!("{} is, over its attribute derivative, a derivative of itself", v.label());
+        out.add(&rules::DERIVATIVE_CYCLE, place, message);
+        return;
+    }
+    if !state.kind.is_float() || state.variability != "continuous" {
+        let message = format!(
+            "{} is the derivative of \"{}\", which is {} of type {} and has no derivative",
+            v.label(),
+            short(state.name),
+            state.variability,
+            state.type_name
+        );
+        out.add(&rules::DERIVATIVE_TARGET, place, message);
+        return;
+    }
+    check_name(model, v, target, &place, out);
+}
+
+/// Whether following `derivative` leads back; reported once, at the cycle's first variable.
+fn is_on_cycle(model: &Model, start: usize) -> bool {
+    let mut at = start;
+    for _ in 0..HIGHEST_ORDER {
+        match model.state_of(&model.variables[at]) {
+            Some(next) if next == start => return true,
+            Some(next) if next > start => at = next,
+            _ => return false,
+        }
+    }
+    false
+}
+
+/// `der(x)` must be the derivative of `x`, if there is an `x`.
+fn check_name(model: &Model, v: &Variable, target: usize, place: &str, out: &mut Findings) {
+    let Some(inner) = v.name.strip_prefix("der(").and_then(|n| n.strip_suffix(')')) else { return };
+    let has_name =
+        |w: &Variable| w.name == inner || w.aliases.iter().any(|a| a.attribute("name") == Some(inner));
+    let state = &model.variables[target];
+    if has_name(state) {
+        return;
+    }
+    // In FMI 2 an alias is another variable with the same value reference.
+    let Some(named) = model.variables.iter().find(|w| has_name(w)) else { return };
+    if model.version == Version::Fmi2 && named.reference == state.reference && named.kind == state.kind {
+        return;
+    }
+    let message = format!(
+        "{} points with derivative to \"{}\" instead of \"{}\"",
+        v.label(),
+        short(state.name),
+        short(inner)
+    );
+    if model.root.attribute("variableNamingConvention") == Some("structured") {
+        out.add(&rules::DERIVATIVE_NAME, place, message);
+    } else {
+        // In the convention "flat" a name has no meaning.
+        out.add(&rules::DERIVATIVE_NAME_DOUBTFUL, place, message);
+    }
+}
+
+/// Exponents of kg, m, s, A, K, mol, cd (the radian is a number), and the factor.
+fn base(unit: Option<&Node>) -> Option<([i128; 7], f64)> {
+    let node = children(*unit?, "BaseUnit").next()?;
+    let exponent = |name| node.attribute(name).and_then(parse_integer).unwrap_or(0);
+    let exponents = ["kg", "m", "s", "A", "K", "mol", "cd"].map(exponent);
+    Some((exponents, double(node, "factor").unwrap_or(1.0)))
+}
+
+/// The numbers of a derivative are those of the state per unit of time, so their units are tied together.
+fn check_unit(
+    model: &Model,
+    v: &Variable,
+    state: &Variable,
+    units: &HashMap<&str, Node>,
+    out: &mut Findings,
+) {
+    let unit_of = |w: &Variable| model.attribute(w, "unit").and_then(|u| base(units.get(u)));
+    let time = model.variables.iter().find(|w| w.causality == "independent");
+    let seconds = time.and_then(|t| model.attribute(t, "unit")).is_none_or(|u| u == "s");
+    let (Some((of_v, factor_v)), Some((of_state, factor_state))) = (unit_of(v), unit_of(state)) else {
+        return;
+    };
+    if !seconds {
+        return;
+    }
+    let names = format!(
+        "the unit \"{}\" of \"{}\" and the unit \"{}\" of its derivative \"{}\"",
+        short(model.attribute(state, "unit").unwrap_or_default()),
+        short(state.name),
+        short(model.attribute(v, "unit").unwrap_or_default()),
+        short(v.name)
+    );
+    let place = model.place(v.typed);
+    let mut expected = of_state;
+    expected[2] -= 1;
+    if of_v == of_state {
+        out.add(&rules::DERIVATIVE_UNIT_TIMELESS, place, format!("Time is missing between {names}"));
+    } else if of_v != expected {
+        out.add(&rules::DERIVATIVE_UNIT, place, format!("The second is not the first per second: {names}"));
+    } else if (factor_v - factor_state).abs() > 1e-3 * factor_state.abs() {
+        let message = format!(
+            "The factors {factor_state} and {factor_v} differ between {names}, so the numbers cannot be integrated"
+        );
+        out.add(&rules::DERIVATIVE_UNIT, place, message);
+    }
+}
+
+/// A derivative of a local variable that Model Exchange does not list is a state that nobody integrates.
+fn check_unlisted(model: &Model, out: &mut Findings) {
+    if !model.has("ModelExchange") {
+        return;
+    }
+    let states = model.states();
+    for (index, v) in model.variables.iter().enumerate() {
+        let Some(target) = model.state_of(v).filter(|t| !states[*t]) else { continue };
+        if is_on_cycle(model, index) || is_on_cycle(model, target) {
+            continue;
+        }
+        let state = &model.variables[target];
+        if v.causality == "local" && state.causality == "local" && state.variability == "continuous" {
+            let message = format!(
+                "{} is the derivative of the local variable \"{}\" but not listed among the state derivatives",
+                v.label(),
+                short(state.name)
+            );
+            out.add(&rules::DERIVATIVE_NOT_LISTED, model.place(v.node), message);
+        }
+    }
+}

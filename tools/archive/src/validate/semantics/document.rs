@@ -1,0 +1,92 @@
+//! The attributes of the root, the default experiment, log categories and annotations.
+
+use std::collections::HashSet;
+
+use crate::validate::finding::{Findings, short};
+use crate::validate::model::{Model, Version, children, double};
+use crate::validate::rules;
+use crate::validate::schema::types::Type;
+
+pub(super) fn check(model: &Model, out: &mut Findings) {
+    let place = model.place(model.root);
+    let token = match model.version {
+        Version::Fmi2 => "guid",
+        Version::Fmi3 => "instantiationToken",
+    };
+    if model.root.attribute(token).is_some_and(|t| t.trim().is_empty()) {
+        out.add(
+            &rules::TOKEN_EMPTY,
+            &place,
+            format!(
+                "The attribute {token} is empty, so the binary cannot tell whether this file belongs to it"
+            ),
+        );
+    }
+    if model.root.attribute("modelName").is_some_and(|t| t.trim().is_empty()) {
+        out.add(&rules::MODEL_NAME_EMPTY, &place, "The attribute modelName is empty");
+    }
+    if let Some(date) = model.root.attribute("generationDateAndTime").filter(|d| Type::DateTime.accepts(d))
+        && !(date.len() == 20 && date.ends_with('Z'))
+    {
+        let message = format!(
+            "generationDateAndTime is \"{}\" and should have the form 2026-01-31T12:00:00Z",
+            short(date)
+        );
+        out.add(&rules::DATE_FORM, &place, message);
+    }
+    check_experiment(model, out);
+    for list in children(model.root, "LogCategories") {
+        unique_names(model, list, "Category", "log category", &rules::LOG_CATEGORY_REPEATED, out);
+    }
+    for list in children(model.root, "VendorAnnotations") {
+        unique_names(model, list, "Tool", "tool of the vendor annotations", &rules::ANNOTATION_REPEATED, out);
+    }
+}
+
+fn unique_names(
+    model: &Model,
+    list: roxmltree::Node<'_, '_>,
+    element: &str,
+    what: &str,
+    rule: &'static rules::Rule,
+    out: &mut Findings,
+) {
+    let mut seen = HashSet::new();
+    for node in list.children().filter(|c| c.has_tag_name(element)) {
+        if let Some(name) = node.attribute("name").filter(|n| !seen.insert(*n)) {
+            out.add(
+                rule,
+                model.place(node),
+                format!("The {what} \"{}\" is defined more than once", short(name)),
+            );
+        }
+    }
+}
+
+fn check_experiment(model: &Model, out: &mut Findings) {
+    for node in children(model.root, "DefaultExperiment") {
+        let mut complain = |message: String| out.add(&rules::DEFAULT_EXPERIMENT, model.place(node), message);
+        for name in ["startTime", "stopTime", "tolerance", "stepSize"] {
+            if let Some(value) = double(node, name).filter(|v| !v.is_finite()) {
+                complain(format!("{name} of the default experiment is {value}, not a finite number"));
+            }
+        }
+        for name in ["tolerance", "stepSize"] {
+            if let Some(value) = double(node, name).filter(|v| *v <= 0.0) {
+                complain(format!("{name} of the default experiment is {value} and must be greater than 0"));
+            }
+        }
+        let start = double(node, "startTime").unwrap_or(0.0);
+        if let Some(stop) = double(node, "stopTime").filter(|stop| *stop <= start) {
+            complain(format!("stopTime {stop} of the default experiment is not after its startTime {start}"));
+        } else if let (Some(stop), Some(step)) = (double(node, "stopTime"), double(node, "stepSize"))
+            && step > stop - start
+            && step.is_finite()
+        {
+            let message = format!(
+                "stepSize {step} of the default experiment is longer than the experiment from {start} to {stop}"
+            );
+            out.add(&rules::EXPERIMENT_STEP_LONG, model.place(node), message);
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! The list of initial unknowns is complete, and contains nothing else.
+
+use std::collections::HashSet;
+
+use crate::validate::finding::{Findings, short};
+use crate::validate::model::{Kind, Model, Version};
+use crate::validate::rules;
+
+pub(super) fn check(model: &Model, out: &mut Findings) {
+    let calculated = |i: usize| matches!(model.variables[i].initial, Some("approx" | "calculated"));
+    let mut expected: HashSet<usize> = HashSet::new();
+    for (i, v) in model.variables.iter().enumerate() {
+        let output = v.causality == "output" && calculated(i) && !v.clocked && v.kind != Kind::Clock;
+        if output || v.causality == "calculatedParameter" {
+            expected.insert(i);
+        }
+    }
+    for derivative in model.structure.derivatives.iter().filter_map(|u| u.variable) {
+        let state = model.state_of(&model.variables[derivative]);
+        expected.extend([Some(derivative), state].into_iter().flatten().filter(|i| calculated(*i)));
+    }
+    let listed: HashSet<usize> = model.structure.initial_unknowns.iter().filter_map(|u| u.variable).collect();
+    for (i, v) in model.variables.iter().enumerate() {
+        if expected.contains(&i) && !listed.contains(&i) {
+            let message = format!(
+                "{} is calculated during initialisation but is not listed among the initial unknowns",
+                v.label()
+            );
+            out.add(&rules::INITIAL_UNKNOWN_MISSING, model.place(v.node), message);
+        }
+    }
+    let mut last = 0;
+    for unknown in &model.structure.initial_unknowns {
+        let Some(i) = unknown.variable else { continue };
+        let v = &model.variables[i];
+        // FMI 3: "clocked variables that the FMU wishes to initialize".
+        if !expected.contains(&i) && !v.clocked && v.kind != Kind::Clock {
+            let initial = v.initial.unwrap_or("none");
+            let message = format!(
+                "{} is listed among the initial unknowns but does not belong there: its causality is {}, its initial {initial}",
+                v.label(),
+                v.causality
+            );
+            out.add(&rules::INITIAL_UNKNOWN_WRONG, model.place(unknown.node), message);
+        }
+        if model.version == Version::Fmi2 && i < last {
+            let message = format!(
+                "Variable \"{}\" stands out of order: initial unknowns must be listed in the order of their indices",
+                short(v.name)
+            );
+            out.add(&rules::INITIAL_UNKNOWNS_ORDER, model.place(unknown.node), message);
+        }
+        last = last.max(i);
+    }
+}

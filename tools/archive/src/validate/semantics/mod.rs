@@ -1,0 +1,39 @@
+//! The rules that no schema can express, one file per theme.
+
+mod aliases;
+mod arrays;
+mod clocks;
+mod derivatives;
+mod document;
+mod initial_unknowns;
+mod interfaces;
+mod names;
+mod structure;
+mod types;
+mod units;
+mod values;
+mod variables;
+
+use super::finding::Findings;
+use super::model::{Model, Version};
+
+/// Runs every semantic rule on a model description.
+pub(crate) fn check(model: &Model, out: &mut Findings) {
+    interfaces::check(model, out);
+    document::check(model, out);
+    names::check(model, out);
+    units::check(model, out);
+    types::check(model, out);
+    variables::check(model, out);
+    values::check(model, out);
+    structure::check(model, out);
+    derivatives::check(model, out);
+    initial_unknowns::check(model, out);
+    match model.version {
+        Version::Fmi2 => aliases::check(model, out),
+        Version::Fmi3 => {
+            arrays::check(model, out);
+            clocks::check(model, out);
+        }
+    }
+}

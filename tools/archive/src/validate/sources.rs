@@ -1,0 +1,91 @@
+//! Source code: the files that the model description lists, and `sources/buildDescription.xml`.
+
+use std::collections::HashSet;
+
+use super::finding::{Findings, short};
+use super::model::{Model, Version, children};
+use super::rules;
+use super::schema;
+use super::xml::Xml;
+
+/// Where the file must be.
+pub(crate) const FILE: &str = "sources/buildDescription.xml";
+
+/// The rules that need no build description.
+pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings) {
+    let has_sources = entries.iter().any(|e| e.starts_with("sources/") && !e.ends_with('/'));
+    if model.version == Version::Fmi3 && has_sources && !entries.contains(FILE) {
+        out.add(
+            &rules::BUILD_DESCRIPTION_MISSING,
+            "sources/",
+            format!("The archive has source files but no {FILE}"),
+        );
+    }
+    if model.version == Version::Fmi2 {
+        let files = model
+            .interfaces
+            .iter()
+            .flat_map(|i| children(*i, "SourceFiles"))
+            .flat_map(|s| children(s, "File"));
+        for file in files {
+            if let Some(name) = file.attribute("name") {
+                require_source(name, &model.place(file), entries, out);
+            }
+        }
+    }
+}
+
+fn require_source(name: &str, place: &str, entries: &HashSet<String>, out: &mut Findings) {
+    let file = format!("sources/{}", name.trim_start_matches("./"));
+    if !entries.contains(&file) {
+        out.add(
+            &rules::SOURCE_FILE_MISSING,
+            place,
+            format!("The source file \"{}\" is listed but not in the archive", short(name)),
+        );
+    }
+}
+
+/// Checks the build description against the model description and the entries of the archive.
+pub(crate) fn check_build(bytes: &[u8], model: &Model, entries: &HashSet<String>, out: &mut Findings) {
+    let Some(xml) = Xml::parse(FILE, bytes, out) else { return };
+    if !schema::check(&xml, &schema::build::BUILD_DESCRIPTION, out) {
+        return;
+    }
+    let root = xml.root();
+    let (here, there) = (root.attribute("fmiVersion"), model.root.attribute("fmiVersion"));
+    if model.version == Version::Fmi3 && here.is_some() && here != there {
+        let message = format!(
+            "fmiVersion is \"{}\" here and \"{}\" in modelDescription.xml",
+            short(here.unwrap_or_default()),
+            short(there.unwrap_or_default())
+        );
+        out.add(&rules::VERSION_MISMATCH, xml.place(root), message);
+    }
+    let mut seen = HashSet::new();
+    for configuration in root.children().filter(|c| c.has_tag_name("BuildConfiguration")) {
+        let place = xml.place(configuration);
+        let Some(identifier) = configuration.attribute("modelIdentifier") else { continue };
+        let is_ours = |i: &roxmltree::Node| i.attribute("modelIdentifier") == Some(identifier);
+        if !model.interfaces.is_empty() && !model.interfaces.iter().any(is_ours) {
+            let message = format!(
+                "The build configuration is for the modelIdentifier \"{}\", which no interface type has",
+                short(identifier)
+            );
+            out.add(&rules::BUILD_IDENTIFIER, &place, message);
+        }
+        if configuration.attribute("platform").is_none() && !seen.insert(identifier) {
+            let message = format!(
+                "There is more than one build configuration without platform for \"{}\"",
+                short(identifier)
+            );
+            out.add(&rules::BUILD_FALLBACK, &place, message);
+        }
+        let sets = configuration.children().filter(|c| c.has_tag_name("SourceFileSet"));
+        for file in sets.flat_map(|s| s.children()).filter(|c| c.has_tag_name("SourceFile")) {
+            if let Some(name) = file.attribute("name") {
+                require_source(name, &xml.place(file), entries, out);
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! `terminalsAndIcons/terminalsAndIcons.xml`: schema, names, and the variables it refers to.
+
+use std::collections::{HashMap, HashSet};
+
+use roxmltree::Node;
+
+use super::finding::{Findings, short};
+use super::model::{Model, Version, children, double};
+use super::rules;
+use super::schema;
+use super::xml::Xml;
+
+/// Where the file must be.
+pub(crate) const FILE: &str = "terminalsAndIcons/terminalsAndIcons.xml";
+
+/// What a terminal may refer to.
+struct Context<'a> {
+    /// Causality by name, aliases included.
+    variables: HashMap<&'a str, &'a str>,
+    entries: &'a HashSet<String>,
+}
+
+/// Checks the file against the model description and the entries of the archive.
+pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out: &mut Findings) {
+    let Some(xml) = Xml::parse(FILE, bytes, out) else { return };
+    if !schema::check(&xml, &schema::terminals::TERMINALS_AND_ICONS, out) {
+        return;
+    }
+    let root = xml.root();
+    let (here, there) = (root.attribute("fmiVersion"), model.root.attribute("fmiVersion"));
+    if model.version == Version::Fmi3 && here.is_some() && here != there {
+        let message = format!(
+            "fmiVersion is \"{}\" here and \"{}\" in modelDescription.xml",
+            short(here.unwrap_or_default()),
+            short(there.unwrap_or_default())
+        );
+        out.add(&rules::VERSION_MISMATCH, xml.place(root), message);
+    }
+    let mut variables = HashMap::new();
+    for v in &model.variables {
+        let aliases = v.aliases.iter().filter_map(|a| a.attribute("name"));
+        std::iter::once(v.name).chain(aliases).for_each(|name| {
+            variables.insert(name, v.causality);
+        });
+    }
+    let context = Context { variables, entries };
+    for system in children(root, "GraphicalRepresentation").flat_map(|g| children(g, "CoordinateSystem")) {
+        let corner = |name| double(system, name);
+        for (low, high) in [("x1", "x2"), ("y1", "y2")] {
+            if let (Some(a), Some(b)) = (corner(low), corner(high))
+                && a >= b
+            {
+                let message = format!("{low} = {a} of the coordinate system must be less than {high} = {b}");
+                out.add(&rules::COORDINATE_SYSTEM, xml.place(system), message);
+            }
+        }
+    }
+    for list in children(root, "Terminals") {
+        check_level(&xml, list, &context, out);
+    }
+}
+
+/// The terminals side by side under one node.
+fn check_level(xml: &Xml, parent: Node, context: &Context, out: &mut Findings) {
+    let mut names = HashSet::new();
+    for terminal in parent.children().filter(|c| c.has_tag_name("Terminal")) {
+        let name = terminal.attribute("name").unwrap_or_default();
+        if !names.insert(name) {
+            out.add(
+                &rules::TERMINAL_REPEATED,
+                xml.place(terminal),
+                format!("The terminal \"{}\" is defined more than once on its level", short(name)),
+            );
+        }
+        check_terminal(xml, terminal, name, context, out);
+        check_level(xml, terminal, context, out);
+    }
+}
+
+fn check_terminal(xml: &Xml, terminal: Node, name: &str, context: &Context, out: &mut Findings) {
+    let rule = terminal.attribute("matchingRule").unwrap_or_default();
+    let predefined = ["plug", "bus", "sequence"].contains(&rule);
+    if terminal.attribute("matchingRule").is_some() && !predefined && !rule.contains('.') {
+        let message = format!(
+            "The matchingRule \"{}\" of the terminal \"{}\" is neither plug, bus nor sequence nor a name in reverse domain notation",
+            short(rule),
+            short(name)
+        );
+        out.add(&rules::MATCHING_RULE, xml.place(terminal), message);
+    }
+    let mut members = HashSet::new();
+    let mut flows = 0;
+    let streams = terminal.children().any(|c| c.has_tag_name("TerminalStreamMemberVariable"));
+    for member in terminal.children().filter(|c| c.has_tag_name("TerminalMemberVariable")) {
+        let kind = member.attribute("variableKind").unwrap_or_default();
+        let is_flow = ["inflow", "outflow"].contains(&kind);
+        flows += usize::from(is_flow);
+        check_variable(xml, member, "variableName", name, is_flow || kind == "signal", context, out);
+        match member.attribute("memberName") {
+            None if rule == "plug" || rule == "bus" => {
+                let message = format!(
+                    "A member of the terminal \"{}\" has no memberName, which the matchingRule {rule} requires",
+                    short(name)
+                );
+                out.add(&rules::MEMBER_NAME, xml.place(member), message);
+            }
+            Some(m) if !members.insert(m) => {
+                let message = format!(
+                    "The memberName \"{}\" occurs more than once in the terminal \"{}\"",
+                    short(m),
+                    short(name)
+                );
+                out.add(&rules::MEMBER_NAME, xml.place(member), message);
+            }
+            _ => {}
+        }
+    }
+    if streams && flows > 1 {
+        let message = format!(
+            "The terminal \"{}\" has stream members and {flows} inflow or outflow members; only one is allowed",
+            short(name)
+        );
+        out.add(&rules::STREAM_FLOW, xml.place(terminal), message);
+    }
+    for stream in terminal.children().filter(|c| c.has_tag_name("TerminalStreamMemberVariable")) {
+        for attribute in ["inStreamVariableName", "outStreamVariableName"] {
+            check_variable(xml, stream, attribute, name, true, context, out);
+        }
+    }
+    for graphic in terminal.children().filter(|c| c.has_tag_name("TerminalGraphicalRepresentation")) {
+        check_icon(xml, graphic, name, context, out);
+    }
+}
+
+fn check_variable(
+    xml: &Xml,
+    node: Node,
+    attribute: &str,
+    terminal: &str,
+    restricted: bool,
+    context: &Context,
+    out: &mut Findings,
+) {
+    let Some(name) = node.attribute(attribute) else { return };
+    match context.variables.get(name) {
+        None => {
+            let message = format!(
+                "The terminal \"{}\" refers to the variable \"{}\", which does not exist",
+                short(terminal),
+                short(name)
+            );
+            out.add(&rules::TERMINAL_VARIABLE, xml.place(node), message);
+        }
+        Some(causality)
+            if restricted && ["local", "independent", "structuralParameter"].contains(causality) =>
+        {
+            let message = format!(
+                "The terminal \"{}\" refers to the {causality} variable \"{}\"; only inputs, outputs and parameters are allowed",
+                short(terminal),
+                short(name)
+            );
+            out.add(&rules::TERMINAL_CAUSALITY, xml.place(node), message);
+        }
+        Some(_) => {}
+    }
+}
+
+fn check_icon(xml: &Xml, graphic: Node, terminal: &str, context: &Context, out: &mut Findings) {
+    let Some(base) = graphic.attribute("iconBaseName") else { return };
+    // An absolute URI is somebody else's file; its existence is not ours to check.
+    if base.contains("://") {
+        return;
+    }
+    let file = format!("terminalsAndIcons/{}.png", base.trim_start_matches("./"));
+    if base.split('/').any(|part| part == "..") || !context.entries.contains(&file) {
+        let message = format!(
+            "The icon \"{}\" of the terminal \"{}\" is not in the archive as {}",
+            short(base),
+            short(terminal),
+            short(&file)
+        );
+        out.add(&rules::ICON_MISSING, xml.place(graphic), message);
+    }
+}

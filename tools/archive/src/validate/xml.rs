@@ -1,0 +1,117 @@
+//! Parses an XML file of the archive and knows the line of every node.
+
+use roxmltree::{Document, Node};
+
+use super::finding::Findings;
+use super::rules;
+
+/// Deeper than any FMI file is; the walkers recurse, so a hostile depth must end before them.
+const DEEPEST: usize = 256;
+
+/// A parsed file.
+pub(crate) struct Xml<'a> {
+    file: &'a str,
+    doc: Document<'a>,
+    line_starts: Vec<usize>,
+}
+
+impl<'a> Xml<'a> {
+    /// Parses `bytes`; what is wrong with the encoding or the form goes to `out`, `None` ends the checks of the file.
+    pub(crate) fn parse(file: &'a str, bytes: &'a [u8], out: &mut Findings) -> Option<Xml<'a>> {
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
+            Err(e) => {
+                let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
+                out.add(&rules::XML_NOT_UTF8, format!("{file}:{line}"), "The file is not UTF-8 text");
+                return None;
+            }
+        };
+        check_declaration(file, text, out);
+        let line_starts: Vec<usize> =
+            std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        let doc = match Document::parse(text) {
+            Ok(doc) => doc,
+            Err(roxmltree::Error::DtdDetected) => {
+                let line = 1 + text[..text.find("<!DOCTYPE").unwrap_or(0)].matches('\n').count();
+                out.add(
+                    &rules::XML_DOCTYPE,
+                    format!("{file}:{line}"),
+                    "The file has a document type declaration, through which entities can be smuggled in",
+                );
+                return None;
+            }
+            Err(e) => {
+                out.add(
+                    &rules::XML_MALFORMED,
+                    format!("{file}:{}", e.pos().row),
+                    format!("The file is not well-formed XML: {e}"),
+                );
+                return None;
+            }
+        };
+        if is_too_deep(&doc) {
+            out.add(&rules::XML_DEPTH, file, format!("The elements are nested deeper than {DEEPEST} levels"));
+            return None;
+        }
+        Some(Xml { file, doc, line_starts })
+    }
+
+    /// The root element.
+    pub(crate) fn root(&self) -> Node<'_, 'a> {
+        self.doc.root_element()
+    }
+
+    /// `file:line` of a node.
+    pub(crate) fn place(&self, node: Node) -> String {
+        let line = self.line_starts.partition_point(|start| *start <= node.range().start);
+        format!("{}:{line}", self.file)
+    }
+}
+
+fn check_declaration(file: &str, text: &str, out: &mut Findings) {
+    let declaration = text.strip_prefix("<?xml").and_then(|t| t.split_once("?>")).map_or("", |(d, _)| d);
+    let encoding = declaration.split_once("encoding").and_then(|(_, rest)| {
+        let rest = rest.trim_start().strip_prefix('=')?.trim_start();
+        let quote = rest.chars().next().filter(|c| *c == '"' || *c == '\'')?;
+        rest[1..].split(quote).next()
+    });
+    match encoding {
+        Some(e) if e.eq_ignore_ascii_case("utf-8") => {}
+        Some(e) => out.add(
+            &rules::XML_ENCODING,
+            format!("{file}:1"),
+            format!("The file declares the encoding \"{}\" instead of UTF-8", super::finding::short(e)),
+        ),
+        None => out.add(
+            &rules::XML_ENCODING,
+            format!("{file}:1"),
+            "The first line does not declare the encoding UTF-8",
+        ),
+    }
+}
+
+fn is_too_deep(doc: &Document) -> bool {
+    let mut depth = 0_usize;
+    let mut node = doc.root();
+    loop {
+        if let Some(child) = node.first_child() {
+            depth += 1;
+            if depth > DEEPEST {
+                return true;
+            }
+            node = child;
+            continue;
+        }
+        loop {
+            if let Some(next) = node.next_sibling() {
+                node = next;
+                break;
+            }
+            match node.parent() {
+                Some(parent) => node = parent,
+                None => return false,
+            }
+            depth = depth.saturating_sub(1);
+        }
+    }
+}
