@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     for kind in chosen(&args.models, preset.as_ref())? {
         for standard in standards {
             let path = build(kind, *standard, preset.as_ref(), &library, &args.out)?;
-            println!("{}", path.display());
+
             paths.push(path);
         }
     }

@@ -1,10 +1,16 @@
 //! The motor-fmu command.
+
+mod build;
 mod simulate;
+mod validate;
 
 use clap::{Parser, Subcommand};
+use std::io::Write;
 use std::process::ExitCode;
 
-/// FMUs of a thermo-electromechanical motor: build, check, simulate, calibrate.
+/// FMUs of a thermo-electromechanical motor: build, validate, simulate.
+///
+/// Exit codes: 0 fine, 1 the answer is no, 2 it could not be done.
 #[derive(Parser)]
 #[command(version)]
 struct Cli {
@@ -14,15 +20,43 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Build(build::Args),
+    Validate(validate::Args),
     Simulate(simulate::Args),
+    #[command(hide = true)]
+    Probe(validate::ProbeArgs),
+}
+
+/// Why a command could not be carried out: one sentence.
+pub struct Failure(String);
+
+impl Failure {
+    /// The failure that this sentence tells.
+    pub fn new(sentence: impl Into<String>) -> Failure {
+        Failure(sentence.into())
+    }
+}
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Failure {
+        Failure(error.to_string())
+    }
+}
+
+/// Prints to stdout. A reader that has seen enough and closed the pipe is no failure; `print!` would panic.
+pub fn say(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let outcome = match Cli::parse().command {
+        Command::Build(args) => build::run(&args),
+        Command::Validate(args) => validate::run(&args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Probe(args) => validate::probe(&args),
     };
-    result.unwrap_or_else(|error| {
-        eprintln!("error: {error}");
+    outcome.unwrap_or_else(|Failure(sentence)| {
+        eprintln!("error: {sentence}");
         ExitCode::from(2)
     })
 }

@@ -1,8 +1,9 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
-use cosim::{Archive, Error, InputTable, Log, Options, Recording, Status};
+use crate::Failure;
+use cosim::{Archive, InputTable, Log, Options, Recording, Status};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -47,7 +48,7 @@ pub struct Args {
 ///
 /// # Errors
 /// One sentence: what could not be read, set, run or written.
-pub fn run(args: Args) -> Result<ExitCode, Error> {
+pub fn run(args: Args) -> Result<ExitCode, Failure> {
     let archive = Archive::open(&args.file)?;
     let input =
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
@@ -77,8 +78,7 @@ pub fn run(args: Args) -> Result<ExitCode, Error> {
     } else {
         summary(&recording)
     };
-    // A reader that has seen enough and closed the pipe is no failure; `print!` would panic.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    crate::say(&text);
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,11 +1,12 @@
-//! Checks an FMU without loading it: the archive, the XML files against the schemas of the standards, and the rules
-//! that only the text of the standards states.
+//! Checks an FMU: the archive, the XML files against the schemas of the standards, the rules that only the text of
+//! the standards states, and how the FMU behaves when it is run.
 //!
 //! Any FMU of FMI 2.0 or 3.0 is judged alike. [`rules::ALL`] lists every rule; a breach of the standard or of the
 //! FMU's own declarations is an error, doubtful practice a warning.
 
 mod binaries;
 mod directory;
+pub mod dynamic;
 mod finding;
 mod layout;
 mod model;
@@ -40,6 +41,19 @@ pub struct Unreadable {
 /// A model description larger than this is an attack or a mistake.
 const LARGEST_XML: u64 = 512 << 20;
 const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+
+/// Runs every check. What needs the FMU to run is left out where the static checks find an error, since a master
+/// would refuse it too; it runs through `program probe FILE` (see [`dynamic::run`]).
+///
+/// # Errors
+/// As [`validate_static`].
+pub fn validate(path: &Path, program: &Path) -> Result<Vec<Finding>, Unreadable> {
+    let mut findings = validate_static(path)?;
+    if findings.iter().all(|f| f.severity != Severity::Error) {
+        findings.extend(dynamic::run(program, path));
+    }
+    Ok(findings)
+}
 
 /// Runs every check that needs no loading of the FMU.
 ///

@@ -206,4 +206,12 @@ rules! {
     BINARY_FORMAT "binary-format" Error "libraries are shared libraries" "2.3" "2.5.1.4";
     BINARY_ARCHITECTURE "binary-architecture" Error "libraries fit their platform folder" "2.3" "2.5.1.4.1";
     SYMBOL_MISSING "symbol-missing" Error "libraries export all functions" "2.3" "2.5";
+    // Behaviour.
+    NOT_RUN "not-run" Note "the FMU has a Co-Simulation library for this platform" "" "";
+    INSTANTIATE "instantiate" Error "the library loads and makes an instance" "2.1.5" "2.3.1";
+    LIFE_CYCLE "life-cycle" Error "initialization, steps, termination and reset succeed" "4.2.4" "4.2";
+    OUTPUT_NOT_FINITE "output-not-finite" Error "outputs are finite at the start values" "" "";
+    RESET "reset" Error "a reset instance runs as a new one" "2.1.6" "2.3.1";
+    CRASH "crash" Error "no call ends the process" "" "";
+    HANG "hang" Error "every call returns" "" "";
 }
