@@ -74,7 +74,6 @@ def results(run: Walk) -> dict:
     m, judged = run.motor, slice(run.first_judged, None)
     current, voltage = m["current"], m["terminal_voltage"]
     error = (run.joint_torque - run.torque_demand)[judged]
-    power = current * voltage
     hours = run.time[-1] / 3600.0
     over = np.flatnonzero(m["winding_temperature"] > run.winding_limit)
     electrical, shaft = float(m["energy_electrical"][-1]), float(m["energy_mechanical"][-1])
@@ -96,7 +95,7 @@ def results(run: Walk) -> dict:
         "housing_temperature_end_degC": float(m["housing_temperature"][-1] - KELVIN),
         "minutes_to_winding_limit": float(run.time[over[0]] / 60.0) if over.size else None,
         "energy_electrical_J": electrical,
-        "energy_electrical_drawn_J": float(np.sum(np.maximum(power, 0.0)) * STEP),
+        "energy_electrical_drawn_J": float(np.sum(np.maximum(np.diff(m["energy_electrical"]), 0.0))),
         "energy_shaft_J": shaft,
         "energy_joint_J": joint,
         "energy_transmission_loss_J": loss,
