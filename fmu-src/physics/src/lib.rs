@@ -1,1 +1,12 @@
 //! The models: equations, correlations and the fast integrator.
+//!
+//! No FMI, no files, no clock, no threads here; nothing is allocated while a model runs. Start at
+//! [`models::ALL`], the list of models, or at `fmu-src/README.md`, the map from equation to file.
+
+pub mod components;
+pub mod effects;
+pub mod ledger;
+pub mod model;
+pub mod models;
+pub mod solver;
+pub mod start_values;

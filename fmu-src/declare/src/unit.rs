@@ -1,0 +1,105 @@
+//! The units of the interface. Inside, everything is SI; a unit here is a name with its dimension.
+
+/// Exponents of the SI base units (with the radian, which FMI counts among them).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[allow(missing_docs, non_snake_case)] // the field names are the units' own symbols
+pub struct BaseUnits {
+    pub kg: i8,
+    pub m: i8,
+    pub s: i8,
+    pub A: i8,
+    pub K: i8,
+    pub mol: i8,
+    pub cd: i8,
+    pub rad: i8,
+}
+
+/// A unit that tools show instead of the SI unit: `shown = factor * value + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Display {
+    /// Name of the shown unit, for example `degC`.
+    pub name: &'static str,
+    /// Multiplies the SI value.
+    pub factor: f64,
+    /// Added after the factor.
+    pub offset: f64,
+}
+
+macro_rules! units {
+    ($($(#[doc = $doc:literal])* $unit:ident = $name:literal { $($base:ident : $power:literal),* }
+       $(shown as $shown:literal, $factor:expr, $offset:expr)?;)*) => {
+        /// Unit of a variable. The variants' documentation is their meaning.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Unit { $($(#[doc = $doc])* $unit),* }
+
+        impl Unit {
+            /// All units, in the order of their declaration.
+            pub const ALL: &'static [Unit] = &[$(Unit::$unit),*];
+
+            /// The unit's name as FMI tools show it.
+            pub const fn name(self) -> &'static str {
+                match self { $(Unit::$unit => $name),* }
+            }
+
+            /// The unit's dimension. Every declared unit is coherent SI: its factor is 1.
+            pub const fn base(self) -> BaseUnits {
+                let none = BaseUnits { kg: 0, m: 0, s: 0, A: 0, K: 0, mol: 0, cd: 0, rad: 0 };
+                match self { $(Unit::$unit => BaseUnits { $($base: $power,)* ..none }),* }
+            }
+
+            /// The unit shown to people in place of the SI unit, if they expect another one.
+            pub const fn display(self) -> Option<Display> {
+                match self {
+                    $($(Unit::$unit => Some(Display { name: $shown, factor: $factor, offset: $offset }),)?)*
+                    #[allow(unreachable_patterns)]
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+units! {
+    /// A pure number.
+    One = "1" {};
+    /// Time.
+    Second = "s" { s: 1 };
+    /// Electric potential.
+    Volt = "V" { kg: 1, m: 2, s: -3, A: -1 };
+    /// Electric current.
+    Ampere = "A" { A: 1 };
+    /// Electric resistance.
+    Ohm = "Ohm" { kg: 1, m: 2, s: -3, A: -2 };
+    /// Inductance.
+    Henry = "H" { kg: 1, m: 2, s: -2, A: -2 };
+    /// Temperature, shown in degrees Celsius.
+    Kelvin = "K" { K: 1 } shown as "degC", 1.0, -273.15;
+    /// Temperature coefficient.
+    PerKelvin = "1/K" { K: -1 };
+    /// Angle.
+    Radian = "rad" { rad: 1 };
+    /// Angular speed, shown in revolutions per minute.
+    RadianPerSecond = "rad/s" { rad: 1, s: -1 } shown as "rpm", 30.0 / std::f64::consts::PI, 0.0;
+    /// Torque.
+    NewtonMetre = "N.m" { kg: 1, m: 2, s: -2 };
+    /// Torque constant, equal to the back-EMF constant in V.s/rad.
+    NewtonMetrePerAmpere = "N.m/A" { kg: 1, m: 2, s: -2, A: -1 };
+    /// Coefficient of a torque proportional to speed.
+    NewtonMetreSecond = "N.m.s/rad" { kg: 1, m: 2, s: -1, rad: -1 };
+    /// Torque per mass.
+    NewtonMetrePerKilogram = "N.m/kg" { m: 2, s: -2 };
+    /// Moment of inertia.
+    KilogramSquareMetre = "kg.m2" { kg: 1, m: 2 };
+    /// Mass.
+    Kilogram = "kg" { kg: 1 };
+    /// Power and heat flow.
+    Watt = "W" { kg: 1, m: 2, s: -3 };
+    /// Energy and work.
+    Joule = "J" { kg: 1, m: 2, s: -2 };
+    /// Thermal conductance.
+    WattPerKelvin = "W/K" { kg: 1, m: 2, s: -3, K: -1 };
+    /// Thermal resistance.
+    KelvinPerWatt = "K/W" { kg: -1, m: -2, s: 3, K: 1 };
+    /// Heat capacity.
+    JoulePerKelvin = "J/K" { kg: 1, m: 2, s: -2, K: -1 };
+}

@@ -1,0 +1,69 @@
+//! The macro that makes a struct and its table from one text.
+
+/// Declares a struct of variables: each field is one row of its [`Group::TABLE`](crate::Group::TABLE).
+///
+/// ```
+/// use declare::{variables, Group, Unit, Variable};
+/// variables! {
+///     /// What a resistor is.
+///     pub struct Resistor {
+///         /// Resistance
+///         R: f64 = Variable::tunable(1, 10.0, Unit::Ohm, 0.0, 1e6),
+///     }
+/// }
+/// assert_eq!(Resistor::default().R, 10.0);
+/// assert_eq!(Resistor::TABLE[0].name, "R");
+/// assert_eq!(Resistor::TABLE[0].doc.trim(), "Resistance");
+/// ```
+#[macro_export]
+macro_rules! variables {
+    ($(#[doc = $sdoc:literal])* pub struct $name:ident {
+        $($(#[doc = $doc:literal])* $field:ident : $type:ty = $row:expr),* $(,)?
+    }) => {
+        $(#[doc = $sdoc])*
+        #[allow(non_snake_case)] // symbols are written as in the equations
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name { $($(#[doc = $doc])* pub $field: $type),* }
+
+        const _: () = {
+            #[allow(non_camel_case_types)]
+            enum Row { $($field),* }
+
+            impl $crate::Group for $name {
+                const TABLE: &'static [$crate::Variable] = &[$(
+                    $crate::Variable::named($row, stringify!($field), concat!($($doc),*),
+                        <$type as $crate::Scalar>::KIND)
+                ),*];
+
+                #[inline]
+                fn get(&self, index: usize) -> f64 {
+                    $(if index == Row::$field as usize { return $crate::Scalar::to_f64(self.$field); })*
+                    panic!("no row {index}")
+                }
+
+                #[inline]
+                fn set(&mut self, index: usize, value: f64) -> bool {
+                    $(if index == Row::$field as usize {
+                        return match <$type as $crate::Scalar>::from_f64(value) {
+                            Some(value) => { self.$field = value; true }
+                            None => false,
+                        };
+                    })*
+                    panic!("no row {index}")
+                }
+            }
+
+            impl Default for $name {
+                /// The start values; zero where the model computes them.
+                fn default() -> Self {
+                    let start = |row: Row| {
+                        let start = <$name as $crate::Group>::TABLE[row as usize].start;
+                        if start.is_nan() { 0.0 } else { start }
+                    };
+                    Self { $($field: <$type as $crate::Scalar>::from_f64(start(Row::$field))
+                        .expect("a start value is a value of its type")),* }
+                }
+            }
+        };
+    };
+}

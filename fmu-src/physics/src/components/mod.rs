@@ -1,0 +1,5 @@
+//! Parts of a motor, one file each: equations as pure functions of their parameters.
+
+pub mod conductance;
+pub mod motor;
+pub mod thermal;

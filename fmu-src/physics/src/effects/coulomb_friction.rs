@@ -1,0 +1,46 @@
+//! Dry friction of bearings and seals.
+//!
+//! tau = tau_c tanh(w / w_small)                                                            (1)
+//!
+//! *Assumes* a friction torque that does not depend on speed, load or temperature.
+//! *Neglects* breakaway above tau_c: below w_small the shaft creeps instead of sticking.
+//! *Sign*: against the motion; its power tau w >= 0 heats the housing.
+//! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
+
+use super::Effect;
+use declare::{Unit, Variable, variables};
+use num_dual::DualNum;
+
+variables! {
+    /// Dry friction.
+    pub struct CoulombFriction {
+        /// Friction torque; 0 switches the effect off
+        tau_c: f64 = Variable::tunable(0, 0.0, Unit::NewtonMetre, 0.0, 1e3).nominal(0.01),
+        /// Speed below which the friction torque falls to zero
+        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log(),
+    }
+}
+
+impl Effect for CoulombFriction {
+    #[inline]
+    fn drag_torque<D: DualNum<Primitive = f64> + Copy>(&self, w: D) -> D {
+        if self.tau_c == 0.0 {
+            return D::from(0.0);
+        }
+        (w / self.w_small).tanh() * self.tau_c
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_torque_when_running_none_at_rest_odd_in_speed() {
+        let friction = CoulombFriction { tau_c: 0.00983, w_small: 1.0 };
+        assert!((friction.drag_torque(1000.0f64) - 0.00983).abs() < 1e-17);
+        assert_eq!(friction.drag_torque(0.0), 0.0);
+        assert_eq!(friction.drag_torque(-3.0), -friction.drag_torque(3.0));
+        assert!((friction.drag_torque(0.5f64) - 0.00983 * 0.462_117_157_260_009_76).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,40 @@
+//! Friction of lubricant.
+//!
+//! tau = k w                                                                                (1)
+//!
+//! Eddy-current loss has the same law; a measurement of drag against speed cannot tell the two apart.
+//! *Assumes* laminar films of constant viscosity. *Neglects* its fall with temperature.
+//! *Sign*: against the motion; its power k w^2 >= 0 heats the housing.
+//! *Source*: Modelica Standard Library, Electrical.Machines.Losses.Friction, with power_w = 2.
+
+use super::Effect;
+use declare::{Unit, Variable, variables};
+use num_dual::DualNum;
+
+variables! {
+    /// Friction proportional to speed.
+    pub struct ViscousFriction {
+        /// Torque per speed; 0 switches the effect off
+        k: f64 = Variable::tunable(0, 0.0, Unit::NewtonMetreSecond, 0.0, 10.0).nominal(1e-6),
+    }
+}
+
+impl Effect for ViscousFriction {
+    #[inline]
+    fn drag_torque<D: DualNum<Primitive = f64> + Copy>(&self, w: D) -> D {
+        w * self.k
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linear_and_against_the_motion() {
+        let friction = ViscousFriction { k: 2e-6 };
+        assert_eq!(friction.drag_torque(500.0), 1e-3);
+        assert_eq!(friction.drag_torque(-500.0), -1e-3);
+        assert_eq!(ViscousFriction::default().drag_torque(1e4), 0.0);
+    }
+}

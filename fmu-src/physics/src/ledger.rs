@@ -1,0 +1,77 @@
+//! The books: every watt is entered once, with both ends.
+//!
+//! A flow leaves one account and reaches another, so what the accounts lose and gain always sums to zero. The
+//! accounts of a motor are bounded by what can be measured outside ([`Account::Terminals`],
+//! [`Account::Shaft`], [`Account::Ambient`]), by what stores energy, and by [`Account::AirGap`], which passes on
+//! all it gets. The check is that the model's own derivatives agree with the accounts ([`Ledger::error`]).
+
+/// Where energy comes from or goes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Account {
+    /// The electrical terminals, and heat put in from outside.
+    Terminals,
+    /// The load on the shaft.
+    Shaft,
+    /// The surroundings.
+    Ambient,
+    /// Magnetic energy of the current, L I^2 / 2.
+    Magnetic,
+    /// Kinetic energy of the rotor, J w^2 / 2.
+    Kinetic,
+    /// Conversion between electrical and mechanical power; stores nothing.
+    AirGap,
+    /// Heat in the winding.
+    Winding,
+    /// Heat in the housing, with stator and magnets.
+    Housing,
+}
+
+const ACCOUNTS: usize = Account::Housing as usize + 1;
+
+/// Flows at one instant, W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    net: [f64; ACCOUNTS],
+}
+
+impl Ledger {
+    /// Enters a flow of `power` watts from one account to another.
+    pub fn transfer(&mut self, from: Account, to: Account, power: f64) {
+        self.net[from as usize] -= power;
+        self.net[to as usize] += power;
+    }
+
+    /// What an account gains, W.
+    pub fn gain(&self, account: Account) -> f64 {
+        self.net[account as usize]
+    }
+
+    /// The power that is unaccounted for, W: the sum over all accounts of how far the entered gain is from
+    /// what the account shows by itself (terminal volts times amperes, capacity times heating rate, ...).
+    pub fn error(&self, shown: &[(Account, f64)]) -> f64 {
+        shown.iter().map(|&(account, gain)| (self.gain(account) - gain).abs()).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_one_account_loses_another_gains() {
+        let mut ledger = Ledger::default();
+        ledger.transfer(Account::Terminals, Account::Winding, 10.0);
+        ledger.transfer(Account::Winding, Account::Housing, 4.0);
+        assert_eq!(ledger.gain(Account::Terminals), -10.0);
+        assert_eq!(ledger.gain(Account::Winding), 6.0);
+        assert_eq!(ledger.net.iter().sum::<f64>(), 0.0);
+    }
+
+    #[test]
+    fn an_account_that_shows_something_else_is_an_error() {
+        let mut ledger = Ledger::default();
+        ledger.transfer(Account::Terminals, Account::Winding, 10.0);
+        let error = ledger.error(&[(Account::Terminals, -10.0), (Account::Winding, 9.75)]);
+        assert_eq!(error, 0.25);
+    }
+}

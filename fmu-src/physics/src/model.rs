@@ -1,0 +1,295 @@
+//! What every model is to the outside: a declaration, values by slot, and steps.
+
+use declare::{Causality, Kind, Variability, Variable};
+use std::fmt;
+use std::sync::OnceLock;
+
+/// A group of variables within a model.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupAt {
+    /// Put before each name, for example `motor.`.
+    pub prefix: &'static str,
+    /// Added to each value reference of the table.
+    pub base: u32,
+    /// The rows.
+    pub table: &'static [Variable],
+}
+
+/// Where a variable lives in a model: which group, which row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slot {
+    /// Index of the group in [`Declaration::groups`].
+    pub group: u16,
+    /// Index of the row in the group's table.
+    pub row: u16,
+}
+
+/// A variable of a model, with its full name and value reference.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Full name, for example `motor.R_ref`.
+    pub name: String,
+    /// Full value reference, unique in the model and never re-used.
+    pub value_reference: u32,
+    /// Where the value lives.
+    pub slot: Slot,
+    /// What is declared of it.
+    pub row: &'static Variable,
+}
+
+/// Everything about a model that does not change at run time.
+#[derive(Debug)]
+pub struct Declaration {
+    /// Name, also the FMI model identifier.
+    pub name: &'static str,
+    /// One sentence.
+    pub description: &'static str,
+    /// All groups, in the order of the tables.
+    pub groups: Vec<GroupAt>,
+    /// All variables, in the order of the tables.
+    pub entries: Vec<Entry>,
+    /// Hash of the variable table without the start values: FMI 2 GUID and FMI 3 instantiation token.
+    pub token: String,
+    by_reference: Vec<Option<u32>>,
+}
+
+impl Declaration {
+    /// The declaration made of a list of groups.
+    pub fn new(name: &'static str, description: &'static str, groups: Vec<GroupAt>) -> Declaration {
+        let mut entries: Vec<Entry> = Vec::new();
+        for (g, group) in groups.iter().enumerate() {
+            for (r, row) in group.table.iter().enumerate() {
+                entries.push(Entry {
+                    name: format!("{}{}", group.prefix, row.name),
+                    value_reference: group.base + row.value_reference,
+                    slot: Slot { group: g as u16, row: r as u16 },
+                    row,
+                });
+            }
+        }
+        let last = entries.iter().map(|e| e.value_reference).max().unwrap_or(0) as usize;
+        let mut by_reference = vec![None; last + 1];
+        for (k, entry) in entries.iter().enumerate() {
+            by_reference[entry.value_reference as usize] = Some(k as u32);
+        }
+        let token = token(name, &entries);
+        Declaration { name, description, groups, entries, token, by_reference }
+    }
+
+    /// The variable with this value reference.
+    #[inline]
+    pub fn by_reference(&self, value_reference: u32) -> Option<&Entry> {
+        let k = (*self.by_reference.get(value_reference as usize)?)?;
+        self.entries.get(k as usize)
+    }
+
+    /// The variable with this name.
+    pub fn by_name(&self, name: &str) -> Option<&Entry> {
+        self.entries.iter().find(|e| e.name == name)
+    }
+}
+
+/// The FNV-1a hash, twice with different offsets, over all that a binary and its XML must agree on.
+fn token(name: &str, entries: &[Entry]) -> String {
+    let mut text = String::from(name);
+    for e in entries {
+        let r = e.row;
+        text.push_str(&format!(
+            "|{} {} {:?} {:?} {} {} {} {}",
+            e.value_reference,
+            e.name,
+            r.causality,
+            r.variability,
+            r.unit.name(),
+            r.min,
+            r.max,
+            match r.kind {
+                Kind::Real => "real".to_string(),
+                Kind::Boolean => "boolean".to_string(),
+                Kind::Enumeration(t) => t.items.iter().map(|i| format!("{}={},", i.name, i.value)).collect(),
+            }
+        ));
+    }
+    let hash = |offset: u64| {
+        text.bytes().fold(offset, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+    };
+    let (a, b) = (hash(0xcbf2_9ce4_8422_2325), hash(0x6c62_272e_07bb_0142));
+    // In the shape of a GUID, which FMI 2 importers expect.
+    format!(
+        "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
+        a >> 32,
+        (a >> 16) & 0xffff,
+        a & 0xffff,
+        b >> 48,
+        b & 0xffff_ffff_ffff
+    )
+}
+
+/// Why a value is not taken.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// Not a number, or infinite.
+    NotFinite,
+    /// Below or above the declared limits.
+    OutOfRange,
+    /// No item of the enumeration, or no Boolean.
+    NoSuchItem,
+    /// The model computes it.
+    Computed,
+    /// Fixed after initialization.
+    Fixed,
+}
+
+impl Entry {
+    /// Whether `value` may be set; `running` once initialization is over.
+    #[inline]
+    pub fn check(&self, value: f64, running: bool) -> Result<(), Refusal> {
+        let row = self.row;
+        if row.causality == Causality::Output {
+            return Err(Refusal::Computed);
+        }
+        if running && row.variability == Variability::Fixed {
+            return Err(Refusal::Fixed);
+        }
+        match row.kind {
+            Kind::Real if !value.is_finite() => Err(Refusal::NotFinite),
+            Kind::Real if value < row.min || value > row.max => Err(Refusal::OutOfRange),
+            Kind::Real => Ok(()),
+            Kind::Boolean if value == 0.0 || value == 1.0 => Ok(()),
+            Kind::Enumeration(t) if t.items.iter().any(|i| f64::from(i.value) == value) => Ok(()),
+            _ => Err(Refusal::NoSuchItem),
+        }
+    }
+
+    /// One sentence about a refused value: name, value, limits, unit.
+    pub fn explain(&self, value: f64, refusal: &Refusal) -> String {
+        let (name, unit) = (&self.name, self.row.unit.name());
+        match refusal {
+            Refusal::NotFinite => format!(
+                "{name} = {value} is not a finite number; it must lie in {} ... {} {unit}.",
+                self.row.min, self.row.max
+            ),
+            Refusal::OutOfRange => format!(
+                "{name} = {value} {unit} is outside its limits {} ... {} {unit}.",
+                self.row.min, self.row.max
+            ),
+            Refusal::NoSuchItem => {
+                let choices = match self.row.kind {
+                    Kind::Enumeration(t) => {
+                        t.items.iter().map(|i| format!("{} = {}", i.value, i.name)).collect::<Vec<_>>().join(", ")
+                    }
+                    _ => "0 = false, 1 = true".to_string(),
+                };
+                format!("{name} = {value} is none of its values: {choices}.")
+            }
+            Refusal::Computed => format!("{name} is computed by the model and cannot be set to {value}."),
+            Refusal::Fixed => format!(
+                "{name} is fixed after initialization and cannot be set to {value} {unit} while the model runs."
+            ),
+        }
+    }
+}
+
+/// Why a model cannot start or step: one sentence.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct Fault(pub String);
+
+/// A model as the FMI layer and the tools see it.
+///
+/// Values are numbers in SI units; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
+/// values by [`Entry::check`] before it sets them.
+pub trait Model: Send {
+    /// The model's table.
+    fn declaration(&self) -> &'static Declaration;
+    /// The value of a slot; outputs belong to the present time.
+    fn get(&mut self, slot: Slot) -> f64;
+    /// Sets a parameter or an input; false where the type has no such value.
+    fn set(&mut self, slot: Slot, value: f64) -> bool;
+    /// The slope of a continuous input over the next step, per second. It holds for that step alone; after it
+    /// the input stands where the slope has led it.
+    fn set_slope(&mut self, slot: Slot, slope: f64);
+    /// Ends initialization at `time`: checks the parameters together, sets every state.
+    fn start(&mut self, time: f64) -> Result<(), Fault>;
+    /// Advances by `h` > 0 seconds; on failure nothing changes.
+    fn step(&mut self, h: f64) -> Result<(), Fault>;
+    /// The time that the model has reached, s.
+    fn time(&self) -> f64;
+    /// Everything that the future depends on, as numbers.
+    fn save(&self, out: &mut Vec<f64>);
+    /// Takes back what [`save`](Model::save) gave; false where the length does not fit.
+    fn restore(&mut self, saved: &[f64]) -> bool;
+    /// A copy with a life of its own.
+    fn boxed_clone(&self) -> Box<dyn Model>;
+    /// Copies another instance of the same model into this one, without allocating; false where it is another
+    /// model.
+    fn copy_from(&mut self, other: &dyn Model) -> bool;
+    /// For [`copy_from`](Model::copy_from).
+    fn as_any(&self) -> &dyn std::any::Any;
+}
+
+/// A kind of model: its declaration and how to make one.
+pub struct ModelType {
+    /// The declaration, made at the first call.
+    pub declaration: fn() -> &'static Declaration,
+    /// A new instance at its start values.
+    pub new: fn() -> Box<dyn Model>,
+}
+
+impl fmt::Debug for ModelType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ModelType").field("name", &(self.declaration)().name).finish()
+    }
+}
+
+/// A declaration that is made once.
+pub type Declared = OnceLock<Declaration>;
+
+/// Lists the groups of a struct and dispatches to them: a field a line, each a [`declare::Group`].
+///
+/// ```text
+/// groups! { Motor { "" @ 0 => inputs: Inputs, "motor." @ 100 => winding: Winding } then effects: Effects }
+/// ```
+/// `then` names a field that has groups of its own, which follow.
+#[macro_export]
+macro_rules! groups {
+    ($owner:ident { $($prefix:literal @ $base:literal => $field:ident : $type:ty),* $(,)? } $(then $tail:ident : $tail_type:ty)?) => {
+        impl $owner {
+            /// The groups of variables, in the order of the tables.
+            pub fn groups() -> Vec<$crate::model::GroupAt> {
+                #[allow(unused_mut)]
+                let mut all = vec![$($crate::model::GroupAt {
+                    prefix: $prefix, base: $base, table: <$type as declare::Group>::TABLE,
+                }),*];
+                $(all.extend(<$tail_type>::groups());)?
+                all
+            }
+
+            /// The value of a row.
+            ///
+            /// # Panics
+            /// Where there is no such group or row.
+            #[inline]
+            #[allow(unused_assignments)]
+            pub fn value(&self, group: usize, row: usize) -> f64 {
+                let mut k = 0;
+                $(if group == k { return declare::Group::get(&self.$field, row); } k += 1;)*
+                $(if group >= k { return self.$tail.value(group - k, row); })?
+                panic!("no group {group}")
+            }
+
+            /// Sets a row; false where its type has no such value.
+            ///
+            /// # Panics
+            /// Where there is no such group or row.
+            #[inline]
+            #[allow(unused_assignments)]
+            pub fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool {
+                let mut k = 0;
+                $(if group == k { return declare::Group::set(&mut self.$field, row, value); } k += 1;)*
+                $(if group >= k { return self.$tail.set_value(group - k, row, value); })?
+                panic!("no group {group}")
+            }
+        }
+    };
+}

@@ -1,0 +1,262 @@
+//! A motor with its cooling: terminals, shaft and heat.
+//!
+//! `variables.rs` says what goes in and out, `equations.rs` what holds between them, this file how the model
+//! runs: it owns parameters, inputs and state, and hands the equations to the integrator.
+
+mod equations;
+mod variables;
+
+pub use equations::{NODES, Point, STATES, Step, Temperatures};
+pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
+
+use crate::components::conductance::Conductance;
+use crate::components::motor::Motor;
+use crate::components::thermal::Thermal;
+use crate::effects::Effects;
+use crate::groups;
+use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
+use crate::solver::split::{Fast, Split, State};
+
+/// What the motor is made of, and how it is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parameters {
+    /// What holds for the whole run.
+    pub choices: Choices,
+    /// Winding and magnets.
+    pub motor: Motor,
+    /// Heat capacities and resistances.
+    pub thermal: Thermal,
+    /// Cooling by a conductance.
+    pub conductance: Conductance,
+    /// Effects, each off by default.
+    pub effects: Effects,
+}
+
+groups! {
+    Parameters {
+        "" @ 0 => choices: Choices,
+        "motor." @ 100 => motor: Motor,
+        "thermal." @ 200 => thermal: Thermal,
+        "conductance." @ 300 => conductance: Conductance,
+    } then effects: Effects
+}
+
+/// The motor: parameters, inputs, and the state it has reached.
+#[derive(Clone, Debug)]
+pub struct AnnulusCooledMotor {
+    /// What the importer sets.
+    pub inputs: Inputs,
+    outputs: Outputs,
+    /// What the motor is made of.
+    pub parameters: Parameters,
+    slopes: Inputs,
+    time: f64,
+    state: State<NODES>,
+    /// Energy stored at the start, J.
+    stored_at_start: f64,
+    split: Split<NODES>,
+    outputs_are_stale: bool,
+}
+
+groups! {
+    AnnulusCooledMotor {
+        "" @ 0 => inputs: Inputs,
+        "" @ 0 => outputs: Outputs,
+    } then parameters: Parameters
+}
+
+/// Index of the inputs in the list of groups.
+const INPUTS: usize = 0;
+/// Index of the outputs in the list of groups.
+const OUTPUTS: usize = 1;
+
+impl Default for AnnulusCooledMotor {
+    fn default() -> Self {
+        AnnulusCooledMotor {
+            inputs: Inputs::default(),
+            outputs: Outputs::default(),
+            parameters: Parameters::default(),
+            slopes: Inputs::ZERO,
+            time: 0.0,
+            state: State { x: Fast::zeros(), angle: 0.0, temperature: Temperatures::zeros(), energy: [0.0; 3] },
+            stored_at_start: 0.0,
+            split: Split::default(),
+            outputs_are_stale: true,
+        }
+    }
+}
+
+impl AnnulusCooledMotor {
+    /// The model in the list of models.
+    pub const TYPE: ModelType = ModelType { declaration: Self::declared, new: || Box::new(Self::default()) };
+
+    fn declared() -> &'static Declaration {
+        static DECLARED: Declared = Declared::new();
+        DECLARED.get_or_init(|| {
+            Declaration::new(
+                "AnnulusCooledMotor",
+                "Thermo-electromechanical motor: terminals, shaft, winding and housing temperature, cooling",
+                Self::groups(),
+            )
+        })
+    }
+
+    /// The state at the present time: current, A, speed, rad/s, angle, rad, temperatures, K, energies, J.
+    pub fn state(&self) -> &State<NODES> {
+        &self.state
+    }
+
+    /// The equations over the next step, with the inputs on their slopes.
+    pub fn step_equations(&self) -> Step<'_> {
+        Step::new(&self.parameters, &self.inputs, &self.slopes)
+    }
+
+    fn refresh_outputs(&mut self) {
+        if self.outputs_are_stale {
+            self.outputs = self.step_equations().outputs(&self.state, self.stored_at_start);
+            self.outputs_are_stale = false;
+        }
+    }
+
+    /// The current and the speed that the inputs dictate replace those of the state.
+    #[inline]
+    fn follow_inputs(&mut self) {
+        match self.parameters.choices.drive_mode {
+            DriveMode::Voltage | DriveMode::Pwm => {}
+            DriveMode::Current => self.state.x[0] = self.inputs.current_command,
+            DriveMode::Power => self.state.x[0] = 0.0,
+        }
+        match self.parameters.choices.mechanical_mode {
+            MechanicalMode::FreeShaft => {}
+            MechanicalMode::ImposedSpeed => self.state.x[1] = self.inputs.imposed_speed,
+        }
+        self.outputs_are_stale = true;
+    }
+}
+
+impl Model for AnnulusCooledMotor {
+    fn declaration(&self) -> &'static Declaration {
+        Self::declared()
+    }
+
+    #[inline]
+    fn get(&mut self, slot: Slot) -> f64 {
+        if slot.group as usize == OUTPUTS {
+            self.refresh_outputs();
+        }
+        self.value(slot.group as usize, slot.row as usize)
+    }
+
+    #[inline]
+    fn set(&mut self, slot: Slot, value: f64) -> bool {
+        let group = slot.group as usize;
+        // A parameter that changes on the way changes what the stores hold; the books start anew from there.
+        let before = if group > OUTPUTS { self.step_equations().stored(&self.state) } else { 0.0 };
+        let taken = self.set_value(group, slot.row as usize, value);
+        if group > OUTPUTS {
+            self.stored_at_start += self.step_equations().stored(&self.state) - before;
+        }
+        self.follow_inputs();
+        taken
+    }
+
+    fn set_slope(&mut self, slot: Slot, slope: f64) {
+        debug_assert_eq!(slot.group as usize, INPUTS);
+        declare::Group::set(&mut self.slopes, slot.row as usize, slope);
+        self.outputs_are_stale = true;
+    }
+
+    fn start(&mut self, time: f64) -> Result<(), Fault> {
+        self.time = time;
+        let ambient = self.inputs.ambient_temperature;
+        self.state = State {
+            x: Fast::zeros(),
+            angle: 0.0,
+            temperature: Temperatures::repeat(ambient),
+            energy: [0.0; 3],
+        };
+        self.follow_inputs();
+        self.stored_at_start = self.step_equations().stored(&self.state);
+        Ok(())
+    }
+
+    fn step(&mut self, h: f64) -> Result<(), Fault> {
+        let step = Step::new(&self.parameters, &self.inputs, &self.slopes);
+        self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
+            Fault(format!(
+                "The motor's equations have no solution {} s after {} s even with steps of {} s \
+                 (current {} A, speed {} rad/s, winding {} K).",
+                stuck.t, self.time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
+            ))
+        })?;
+        if self.slopes != Inputs::ZERO {
+            self.inputs = step.inputs_at(h);
+            self.slopes = Inputs::ZERO;
+            self.follow_inputs();
+        }
+        self.time += h;
+        self.outputs_are_stale = true;
+        Ok(())
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        for (g, group) in self.declaration().groups.iter().enumerate() {
+            out.extend((0..group.table.len()).map(|row| self.value(g, row)));
+        }
+        out.extend((0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)));
+        out.extend([self.time, self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend(self.state.to_numbers());
+        out.extend(self.split.to_numbers());
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let mut copy = self.clone();
+        let mut rest = saved.iter().copied();
+        let mut next = || rest.next();
+        let mut read = || -> Option<()> {
+            for (g, group) in Self::declared().groups.iter().enumerate() {
+                for row in 0..group.table.len() {
+                    if !copy.set_value(g, row, next()?) {
+                        return None;
+                    }
+                }
+            }
+            for row in 0..<Inputs as declare::Group>::TABLE.len() {
+                declare::Group::set(&mut copy.slopes, row, next()?);
+            }
+            copy.time = next()?;
+            copy.stored_at_start = next()?;
+            copy.outputs_are_stale = next()? != 0.0;
+            copy.state = State::from_numbers(&mut next)?;
+            copy.split = Split::from_numbers(&mut next)?;
+            next().is_none().then_some(())
+        };
+        let complete = read().is_some();
+        if complete {
+            *self = copy;
+        }
+        complete
+    }
+
+    fn boxed_clone(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+
+    fn copy_from(&mut self, other: &dyn Model) -> bool {
+        match other.as_any().downcast_ref::<Self>() {
+            Some(other) => {
+                self.clone_from(other);
+                true
+            }
+            None => false,
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

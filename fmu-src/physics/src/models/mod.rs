@@ -1,0 +1,19 @@
+//! The models, one folder each.
+
+pub mod annulus_cooled_motor;
+
+use crate::model::ModelType;
+use annulus_cooled_motor::AnnulusCooledMotor;
+
+/// Every model of the project: one line each.
+pub const ALL: &[ModelType] = &[AnnulusCooledMotor::TYPE];
+
+/// The model of this name.
+pub fn by_name(name: &str) -> Option<&'static ModelType> {
+    ALL.iter().find(|m| (m.declaration)().name == name)
+}
+
+/// The model whose FMI 2 GUID or FMI 3 instantiation token this is.
+pub fn by_token(token: &str) -> Option<&'static ModelType> {
+    ALL.iter().find(|m| (m.declaration)().token == token)
+}

@@ -1,0 +1,216 @@
+//! The phi functions of a small matrix: the exact solution of a linear system with polynomial forcing.
+//!
+//! phi_0(z) = e^z,   phi_k(z) = (phi_{k-1}(z) - 1/(k-1)!) / z                               (1)
+//!
+//! x' = A x + sum_j n_j (t/h)^j,  j = 0, 1, 2, is solved over a step h by
+//!     x(h)          = phi_0 x0 + h sum_j j! phi_{j+1} n_j                                  (2)
+//!     int x dt      = h phi_1 x0 + h^2 sum_j j! phi_{j+2} n_j                              (3)
+//!     int t x dt    = h^2 (phi_1 - phi_2) x0 + h^3 sum_j j! (phi_{j+2} - phi_{j+3}) n_j    (4)
+//! with phi_k = phi_k(h A). No inverse of A is taken, so a singular A (a shaft without friction, a current
+//! that is imposed) is no special case.
+//!
+//! *Method*: Taylor series of the highest phi at A h / 2^s, the others by (1) backwards, then s doublings
+//!     phi_k(2z) = 2^-k [ phi_0(z) phi_k(z) + sum_{j=1..k} phi_j(z) / (k-j)! ]              (5)
+//! *Source*: Hochbruck, Ostermann: Exponential integrators, Acta Numerica 19 (2010), sections 2.1 and 4.1;
+//! (5): Skaflestad, Wright, Applied Numerical Mathematics 59 (2009).
+
+use nalgebra::{SMatrix, SVector};
+
+/// How many phi functions are kept: phi_0 ... phi_5, as (4) needs.
+const KEPT: usize = 6;
+/// Terms of the Taylor series: (1/2)^13 / 18! is far below the rounding of a double.
+const TERMS: usize = 13;
+const FACTORIAL: [f64; KEPT + TERMS] = {
+    let mut f = [1.0; KEPT + TERMS];
+    let mut k = 1;
+    while k < f.len() {
+        f[k] = f[k - 1] * k as f64;
+        k += 1;
+    }
+    f
+};
+
+/// phi_0 ... phi_5 of h A, and what half the step needs, for one A and one h.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phi<const N: usize> {
+    a: SMatrix<f64, N, N>,
+    h: f64,
+    full: [SMatrix<f64, N, N>; KEPT],
+    half: [SMatrix<f64, N, N>; 2],
+    /// The four matrices of eq. (4).
+    moment: [SMatrix<f64, N, N>; 4],
+    /// 2 phi_3 - phi_2: what a parabola gives beyond a line.
+    curvature: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Phi<N> {
+    /// The functions of `h * a`; `h` in s, `a` in 1/s, both finite.
+    pub fn new(a: SMatrix<f64, N, N>, h: f64) -> Self {
+        let one = SMatrix::<f64, N, N>::identity();
+        let norm = (a * h).abs().column_sum().max();
+        // At least one doubling, so that half the step is at hand.
+        let doublings = if norm.is_finite() { (norm.max(1e-300).log2().ceil() as i32 + 1).max(1) } else { 1 };
+        let z = a * (h * 0.5f64.powi(doublings));
+
+        let mut phi = [one; KEPT];
+        let mut top = one / FACTORIAL[KEPT - 1 + TERMS];
+        for k in (0..TERMS).rev() {
+            top = z * top + one / FACTORIAL[KEPT - 1 + k];
+        }
+        phi[KEPT - 1] = top;
+        for k in (0..KEPT - 1).rev() {
+            phi[k] = z * phi[k + 1] + one / FACTORIAL[k];
+        }
+        let mut half = [phi[0], phi[1]];
+        for _ in 0..doublings {
+            half = [phi[0], phi[1]];
+            let e = phi[0];
+            for k in (1..KEPT).rev() {
+                let mut sum = e * phi[k];
+                for j in 1..=k {
+                    sum += phi[j] / FACTORIAL[k - j];
+                }
+                phi[k] = sum * 0.5f64.powi(k as i32);
+            }
+            phi[0] = e * e;
+        }
+        Phi {
+            a,
+            h,
+            full: phi,
+            half,
+            moment: [phi[1] - phi[2], phi[2] - phi[3], phi[3] - phi[4], (phi[4] - phi[5]) * 2.0],
+            curvature: phi[3] * 2.0 - phi[2],
+        }
+    }
+
+    /// The step for which these functions hold, s.
+    pub fn step(&self) -> f64 {
+        self.h
+    }
+
+    /// The matrix for which these functions hold, 1/s.
+    pub fn matrix(&self) -> &SMatrix<f64, N, N> {
+        &self.a
+    }
+
+    /// x(h/2) for a constant forcing `n`, eq. (2) at half the step.
+    #[inline]
+    pub fn half(&self, x: &SVector<f64, N>, n: &SVector<f64, N>) -> SVector<f64, N> {
+        self.half[0] * x + self.half[1] * n * (0.5 * self.h)
+    }
+
+    /// x(h) for a constant forcing `n`, eq. (2).
+    #[inline]
+    pub fn constant(&self, x: &SVector<f64, N>, n: &SVector<f64, N>) -> SVector<f64, N> {
+        self.full[0] * x + self.full[1] * n * self.h
+    }
+
+    /// x(h) for a quadratic forcing, eq. (2).
+    #[inline]
+    pub fn end(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
+        let f = &self.full;
+        f[0] * x + (f[1] * n.n0 + f[2] * n.n1 + f[3] * n.n2 * 2.0) * self.h
+    }
+
+    /// int x dt over the step, eq. (3).
+    #[inline]
+    pub fn integral(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
+        let f = &self.full;
+        (f[1] * x + (f[2] * n.n0 + f[3] * n.n1 + f[4] * n.n2 * 2.0) * self.h) * self.h
+    }
+
+    /// int t x dt over the step, with t from the step's start, eq. (4).
+    #[inline]
+    pub fn moment(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
+        let m = &self.moment;
+        (m[0] * x + (m[1] * n.n0 + m[2] * n.n1 + m[3] * n.n2) * self.h) * (self.h * self.h)
+    }
+
+    /// How far a step with a linear forcing would miss one with the quadratic forcing: the error of the
+    /// next lower order.
+    #[inline]
+    pub fn curvature_error(&self, n: &Forcing<N>) -> SVector<f64, N> {
+        self.curvature * n.n2 * self.h
+    }
+}
+
+/// A forcing n0 + n1 s + n2 s^2 over a step, s = t/h from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Forcing<const N: usize> {
+    n0: SVector<f64, N>,
+    n1: SVector<f64, N>,
+    n2: SVector<f64, N>,
+}
+
+impl<const N: usize> Forcing<N> {
+    /// The parabola through the values at the start, the middle and the end of a step. Its integral is
+    /// Simpson's rule over the three.
+    #[inline]
+    pub fn through(start: SVector<f64, N>, middle: SVector<f64, N>, end: SVector<f64, N>) -> Self {
+        Forcing {
+            n0: start,
+            n1: middle * 4.0 - start * 3.0 - end,
+            n2: (start + end) * 2.0 - middle * 4.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix2, Vector2, matrix, vector};
+    use proptest::prelude::*;
+
+    /// A scalar system with every closed form known: x' = -x + 1 + s + s^2 over h = 2.
+    #[test]
+    fn scalar_with_quadratic_forcing_has_its_closed_form() {
+        let h = 2.0f64;
+        let phi = Phi::<1>::new(matrix![-1.0], h);
+        let n = Forcing { n0: vector![1.0], n1: vector![1.0], n2: vector![1.0] };
+        // x = a + b t + c t^2 + d e^-t with s = t/2: c = 1/4, b = 1/2 - 2c = 0, a = 1 - b = 1.
+        let exact = |t: f64| 1.0 + 0.25 * t * t + 2.0 * (-t).exp();
+        let x0 = vector![exact(0.0)];
+        assert!((phi.end(&x0, &n)[0] - exact(h)).abs() < 1e-14);
+        let integral = h + h.powi(3) / 12.0 + 2.0 * (1.0 - (-h).exp());
+        assert!((phi.integral(&x0, &n)[0] - integral).abs() < 1e-14);
+        let moment = h * h / 2.0 + h.powi(4) / 16.0 + 2.0 * (1.0 - (1.0 + h) * (-h).exp());
+        assert!((phi.moment(&x0, &n)[0] - moment).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_singular_matrix_is_no_special_case() {
+        let phi = Phi::<2>::new(Matrix2::zeros(), 0.5);
+        let n = Forcing::through(vector![1.0, 0.0], vector![1.0, 1.0], vector![1.0, 2.0]);
+        let x = phi.end(&vector![0.0, 0.0], &n);
+        assert!((x - vector![0.5, 0.5]).norm() < 1e-15, "{x}");
+    }
+
+    #[test]
+    fn a_stiff_step_lands_on_the_steady_state() {
+        // The slowest rate times the step is 560: nothing of the start is left.
+        let a = matrix![-5900.0, -420.0; 8300.0, 0.0];
+        let phi = Phi::new(a, 1.0);
+        let n = vector![3.0e5, -100.0];
+        let x = phi.constant(&vector![1.0, 2.0], &n);
+        let steady = -a.try_inverse().unwrap() * n;
+        assert!((x - steady).norm() < 1e-9 * steady.norm(), "{x} {steady}");
+    }
+
+    proptest! {
+        /// Two half steps are one whole step: the property that the doublings must keep.
+        #[test]
+        fn two_halves_make_a_whole(rates in prop::array::uniform4(-3e3f64..3e3), h in 1e-6f64..2e-3,
+                                   x0 in prop::array::uniform2(-10f64..10.0), n in prop::array::uniform2(-1e3f64..1e3)) {
+            let a = Matrix2::new(rates[0], rates[1], rates[2], rates[3]);
+            let (x0, n) = (Vector2::from(x0), Vector2::from(n));
+            let whole = Phi::new(a, h).constant(&x0, &n);
+            let part = Phi::new(a, 0.5 * h);
+            let halves = part.constant(&part.constant(&x0, &n), &n);
+            let scale = whole.norm() + x0.norm() + 1.0;
+            prop_assert!((whole - halves).norm() <= 1e-10 * scale, "{whole} {halves}");
+            let middle = Phi::new(a, h).half(&x0, &n);
+            prop_assert!((middle - part.constant(&x0, &n)).norm() <= 1e-12 * scale);
+        }
+    }
+}

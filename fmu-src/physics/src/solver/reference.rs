@@ -1,0 +1,61 @@
+//! The reference path: diffsol's variable-order BDF on the same equations, for tests and benchmarks.
+//!
+//! It takes the derivatives of all states and knows nothing of the split, of phi functions or of frozen
+//! matrices. *Source*: diffsol, Bdf (Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997)).
+
+use diffsol::{DenseMatrix, DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod};
+
+/// Tolerances of the reference.
+#[derive(Clone, Copy, Debug)]
+pub struct Tolerance {
+    /// Relative.
+    pub relative: f64,
+    /// Absolute, in the unit of each state.
+    pub absolute: f64,
+}
+
+/// Integrates y' = rates(t, y) from t = 0 and gives y at each of `times`, which ascend from above 0.
+///
+/// The rates must be smooth between 0 and the last time: begin anew where an input breaks.
+pub fn integrate<const S: usize>(
+    rates: impl Fn(f64, &[f64; S]) -> [f64; S],
+    y0: &[f64; S],
+    times: &[f64],
+    tolerance: Tolerance,
+) -> Result<Vec<[f64; S]>, DiffsolError> {
+    let read = |y: &[f64]| -> [f64; S] { std::array::from_fn(|k| y[k]) };
+    let problem = OdeBuilder::<NalgebraMat<f64>>::new()
+        .rtol(tolerance.relative)
+        .atol([tolerance.absolute])
+        .rhs_implicit(
+            |y, _p, t, dy| {
+                for (k, rate) in rates(t, &read(y)).into_iter().enumerate() {
+                    dy[k] = rate;
+                }
+            },
+            // The Jacobian by central differences: it steers Newton's iteration and not the result.
+            |y, _p, t, v, jv| {
+                let (y, v) = (read(y), read(v));
+                let size = |a: &[f64; S]| a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                let step = 1e-6 * (1.0 + size(&y)) / size(&v).max(1e-300);
+                let at = |s: f64| rates(t, &std::array::from_fn(|k| y[k] + s * v[k]));
+                let (plus, minus) = (at(step), at(-step));
+                for k in 0..S {
+                    jv[k] = (plus[k] - minus[k]) / (2.0 * step);
+                }
+            },
+        )
+        .init(
+            |_p, _t, y| {
+                for k in 0..S {
+                    y[k] = y0[k];
+                }
+            },
+            S,
+        )
+        .build()?;
+    let mut solver = problem.bdf::<NalgebraLU<f64>>()?;
+    let solution = solver.solve_dense(times)?;
+    let ys = solution.0;
+    Ok((0..times.len()).map(|c| std::array::from_fn(|k| ys.get_index(k, c))).collect())
+}

@@ -1,0 +1,185 @@
+//! What the tests share: motors, input profiles, and the comparison with the reference.
+#![allow(dead_code)] // each test file uses its share
+
+use declare::Group;
+use physics::effects::CoulombFriction;
+use physics::model::{Model, Slot};
+use physics::models::annulus_cooled_motor::{
+    AnnulusCooledMotor, DriveMode, Inputs, MechanicalMode, STATES, Step,
+};
+use physics::solver::reference::{Tolerance, integrate};
+use std::fmt;
+
+/// The reference's tolerances.
+pub const TIGHT: Tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };
+
+/// A motor in these modes at its declared values.
+pub fn motor(drive: DriveMode, mechanical: MechanicalMode) -> AnnulusCooledMotor {
+    let mut motor = AnnulusCooledMotor::default();
+    motor.parameters.choices.drive_mode = drive;
+    motor.parameters.choices.mechanical_mode = mechanical;
+    motor
+}
+
+/// Dry friction of this torque, N.m.
+pub fn friction(tau_c: f64) -> CoulombFriction {
+    CoulombFriction { tau_c, w_small: 1.0 }
+}
+
+/// How the inputs run.
+pub struct Profile {
+    /// Length of a line, s; infinite where the inputs stand still.
+    line: f64,
+    /// Inputs are held over each communication step instead of running along the line.
+    held: bool,
+}
+
+impl Profile {
+    pub fn constant() -> Profile {
+        Profile { line: f64::INFINITY, held: false }
+    }
+
+    pub fn ramps(line: f64) -> Profile {
+        Profile { line, held: false }
+    }
+
+    pub fn held(line: f64) -> Profile {
+        Profile { line, held: true }
+    }
+
+    /// Whether the inputs run along lines within a step.
+    fn slopes(&self) -> bool {
+        self.line.is_finite() && !self.held
+    }
+
+    /// Corner `k` of the lines: a drive with reversals, load, fan and a room that changes.
+    fn corner(&self, base: &Inputs, k: usize) -> Inputs {
+        let x = k as f64;
+        Inputs {
+            voltage: 18.0 * (0.7 * x).sin() + 6.0 * (1.9 * x).cos(),
+            current_command: 5.0 * (0.6 * x).sin() + 2.0,
+            duty: 0.5 * (0.4 * x).sin(),
+            load_torque: 0.03 * (0.9 * x).sin(),
+            imposed_speed: 600.0 * (0.3 * x).sin(),
+            fan_command: 0.5 - 0.4 * (0.25 * x).cos(),
+            ambient_temperature: 298.15 + 3.0 * (0.1 * x).sin(),
+            electrical_power: base.electrical_power * (1.0 + 0.5 * (0.8 * x).sin()),
+            heat_power: 2.0 * (0.2 * x).sin(),
+        }
+    }
+
+    /// Inputs at `t`; those of `base` that the profile does not move stay.
+    pub fn at(&self, base: &Inputs, t: f64) -> Inputs {
+        if self.line.is_infinite() {
+            return *base;
+        }
+        let k = (t / self.line + 1e-9).floor();
+        let share = t / self.line - k;
+        let (a, b) = (self.corner(base, k as usize), self.corner(base, k as usize + 1));
+        let mut inputs = *base;
+        for row in 0..Inputs::TABLE.len() {
+            inputs.set(row, a.get(row) + (b.get(row) - a.get(row)) * share);
+        }
+        // A product of two ramps is followed along its tangent only; the supply of the tests stands still.
+        if base.voltage != 0.0 {
+            inputs.voltage = base.voltage;
+        }
+        inputs
+    }
+
+    fn slope(&self, base: &Inputs, t: f64) -> Inputs {
+        let mut slope = Inputs::ZERO;
+        if self.slopes() {
+            let (a, b) = (self.at(base, t + 0.25 * self.line), self.at(base, t + 0.75 * self.line));
+            // The line that holds at t: its quarter points lie on it where t is its start.
+            for row in 0..Inputs::TABLE.len() {
+                slope.set(row, (b.get(row) - a.get(row)) / (0.5 * self.line));
+            }
+        }
+        slope
+    }
+}
+
+/// Largest difference of each state over a run, over its largest size (temperatures: its largest rise).
+pub struct Errors {
+    relative: [f64; STATES],
+}
+
+impl Errors {
+    pub fn worst(&self) -> f64 {
+        self.relative.iter().fold(0.0, |m, e| if e.is_nan() { f64::NAN } else { m.max(*e) })
+    }
+}
+
+impl fmt::Display for Errors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = ["current", "speed", "angle", "T_w", "T_h", "E_in", "E_out", "E_ambient"];
+        for (name, e) in names.iter().zip(self.relative) {
+            write!(f, "{name} {e:.1e}  ")?;
+        }
+        Ok(())
+    }
+}
+
+/// The states of a model in the order of [`Step::rates`].
+fn states(m: &AnnulusCooledMotor) -> [f64; STATES] {
+    let numbers: Vec<f64> = m.state().to_numbers().collect();
+    numbers.try_into().expect("the states of Step::rates")
+}
+
+/// Runs the model by its own steps of `h` beside the reference, which begins anew where an input breaks.
+pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f64) -> Errors {
+    let base = model.inputs;
+    model.inputs = profile.at(&base, 0.0);
+    model.start(0.0).unwrap();
+    let mut y = states(&model);
+    let ambient = y[3];
+    let mut error = [0.0f64; STATES];
+    let mut size = [0.0f64; STATES];
+    let parameters = model.parameters;
+    let smooth = if profile.held { h } else { profile.line.min(stop) };
+    let steps = (smooth / h).round() as usize;
+    let pieces = (stop / smooth).round() as usize;
+    for piece in 0..pieces {
+        let t0 = piece as f64 * smooth;
+        let (inputs, slopes) = (profile.at(&base, t0), profile.slope(&base, t0));
+        let step = Step::new(&parameters, &inputs, &slopes);
+        // What the inputs dictate jumps with them.
+        model.inputs = inputs;
+        touch(&mut model);
+        let now = states(&model);
+        let dictated = [now[0], now[1]];
+        if parameters.choices.drive_mode as i32 >= DriveMode::Current as i32 {
+            y[0] = dictated[0];
+        }
+        if parameters.choices.mechanical_mode == MechanicalMode::ImposedSpeed {
+            y[1] = dictated[1];
+        }
+        let times: Vec<f64> = (1..=steps).map(|k| k as f64 * h).collect();
+        let truth = integrate(|t, y| step.rates(t, y), &y, &times, TIGHT).unwrap();
+        for (k, truth) in truth.iter().enumerate() {
+            let t = t0 + k as f64 * h;
+            model.inputs = if profile.held { inputs } else { profile.at(&base, t) };
+            touch(&mut model);
+            for row in 0..Inputs::TABLE.len() {
+                model.set_slope(Slot { group: 0, row: row as u16 }, slopes.get(row));
+            }
+            model.step(h).unwrap();
+            let got = states(&model);
+            for s in 0..STATES {
+                let origin = if s == 3 || s == 4 { ambient } else { 0.0 };
+                error[s] = error[s].max((got[s] - truth[s]).abs());
+                size[s] = size[s].max((truth[s] - origin).abs());
+            }
+        }
+        y = *truth.last().unwrap();
+    }
+    Errors { relative: std::array::from_fn(|s| if size[s] == 0.0 { error[s] } else { error[s] / size[s] }) }
+}
+
+/// Lets a model see that its inputs were written directly.
+fn touch(model: &mut AnnulusCooledMotor) {
+    let slot = Slot { group: 0, row: 0 };
+    let value = model.get(slot);
+    model.set(slot, value);
+}
