@@ -6,6 +6,10 @@ import numpy as np
 from reference import Inputs
 
 
+# Friction is off by default; every case has some of both kinds.
+FRICTION = {"effect.coulomb_friction.tau_c": 9.83e-3, "effect.viscous_friction.k": 2e-6}
+
+
 @dataclass(frozen=True)
 class Knot:
     """Inputs at an instant; between two knots they run along lines."""
@@ -31,7 +35,7 @@ class Case:
     @property
     def start(self) -> dict:
         """Start values for the FMU."""
-        return {"drive_mode": self.drive, "mechanical_mode": self.shaft, **vars(self.knots[0].inputs)}
+        return {"drive_mode": self.drive, "mechanical_mode": self.shaft, **FRICTION, **vars(self.knots[0].inputs)}
 
     def stretches(self):
         """Each stretch between two knots: inputs at its start, their slopes, the number of steps in it."""

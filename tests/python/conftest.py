@@ -38,18 +38,13 @@ def make(archive):
     """Makes initialised instances from start values; they are freed after the test."""
     made = []
 
-    def make(**start):
+    def make(start=None, **further):
         made.append(archive.instance())
-        return made[-1].initialise(named(start))
+        return made[-1].initialise({**(start or {}), **further})
 
     yield make
     for instance in made:
         instance.close()
-
-
-def named(start):
-    """Names of variables may hold dots, keyword arguments may not: two underscores stand for a dot."""
-    return {name.replace("__", "."): value for name, value in start.items()}
 
 
 @pytest.fixture(scope="session")

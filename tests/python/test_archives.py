@@ -4,11 +4,11 @@ import csv
 
 import numpy as np
 import pytest
-from conftest import STANDARDS, named
+from conftest import STANDARDS
 from fmpy.validation import validate_fmu
 
 STEP, STEPS = 1e-3, 500
-START = dict(voltage=36.0, load_torque=0.08, fan_command=0.5)
+START = {"voltage": 36.0, "load_torque": 0.08, "fan_command": 0.5, "effect.coulomb_friction.tau_c": 9.83e-3}
 
 
 @pytest.mark.parametrize("fmi", STANDARDS)
@@ -24,7 +24,7 @@ def outputs(archives):
 
 def record(archive, outputs):
     with archive.instance() as fmu:
-        fmu.initialise(named(START))
+        fmu.initialise(START)
         rows = [fmu.get(*outputs)]
         for k in range(STEPS):
             fmu.step(STEP, point=k * STEP)

@@ -9,7 +9,7 @@ ENERGY_ERROR = 1e-6  # of the energy that went through
 
 @pytest.mark.parametrize("case", [*CONSTANT, DRIVE_CYCLE], ids=lambda case: case.name)
 def test_books_close(make, case):
-    fmu = make(**case.start)
+    fmu = make(case.start)
     throughput, last = 0.0, 0.0
     for inputs, slopes, steps in case.stretches():
         for k in range(steps):

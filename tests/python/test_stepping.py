@@ -63,7 +63,7 @@ def test_serialised_state_moves_to_another_instance(make):
 def test_instances_are_independent(make):
     alone = make(**DRIVE)
     expected = run(alone, 50)
-    a, b = make(**DRIVE), make(voltage=-12.0, fan_command=1.0, motor__R_ref=0.5)
+    a, b = make(**DRIVE), make({"motor.R_ref": 0.5}, voltage=-12.0, fan_command=1.0)
     for _ in range(50):
         a.step(1e-3)
         b.step(1e-3)
