@@ -17,6 +17,14 @@ pub trait Effect {
     }
 }
 
+/// The sign of `x` with a smooth passage through zero: tanh, saturated where a double no longer sees the
+/// difference (and where a dual number's tanh would overflow).
+#[inline]
+fn smooth_sign<D: DualNum<Primitive = f64> + Copy>(x: D) -> D {
+    const SATURATED: f64 = 20.0;
+    if x.re().abs() > SATURATED { D::from(x.re().signum()) } else { x.tanh() }
+}
+
 macro_rules! effects {
     ($($(#[doc = $doc:literal])* $id:ident : $type:ident @ $prefix:literal $base:literal;)*) => {
         /// All effects of a model with their parameters.

@@ -175,9 +175,12 @@ impl Entry {
             ),
             Refusal::NoSuchItem => {
                 let choices = match self.row.kind {
-                    Kind::Enumeration(t) => {
-                        t.items.iter().map(|i| format!("{} = {}", i.value, i.name)).collect::<Vec<_>>().join(", ")
-                    }
+                    Kind::Enumeration(t) => t
+                        .items
+                        .iter()
+                        .map(|i| format!("{} = {}", i.value, i.name))
+                        .collect::<Vec<_>>()
+                        .join(", "),
                     _ => "0 = false, 1 = true".to_string(),
                 };
                 format!("{name} = {value} is none of its values: {choices}.")

@@ -82,6 +82,9 @@ mod tests {
         assert_eq!(patch(&mut [0; 64], &[]), Err(PatchError::Blocks(0)));
         let mut two = [empty(), empty()].concat();
         assert_eq!(patch(&mut two, &[]), Err(PatchError::Blocks(2)));
-        assert_eq!(patch(&mut empty(), &vec![(1, 1.0); CAPACITY + 1]), Err(PatchError::TooMany(CAPACITY + 1)));
+        assert_eq!(
+            patch(&mut empty(), &vec![(1, 1.0); CAPACITY + 1]),
+            Err(PatchError::TooMany(CAPACITY + 1))
+        );
     }
 }

@@ -7,7 +7,7 @@
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing.
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
 
-use super::Effect;
+use super::{Effect, smooth_sign};
 use declare::{Unit, Variable, variables};
 use num_dual::DualNum;
 
@@ -27,20 +27,33 @@ impl Effect for CoulombFriction {
         if self.tau_c == 0.0 {
             return D::from(0.0);
         }
-        (w / self.w_small).tanh() * self.tau_c
+        smooth_sign(w / self.w_small) * self.tau_c
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_dual::Dual64;
 
     #[test]
     fn full_torque_when_running_none_at_rest_odd_in_speed() {
         let friction = CoulombFriction { tau_c: 0.00983, w_small: 1.0 };
         assert!((friction.drag_torque(1000.0f64) - 0.00983).abs() < 1e-17);
         assert_eq!(friction.drag_torque(0.0), 0.0);
+        assert_eq!(friction.drag_torque(20.0 + 1e-9), friction.drag_torque(20.0));
         assert_eq!(friction.drag_torque(-3.0), -friction.drag_torque(3.0));
         assert!((friction.drag_torque(0.5f64) - 0.00983 * 0.462_117_157_260_009_76).abs() < 1e-15);
+    }
+
+    /// The slope that the integrator linearises with, against a difference, also far beyond the passage.
+    #[test]
+    fn the_slope_is_the_derivative() {
+        let friction = CoulombFriction { tau_c: 0.00983, w_small: 1.0 };
+        for w in [-2000.0, -1.3, 0.0, 0.4, 19.0, 400.0f64] {
+            let slope = friction.drag_torque(Dual64::from(w).derivative()).eps;
+            let difference = (friction.drag_torque(w + 1e-4) - friction.drag_torque(w - 1e-4)) / 2e-4;
+            assert!((slope - difference).abs() < 1e-9, "{w}: {slope} {difference}");
+        }
     }
 }

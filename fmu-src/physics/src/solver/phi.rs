@@ -36,7 +36,7 @@ pub struct Phi<const N: usize> {
     a: SMatrix<f64, N, N>,
     h: f64,
     full: [SMatrix<f64, N, N>; KEPT],
-    half: [SMatrix<f64, N, N>; 2],
+    half: [SMatrix<f64, N, N>; 4],
     /// The four matrices of eq. (4).
     moment: [SMatrix<f64, N, N>; 4],
     /// 2 phi_3 - phi_2: what a parabola gives beyond a line.
@@ -61,9 +61,9 @@ impl<const N: usize> Phi<N> {
         for k in (0..KEPT - 1).rev() {
             phi[k] = z * phi[k + 1] + one / FACTORIAL[k];
         }
-        let mut half = [phi[0], phi[1]];
+        let mut half = [one; 4];
         for _ in 0..doublings {
-            half = [phi[0], phi[1]];
+            half = [phi[0], phi[1], phi[2], phi[3]];
             let e = phi[0];
             for k in (1..KEPT).rev() {
                 let mut sum = e * phi[k];
@@ -98,6 +98,13 @@ impl<const N: usize> Phi<N> {
     #[inline]
     pub fn half(&self, x: &SVector<f64, N>, n: &SVector<f64, N>) -> SVector<f64, N> {
         self.half[0] * x + self.half[1] * n * (0.5 * self.h)
+    }
+
+    /// x(h/2) for a quadratic forcing over the whole step, eq. (2) at half the step.
+    #[inline]
+    pub fn middle(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
+        let f = &self.half;
+        f[0] * x + (f[1] * n.n0 + f[2] * n.n1 * 0.5 + f[3] * n.n2 * 0.5) * (0.5 * self.h)
     }
 
     /// x(h) for a constant forcing `n`, eq. (2).
@@ -148,11 +155,7 @@ impl<const N: usize> Forcing<N> {
     /// Simpson's rule over the three.
     #[inline]
     pub fn through(start: SVector<f64, N>, middle: SVector<f64, N>, end: SVector<f64, N>) -> Self {
-        Forcing {
-            n0: start,
-            n1: middle * 4.0 - start * 3.0 - end,
-            n2: (start + end) * 2.0 - middle * 4.0,
-        }
+        Forcing { n0: start, n1: middle * 4.0 - start * 3.0 - end, n2: (start + end) * 2.0 - middle * 4.0 }
     }
 }
 
@@ -171,6 +174,7 @@ mod tests {
         // x = a + b t + c t^2 + d e^-t with s = t/2: c = 1/4, b = 1/2 - 2c = 0, a = 1 - b = 1.
         let exact = |t: f64| 1.0 + 0.25 * t * t + 2.0 * (-t).exp();
         let x0 = vector![exact(0.0)];
+        assert!((phi.middle(&x0, &n)[0] - exact(0.5 * h)).abs() < 1e-14);
         assert!((phi.end(&x0, &n)[0] - exact(h)).abs() < 1e-14);
         let integral = h + h.powi(3) / 12.0 + 2.0 * (1.0 - (-h).exp());
         assert!((phi.integral(&x0, &n)[0] - integral).abs() < 1e-14);

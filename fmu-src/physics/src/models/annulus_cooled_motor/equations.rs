@@ -366,7 +366,10 @@ impl System<NODES> for Step<'_> {
         // Simpson's rule for what the drag adds to its value at the end; that value times the exact angle.
         let drag_end = effects.drag_torque(x1[1]);
         let beyond = |w: f64| (effects.drag_torque(w) - drag_end) * w;
-        let friction = drag_end * segment.integral[1] + simpson(beyond(x0[1]), beyond(xm[1]), 0.0);
+        let (beyond_start, beyond_middle) = (beyond(x0[1]), beyond(xm[1]));
+        let extra = simpson(beyond_start, beyond_middle, 0.0);
+        let doubt = (extra - 0.5 * h * beyond_start).abs();
+        let friction = drag_end * segment.integral[1] + extra;
         let (air_gap, mechanical) = if self.is_free() {
             let load = line(&self.load, 1);
             (self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction, load)
@@ -388,7 +391,12 @@ impl System<NODES> for Step<'_> {
             let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
             (copper, copper + air_gap)
         };
-        Work { heat: Temperatures::new(copper + heat, friction), electrical: electrical + heat, mechanical }
+        Work {
+            heat: Temperatures::new(copper + heat, friction),
+            electrical: electrical + heat,
+            mechanical,
+            doubt,
+        }
     }
 
     #[inline]

@@ -78,7 +78,12 @@ impl Default for AnnulusCooledMotor {
             parameters: Parameters::default(),
             slopes: Inputs::ZERO,
             time: 0.0,
-            state: State { x: Fast::zeros(), angle: 0.0, temperature: Temperatures::zeros(), energy: [0.0; 3] },
+            state: State {
+                x: Fast::zeros(),
+                angle: 0.0,
+                temperature: Temperatures::zeros(),
+                energy: [0.0; 3],
+            },
             stored_at_start: 0.0,
             split: Split::default(),
             outputs_are_stale: true,
@@ -207,7 +212,9 @@ impl Model for AnnulusCooledMotor {
         for (g, group) in self.declaration().groups.iter().enumerate() {
             out.extend((0..group.table.len()).map(|row| self.value(g, row)));
         }
-        out.extend((0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)));
+        out.extend(
+            (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
+        );
         out.extend([self.time, self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());

@@ -1,0 +1,152 @@
+//! The energy books, instantaneous and integrated, in every mode.
+
+mod common;
+use common::{friction, motor};
+use physics::model::Model;
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
+
+const DRIVES: [DriveMode; 4] = [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power];
+const COUPLINGS: [MechanicalMode; 2] = [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed];
+
+fn output(m: &mut AnnulusCooledMotor, name: &str) -> f64 {
+    let slot = m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot;
+    m.get(slot)
+}
+
+fn input(m: &mut AnnulusCooledMotor, name: &str, value: f64, slope: f64) {
+    let slot = m.declaration().by_name(name).unwrap().slot;
+    assert!(m.set(slot, value));
+    m.set_slope(slot, slope);
+}
+
+/// A second of everything at once: volts, amperes, load, fan and room on ramps, reversing under friction.
+fn run(
+    drive: DriveMode,
+    coupling: MechanicalMode,
+    slopes: bool,
+    mut each: impl FnMut(&mut AnnulusCooledMotor),
+) {
+    let mut m = motor(drive, coupling);
+    m.parameters.effects.coulomb_friction = friction(0.00983);
+    m.parameters.effects.viscous_friction.k = 3e-6;
+    m.start(0.0).unwrap();
+    let h = 1e-3;
+    for k in 0..1000 {
+        let t = k as f64 * h;
+        let mut drive = |name: &str, f: &dyn Fn(f64) -> f64| {
+            input(&mut m, name, f(t), if slopes { (f(t + h) - f(t)) / h } else { 0.0 });
+        };
+        drive("voltage", &|t| 20.0 + 10.0 * (9.0 * t).sin());
+        drive("duty", &|t| (7.0 * t).sin());
+        drive("current_command", &|t| 6.0 * (8.0 * t).sin());
+        drive("load_torque", &|t| 0.05 * (5.0 * t).cos());
+        drive("imposed_speed", &|t| 900.0 * (4.0 * t).sin());
+        drive("fan_command", &|t| 0.5 - 0.5 * (3.0 * t).cos());
+        drive("ambient_temperature", &|t| 298.15 + 5.0 * t);
+        drive("electrical_power", &|t| 20.0 + 15.0 * (6.0 * t).sin());
+        drive("heat_power", &|t| 3.0 * (2.0 * t).sin());
+        m.step(h).unwrap();
+        each(&mut m);
+    }
+}
+
+#[test]
+fn the_power_balance_closes_at_every_instant() {
+    for drive in DRIVES {
+        for coupling in COUPLINGS {
+            run(drive, coupling, true, |m| {
+                let error = output(m, "power_balance_error");
+                assert!(error.abs() <= 1e-6, "{drive:?} {coupling:?} at {} s: {error} W", m.time());
+            });
+        }
+    }
+}
+
+/// In minus out minus stored, as the model itself integrates them.
+#[test]
+fn the_energy_books_close_over_a_run() {
+    for drive in DRIVES {
+        for coupling in COUPLINGS {
+            for slopes in [true, false] {
+                let (mut worst, mut throughput) = (0.0f64, 0.0f64);
+                run(drive, coupling, slopes, |m| {
+                    worst = worst.max(output(m, "energy_balance_error").abs());
+                    throughput = throughput.max(output(m, "energy_electrical").abs());
+                });
+                assert!(throughput > 1.0, "{drive:?} {coupling:?}: nothing went through");
+                assert!(worst <= 1e-6 * throughput, "{drive:?} {coupling:?}: {worst} J of {throughput} J");
+            }
+        }
+    }
+}
+
+/// The books from outside: an hour at 5 A, electrical energy by the caller's own quadrature of the power,
+/// against heat stored by the temperatures and heat given away by the conductance.
+#[test]
+fn the_books_close_for_an_onlooker() {
+    let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+    m.inputs.current_command = 5.0;
+    m.start(0.0).unwrap();
+    let h = 1.0;
+    let look = |m: &mut AnnulusCooledMotor| (output(m, "power_electrical"), output(m, "heat_to_ambient"));
+    let (mut taken, mut given) = (0.0, 0.0);
+    let mut before = look(&mut m);
+    for _ in 0..3600 {
+        // Simpson's rule with the half step seen on the way.
+        m.step(0.5 * h).unwrap();
+        let middle = look(&mut m);
+        m.step(0.5 * h).unwrap();
+        let after = look(&mut m);
+        taken += h / 6.0 * (before.0 + 4.0 * middle.0 + after.0);
+        given += h / 6.0 * (before.1 + 4.0 * middle.1 + after.1);
+        before = after;
+    }
+    let rise = m.state().temperature.add_scalar(-298.15);
+    let stored = m.parameters.thermal.C_w * rise[0] + m.parameters.thermal.C_h * rise[1];
+    assert!(taken > 30e3);
+    assert!((taken - given - stored).abs() <= 1e-6 * taken, "{taken} - {given} - {stored} J");
+}
+
+/// Heat runs from hot to cold, and friction only heats.
+#[test]
+fn signs() {
+    let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+    m.parameters.effects.coulomb_friction = friction(0.01);
+    m.inputs.current_command = 5.0;
+    m.inputs.imposed_speed = -500.0;
+    m.start(0.0).unwrap();
+    for _ in 0..60 {
+        m.step(1.0).unwrap();
+    }
+    assert!(output(&mut m, "winding_temperature") > output(&mut m, "housing_temperature"));
+    assert!(output(&mut m, "housing_temperature") > 298.15);
+    assert!(output(&mut m, "heat_to_ambient") > 0.0);
+    assert!(output(&mut m, "loss_friction") > 0.0);
+    // A positive current against a negative speed brakes: the shaft gives power to the motor.
+    assert!(output(&mut m, "power_mechanical") < 0.0);
+    // k_t I + tau_c: at a negative speed friction pushes forward.
+    let k_t = output(&mut m, "torque_constant");
+    assert!((output(&mut m, "shaft_torque") - (5.0 * k_t + 0.01)).abs() < 1e-12);
+    // Voltage of a braking motor: R I minus the back-EMF.
+    let r = output(&mut m, "winding_resistance");
+    assert!((output(&mut m, "terminal_voltage") - (5.0 * r - 500.0 * k_t)).abs() < 1e-12);
+    assert!(r > 0.386 && k_t < 0.0276, "hot copper resists more, hot magnets pull less");
+}
+
+/// A parameter tuned on the way does not put energy into the books.
+#[test]
+fn tuning_a_parameter_keeps_the_books() {
+    let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+    m.inputs.current_command = 5.0;
+    m.start(0.0).unwrap();
+    m.step(100.0).unwrap();
+    input_parameter(&mut m, "thermal.C_h", 300.0);
+    m.step(100.0).unwrap();
+    let error = output(&mut m, "energy_balance_error");
+    assert!(error.abs() < 1e-6 * output(&mut m, "energy_electrical"), "{error} J");
+}
+
+fn input_parameter(m: &mut AnnulusCooledMotor, name: &str, value: f64) {
+    let slot = m.declaration().by_name(name).unwrap().slot;
+    assert!(m.set(slot, value));
+}
