@@ -1,6 +1,6 @@
 """A powered ankle walks for twenty minutes: how warm does its motor get, and what does a fan buy?
 
-The actuator gives the whole torque of a healthy ankle at the walker's own speed. The motor FMU is driven by its
+The actuator gives the whole torque of a healthy ankle at the walker's own speed, and stops at the winding's limit. The motor FMU is driven by its
 current: the current loop of a real drive settles within a tenth of the 1 ms step used here, and the actuator keeps
 the command within what the supply's voltage can push. `--drive voltage` puts the voltage on the terminals instead.
 
@@ -20,7 +20,7 @@ from clients.walking import results, walk
 COOLING = {"still air": 0.0, "fan at full speed": 1.0}
 
 
-def arguments():
+def command_line():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fmu", type=Path, help="archive to use (default: the built FMI 2.0 one)")
     parser.add_argument("--out", type=Path, default=dist(), help="folder for the figure and the results")
@@ -32,11 +32,10 @@ def arguments():
     parser.add_argument("--ratio", type=float, default=Design.ratio)
     parser.add_argument("--stiffness", type=float, default=Design.stiffness, help="N.m/rad at the joint")
     parser.add_argument("--drive", choices=("current", "voltage"), default="current")
-    return parser.parse_args()
+    return parser
 
 
-def main():
-    options = arguments()
+def main(options):
     gait = Gait(options.body_mass, options.speed, options.joint, options.support)
     design = Design(ratio=options.ratio, stiffness=options.stiffness)
     path = options.fmu or archive("AnnulusCooledMotor", fmi=2)
@@ -52,4 +51,8 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    parser = command_line()
+    try:
+        main(parser.parse_args())
+    except (ValueError, FileNotFoundError) as error:
+        parser.error(str(error))

@@ -24,6 +24,9 @@ import numpy as np
 
 from clients.gait import Gait
 
+# Outputs of the FMU that `Actuator.command` takes, in this order. Resistance and torque constant stand for the
+# drive's current loop, which finds the voltage for a current whatever the temperatures are.
+MEASURED = ("shaft_angle", "shaft_speed", "winding_resistance", "torque_constant")
 P_SMALL = 0.5  # W, width of the change-over between driving and being driven
 
 
@@ -31,7 +34,7 @@ P_SMALL = 0.5  # W, width of the change-over between driving and being driven
 class Design:
     """What an actuator designer chooses."""
 
-    ratio: float = 200.0  # motor angle over joint angle
+    ratio: float = 250.0  # motor angle over joint angle
     efficiency: float = 0.85  # of the transmission, either direction
     stiffness: float = 250.0  # N.m/rad, of the spring, at the joint
     supply_voltage: float = 48.0  # V
@@ -49,15 +52,14 @@ class Design:
 
 @dataclass(frozen=True)
 class MotorData:
-    """What the drive knows of its motor: values at the reference temperature, not the present ones."""
+    """What the torque control knows of its motor: values at the reference temperature, not the present ones."""
 
-    R: float  # Ohm
     k_t: float  # N.m/A
     J: float  # kg.m2
     tau_c: float  # N.m
     w_small: float  # rad/s
 
-    NAMES = ("motor.R_ref", "motor.k_t", "motor.J", "effect.coulomb_friction.tau_c", "effect.coulomb_friction.w_small")
+    NAMES = ("motor.k_t", "motor.J", "effect.coulomb_friction.tau_c", "effect.coulomb_friction.w_small")
 
     @classmethod
     def of(cls, instance) -> "MotorData":
@@ -113,18 +115,19 @@ class Actuator:
         columns = (target - self.offset, target_speed, torque / self.motor.k_t, middle.angle)
         self._chunk, self._first = list(zip(*(column.tolist() for column in columns))), first
 
-    def command(self, k: int, angle: float, speed: float) -> tuple[float, float]:
-        """Command (A, or V for a voltage drive) and load torque for step k, from the motor's state at its start."""
+    def command(self, k: int, y) -> tuple[float, float]:
+        """Command (A, or V for a voltage drive) and load torque for step k, from the `MEASURED` at its start."""
+        angle, speed, resistance, torque_constant = y[:4]
         if not self._first <= k < self._first + len(self._chunk):
             self._prepare(k)
         target, target_speed, feed_forward, joint = self._chunk[k - self._first]
-        d, m = self.design, self.motor
+        d = self.design
         current = feed_forward + self._k_p * (target - angle) + self._k_d * (target_speed - speed)
         # The supply cannot push a current whose voltage it does not have.
-        emf = m.k_t * speed
-        low = max((-d.supply_voltage - emf) / m.R, -d.current_max)
-        high = min((d.supply_voltage - emf) / m.R, d.current_max)
+        emf = torque_constant * speed
+        low = max((-d.supply_voltage - emf) / resistance, -d.current_max)
+        high = min((d.supply_voltage - emf) / resistance, d.current_max)
         current = min(max(current, low), high)
         torque = self.joint_torque(angle + 0.5 * self.step * speed, joint)
         load = self.load_torque(torque, speed)
-        return (current if self.drive == "current" else m.R * current + emf), load
+        return (current if self.drive == "current" else resistance * current + emf), load

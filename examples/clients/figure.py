@@ -22,6 +22,8 @@ STYLE = {
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
     "legend.frameon": False,
+    "legend.handlelength": 1.1,
+    "legend.borderaxespad": 0.0,
     "svg.hashsalt": "motor-fmu",  # the same run gives the same bytes
     "svg.fonttype": "path",
 }
@@ -34,15 +36,16 @@ def write(runs: dict, title: str, stem):
         canvas = plt.figure(figsize=(9.0, 6.4), layout="constrained")
         canvas.suptitle(title, fontweight="bold")
         top, bottom = canvas.subfigures(2, 1, height_ratios=(1.0, 1.15))
-        _stride(top.subplots(1, 3), next(iter(runs.values())))
+        name, run = next(iter(runs.items()))
+        _stride(top.subplots(1, 3), name, run)
         _temperatures(bottom.subplots(), runs)
         canvas.savefig(f"{stem}.svg", metadata={"Date": None})
         canvas.savefig(f"{stem}.png", dpi=160)
         plt.close(canvas)
 
 
-def _stride(axes, run):
-    """The last whole stride: torque, current and voltage, power."""
+def _stride(axes, name, run):
+    """The last whole stride of a run: torque, current and voltage, power."""
     gait = run.actuator.gait
     end = int(run.time[-1] / gait.stride_time) * gait.stride_time
     rows = slice(int(round((end - gait.stride_time) / STEP)), int(round(end / STEP)))
@@ -66,7 +69,7 @@ def _stride(axes, run):
     power.set(title="Power", ylabel="W")
     power.legend()
     for panel in axes:
-        panel.set(xlabel="% of stride", xlim=(0, 100))
+        panel.set(xlabel=f"% of the last stride, {name}", xlim=(0, 100))
         panel.axhline(0.0, color=GREY, lw=0.6)
 
 
@@ -78,14 +81,13 @@ def _temperatures(panel, runs):
         minutes = run.time / 60.0
         winding, housing = (run.motor[f"{node}_temperature"] - KELVIN for node in ("winding", "housing"))
         low, high = _envelope(winding, stride)
-        x = minutes[: low.size * stride : stride]
+        x = minutes[stride // 2 :: stride][: low.size]
         panel.fill_between(x, low, high, color=color, alpha=0.25, lw=0)
         mean = winding[: low.size * stride].reshape(-1, stride).mean(axis=1)
-        panel.plot(x, mean, color=color, label=f"winding, {name}")
+        panel.plot(x, mean, color=color, lw=1.8, label=f"winding, {name}")
         panel.plot(minutes[::every], housing[::every], color=color, ls="--", lw=1.2, label=f"housing, {name}")
-        over = np.flatnonzero(run.motor["winding_temperature"] > run.winding_limit)
-        if over.size:
-            at = minutes[over[0]]
+        if run.motor["winding_temperature"][-1] > run.winding_limit:
+            at = minutes[-1]
             panel.plot([at], [run.winding_limit - KELVIN], "o", color=color, ms=6)
             panel.annotate(
                 f"limit reached after {at:.1f} min",
@@ -97,10 +99,17 @@ def _temperatures(panel, runs):
             )
     limit = next(iter(runs.values())).winding_limit - KELVIN
     panel.axhline(limit, color=GREY, lw=1.2, ls=":")
-    panel.annotate(f"winding limit {limit:.0f} °C", (1.0, limit), xycoords=("axes fraction", "data"), xytext=(0, -11),
-                   textcoords="offset points", ha="right", color=GREY)
-    panel.set(title="Temperatures (band: within a stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, None))
-    panel.legend(loc="upper left", ncols=2)
+    panel.annotate(
+        f"winding limit {limit:.0f} °C",
+        (0.0, limit),
+        xycoords=("axes fraction", "data"),
+        xytext=(4, 4),
+        textcoords="offset points",
+        color=GREY,
+    )
+    end = max(run.time[-1] for run in runs.values()) / 60.0
+    panel.set(title="Temperatures (band: within a stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, end))
+    panel.legend(loc="lower right", ncols=2, bbox_to_anchor=(1.0, 0.04))
     panel.margins(y=0.12)
 
 

@@ -59,11 +59,12 @@ class _Ports:
         self.send, self.advance, self.receive = send, advance, receive
 
 
-def run(instance: Instance, control, inputs, outputs, step: float, steps: int, label: str = "") -> np.ndarray:
+def run(instance: Instance, control, inputs, outputs, step: float, steps: int, stop=None, label: str = "") -> np.ndarray:
     """Runs `steps` steps and returns a record with one row per communication point: outputs, then inputs.
 
-    `control(k, *first two outputs)` gives the inputs of step k; they are held over it. The last row has no inputs
-    (nan). `label` names the run in the progress line, which is shown on a terminal only.
+    `control(k, y)` gives the inputs of step k from the outputs `y` at its start; they are held over it. The run
+    ends early where `stop(y)` is true. The last row has no inputs (nan). `label` names the run in the progress
+    line, which is shown on a terminal only.
     """
     ports = _Ports(instance, inputs, outputs, step)
     record = np.full((steps + 1, len(outputs) + len(inputs)), np.nan)
@@ -72,19 +73,22 @@ def run(instance: Instance, control, inputs, outputs, step: float, steps: int, l
     start, bar = instance.time, _Progress(label, steps)
     ports.receive()
     for k in range(steps):
-        u[:] = control(k, y[0], y[1])
+        u[:] = control(k, y)
         memmove(row, y, size_y)
         memmove(row + size_y, u, size_u)
         row += stride
         ports.send()
         ports.advance(start + k * step)
         ports.receive()
+        if stop is not None and stop(y):
+            steps = k + 1
+            break
         if not k & 0x3FFF:
             bar.show(k)
     memmove(row, y, size_y)
     instance.time = start + steps * step
     bar.close()
-    return record
+    return record[: steps + 1]
 
 
 class _Progress:

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from clients import master
-from clients.actuator import Actuator, Design, MotorData
+from clients.actuator import MEASURED, Actuator, Design, MotorData
 from clients.fmu import Archive
 from clients.gait import Gait
 
 KELVIN = 273.15
 STEP = 1e-3  # s, communication step
 OUTPUTS = (
-    "shaft_angle",
-    "shaft_speed",
+    *MEASURED,
     "current",
     "terminal_voltage",
     "winding_temperature",
@@ -46,7 +45,12 @@ class Walk:
 
 
 def walk(path, gait: Gait, design: Design, seconds: float, drive="current", fan=0.0, ambient=None, label="walking") -> Walk:
-    """Walks with the FMU at `path`. `fan` is the fan command, 0 to 1; `ambient` a temperature in K."""
+    """Walks with the FMU at `path`, until the winding passes its limit at the latest.
+
+    `fan` is the fan command, 0 to 1; `ambient` a temperature in K.
+    """
+    if not seconds >= 2.0 * gait.stride_time:
+        raise ValueError(f"seconds = {seconds:g}; a walk has at least two strides, {2.0 * gait.stride_time:g} s")
     start = {"drive_mode": drive, "mechanical_mode": "free_shaft", "cooling_mode": "conductance", "fan_command": fan}
     if ambient is not None:
         start["ambient_temperature"] = ambient
@@ -56,9 +60,10 @@ def walk(path, gait: Gait, design: Design, seconds: float, drive="current", fan=
         motor.initialise(start)
         actuator = Actuator(design, MotorData.of(motor), gait, STEP, drive)
         (limit,) = motor.get("thermal.T_w_max")
-        steps = round(seconds / STEP)
-        record = master.run(motor, actuator.command, inputs, OUTPUTS, STEP, steps, label)
-    time = np.arange(steps + 1) * STEP
+        winding = OUTPUTS.index("winding_temperature")
+        too_hot = lambda y: y[winding] > limit
+        record = master.run(motor, actuator.command, inputs, OUTPUTS, STEP, round(seconds / STEP), too_hot, label)
+    time = np.arange(len(record)) * STEP
     columns = dict(zip(OUTPUTS + inputs, record.T))
     motion = gait.at(time)
     torque = actuator.joint_torque(columns["shaft_angle"], motion.angle)
@@ -75,12 +80,13 @@ def results(run: Walk) -> dict:
     current, voltage = m["current"], m["terminal_voltage"]
     error = (run.joint_torque - run.torque_demand)[judged]
     hours = run.time[-1] / 3600.0
-    over = np.flatnonzero(m["winding_temperature"] > run.winding_limit)
     electrical, shaft = float(m["energy_electrical"][-1]), float(m["energy_mechanical"][-1])
     joint = _trapezoid_work(run.joint_torque, run.joint_angle)
     loss, stored = transmission_loss(run), spring_energy(run)
     return {
-        "strides": round(run.time[-1] / run.actuator.gait.stride_time, 3),
+        "minutes_walked": float(run.time[-1] / 60.0),
+        "strides": float(run.time[-1] / run.actuator.gait.stride_time),
+        "winding_limit_reached": bool(m["winding_temperature"][-1] > run.winding_limit),
         "joint_torque_peak_Nm": float(np.max(np.abs(run.joint_torque[judged]))),
         "joint_torque_error_rms_percent_of_peak": float(
             100.0 * np.sqrt(np.mean(error**2)) / np.max(np.abs(run.torque_demand))
@@ -93,7 +99,6 @@ def results(run: Walk) -> dict:
         "winding_temperature_end_degC": float(m["winding_temperature"][-1] - KELVIN),
         "winding_temperature_peak_degC": float(np.max(m["winding_temperature"]) - KELVIN),
         "housing_temperature_end_degC": float(m["housing_temperature"][-1] - KELVIN),
-        "minutes_to_winding_limit": float(run.time[over[0]] / 60.0) if over.size else None,
         "energy_electrical_J": electrical,
         "energy_electrical_drawn_J": float(np.sum(np.maximum(np.diff(m["energy_electrical"]), 0.0))),
         "energy_shaft_J": shaft,

@@ -8,7 +8,8 @@ from clients.actuator import Actuator, Design, MotorData
 from clients.gait import Gait
 from clients.walking import results, spring_energy, transmission_loss, walk
 
-MOTOR = MotorData(R=0.386, k_t=0.0276, J=33.3e-7, tau_c=9.83e-3, w_small=1.0)
+R, K_T = 0.386, 0.0276
+MOTOR = MotorData(k_t=K_T, J=33.3e-7, tau_c=9.83e-3, w_small=1.0)
 GAIT = Gait(75.0)
 SECONDS = 12.0
 
@@ -40,8 +41,8 @@ def test_commands_respect_current_and_supply():
     for speed in (-1500.0, 0.0, 1500.0):
         for angle in (-1e4, 1e4):
             d = Design()
-            command, _ = Actuator(d, MOTOR, GAIT, 1e-3).command(0, angle, speed)
-            voltage, _ = Actuator(d, MOTOR, GAIT, 1e-3, "voltage").command(0, angle, speed)
+            command, _ = Actuator(d, MOTOR, GAIT, 1e-3).command(0, (angle, speed, R, K_T))
+            voltage, _ = Actuator(d, MOTOR, GAIT, 1e-3, "voltage").command(0, (angle, speed, R, K_T))
             assert abs(command) <= d.current_max
             assert abs(voltage) <= d.supply_voltage * (1 + 1e-12)
             assert math.copysign(1.0, command) == -math.copysign(1.0, angle)
