@@ -1,0 +1,119 @@
+"""The figure of a walk: one stride in detail above, the temperatures of the whole walk below."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from clients.walking import KELVIN, STEP
+
+# Okabe and Ito's colours: told apart by colour-blind readers too.
+BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#666666"
+CURVES = (RED, BLUE, GREEN, ORANGE)
+STYLE = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e6e6e6",
+    "axes.axisbelow": True,
+    "axes.titlesize": 9,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "legend.frameon": False,
+    "legend.handlelength": 1.1,
+    "legend.borderaxespad": 0.0,
+    "svg.hashsalt": "motor-fmu",  # the same run gives the same bytes
+    "svg.fonttype": "path",
+}
+POINTS = 1500  # per curve of the long panel; more cannot be seen
+
+
+def write(runs: dict, title: str, stem):
+    """Writes `stem`.svg and `stem`.png from walks by name."""
+    with plt.rc_context(STYLE):
+        canvas = plt.figure(figsize=(9.0, 6.4), layout="constrained")
+        canvas.suptitle(title, fontweight="bold")
+        top, bottom = canvas.subfigures(2, 1, height_ratios=(1.0, 1.15))
+        name, run = next(iter(runs.items()))
+        _stride(top.subplots(1, 3), name, run)
+        _temperatures(bottom.subplots(), runs)
+        canvas.savefig(f"{stem}.svg", metadata={"Date": None})
+        canvas.savefig(f"{stem}.png", dpi=160)
+        plt.close(canvas)
+
+
+def _stride(axes, name, run):
+    """The last whole stride of a run: torque, current and voltage, power."""
+    gait = run.actuator.gait
+    end = int(run.time[-1] / gait.stride_time) * gait.stride_time
+    rows = slice(int(round((end - gait.stride_time) / STEP)), int(round(end / STEP)))
+    percent = 100.0 * (run.time[rows] - run.time[rows][0]) / gait.stride_time
+    m = {name: values[rows] for name, values in run.motor.items()}
+    torque, electric, power = axes
+
+    torque.plot(percent, run.torque_demand[rows], color=GREY, lw=3.5, alpha=0.4, label="asked")
+    torque.plot(percent, run.joint_torque[rows], color=BLUE, label="given")
+    torque.set(title="Joint torque", ylabel="N·m")
+    torque.legend()
+
+    electric.plot(percent, m["current"], color=RED, label="current, A")
+    electric.plot(percent, m["terminal_voltage"], color=BLUE, label="voltage, V")
+    electric.set(title="Motor terminals")
+    electric.legend()
+
+    power.plot(percent, m["current"] * m["terminal_voltage"], color=ORANGE, label="electrical")
+    power.plot(percent, m["load_torque"] * m["shaft_speed"], color=GREEN, label="motor shaft")
+    power.plot(percent, (run.joint_torque * run.joint_speed)[rows], color=BLUE, label="joint")
+    power.set(title="Power", ylabel="W")
+    power.legend()
+    for panel in axes:
+        panel.set(xlabel=f"% of the last stride, {name}", xlim=(0, 100))
+        panel.axhline(0.0, color=GREY, lw=0.6)
+
+
+def _temperatures(panel, runs):
+    """Winding and housing over the whole walk, and the winding's limit."""
+    for color, (name, run) in zip(CURVES, runs.items()):
+        stride = int(round(run.actuator.gait.stride_time / STEP))
+        every = max(1, run.time.size // POINTS)
+        minutes = run.time / 60.0
+        winding, housing = (run.motor[f"{node}_temperature"] - KELVIN for node in ("winding", "housing"))
+        low, high = _envelope(winding, stride)
+        x = minutes[stride // 2 :: stride][: low.size]
+        panel.fill_between(x, low, high, color=color, alpha=0.25, lw=0)
+        mean = winding[: low.size * stride].reshape(-1, stride).mean(axis=1)
+        panel.plot(x, mean, color=color, lw=1.8, label=f"winding, {name}")
+        panel.plot(minutes[::every], housing[::every], color=color, ls="--", lw=1.2, label=f"housing, {name}")
+        if run.motor["winding_temperature"][-1] > run.winding_limit:
+            at = minutes[-1]
+            panel.plot([at], [run.winding_limit - KELVIN], "o", color=color, ms=6)
+            panel.annotate(
+                f"limit reached after {at:.1f} min",
+                (at, run.winding_limit - KELVIN),
+                xytext=(-8, 8),
+                textcoords="offset points",
+                ha="right",
+                color=color,
+            )
+    limit = next(iter(runs.values())).winding_limit - KELVIN
+    panel.axhline(limit, color=GREY, lw=1.2, ls=":")
+    panel.annotate(
+        f"winding limit {limit:.0f} °C",
+        (0.0, limit),
+        xycoords=("axes fraction", "data"),
+        xytext=(4, 4),
+        textcoords="offset points",
+        color=GREY,
+    )
+    end = max(run.time[-1] for run in runs.values()) / 60.0
+    panel.set(title="Temperatures (band: within a stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, end))
+    panel.legend(loc="lower right", ncols=2, bbox_to_anchor=(1.0, 0.04))
+    panel.margins(y=0.12)
+
+
+def _envelope(values, stride: int):
+    """Lowest and highest value in each whole stride."""
+    whole = values[: values.size // stride * stride].reshape(-1, stride)
+    return whole.min(axis=1), whole.max(axis=1)

@@ -1,0 +1,22 @@
+"""Where things are: the data beside the examples, and the archives that `motor-fmu build` wrote."""
+
+import os
+from pathlib import Path
+
+EXAMPLES = Path(__file__).resolve().parent.parent
+ROOT = EXAMPLES.parent
+DATA = EXAMPLES / "data"
+EXPECTED = EXAMPLES / "expected"
+
+
+def dist() -> Path:
+    """The folder of built archives: MOTOR_FMU_DIST if that is set, else dist/ of the repository."""
+    return Path(os.environ.get("MOTOR_FMU_DIST") or ROOT / "dist")
+
+
+def archive(model: str, fmi: int) -> Path:
+    """The built archive of a model; an error that says what to run if it is not there."""
+    path = dist() / f"fmi{fmi}" / f"{model}.fmu"
+    if not path.is_file():
+        raise FileNotFoundError(f"{path} does not exist; run `cargo xtask demo` or `motor-fmu build --out {dist()}` first")
+    return path

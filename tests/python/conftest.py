@@ -1,0 +1,66 @@
+"""Fixtures: the built archives, the `motor-fmu` program, instances by name."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+from clients import paths
+from clients.fmu import Archive
+
+MODEL = "AnnulusCooledMotor"
+STANDARDS = (2, 3)
+
+
+@pytest.fixture(scope="session")
+def archive_paths():
+    """The archive of the motor for each standard."""
+    return {fmi: paths.archive(MODEL, fmi) for fmi in STANDARDS}
+
+
+@pytest.fixture(scope="session")
+def archives(archive_paths):
+    """The unzipped archives by standard."""
+    opened = {fmi: Archive(path) for fmi, path in archive_paths.items()}
+    yield opened
+    for archive in opened.values():
+        archive.__exit__()
+
+
+@pytest.fixture(scope="session", params=STANDARDS, ids=lambda fmi: f"fmi{fmi}")
+def archive(request, archives):
+    """One unzipped archive; a test that takes it runs for both standards."""
+    return archives[request.param]
+
+
+@pytest.fixture
+def make(archive):
+    """Makes initialised instances from start values; they are freed after the test."""
+    made = []
+
+    def make(start=None, **further):
+        made.append(archive.instance())
+        return made[-1].initialise({**(start or {}), **further})
+
+    yield make
+    for instance in made:
+        instance.close()
+
+
+@pytest.fixture(scope="session")
+def program():
+    """The `motor-fmu` program: MOTOR_FMU_BIN, else the one on the path."""
+    found = os.environ.get("MOTOR_FMU_BIN") or shutil.which("motor-fmu")
+    assert found, "motor-fmu is not on the path; set MOTOR_FMU_BIN to it or run `cargo xtask test`"
+    return found
+
+
+@pytest.fixture
+def motor_fmu(program, tmp_path):
+    """Runs `motor-fmu` in a folder of the test's own and returns the finished process."""
+
+    def run(*arguments):
+        command = [program, *map(str, arguments)]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+
+    return run

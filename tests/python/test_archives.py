@@ -1,0 +1,58 @@
+"""The two archives are valid, and both say the same, bit for bit, as each other and as the native master."""
+
+import csv
+
+import numpy as np
+import pytest
+from conftest import STANDARDS
+from fmpy.validation import validate_fmu
+
+STEP, STEPS = 1e-3, 500
+START = {"voltage": 36.0, "load_torque": 0.08, "fan_command": 0.5, "effect.coulomb_friction.tau_c": 9.83e-3}
+
+
+@pytest.mark.parametrize("fmi", STANDARDS)
+def test_fmpy_finds_nothing(archive_paths, fmi):
+    assert validate_fmu(str(archive_paths[fmi])) == []
+
+
+@pytest.fixture(scope="module")
+def outputs(archives):
+    """Names of the continuous outputs, in the order of the FMI 2 file."""
+    return [v.name for v in archives[2].variables.values() if v.causality == "output" and v.type == "Real"]
+
+
+def record(archive, outputs):
+    with archive.instance() as fmu:
+        fmu.initialise(START)
+        rows = [fmu.get(*outputs)]
+        for k in range(STEPS):
+            fmu.step(STEP, point=k * STEP)
+            rows.append(fmu.get(*outputs))
+    return np.array(rows)
+
+
+def test_both_standards_have_the_same_variables(archives):
+    two, three = (set(archives[fmi].variables) for fmi in STANDARDS)
+    assert two - three == set()
+    assert three - two <= {"time"}
+
+
+def test_both_standards_agree_bit_for_bit(archives, outputs):
+    two, three = (record(archives[fmi], outputs) for fmi in STANDARDS)
+    assert two.tobytes() == three.tobytes()
+    assert two[-1, outputs.index("shaft_speed")] > 100.0
+
+
+@pytest.mark.parametrize("fmi", STANDARDS)
+def test_the_native_master_agrees_bit_for_bit(archives, archive_paths, outputs, motor_fmu, tmp_path, fmi):
+    settings = [item for name, value in START.items() for item in ("--set", f"{name}={value!r}")]
+    file = tmp_path / "native.csv"
+    done = motor_fmu("simulate", archive_paths[fmi], "--stop", STEP * STEPS, "--step", STEP, *settings, "--output", file)
+    assert done.returncode == 0, done.stderr
+    with file.open(newline="") as text:
+        rows = list(csv.DictReader(text))
+    assert len(rows) == STEPS + 1
+    native = np.array([[float(row[name]) for name in outputs] for row in rows])
+    ours = record(archives[fmi], outputs)
+    assert native.tobytes() == ours.tobytes()

@@ -1,0 +1,111 @@
+"""Bad input through the `motor-fmu` program: exit code 1 for the answer "no", 2 for what could not be done."""
+
+import shutil
+import zipfile
+
+import pytest
+
+NO, CANNOT = 1, 2
+
+
+def one_sentence(done, code, *words):
+    """One clear line, with these words, and the exit code."""
+    assert done.returncode == code, f"exit code {done.returncode}: {done.stdout}{done.stderr}"
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    assert len(lines) == 1, done.stderr
+    for word in words:
+        assert word in lines[0], f"{word!r} is not in {lines[0]!r}"
+
+
+@pytest.fixture
+def simulate(motor_fmu, archive_paths, tmp_path):
+    """A short simulation with further arguments."""
+
+    def run(*arguments):
+        return motor_fmu("simulate", archive_paths[2], "--stop", "0.01", "--step", "0.001", "--output", tmp_path / "o.csv", *arguments)
+
+    return run
+
+
+def test_good_input_is_fine(simulate, tmp_path):
+    assert simulate("--set", "voltage=3").returncode == 0
+    assert (tmp_path / "o.csv").is_file()
+
+
+def test_unknown_name(simulate):
+    one_sentence(simulate("--set", "motor.R_reff=0.4"), CANNOT, "motor.R_reff")
+
+
+def test_value_out_of_range(simulate):
+    one_sentence(simulate("--set", "motor.R_ref=-1"), CANNOT, "motor.R_ref", "-1")
+
+
+def test_value_that_is_no_number(simulate):
+    one_sentence(simulate("--set", "motor.R_ref=big"), CANNOT, "motor.R_ref", "big")
+
+
+def test_unknown_item(simulate):
+    one_sentence(simulate("--set", "drive_mode=steam"), CANNOT, "drive_mode", "steam", "current")
+
+
+def test_missing_archive(motor_fmu, tmp_path):
+    one_sentence(motor_fmu("simulate", tmp_path / "none.fmu"), CANNOT, "none.fmu")
+
+
+def test_archive_that_is_no_zip(motor_fmu, tmp_path):
+    file = tmp_path / "broken.fmu"
+    file.write_bytes(b"this is not a zip archive")
+    one_sentence(motor_fmu("simulate", file), CANNOT, "broken.fmu")
+
+
+def test_archive_without_its_library(motor_fmu, archive_paths, tmp_path):
+    file = tmp_path / "hollow.fmu"
+    with zipfile.ZipFile(archive_paths[2]) as source, zipfile.ZipFile(file, "w") as target:
+        for name in source.namelist():
+            if not name.startswith("binaries/"):
+                target.writestr(name, source.read(name))
+    one_sentence(motor_fmu("simulate", file), CANNOT, "hollow.fmu")
+    assert motor_fmu("validate", file).returncode == NO
+
+
+def test_validate_says_fine(motor_fmu, archive_paths):
+    assert motor_fmu("validate", *archive_paths.values()).returncode == 0
+
+
+@pytest.fixture
+def preset(archive_paths, tmp_path):
+    """A copy of the shipped preset with one line more, or with a text replaced."""
+    from clients.paths import EXAMPLES
+
+    def write(old="", new=""):
+        shipped = EXAMPLES / "presets" / "maxon-305015.toml"
+        text = shipped.read_text()
+        assert not old or old in text, f"{old!r} is not in {shipped.name}"
+        file = tmp_path / "changed.toml"
+        file.write_text(text.replace(old, new, 1) if old else text + new)
+        return file
+
+    return write
+
+
+def build(motor_fmu, preset, tmp_path):
+    return motor_fmu("build", "--preset", preset, "--out", tmp_path / "dist")
+
+
+def test_preset_as_shipped(motor_fmu, preset, tmp_path):
+    done = build(motor_fmu, preset(), tmp_path)
+    assert done.returncode == 0, done.stderr
+    shutil.rmtree(tmp_path / "dist")
+
+
+def test_preset_with_unknown_key(motor_fmu, preset, tmp_path):
+    one_sentence(build(motor_fmu, preset(new='\n"motor.colour" = 3.0\n'), tmp_path), CANNOT, "changed.toml", "motor.colour")
+    assert not (tmp_path / "dist").exists()
+
+
+def test_preset_with_wrong_unit(motor_fmu, preset, tmp_path):
+    one_sentence(
+        build(motor_fmu, preset(new='\n"motor.R_ref" = { value = 0.4, unit = "V" }\n'), tmp_path),
+        CANNOT, "changed.toml", "motor.R_ref", "V",
+    )
+    assert not (tmp_path / "dist").exists()

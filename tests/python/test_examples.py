@@ -1,0 +1,47 @@
+"""Each numbered example runs as a user runs it, and gives what it gave when its output was stored."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from clients.paths import EXAMPLES, EXPECTED
+
+RELATIVE = 1e-6
+# Differences of large numbers, given in percent: rounding shows in them first.
+ABSOLUTE = 1e-6
+SCRIPTS = sorted(EXAMPLES.glob("[0-9]*.py"))
+# Outputs that are not the numbers of the run but files beside them.
+ARGUMENTS = {"02_walking": lambda folder: ("--out", str(folder))}
+FILES = {"02_walking": ("walking.json", "walking.svg", "walking.png")}
+
+
+def test_every_example_has_its_expected_output():
+    assert [script.stem for script in SCRIPTS] == sorted(file.stem for file in EXPECTED.glob("*.json"))
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_example(script, tmp_path):
+    arguments = ARGUMENTS.get(script.stem, lambda _: ())(tmp_path)
+    done = subprocess.run(
+        [sys.executable, str(script), *arguments], capture_output=True, text=True, timeout=900, env=os.environ, cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    expected = json.loads((EXPECTED / f"{script.stem}.json").read_text())
+    same(json.loads(done.stdout), expected, script.stem)
+    for name in FILES.get(script.stem, ()):
+        assert (tmp_path / name).stat().st_size > 0
+
+
+def same(found, expected, where):
+    """Equal up to the tolerance, whatever the nesting."""
+    assert type(found) is type(expected), f"{where}: {found!r} where {expected!r} was expected"
+    if isinstance(expected, dict):
+        assert list(found) == list(expected), where
+        for key in expected:
+            same(found[key], expected[key], f"{where}: {key}")
+    elif isinstance(expected, float):
+        assert found == pytest.approx(expected, rel=RELATIVE, abs=ABSOLUTE), where
+    else:
+        assert found == expected, where

@@ -1,0 +1,84 @@
+//! The page of results: one file that opens without a network.
+
+use crate::Outcome;
+use serde_json::{Map, Value};
+
+const HEAD: &str = r#"<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width">
+<title>motor-fmu: a powered ankle walks</title>
+<style>
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
+svg { width: 100%; height: auto }
+table { border-collapse: collapse; margin-top: 1rem }
+th, td { padding: .2rem .8rem; border-bottom: 1px solid #ddd; text-align: right }
+th:first-child, td:first-child { text-align: left }
+td { font-variant-numeric: tabular-nums }
+</style>
+<h1>A powered ankle walks</h1>
+<p>The FMU <code>AnnulusCooledMotor</code> (maxon EC-4pole 30) drives an ankle through a transmission and a series
+spring. Angle and torque are those of level walking. The run is made by <code>examples/02_walking.py</code>.</p>
+"#;
+
+/// The page from the example's results, `{case: {quantity_unit: number}}`, and its figure.
+pub fn html(results: &str, figure: &str) -> Outcome<String> {
+    let results: Map<String, Value> = serde_json::from_str(results)
+        .map_err(|e| format!("the results of the walk are no JSON object: {e}"))?;
+    // Inside a page an SVG has no XML prologue.
+    let svg = figure.find("<svg").map(|at| &figure[at..]).ok_or("the figure of the walk is no SVG")?;
+    Ok(format!("{HEAD}{svg}\n{}\n</html>\n", table(&results)?))
+}
+
+fn table(results: &Map<String, Value>) -> Outcome<String> {
+    let cases: Vec<&Map<String, Value>> = results.values().filter_map(Value::as_object).collect();
+    let first = cases.first().ok_or("the results of the walk name no case")?;
+    let mut rows = String::from("<table>\n<tr><th>");
+    results.keys().for_each(|name| rows += &format!("<th>{}", escaped(name)));
+    for key in first.keys() {
+        rows += &format!("\n<tr><td>{}", escaped(&key.replace('_', " ")));
+        for case in &cases {
+            rows += &format!("<td>{}", number(case.get(key).unwrap_or(&Value::Null)));
+        }
+    }
+    Ok(rows + "\n</table>")
+}
+
+/// Four significant digits; a dash where there is no number.
+fn number(value: &Value) -> String {
+    let Some(x) = value.as_f64() else { return "–".into() };
+    let magnitude = if x == 0.0 { 3 } else { x.abs().log10().floor().clamp(-6.0, 3.0) as i32 };
+    format!("{x:.*}", (3 - magnitude) as usize)
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figure_and_numbers_are_in_the_page() {
+        let results = r#"{"still air": {"current_rms_A": 9.23456, "limit_min": null}, "fan": {"current_rms_A": 812.3}}"#;
+        let page = html(results, "<?xml version=\"1.0\"?>\n<svg id=\"f\"></svg>").unwrap();
+        assert!(page.contains("<svg id=\"f\">") && !page.contains("<?xml"));
+        assert!(page.contains("<tr><td>current rms A<td>9.235<td>812.3"), "{page}");
+        assert!(page.contains("<tr><td>limit min<td>–<td>–"), "{page}");
+    }
+
+    #[test]
+    fn numbers_have_four_digits() {
+        for (x, text) in [(0.0, "0"), (12345.6, "12346"), (0.012345, "0.01235"), (-9.87654, "-9.877")] {
+            assert_eq!(number(&Value::from(x)), text);
+        }
+    }
+
+    #[test]
+    fn results_that_are_none_are_an_error() {
+        assert!(html("[]", "<svg/>").unwrap_err().contains("JSON"));
+        assert!(html("{}", "<svg/>").unwrap_err().contains("no case"));
+        assert!(html("{\"a\": {}}", "png").unwrap_err().contains("SVG"));
+    }
+}

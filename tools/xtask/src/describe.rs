@@ -1,0 +1,15 @@
+//! `cargo xtask describe`: the generated folder model-description/.
+
+use crate::{Outcome, shell, workspace::Workspace};
+
+/// Writes it anew; with `--check` compares it only.
+pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
+    let mut command = workspace.cargo(&["run", "--release", "--quiet", "--package", "describe", "--"]);
+    shell::run(command.args(arguments))
+}
+
+/// Whether the committed files are what the declarations say.
+pub fn check(workspace: &Workspace) -> Outcome {
+    run(workspace, &["--check".into()])
+        .map_err(|e| format!("model-description/ is not up to date, run `cargo xtask describe`: {e}"))
+}

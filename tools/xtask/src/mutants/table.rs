@@ -1,0 +1,89 @@
+//! The mutants: one way each in which a motor model is wrong and may look right.
+
+use super::Mutant;
+
+const EQUATIONS: &str = "fmu-src/physics/src/models/annulus_cooled_motor/equations.rs";
+const MOTOR: &str = "fmu-src/physics/src/components/motor.rs";
+const THERMAL: &str = "fmu-src/physics/src/components/thermal.rs";
+const CONDUCTANCE: &str = "fmu-src/physics/src/components/conductance.rs";
+
+/// All of them.
+pub const MUTANTS: &[Mutant] = &[
+    Mutant {
+        name: "heat-uphill",
+        file: THERMAL,
+        text: "(t_w - t_h) / self.R_wh",
+        replacement: "(t_h - t_w) / self.R_wh",
+        breaks: "heat flows from the cold housing to the hot winding",
+    },
+    Mutant {
+        name: "heat-from-ambient",
+        file: EQUATIONS,
+        text: "* (temperature[HOUSING] - self.ambient(t))",
+        replacement: "* (self.ambient(t) - temperature[HOUSING])",
+        breaks: "the surroundings heat the warm housing",
+    },
+    Mutant {
+        name: "back-emf-sign",
+        file: EQUATIONS,
+        text: "motor.resistance(temperature[WINDING]) * i - k * w) * self.inverse_l",
+        replacement: "motor.resistance(temperature[WINDING]) * i + k * w) * self.inverse_l",
+        breaks: "the back-EMF drives the current instead of opposing it",
+    },
+    Mutant {
+        name: "torque-sign",
+        file: EQUATIONS,
+        text: "(k * i - self.model.effects.drag_torque(w) - self.load.at(t)) * self.inverse_j",
+        replacement: "(-k * i - self.model.effects.drag_torque(w) - self.load.at(t)) * self.inverse_j",
+        breaks: "a positive current turns the shaft backwards",
+    },
+    Mutant {
+        name: "load-sign",
+        file: EQUATIONS,
+        text: "- self.load.at(t)) * self.inverse_j",
+        replacement: "+ self.load.at(t)) * self.inverse_j",
+        breaks: "the load pulls the shaft along",
+    },
+    Mutant {
+        name: "cold-resistance",
+        file: MOTOR,
+        text: "self.R_ref * (1.0 + self.alpha * (t_w - self.T_ref))",
+        replacement: "self.R_ref * (1.0 + 0.0 * self.alpha * (t_w - self.T_ref))",
+        breaks: "the winding's resistance does not rise with its temperature",
+    },
+    Mutant {
+        name: "cold-magnets",
+        file: MOTOR,
+        text: "self.k_t * (1.0 + self.alpha_mag * (t_m - self.T_ref))",
+        replacement: "self.k_t * (1.0 + 0.0 * self.alpha_mag * (t_m - self.T_ref))",
+        breaks: "the magnets do not weaken when warm",
+    },
+    Mutant {
+        name: "lost-friction-heat",
+        file: EQUATIONS,
+        text: "Temperatures::new(copper + self.heat.at(t), self.model.effects.drag_torque(w) * w)",
+        replacement: "Temperatures::new(copper + self.heat.at(t), 0.0 * self.model.effects.drag_torque(w) * w)",
+        breaks: "friction takes power from the shaft that heats nothing",
+    },
+    Mutant {
+        name: "lost-copper-heat",
+        file: EQUATIONS,
+        text: "self.model.motor.resistance(temperature[WINDING]) * i * i;",
+        replacement: "0.5 * self.model.motor.resistance(temperature[WINDING]) * i * i;",
+        breaks: "half of the copper loss heats nothing",
+    },
+    Mutant {
+        name: "fan-exponent",
+        file: CONDUCTANCE,
+        text: "n.powf(0.8)",
+        replacement: "n.powf(0.5)",
+        breaks: "the wrong exponent of Reynolds' number in forced convection",
+    },
+    Mutant {
+        name: "inductive-energy",
+        file: EQUATIONS,
+        text: "(self.magnetic(x1[0]) - self.magnetic(x0[0]))",
+        replacement: "0.0 * (self.magnetic(x1[0]) - self.magnetic(x0[0]))",
+        breaks: "the energy in the inductance is booked as copper heat",
+    },
+];

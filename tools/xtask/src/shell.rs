@@ -1,0 +1,136 @@
+//! Running other programs, with progress lines and one sentence when they fail.
+
+use crate::Outcome;
+use std::io::{BufRead, BufReader, IsTerminal};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Announces a stage of work.
+pub fn stage(what: &str) {
+    if std::io::stderr().is_terminal() {
+        eprintln!("\x1b[1;32m==>\x1b[0m \x1b[1m{what}\x1b[0m");
+    } else {
+        eprintln!("==> {what}");
+    }
+}
+
+/// What a command is called in messages: program and arguments.
+fn spelled(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    words.map(|w| w.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+}
+
+fn start(command: &mut Command) -> Outcome<Child> {
+    let name = spelled(command);
+    command.spawn().map_err(|e| format!("`{name}` cannot be started: {e}"))
+}
+
+/// Runs a command with its output on ours.
+pub fn run(command: &mut Command) -> Outcome {
+    let status = start(command)?.wait().map_err(|e| format!("`{}` was lost: {e}", spelled(command)))?;
+    if status.success() { Ok(()) } else { Err(format!("`{}` failed ({status})", spelled(command))) }
+}
+
+/// Runs a command silently and returns what it wrote to standard output.
+pub fn output(command: &mut Command) -> Outcome<String> {
+    let name = spelled(command);
+    let done = command.output().map_err(|e| format!("`{name}` cannot be started: {e}"))?;
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim_end().to_owned();
+    if done.status.success() {
+        Ok(text(&done.stdout))
+    } else {
+        Err(format!("`{name}` failed ({}): {}", done.status, text(&done.stderr)))
+    }
+}
+
+/// Runs a command, shows its standard output as it comes, and returns the lines that `keep` wants, failed or not.
+pub fn run_keeping(command: &mut Command, keep: impl Fn(&str) -> bool) -> (Vec<String>, Outcome) {
+    let name = spelled(command);
+    let mut child = match start(command.stdout(Stdio::piped())) {
+        Ok(child) => child,
+        Err(sentence) => return (Vec::new(), Err(sentence)),
+    };
+    let mut kept = Vec::new();
+    for line in BufReader::new(child.stdout.take().expect("stdout is piped")).lines() {
+        let Ok(line) = line else { break };
+        println!("{line}");
+        if keep(&line) {
+            kept.push(line);
+        }
+    }
+    let outcome = match child.wait() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("`{name}` failed ({status})")),
+        Err(e) => Err(format!("`{name}` was lost: {e}")),
+    };
+    (kept, outcome)
+}
+
+/// How a command under a time limit ended.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// It said yes.
+    Success,
+    /// It said no.
+    Failure,
+    /// It was stopped.
+    TimeUp,
+}
+
+/// Runs a command silently, and stops it when the time is up.
+pub fn run_for(command: &mut Command, limit: Duration) -> Outcome<Ending> {
+    let begin = Instant::now();
+    let mut child = start(command.stdout(Stdio::null()).stderr(Stdio::null()))?;
+    loop {
+        match child.try_wait().map_err(|e| format!("`{}` was lost: {e}", spelled(command)))? {
+            Some(status) if status.success() => return Ok(Ending::Success),
+            Some(_) => return Ok(Ending::Failure),
+            None if begin.elapsed() > limit => {
+                // It may end by itself between the two calls; then there is nothing to stop.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Ok(Ending::TimeUp);
+            }
+            None => std::thread::sleep(Duration::from_millis(20)),
+        }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    fn sh(script: &str) -> Command {
+        let mut command = Command::new("sh");
+        command.args(["-c", script]);
+        command
+    }
+
+    #[test]
+    fn output_is_returned_and_a_failure_names_command_and_reason() {
+        assert_eq!(output(&mut sh("echo yes")).unwrap(), "yes");
+        let error = output(&mut sh("echo no >&2; exit 3")).unwrap_err();
+        assert!(error.contains("exit 3") && error.ends_with("no"), "{error}");
+    }
+
+    #[test]
+    fn a_missing_program_is_named() {
+        let error = run(&mut Command::new("no-such-program")).unwrap_err();
+        assert!(error.contains("no-such-program"), "{error}");
+    }
+
+    #[test]
+    fn kept_lines_survive_a_failure() {
+        let (kept, outcome) = run_keeping(&mut sh("echo a; echo b1; echo b2; false"), |l| l.starts_with('b'));
+        assert_eq!(kept, ["b1", "b2"]);
+        assert!(outcome.is_err());
+    }
+
+    #[test]
+    fn a_command_that_hangs_is_stopped() {
+        let limit = Duration::from_millis(100);
+        assert_eq!(run_for(Command::new("sleep").arg("60"), limit).unwrap(), Ending::TimeUp);
+        assert_eq!(run_for(&mut sh("exit 1"), Duration::from_secs(60)).unwrap(), Ending::Failure);
+        assert_eq!(run_for(&mut sh("exit 0"), Duration::from_secs(60)).unwrap(), Ending::Success);
+    }
+}

@@ -1,0 +1,111 @@
+//! Which crate may need which. The order keeps the physics free of FMI and files, and cosim an honest client.
+
+use crate::{
+    Outcome,
+    workspace::{Package, Workspace},
+};
+
+/// A crate, and the crates of ours that it may need in the product.
+const ALLOWED: &[(&str, &[&str])] = &[
+    ("declare", &[]),
+    ("physics", &["declare"]),
+    ("fmu", &["physics", "declare"]),
+    ("describe", &["physics", "declare"]),
+    ("calibrate", &["physics", "declare"]),
+    ("cosim", &[]),
+    ("archive", &["describe", "cosim"]),
+    ("cli", &["calibrate", "cosim", "archive", "describe"]),
+    ("xtask", &[]),
+];
+
+/// Compares with what `cargo metadata` says.
+pub fn check(workspace: &Workspace) -> Outcome {
+    let wrong = wrong(&workspace.packages);
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.join("; ")) }
+}
+
+fn allowed(name: &str) -> Option<&'static [&'static str]> {
+    ALLOWED.iter().find(|(known, _)| *known == name).map(|(_, needs)| *needs)
+}
+
+/// Whether one crate lies below another, so that an arrow back would close a circle.
+fn is_above(name: &str, other: &str) -> bool {
+    allowed(name).unwrap_or_default().iter().any(|needed| *needed == other || is_above(needed, other))
+}
+
+fn wrong(packages: &[Package]) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for package in packages {
+        let name = package.name.as_str();
+        let Some(may_need) = allowed(name) else {
+            wrong.push(format!("{name} has no place in the order of crates; give it one in tidy/arrows.rs"));
+            continue;
+        };
+        for needed in package.needs.iter().map(String::as_str).filter(|n| !may_need.contains(n)) {
+            wrong.push(format!("{name} -> {needed} is not allowed; {name} may need {}", list(may_need)));
+        }
+        // Tests may reach sideways (a bench of the C interface needs a client), never upwards.
+        let itself = |n: &&str| *n == name;
+        for needed in package.needs_in_tests.iter().map(String::as_str).filter(|n| !itself(n)) {
+            if is_above(needed, name) {
+                wrong
+                    .push(format!("the tests of {name} -> {needed} point upwards; {needed} is above {name}"));
+            }
+        }
+    }
+    wrong
+}
+
+fn list(names: &[&str]) -> String {
+    if names.is_empty() { "no crate of ours".into() } else { names.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn package(name: &str, needs: &[&str], needs_in_tests: &[&str]) -> Package {
+        let owned = |names: &[&str]| names.iter().map(|n| String::from(*n)).collect();
+        Package {
+            name: name.into(),
+            needs: owned(needs),
+            needs_in_tests: owned(needs_in_tests),
+            has_benches: false,
+        }
+    }
+
+    #[test]
+    fn arrows_of_the_design_pass() {
+        let fine = [
+            package("archive", &["describe", "cosim"], &[]),
+            package("fmu", &["physics"], &["cosim", "fmu"]),
+        ];
+        assert_eq!(wrong(&fine), Vec::<String>::new());
+    }
+
+    #[test]
+    fn physics_may_not_know_the_c_interface() {
+        let found = wrong(&[package("physics", &["declare", "fmu"], &[])]);
+        assert_eq!(found, ["physics -> fmu is not allowed; physics may need declare"]);
+    }
+
+    #[test]
+    fn cosim_stays_a_client_and_tests_do_not_point_upwards() {
+        assert_eq!(wrong(&[package("cosim", &["physics"], &[])]).len(), 1);
+        assert_eq!(wrong(&[package("cosim", &[], &["archive"])]).len(), 1);
+        assert_eq!(wrong(&[package("declare", &[], &["cli"])]).len(), 1);
+    }
+
+    #[test]
+    fn a_new_crate_needs_a_place() {
+        assert!(wrong(&[package("gadget", &[], &[])])[0].starts_with("gadget has no place"));
+    }
+
+    #[test]
+    fn the_order_has_no_circle() {
+        for (name, needs) in ALLOWED {
+            assert!(!is_above(name, name), "{name}");
+            assert!(needs.iter().all(|n| allowed(n).is_some()), "{name}");
+        }
+    }
+}
