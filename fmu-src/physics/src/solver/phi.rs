@@ -118,11 +118,12 @@ impl<const N: usize> Phi<N> {
         self.full[0] * x + self.full[1] * n * self.h
     }
 
-    /// x(h) for a quadratic forcing, eq. (2).
+    /// x(h) for a quadratic forcing, eq. (2), as x0 plus the change: phi_0 = 1 + h A phi_1, so that a solution at
+    /// rest stays there to the last bit.
     #[inline]
     pub fn end(&self, x: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
         let f = &self.full;
-        f[0] * x + (f[1] * n.n0 + f[2] * n.n1 + f[3] * n.n2 * 2.0) * self.h
+        x + (f[1] * (self.a * x + n.n0) + f[2] * n.n1 + f[3] * n.n2 * 2.0) * self.h
     }
 
     /// int x dt over the step, eq. (3).

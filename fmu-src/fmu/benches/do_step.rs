@@ -1,0 +1,166 @@
+//! What a step costs through the C interface of the built library, beside diffsol's BDF on the same equations.
+//!
+//! The library is loaded as an importer loads it. All figures of one run come from the same machine in the same
+//! minute: compare them by their ratio.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use libloading::Library;
+use physics::model::Model;
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, Inputs, STATES, Step};
+use physics::solver::reference::{Tolerance, integrate};
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::hint::black_box;
+use std::ptr::null;
+
+/// Steps of 1 ms in one measured run.
+const STEPS: u32 = 1000;
+
+/// The functions that a master needs.
+struct Fmi2 {
+    set: unsafe extern "C" fn(*mut c_void, *const u32, usize, *const f64) -> c_int,
+    get: unsafe extern "C" fn(*mut c_void, *const u32, usize, *mut f64) -> c_int,
+    step: unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int,
+    reset: unsafe extern "C" fn(*mut c_void) -> c_int,
+    setup: unsafe extern "C" fn(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int,
+    enter: unsafe extern "C" fn(*mut c_void) -> c_int,
+    exit: unsafe extern "C" fn(*mut c_void) -> c_int,
+    instance: *mut c_void,
+    _library: Library,
+}
+
+type Instantiate = unsafe extern "C" fn(
+    *const c_char,
+    c_int,
+    *const c_char,
+    *const c_char,
+    *const c_void,
+    c_int,
+    c_int,
+) -> *mut c_void;
+
+impl Fmi2 {
+    fn load() -> Fmi2 {
+        let name = format!("{}motor_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+        let program = std::env::current_exe().expect("a running program has a path");
+        let path = program.parent().and_then(|p| p.parent()).expect("target/release/deps").join(name);
+        // SAFETY: our own library, with the signatures of FMI 2.
+        unsafe {
+            let library = Library::new(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            macro_rules! symbol {
+                ($name:literal) => {
+                    *library.get($name).expect($name)
+                };
+            }
+            let instantiate: Instantiate = symbol!("fmi2Instantiate");
+            let declaration = AnnulusCooledMotor::default().declaration();
+            let token = CString::new(declaration.token.clone()).expect("no zero inside");
+            let instance = instantiate(c"bench".as_ptr(), 1, token.as_ptr(), null(), null(), 0, 0);
+            assert!(!instance.is_null(), "{} is of another build", path.display());
+            Fmi2 {
+                set: symbol!("fmi2SetReal"),
+                get: symbol!("fmi2GetReal"),
+                step: symbol!("fmi2DoStep"),
+                reset: symbol!("fmi2Reset"),
+                setup: symbol!("fmi2SetupExperiment"),
+                enter: symbol!("fmi2EnterInitializationMode"),
+                exit: symbol!("fmi2ExitInitializationMode"),
+                instance,
+                _library: library,
+            }
+        }
+    }
+
+    fn begin(&self, parameters: &[(&str, f64)]) {
+        unsafe {
+            (self.reset)(self.instance);
+            for (name, value) in parameters {
+                assert_eq!((self.set)(self.instance, &reference(name), 1, value), 0);
+            }
+            (self.setup)(self.instance, 0, 0.0, 0.0, 0, 0.0);
+            (self.enter)(self.instance);
+            assert_eq!((self.exit)(self.instance), 0);
+        }
+    }
+}
+
+fn reference(name: &str) -> u32 {
+    let declaration = AnnulusCooledMotor::default().declaration();
+    declaration.by_name(name).unwrap_or_else(|| panic!("no variable {name}")).value_reference
+}
+
+/// Volts that change at every step: walking pace, with or without reversals.
+fn volts(k: u32, reversing: bool) -> f64 {
+    let swing = 8.0 * (f64::from(k) * 1e-3 * 6.3).sin();
+    if reversing { swing } else { 12.0 + swing }
+}
+
+fn steps(criterion: &mut Criterion) {
+    let fmu = Fmi2::load();
+    let voltage = reference("voltage");
+    let outputs = ["current", "shaft_angle", "shaft_speed", "winding_temperature"].map(reference);
+    let mut group = criterion.benchmark_group("1000 steps of 1 ms");
+    group.throughput(Throughput::Elements(u64::from(STEPS)));
+    for (name, tau_c, reversing) in [
+        ("running", 0.0, false),
+        ("running with dry friction", 0.00983, false),
+        ("reversing with dry friction", 0.00983, true),
+    ] {
+        for (what, read) in [("set, step", false), ("set, step, get 4", true)] {
+            group.bench_function(format!("{name}: {what}"), |b| {
+                fmu.begin(&[("effect.coulomb_friction.tau_c", tau_c)]);
+                let mut at = 0.0;
+                b.iter(|| {
+                    for k in 0..STEPS {
+                        let mut values = [0.0; 4];
+                        unsafe {
+                            (fmu.set)(fmu.instance, &voltage, 1, &volts(k, reversing));
+                            let status = (fmu.step)(fmu.instance, at, 1e-3, 1);
+                            debug_assert_eq!(status, 0);
+                            if read {
+                                (fmu.get)(fmu.instance, outputs.as_ptr(), 4, values.as_mut_ptr());
+                            }
+                        }
+                        at += 1e-3;
+                        black_box(values);
+                    }
+                });
+            });
+        }
+    }
+    group.bench_function("diffsol BDF, rtol 1e-6, begun anew at every step", |b| {
+        let motor = AnnulusCooledMotor::default();
+        let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };
+        b.iter(|| {
+            let mut y: [f64; STATES] = [0.0, 0.0, 0.0, 298.15, 298.15, 0.0, 0.0, 0.0];
+            for k in 0..STEPS {
+                let inputs = Inputs { voltage: volts(k, false), ..Inputs::default() };
+                let step = Step::new(&motor.parameters, &inputs, &Inputs::ZERO);
+                y = integrate(|t, y| step.rates(t, y), &y, &[1e-3], tolerance).expect("a smooth step")[0];
+            }
+            black_box(y)
+        });
+    });
+    group.finish();
+}
+
+fn hour(criterion: &mut Criterion) {
+    let fmu = Fmi2::load();
+    let load = reference("load_torque");
+    let mut group = criterion.benchmark_group("one hour");
+    group.sample_size(20).throughput(Throughput::Elements(360_000));
+    group.bench_function("3600 s at 10 ms, load changing", |b| {
+        b.iter(|| {
+            fmu.begin(&[("voltage", 24.0)]);
+            for k in 0..360_000u32 {
+                unsafe {
+                    (fmu.set)(fmu.instance, &load, 1, &(0.05 + 0.01 * f64::from(k % 100) / 100.0));
+                    (fmu.step)(fmu.instance, f64::from(k) * 0.01, 0.01, 1);
+                }
+            }
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, steps, hour);
+criterion_main!(benches);
