@@ -6,7 +6,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use libloading::Library;
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, Inputs, STATES, Step};
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, Constants, Inputs, STATES, Step};
 use physics::solver::reference::{Tolerance, integrate};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::hint::black_box;
@@ -129,12 +129,14 @@ fn steps(criterion: &mut Criterion) {
     }
     group.bench_function("diffsol BDF, rtol 1e-6, begun anew at every step", |b| {
         let motor = AnnulusCooledMotor::default();
+        let constants = Constants::of(&motor.parameters);
         let tolerance = Tolerance { relative: 1e-6, absolute: 1e-8 };
         b.iter(|| {
             let mut y: [f64; STATES] = [0.0, 0.0, 0.0, 298.15, 298.15, 0.0, 0.0, 0.0];
             for k in 0..STEPS {
                 let inputs = Inputs { voltage: volts(k, false), ..Inputs::default() };
-                let step = Step::new(&motor.parameters, &inputs, &Inputs::ZERO);
+                let conductance = motor.parameters.conductance.at(inputs.fan_command);
+                let step = Step::new(&motor.parameters, &constants, &inputs, &Inputs::ZERO, conductance);
                 y = integrate(|t, y| step.rates(t, y), &y, &[1e-3], tolerance).expect("a smooth step")[0];
             }
             black_box(y)

@@ -17,12 +17,12 @@ pub trait Effect {
     }
 }
 
-/// The sign of `x` with a smooth passage through zero: tanh, saturated where a double no longer sees the
-/// difference (and where a dual number's tanh would overflow).
+/// The sign of `x` with a smooth passage through zero of width `small`: tanh(x / small), saturated where a double
+/// no longer sees the difference (and where a dual number's tanh would overflow).
 #[inline]
-fn smooth_sign<D: DualNum<Primitive = f64> + Copy>(x: D) -> D {
+fn smooth_sign<D: DualNum<Primitive = f64> + Copy>(x: D, small: f64) -> D {
     const SATURATED: f64 = 20.0;
-    if x.re().abs() > SATURATED { D::from(x.re().signum()) } else { x.tanh() }
+    if x.re().abs() > SATURATED * small { D::from(x.re().signum()) } else { (x / small).tanh() }
 }
 
 macro_rules! effects {

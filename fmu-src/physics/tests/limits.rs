@@ -101,8 +101,8 @@ fn error_of(h: f64) -> f64 {
         (m.parameters.motor.alpha, m.parameters.motor.alpha_mag) = (0.0, 0.0);
         m.inputs.voltage = 12.0;
         m.start(0.0).unwrap();
-        let step = m.step_equations();
         let mut state = *m.state();
+        let step = m.step_equations();
         for _ in 0..(4e-3 / h).round() as usize {
             // A new integrator for each step has its Jacobians at the step's own start.
             state = Split::default().single_step(&step, &state, h);

@@ -27,7 +27,7 @@ impl Effect for CoulombFriction {
         if self.tau_c == 0.0 {
             return D::from(0.0);
         }
-        smooth_sign(w / self.w_small) * self.tau_c
+        smooth_sign(w, self.w_small) * self.tau_c
     }
 }
 

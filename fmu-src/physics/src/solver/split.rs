@@ -54,7 +54,9 @@ pub trait System<const N: usize> {
     /// Their Jacobian, 1/s.
     fn network_matrix(&self, t: f64) -> SMatrix<f64, N, N>;
     /// Heat capacities of the nodes, J/K.
-    fn capacity(&self) -> SVector<f64, N>;
+    fn capacity(&self) -> &SVector<f64, N>;
+    /// Their reciprocals, K/J.
+    fn inverse_capacity(&self) -> &SVector<f64, N>;
     /// Heat flow to the surroundings, W.
     fn ambient_flow(&self, t: f64, temperature: &SVector<f64, N>) -> f64;
     /// Heat set free in each node at one instant, W.
@@ -230,12 +232,12 @@ impl<const N: usize> Split<N> {
         self.renew(system.fast_matrix(t, &x0, &temp0), system.network_matrix(t), h, backup);
         let (fast, thermal) = (&self.fast, &self.thermal);
         let (a, m) = (fast.matrix(), thermal.matrix());
-        let capacity = system.capacity();
+        let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
 
         let n0 = system.fast_rates(t, &x0, &temp0) - a * x0;
         let network0 = system.network_rates(t, &temp0);
         let heat0 = system.heat_rates(t, &x0, &temp0);
-        let rate0 = network0 + heat0.component_div(&capacity);
+        let rate0 = network0 + heat0.component_mul(per_joule);
         let mut temp1 = temp0 + rate0 * h;
         let mut round = 0;
         loop {
@@ -261,7 +263,7 @@ impl<const N: usize> Split<N> {
             let heat1 = system.heat_rates(t + h, &x1, &temp1);
             let heatm = (work.heat * (6.0 / h) - heat0 - heat1) * 0.25;
             let flow =
-                |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_div(&capacity);
+                |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_mul(per_joule);
             let warming = Forcing::through(
                 flow(network0 - m * temp0, heat0),
                 flow(system.network_rates(t + 0.5 * h, &tempm) - m * tempm, heatm),
@@ -281,11 +283,11 @@ impl<const N: usize> Split<N> {
             let miss = fast.curvature_error(&forcing).component_div(&size).amax();
             // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
             let miss_thermal = (m * thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
-            let doubt = work.doubt / (capacity.amin() * HEAT_FLOOR);
+            let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
             let unsettled = if settled { 0.0 } else { SENSITIVITY * moved };
             let error = (miss + miss_thermal + doubt + SENSITIVITY * bend + unsettled) / TOLERANCE;
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
-            let share = -(m.transpose() * capacity);
+            let share = -m.tr_mul(capacity);
             let rest =
                 |s: f64, temp: &SVector<f64, N>| system.ambient_flow(t + s * h, temp) - share.dot(temp);
             let ambient = share.dot(&thermal.integral(&temp0, &warming))

@@ -5,7 +5,7 @@ use declare::Group;
 use physics::effects::CoulombFriction;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
-    AnnulusCooledMotor, DriveMode, Inputs, MechanicalMode, STATES, Step,
+    AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
 };
 use physics::solver::reference::{Tolerance, integrate};
 use std::fmt;
@@ -140,13 +140,15 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
     let mut error = [0.0f64; STATES];
     let mut size = [0.0f64; STATES];
     let parameters = model.parameters;
+    let constants = Constants::of(&parameters);
     let smooth = if profile.held { h } else { profile.line.min(stop) };
     let steps = (smooth / h).round() as usize;
     let pieces = (stop / smooth).round() as usize;
     for piece in 0..pieces {
         let t0 = piece as f64 * smooth;
         let (inputs, slopes) = (profile.at(&base, t0), profile.slope(&base, t0));
-        let step = Step::new(&parameters, &inputs, &slopes);
+        let conductance = parameters.conductance.at(inputs.fan_command);
+        let step = Step::new(&parameters, &constants, &inputs, &slopes, conductance);
         // What the inputs dictate jumps with them.
         model.inputs = inputs;
         touch(&mut model);

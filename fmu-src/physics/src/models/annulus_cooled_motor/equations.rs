@@ -59,16 +59,44 @@ impl Line {
     }
 }
 
+/// What follows from the parameters alone, so that no step divides by them again.
+#[derive(Clone, Copy, Debug)]
+pub struct Constants {
+    /// 1/L where the inductance decides the current, 0 where the source does.
+    inverse_l: f64,
+    /// 1/J where the rotor is free, 0 where its speed is imposed.
+    inverse_j: f64,
+    /// Heat capacities of the nodes, J/K.
+    capacity: Temperatures,
+    /// Their reciprocals, K/J.
+    inverse_capacity: Temperatures,
+    /// Conductance from winding to housing, W/K.
+    across: f64,
+}
+
+impl Constants {
+    /// The constants of a motor.
+    pub fn of(parameters: &Parameters) -> Constants {
+        let voltage_driven = matches!(parameters.choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm);
+        let free = parameters.choices.mechanical_mode == MechanicalMode::FreeShaft;
+        let capacity = Temperatures::new(parameters.thermal.C_w, parameters.thermal.C_h);
+        Constants {
+            inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },
+            inverse_j: if free { 1.0 / parameters.motor.J } else { 0.0 },
+            capacity,
+            inverse_capacity: capacity.map(|c| 1.0 / c),
+            across: parameters.thermal.winding_to_housing(1.0, 0.0),
+        }
+    }
+}
+
 /// The equations over one step, inputs on their lines. Times are seconds from the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     model: &'a Parameters,
     inputs: &'a Inputs,
     slopes: &'a Inputs,
-    /// 1 where the inductance decides the current, 0 where the source does.
-    inverse_l: f64,
-    /// 1/J where the rotor is free, 0 where its speed is imposed.
-    inverse_j: f64,
+    constants: &'a Constants,
     /// The voltage of the source, V.
     voltage: Line,
     /// The current, where it is imposed, A.
@@ -103,8 +131,15 @@ pub struct Point {
 }
 
 impl<'a> Step<'a> {
-    /// The equations of a motor with its inputs on lines.
-    pub fn new(model: &'a Parameters, inputs: &'a Inputs, slopes: &'a Inputs) -> Self {
+    /// The equations of a motor with its inputs on lines; `conductance` is that of the fan's command.
+    #[inline]
+    pub fn new(
+        model: &'a Parameters,
+        constants: &'a Constants,
+        inputs: &'a Inputs,
+        slopes: &'a Inputs,
+        conductance: f64,
+    ) -> Self {
         let none = Line { start: 0.0, slope: 0.0 };
         let (u, s) = (inputs, slopes);
         let voltage = match model.choices.drive_mode {
@@ -123,29 +158,27 @@ impl<'a> Step<'a> {
         if model.choices.drive_mode == DriveMode::Power {
             heat = Line { start: heat.start + u.electrical_power, slope: heat.slope + s.electrical_power };
         }
-        let voltage_driven = matches!(model.choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm);
-        let free = model.choices.mechanical_mode == MechanicalMode::FreeShaft;
+        let free = constants.inverse_j != 0.0;
         Step {
             model,
             inputs,
             slopes,
-            inverse_l: if voltage_driven { 1.0 / model.motor.L } else { 0.0 },
-            inverse_j: if free { 1.0 / model.motor.J } else { 0.0 },
+            constants,
             voltage,
             current,
             load: if free { Line { start: u.load_torque, slope: s.load_torque } } else { none },
             speed: if free { none } else { Line { start: u.imposed_speed, slope: s.imposed_speed } },
             heat,
-            conductance: model.conductance.at(u.fan_command),
+            conductance,
         }
     }
 
     fn is_free(&self) -> bool {
-        self.inverse_j != 0.0
+        self.constants.inverse_j != 0.0
     }
 
     fn is_voltage_driven(&self) -> bool {
-        self.inverse_l != 0.0
+        self.constants.inverse_l != 0.0
     }
 
     #[inline]
@@ -216,7 +249,7 @@ impl<'a> Step<'a> {
         ledger.transfer(Housing, Ambient, to_ambient);
 
         let warming = self.network_rates(t, temperature)
-            + self.heat_rates(t, x, temperature).component_div(&self.capacity());
+            + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
         Point { voltage, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 
@@ -299,12 +332,13 @@ impl System<NODES> for Step<'_> {
         let (i, w) = (x[0], x[1]);
         let k = motor.torque_constant(temperature[HOUSING]);
         let di = if self.is_voltage_driven() {
-            (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - k * w) * self.inverse_l
+            (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - k * w)
+                * self.constants.inverse_l
         } else {
             self.current.slope
         };
         let dw = if self.is_free() {
-            (k * i - self.model.effects.drag_torque(w) - self.load.at(t)) * self.inverse_j
+            (k * i - self.model.effects.drag_torque(w) - self.load.at(t)) * self.constants.inverse_j
         } else {
             self.speed.slope
         };
@@ -317,27 +351,33 @@ impl System<NODES> for Step<'_> {
         let r = motor.resistance(temperature[WINDING]);
         let k = motor.torque_constant(temperature[HOUSING]);
         let slope = if self.is_free() { self.model.effects.drag_torque_slope(x[1]) } else { 0.0 };
-        let (l, j) = (self.inverse_l, self.inverse_j);
+        let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
         Matrix2::new(-r * l, -k * l, k * j, -slope * j)
     }
 
     #[inline]
     fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
-        let thermal = &self.model.thermal;
-        let across = thermal.winding_to_housing(temperature[WINDING], temperature[HOUSING]);
-        Temperatures::new(-across / thermal.C_w, (across - self.ambient_flow(t, temperature)) / thermal.C_h)
+        let across = self.constants.across * (temperature[WINDING] - temperature[HOUSING]);
+        let gain = Temperatures::new(-across, across - self.ambient_flow(t, temperature));
+        gain.component_mul(&self.constants.inverse_capacity)
     }
 
     #[inline]
     fn network_matrix(&self, t: f64) -> SMatrix<f64, NODES, NODES> {
-        let thermal = &self.model.thermal;
-        let (w, h) = (1.0 / (thermal.R_wh * thermal.C_w), 1.0 / (thermal.R_wh * thermal.C_h));
-        Matrix2::new(-w, w, h, -h - self.conductance_at(t) / thermal.C_h)
+        let per_kelvin = self.constants.inverse_capacity;
+        let (w, h) =
+            (self.constants.across * per_kelvin[WINDING], self.constants.across * per_kelvin[HOUSING]);
+        Matrix2::new(-w, w, h, -h - self.conductance_at(t) * per_kelvin[HOUSING])
     }
 
     #[inline]
-    fn capacity(&self) -> Temperatures {
-        Temperatures::new(self.model.thermal.C_w, self.model.thermal.C_h)
+    fn capacity(&self) -> &Temperatures {
+        &self.constants.capacity
+    }
+
+    #[inline]
+    fn inverse_capacity(&self) -> &Temperatures {
+        &self.constants.inverse_capacity
     }
 
     #[inline]

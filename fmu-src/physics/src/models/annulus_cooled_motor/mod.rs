@@ -6,7 +6,7 @@
 mod equations;
 mod variables;
 
-pub use equations::{NODES, Point, STATES, Step, Temperatures};
+pub use equations::{Constants, NODES, Point, STATES, Step, Temperatures};
 pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
 
 use crate::components::conductance::Conductance;
@@ -49,6 +49,9 @@ pub struct AnnulusCooledMotor {
     outputs: Outputs,
     /// What the motor is made of.
     pub parameters: Parameters,
+    constants: Constants,
+    /// The fan command and the conductance that belongs to it: a power costs as much as half a step.
+    fan: (f64, f64),
     slopes: Inputs,
     time: f64,
     state: State<NODES>,
@@ -72,10 +75,13 @@ const OUTPUTS: usize = 1;
 
 impl Default for AnnulusCooledMotor {
     fn default() -> Self {
+        let parameters = Parameters::default();
         AnnulusCooledMotor {
             inputs: Inputs::default(),
             outputs: Outputs::default(),
-            parameters: Parameters::default(),
+            parameters,
+            constants: Constants::of(&parameters),
+            fan: (f64::NAN, f64::NAN),
             slopes: Inputs::ZERO,
             time: 0.0,
             state: State {
@@ -112,13 +118,29 @@ impl AnnulusCooledMotor {
     }
 
     /// The equations over the next step, with the inputs on their slopes.
-    pub fn step_equations(&self) -> Step<'_> {
-        Step::new(&self.parameters, &self.inputs, &self.slopes)
+    pub fn step_equations(&mut self) -> Step<'_> {
+        let conductance = self.conductance();
+        Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance)
+    }
+
+    #[inline]
+    fn conductance(&mut self) -> f64 {
+        if self.fan.0 != self.inputs.fan_command {
+            self.fan = (self.inputs.fan_command, self.parameters.conductance.at(self.inputs.fan_command));
+        }
+        self.fan.1
+    }
+
+    /// Draws the consequences of parameters that were written.
+    fn follow_parameters(&mut self) {
+        self.constants = Constants::of(&self.parameters);
+        self.fan = (f64::NAN, f64::NAN);
     }
 
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
-            self.outputs = self.step_equations().outputs(&self.state, self.stored_at_start);
+            let (state, stored_at_start) = (self.state, self.stored_at_start);
+            self.outputs = self.step_equations().outputs(&state, stored_at_start);
             self.outputs_are_stale = false;
         }
     }
@@ -156,11 +178,16 @@ impl Model for AnnulusCooledMotor {
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
         // A parameter that changes on the way changes what the stores hold; the books start anew from there.
-        let before = if group > OUTPUTS { self.step_equations().stored(&self.state) } else { 0.0 };
-        let taken = self.set_value(group, slot.row as usize, value);
-        if group > OUTPUTS {
-            self.stored_at_start += self.step_equations().stored(&self.state) - before;
+        if group <= OUTPUTS {
+            let taken = self.set_value(group, slot.row as usize, value);
+            self.follow_inputs();
+            return taken;
         }
+        let state = self.state;
+        let before = self.step_equations().stored(&state);
+        let taken = self.set_value(group, slot.row as usize, value);
+        self.follow_parameters();
+        self.stored_at_start += self.step_equations().stored(&state) - before;
         self.follow_inputs();
         taken
     }
@@ -181,13 +208,16 @@ impl Model for AnnulusCooledMotor {
             energy: [0.0; 3],
         };
         self.split = Split::default();
+        self.follow_parameters();
         self.follow_inputs();
-        self.stored_at_start = self.step_equations().stored(&self.state);
+        let state = self.state;
+        self.stored_at_start = self.step_equations().stored(&state);
         Ok(())
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        let step = Step::new(&self.parameters, &self.inputs, &self.slopes);
+        let conductance = self.conductance();
+        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance);
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
             Fault(format!(
                 "The motor's equations have no solution {} s after {} s even with steps of {} s \
@@ -245,6 +275,7 @@ impl Model for AnnulusCooledMotor {
         };
         let complete = read().is_some();
         if complete {
+            copy.follow_parameters();
             *self = copy;
         }
         complete
