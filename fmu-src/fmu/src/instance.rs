@@ -300,7 +300,7 @@ impl Instance {
         }
         // Importers count time in their own way; a thousandth of a step is rounding, more is a mistake.
         let rounding = (1e-3 * h).max(8.0 * f64::EPSILON * now.abs());
-        if !((at - now).abs() <= rounding) {
+        if at.is_nan() || (at - now).abs() > rounding {
             return Err(Refused::error(format!(
                 "the communication point {at} s is not where the instance stands, {now} s."
             )));

@@ -45,14 +45,7 @@ pub fn integrate<const S: usize>(
                 }
             },
         )
-        .init(
-            |_p, _t, y| {
-                for k in 0..S {
-                    y[k] = y0[k];
-                }
-            },
-            S,
-        )
+        .init(|_p, _t, y| y[..S].copy_from_slice(y0), S)
         .build()?;
     let mut solver = problem.bdf::<NalgebraLU<f64>>()?;
     let solution = solver.solve_dense(times)?;

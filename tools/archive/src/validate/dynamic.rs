@@ -152,8 +152,7 @@ fn one_run(archive: &Archive, instance: &mut Instance) -> Result<Vec<(String, f6
         }
     }
     let mut values = Vec::new();
-    let scalars =
-        description.outputs().into_iter().filter(|v| v.kind == Kind::Float64 && v.dimensions.is_empty());
+    let scalars = description.outputs().filter(|v| v.kind == Kind::Float64 && v.dimensions.is_empty());
     for variable in scalars {
         let mut value = [0.0];
         instance.get_f64(&[variable.value_reference], &mut value)?;

@@ -1,6 +1,7 @@
-//! Every rule of the static validator finds its fault, and finds nothing in an FMU without fault.
+//! Every rule of the validator finds its fault, and finds nothing in an FMU without fault.
 
 mod cases_archive;
+mod cases_behaviour;
 mod cases_model;
 mod cases_xml;
 mod elf;
@@ -54,6 +55,8 @@ fn every_rule_has_a_case_and_a_unique_code() {
     let mut covered: HashSet<&str> = HashSet::from(["file-extension"]);
     covered.extend(cases_xml::CASES.iter().chain(cases_model::CASES).map(|c| c.0));
     covered.extend(cases_archive::CASES.iter().map(|c| c.0));
+    covered.extend(cases_behaviour::CASES.iter().map(|c| c.0));
+    covered.extend(cases_behaviour::OTHERS);
     let all: HashSet<&str> = rules::ALL.iter().map(|r| r.code).collect();
     assert_eq!(all.len(), rules::ALL.len(), "a code occurs twice");
     let untested: Vec<_> = all.difference(&covered).collect();

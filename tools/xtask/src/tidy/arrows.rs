@@ -9,9 +9,9 @@ use crate::{
 const ALLOWED: &[(&str, &[&str])] = &[
     ("declare", &[]),
     ("physics", &["declare"]),
-    ("fmu", &["physics", "declare"]),
-    ("describe", &["physics", "declare"]),
-    ("calibrate", &["physics", "declare"]),
+    ("fmu", &["physics"]),
+    ("describe", &["physics"]),
+    ("calibrate", &["physics"]),
     ("cosim", &[]),
     ("archive", &["describe", "cosim"]),
     ("cli", &["calibrate", "cosim", "archive", "describe"]),
