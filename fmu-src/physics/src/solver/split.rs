@@ -19,7 +19,7 @@
 //! always met.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
-use super::phi::{Forcing, Phi};
+use super::phi::{Forcing, Phi, product};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Current, A, and speed, rad/s.
@@ -178,14 +178,17 @@ impl<const N: usize> Split<N> {
     pub fn advance(&mut self, system: &impl System<N>, state: &mut State<N>, h: f64) -> Result<(), Stuck> {
         let (mut now, mut done, mut trial) = (*state, 0.0, h);
         let mut backup = None;
-        while done < h {
+        loop {
             // Close to the end, take all of what is left, so that no sliver remains.
             let rest = h - done;
             let try_h = if trial >= rest * (1.0 - 1e-9) { rest } else { trial.min(0.5 * rest) };
             let (next, error) = self.step(system, &now, done, try_h, &mut backup);
             if error <= 1.0 {
                 now = next;
-                done = if try_h == rest { h } else { done + try_h };
+                if try_h == rest {
+                    break;
+                }
+                done += try_h;
                 // Third order: the next step may grow by the cube root of what is to spare.
                 trial = try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0);
             } else if try_h > LEAST_SHARE * h {
@@ -234,7 +237,8 @@ impl<const N: usize> Split<N> {
         let (a, m) = (fast.matrix(), thermal.matrix());
         let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
 
-        let n0 = system.fast_rates(t, &x0, &temp0) - a * x0;
+        let slope0 = system.fast_rates(t, &x0, &temp0);
+        let n0 = slope0 - product(a, &x0);
         let network0 = system.network_rates(t, &temp0);
         let heat0 = system.heat_rates(t, &x0, &temp0);
         let rate0 = network0 + heat0.component_mul(per_joule);
@@ -244,11 +248,11 @@ impl<const N: usize> Split<N> {
             // The temperatures as the fast block sees them: start, slope at the start, end.
             let tempm = temp0 * 0.75 + temp1 * 0.25 + rate0 * (0.25 * h);
             let xa = fast.half(&x0, &n0);
-            let na = system.fast_rates(t + 0.5 * h, &xa, &tempm) - a * xa;
+            let na = system.fast_rates(t + 0.5 * h, &xa, &tempm) - product(a, &xa);
             let xb = fast.constant(&x0, &(na * 2.0 - n0));
-            let nb = system.fast_rates(t + h, &xb, &temp1) - a * xb;
+            let nb = system.fast_rates(t + h, &xb, &temp1) - product(a, &xb);
             let forcing = Forcing::through(n0, na, nb);
-            let x1 = fast.end(&x0, &forcing);
+            let x1 = fast.end(&x0, &slope0, &forcing);
             let segment = Segment {
                 t,
                 h,
@@ -265,11 +269,11 @@ impl<const N: usize> Split<N> {
             let flow =
                 |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_mul(per_joule);
             let warming = Forcing::through(
-                flow(network0 - m * temp0, heat0),
-                flow(system.network_rates(t + 0.5 * h, &tempm) - m * tempm, heatm),
-                flow(system.network_rates(t + h, &temp1) - m * temp1, heat1),
+                flow(network0 - product(m, &temp0), heat0),
+                flow(system.network_rates(t + 0.5 * h, &tempm) - product(m, &tempm), heatm),
+                flow(system.network_rates(t + h, &temp1) - product(m, &temp1), heat1),
             );
-            let end = thermal.end(&temp0, &warming);
+            let end = thermal.end(&temp0, &rate0, &warming);
             let moved = (end - temp1).amax();
             let settled = SENSITIVITY * moved <= 0.1 * TOLERANCE;
             round += 1;
@@ -282,7 +286,7 @@ impl<const N: usize> Split<N> {
             let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
             let miss = fast.curvature_error(&forcing).component_div(&size).amax();
             // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
-            let miss_thermal = (m * thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
+            let miss_thermal = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
             let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
             let unsettled = if settled { 0.0 } else { SENSITIVITY * moved };
             let error = (miss + miss_thermal + doubt + SENSITIVITY * bend + unsettled) / TOLERANCE;
@@ -312,9 +316,6 @@ impl<const N: usize> Split<N> {
 /// [`STALE`] of what the matrix itself does.
 #[inline]
 fn fresh<const N: usize>(frozen: &SMatrix<f64, N, N>, now: &SMatrix<f64, N, N>, h: f64) -> bool {
-    let mut ok = true;
-    for (f, n) in frozen.iter().zip(now.iter()) {
-        ok &= (f - n).abs() <= STALE * (f.abs() + 1.0 / h);
-    }
-    ok
+    let slack = STALE / h;
+    frozen.iter().zip(now.iter()).all(|(f, n)| (f - n).abs() <= STALE * f.abs() + slack)
 }
