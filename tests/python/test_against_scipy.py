@@ -51,9 +51,10 @@ def test_drive_cycle_with_linear_ramps(make):
     check(case, found, reference, WITH_RAMPS)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def held_reference(archives):
-    """The drive cycle with inputs that jump every step. Radau starts a thousand times, so it is run once."""
+    """The drive cycle with inputs that jump every step. Radau starts a thousand times, so it is run once for both
+    standards, which a fixture of the module would not be."""
     case = DRIVE_CYCLE
     with archives[2].instance() as fmu:
         twin = Motor.like(fmu.initialise(case.start), case.drive, case.shaft)
