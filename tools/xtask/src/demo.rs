@@ -4,6 +4,7 @@ mod page;
 
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::Path;
+use std::process::Stdio;
 
 const EXAMPLE: &str = "examples/02_walking.py";
 
@@ -22,7 +23,9 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     product::validate(workspace)?;
     shell::stage("twenty minutes of walking, twice");
     let dist = workspace.dist();
-    shell::output(product::python(workspace, &python).arg(EXAMPLE).arg("--out").arg(&dist))?;
+    // Its numbers are for the page; its progress, on standard error, is for the user.
+    let mut example = product::python(workspace, &python);
+    shell::run(example.arg(EXAMPLE).arg("--out").arg(&dist).stdout(Stdio::null()))?;
     let page = dist.join("index.html");
     let html = page::html(&read(&dist.join("walking.json"))?, &read(&dist.join("walking.svg"))?)?;
     std::fs::write(&page, html).map_err(|e| format!("{} cannot be written: {e}", page.display()))?;

@@ -49,6 +49,8 @@ pub fn python(workspace: &Workspace, python: &Path) -> Command {
         .current_dir(&workspace.root)
         .env("MOTOR_FMU_DIST", workspace.dist())
         .env("MOTOR_FMU_BIN", workspace.program("motor-fmu"))
-        .env("PYTHONDONTWRITEBYTECODE", "1");
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        // Into a pipe Python would else write its progress in blocks of minutes.
+        .env("PYTHONUNBUFFERED", "1");
     command
 }

@@ -26,22 +26,22 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "back-emf-sign",
         file: EQUATIONS,
-        text: "motor.resistance(temperature[WINDING]) * i - k * w) * self.inverse_l",
-        replacement: "motor.resistance(temperature[WINDING]) * i + k * w) * self.inverse_l",
+        text: "motor.resistance(temperature[WINDING]) * i - k * w)",
+        replacement: "motor.resistance(temperature[WINDING]) * i + k * w)",
         breaks: "the back-EMF drives the current instead of opposing it",
     },
     Mutant {
         name: "torque-sign",
         file: EQUATIONS,
-        text: "(k * i - self.model.effects.drag_torque(w) - self.load.at(t)) * self.inverse_j",
-        replacement: "(-k * i - self.model.effects.drag_torque(w) - self.load.at(t)) * self.inverse_j",
+        text: "(k * i - self.model.effects.drag_torque(w) - self.load.at(t))",
+        replacement: "(-k * i - self.model.effects.drag_torque(w) - self.load.at(t))",
         breaks: "a positive current turns the shaft backwards",
     },
     Mutant {
         name: "load-sign",
         file: EQUATIONS,
-        text: "- self.load.at(t)) * self.inverse_j",
-        replacement: "+ self.load.at(t)) * self.inverse_j",
+        text: "drag_torque(w) - self.load.at(t))",
+        replacement: "drag_torque(w) + self.load.at(t))",
         breaks: "the load pulls the shaft along",
     },
     Mutant {
