@@ -161,7 +161,7 @@ fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
                 None => {}
                 Some(given) => {
                     let given = given.as_str().unwrap_or("no text");
-                    return Err(format!("{name} is in {unit} and not in {given}"));
+                    return Err(format!("{name} is in \"{unit}\" and not in \"{given}\""));
                 }
             }
             table.get("value").ok_or_else(|| format!("{name} has no value"))?.get_ref()
@@ -189,4 +189,68 @@ fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
         .check(number, false)
         .map_err(|refusal| entry.explain(number, &refusal).trim_end_matches('.').to_string())?;
     Ok(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(start: &str) -> String {
+        let text = format!("name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n\n[start]\n{start}\n");
+        Preset::parse(&text, "x.toml").unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_built_in_presets_are_right() {
+        for (name, _) in BUILT_IN {
+            let preset = Preset::load(name).unwrap();
+            assert_eq!(preset.name, *name);
+            assert!(!preset.starts.entries().is_empty());
+        }
+    }
+
+    /// tau_c = k_t I_0 of the datasheet: 27.6 mN.m/A * 0.356 A.
+    #[test]
+    fn a_preset_changes_the_start_values_it_names() {
+        let preset = Preset::load("maxon-305015").unwrap();
+        let declaration = (physics::models::ALL[0].declaration)();
+        let start = |name: &str| preset.starts.of(declaration.by_name(name).unwrap());
+        assert!((start("effect.coulomb_friction.tau_c") - 0.0276 * 0.356).abs() < 5e-6);
+        assert_eq!(start("thermal.C_h"), 149.4);
+        assert_eq!(start("effect.viscous_friction.k"), 0.0, "what it does not name stays declared");
+    }
+
+    #[test]
+    fn values_may_be_numbers_tables_and_names() {
+        let text = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\n\"motor.R_ref\" = 1\n\
+                    drive_mode = \"current\"\n\"motor.L\" = { value = 1e-4, unit = \"H\" }\n";
+        let preset = Preset::parse(text, "x.toml").unwrap();
+        assert_eq!(preset.starts.entries(), [(80, 3.0), (100, 1.0), (103, 1e-4)]);
+    }
+
+    #[test]
+    fn errors_name_file_line_variable_value_and_limits() {
+        for (start, words) in [
+            ("\"motor.R_reff\" = 1", &["x.toml:5", "motor.R_reff", "did you mean motor.R_ref?"][..]),
+            ("\n\"motor.R_ref\" = -1", &["x.toml:6", "motor.R_ref = -1 Ohm", "0.0001 ... 10000 Ohm"]),
+            ("\"motor.R_ref\" = { value = 1, unit = \"V\" }", &["x.toml:5", "\"Ohm\"", "\"V\""]),
+            ("\"motor.R_ref\" = { value = 1, units = \"Ohm\" }", &["x.toml:5", "units"]),
+            ("\"motor.R_ref\" = { unit = \"Ohm\" }", &["x.toml:5", "no value"]),
+            ("\"motor.R_ref\" = \"much\"", &["x.toml:5", "not a number in Ohm"]),
+            ("\"motor.R_ref\" = nan", &["x.toml:5", "not a finite number"]),
+            ("drive_mode = \"steam\"", &["x.toml:5", "steam", "voltage, pwm, current, power"]),
+            ("current = 1", &["x.toml:5", "computed by the model"]),
+            ("\"motor.R_ref\" = ", &["x.toml:5"]),
+        ] {
+            let error = refusal(start);
+            assert!(words.iter().all(|w| error.contains(w)), "{words:?} in {error}");
+            assert!(!error.contains('\n'), "{error}");
+        }
+        let other = Preset::parse("name = \"x\"\nmodel = \"Other\"\n", "x.toml").unwrap_err().to_string();
+        assert!(other.contains("x.toml:2") && other.contains("AnnulusCooledMotor"), "{other}");
+        let key = Preset::parse("nam = \"x\"\n", "x.toml").unwrap_err().to_string();
+        assert!(key.contains("x.toml:1: nam is no key"), "{key}");
+        let missing = Preset::load("no-such-preset").unwrap_err().to_string();
+        assert!(missing.contains("no-such-preset") && missing.contains("maxon-305015"), "{missing}");
+    }
 }

@@ -1,0 +1,108 @@
+//! What must hold over the whole table of every model.
+
+use describe::{Dependencies, Entry, generated, lock, models};
+use physics::declare::{Causality, Kind, Scale};
+use std::collections::HashSet;
+use std::path::Path;
+
+fn entries() -> impl Iterator<Item = &'static Entry> {
+    models::ALL.iter().flat_map(|m| &(m.declaration)().entries)
+}
+
+#[test]
+fn names_and_value_references_are_unique() {
+    for kind in models::ALL {
+        let declaration = (kind.declaration)();
+        let names: HashSet<&str> = declaration.entries.iter().map(|e| e.name.as_str()).collect();
+        let references: HashSet<u32> = declaration.entries.iter().map(|e| e.value_reference).collect();
+        assert_eq!(names.len(), declaration.entries.len());
+        assert_eq!(references.len(), declaration.entries.len());
+        assert!(!references.contains(&physics::model::TIME), "0 is time");
+    }
+}
+
+#[test]
+fn every_variable_is_described_and_within_its_own_limits() {
+    for e in entries() {
+        let row = e.row;
+        assert!(row.doc.trim().len() > 8 && !row.doc.trim().ends_with('.'), "{}: {:?}", e.name, row.doc);
+        assert!(row.nominal > 0.0 && row.nominal.is_finite(), "{}: nominal {}", e.name, row.nominal);
+        match row.causality {
+            Causality::Output => assert!(row.start.is_nan(), "{} is computed and has no start", e.name),
+            _ => assert_eq!(e.check(row.start, false), Ok(()), "{} = {}", e.name, row.start),
+        }
+        if row.causality != Causality::Output && row.kind == Kind::Real {
+            assert!(
+                row.min.is_finite() && row.max.is_finite() && row.min < row.max,
+                "{} has no limits",
+                e.name
+            );
+        }
+        if row.scale == Scale::Log {
+            assert!(row.min > 0.0, "{} is fitted by ratios and its least value is {}", e.name, row.min);
+        }
+    }
+}
+
+/// Every effect is neutral at its declared start: nothing it does depends on being told not to.
+#[test]
+fn effects_are_off_by_default() {
+    for kind in models::ALL {
+        let declaration = (kind.declaration)();
+        for e in declaration.entries.iter().filter(|e| e.name.starts_with("effect.")) {
+            let switch = e.row.doc.contains("0 switches the effect off");
+            assert!(!switch || e.row.start == 0.0, "{} starts at {}", e.name, e.row.start);
+        }
+    }
+}
+
+#[test]
+fn a_value_set_is_the_value_read() {
+    for kind in models::ALL {
+        let mut model = (kind.new)();
+        for e in (kind.declaration)().entries.iter().filter(|e| e.row.causality != Causality::Output) {
+            let value = if e.row.kind == Kind::Real { e.row.min } else { e.row.start };
+            assert!(model.set(e.slot, value), "{}", e.name);
+            assert_eq!(model.get(e.slot), value, "{}", e.name);
+        }
+    }
+}
+
+#[test]
+fn dependencies_are_the_physics() {
+    let kind = &models::ALL[0];
+    let declaration = (kind.declaration)();
+    let found = Dependencies::of(kind);
+    let on = |list: &[(usize, Vec<usize>)], output: &str| -> Vec<&str> {
+        let k = declaration.entries.iter().position(|e| e.name == output).unwrap();
+        let (_, on) = list.iter().find(|(o, _)| *o == k).unwrap();
+        on.iter().map(|k| declaration.entries[*k].name.as_str()).collect()
+    };
+    assert_eq!(on(&found.running, "winding_temperature"), [""; 0], "a state depends on no input at once");
+    assert_eq!(on(&found.running, "heat_to_ambient"), ["fan_command", "ambient_temperature"]);
+    assert_eq!(on(&found.running, "shaft_speed"), ["imposed_speed"]);
+    assert_eq!(on(&found.initial, "winding_temperature"), ["ambient_temperature"]);
+    assert_eq!(on(&found.initial, "over_temperature"), ["ambient_temperature", "thermal.T_w_max"]);
+    assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
+}
+
+#[test]
+fn the_generated_files_are_up_to_date() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
+    let stale = generated::stale(&folder).unwrap();
+    assert!(stale.is_empty(), "run `cargo xtask describe`: {stale:?}");
+}
+
+#[test]
+fn a_value_reference_is_never_given_again() {
+    let declaration = (models::ALL[0].declaration)();
+    let taken = "AnnulusCooledMotor 100 motor.something_else\n";
+    let error = lock::update(taken, &[declaration]).unwrap_err().to_string();
+    assert!(
+        error.contains("100") && error.contains("motor.something_else") && error.contains("motor.R_ref"),
+        "{error}"
+    );
+    let retired = lock::update("AnnulusCooledMotor 9999 gone\n", &[declaration]).unwrap();
+    assert!(retired.contains("AnnulusCooledMotor 9999 gone"), "a retired variable keeps its number");
+    assert!(lock::update("nonsense\n", &[declaration]).is_err());
+}
