@@ -4,6 +4,7 @@ import csv
 
 import numpy as np
 import pytest
+from clients.paths import ROOT
 from conftest import STANDARDS
 from fmpy.validation import validate_fmu
 
@@ -56,3 +57,22 @@ def test_the_native_master_agrees_bit_for_bit(archives, archive_paths, outputs, 
     native = np.array([[float(row[name]) for name in outputs] for row in rows])
     ours = record(archives[fmi], outputs)
     assert native.tobytes() == ours.tobytes()
+
+
+def test_the_binary_starts_at_what_its_description_says(archive):
+    """Nothing is set: a preset's values must be in the library too."""
+    with archive.instance() as fmu:
+        fmu.initialise()
+        started = [v for v in archive.variables.values() if v.causality in ("parameter", "input")]
+        assert {v.name: fmu.get(v.name)[0] for v in started} == {v.name: float(v.start) for v in started}
+    assert float(archive.variable("effect.coulomb_friction.tau_c").start) == 9.83e-3, "built with the preset"
+
+
+def test_archives_are_reproducible(archive_paths, motor_fmu, tmp_path):
+    preset = ROOT / "examples" / "presets" / "maxon-305015.toml"
+    for out in ("a", "b"):
+        done = motor_fmu("build", "--preset", preset, "--out", tmp_path / out)
+        assert done.returncode == 0, done.stderr
+    for fmi, path in archive_paths.items():
+        built = [(tmp_path / out / f"fmi{fmi}" / path.name).read_bytes() for out in ("a", "b")]
+        assert built[0] == built[1] == path.read_bytes()

@@ -312,3 +312,28 @@ fn null_handles_and_wrong_tokens() {
         assert_eq!(CStr::from_ptr(fmi2GetTypesPlatform()), c"default");
     }
 }
+
+/// The C interface adds nothing and takes nothing: the model itself gives the same bits.
+#[test]
+fn the_native_model_gives_the_same_bits() {
+    let motor = Motor2::initialized("native");
+    let mut native = (physics::models::ALL[0].new)();
+    let slot = |name: &str| native_slot(name);
+    native.start(0.0).unwrap();
+    for k in 0..100 {
+        let t = f64::from(k) * 1e-3;
+        let volts = 20.0 * (7.0 * t).sin();
+        motor.set("voltage", volts);
+        assert!(native.set(slot("voltage"), volts));
+        assert_eq!(motor.step(t, 1e-3), Status::Ok);
+        native.step(t, 1e-3).unwrap();
+    }
+    for name in ["current", "shaft_angle", "winding_temperature", "energy_electrical", "power_balance_error"]
+    {
+        assert_eq!(motor.get(name).to_bits(), native.get(slot(name)).to_bits(), "{name}");
+    }
+}
+
+fn native_slot(name: &str) -> physics::model::Slot {
+    (physics::models::ALL[0].declaration)().by_name(name).unwrap().slot
+}
