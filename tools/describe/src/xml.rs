@@ -44,8 +44,83 @@ pub(crate) fn empty(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::R
     Ok(())
 }
 
-/// What the declarations say of the choices' types, log and experiment, with the element and attribute names
-/// that the standards share.
+/// The attributes of the root: version and token under the names that the standard gives them.
+pub(crate) fn root(version: &str, token_name: &'static str, declaration: &Declaration) -> Attributes {
+    vec![
+        ("fmiVersion", version.to_string()),
+        ("modelName", declaration.name.to_string()),
+        (token_name, declaration.token.clone()),
+        ("description", declaration.description.to_string()),
+        ("version", crate::VERSION.to_string()),
+        ("license", "MIT".to_string()),
+        ("generationTool", crate::TOOL.to_string()),
+        ("variableNamingConvention", "structured".to_string()),
+    ]
+}
+
+/// The attributes of an interface that can do `capabilities`.
+pub(crate) fn interface(declaration: &Declaration, capabilities: &[&'static str]) -> Attributes {
+    let identifier = ("modelIdentifier", declaration.name.to_string());
+    [identifier].into_iter().chain(capabilities.iter().map(|c| (*c, "true".to_string()))).collect()
+}
+
+/// The enumeration types; `wrap` writes the element around the items.
+pub(crate) fn type_definitions(
+    xml: &mut Xml,
+    declaration: &Declaration,
+    wrap: impl Fn(&mut Xml, &Attributes, &dyn Fn(&mut Xml) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
+    element(xml, "TypeDefinitions", &vec![], |xml| {
+        enumerations(declaration).iter().try_for_each(|t| {
+            let attributes = vec![("name", t.name.to_string()), ("description", description(t.doc))];
+            wrap(xml, &attributes, &|xml| {
+                t.items.iter().try_for_each(|i| {
+                    let item = vec![
+                        ("name", i.name.to_string()),
+                        ("value", i.value.to_string()),
+                        ("description", description(i.doc)),
+                    ];
+                    empty(xml, "Item", &item)
+                })
+            })
+        })
+    })
+}
+
+/// Name, reference, description and role of the independent variable.
+pub(crate) fn time_attributes() -> Attributes {
+    vec![
+        ("name", "time".to_string()),
+        ("valueReference", physics::model::TIME.to_string()),
+        ("description", "Simulation time".to_string()),
+        ("causality", "independent".to_string()),
+        ("variability", "continuous".to_string()),
+    ]
+}
+
+/// Name, reference, description and role of a variable.
+pub(crate) fn variable_attributes(entry: &Entry) -> Attributes {
+    let mut attributes = vec![
+        ("name", entry.name.clone()),
+        ("valueReference", entry.value_reference.to_string()),
+        ("description", description(entry.row.doc)),
+    ];
+    attributes.extend(role_attributes(entry));
+    attributes
+}
+
+/// The start value of a variable that has one, as text.
+pub(crate) fn start_attribute(entry: &Entry, starts: &StartValues) -> Option<(&'static str, String)> {
+    let start = starts.of(entry);
+    let text = match entry.row.kind {
+        _ if entry.row.causality == Causality::Output => return None,
+        Kind::Boolean => (start != 0.0).to_string(),
+        Kind::Real | Kind::Enumeration(_) => number(start),
+    };
+    Some(("start", text))
+}
+
+/// The log categories.
 pub(crate) fn log_categories(xml: &mut Xml) -> io::Result<()> {
     element(xml, "LogCategories", &vec![], |xml| {
         physics::model::LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
@@ -103,7 +178,7 @@ pub(crate) fn unit_definitions(xml: &mut Xml, declaration: &Declaration) -> io::
 }
 
 /// A number that reads back to the same double.
-pub(crate) fn number(value: f64) -> String {
+fn number(value: f64) -> String {
     format!("{value}")
 }
 
@@ -123,14 +198,12 @@ pub(crate) fn real_attributes(entry: &Entry, starts: &StartValues) -> Attributes
         }
     }
     attributes.push(("nominal", number(row.nominal)));
-    if row.causality != Causality::Output {
-        attributes.push(("start", number(starts.of(entry))));
-    }
+    attributes.extend(start_attribute(entry, starts));
     attributes
 }
 
 /// Causality, variability and, where it is to be stated, `initial`.
-pub(crate) fn role_attributes(entry: &Entry) -> Attributes {
+fn role_attributes(entry: &Entry) -> Attributes {
     let causality = match entry.row.causality {
         Causality::Parameter => "parameter",
         Causality::Input => "input",
@@ -157,7 +230,7 @@ pub(crate) fn description(text: &str) -> String {
 }
 
 /// The enumeration types of a model, each once.
-pub(crate) fn enumerations(declaration: &Declaration) -> Vec<&'static physics::declare::Enumeration> {
+fn enumerations(declaration: &Declaration) -> Vec<&'static physics::declare::Enumeration> {
     let mut types = Vec::new();
     for entry in &declaration.entries {
         if let Kind::Enumeration(t) = entry.row.kind
