@@ -1,7 +1,7 @@
 //! From C to Rust and back: handles, arrays, strings, panics.
 
 use crate::instance::Instance;
-use crate::logger::Status;
+use crate::logger::{Log, Sink, Status};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -62,12 +62,81 @@ pub unsafe fn enter(
     }
 }
 
-/// Makes an instance and hands it to the importer; NULL where that fails.
-pub fn hand_out(make: impl FnOnce() -> Option<Instance>) -> *mut c_void {
-    match catch_unwind(AssertUnwindSafe(make)) {
-        Ok(Some(instance)) => Box::into_raw(Box::new(instance)).cast(),
-        _ => std::ptr::null_mut(),
+/// What an importer says of an instance that it wants.
+pub struct Wanted {
+    /// The constructor that it calls.
+    pub function: &'static str,
+    /// Name of the instance.
+    pub name: *const c_char,
+    /// GUID or instantiation token.
+    pub token: *const c_char,
+    /// Where messages are to go.
+    pub sink: Sink,
+    /// Whether events are told too.
+    pub logging_on: bool,
+    /// Something it asks for that is not in this FMU: one sentence.
+    pub beyond: Option<String>,
+}
+
+/// Makes an instance and hands it to the importer; NULL and a message where that fails.
+///
+/// # Safety
+/// The texts are NULL or end in zero.
+pub unsafe fn hand_out(wanted: Wanted) -> *mut c_void {
+    // SAFETY: by contract.
+    let (name, token) = unsafe { (text(wanted.name).unwrap_or_default(), text(wanted.token)) };
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        if name.is_empty() {
+            return Err(Refused::error("the instance name is missing."));
+        }
+        if let Some(sentence) = wanted.beyond {
+            return Err(Refused::error(sentence));
+        }
+        Instance::new(token.as_deref(), Log::new(wanted.sink, &name, wanted.logging_on))
+    }));
+    let refused = match made {
+        Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
+        Ok(Err(refused)) => refused,
+        Err(_) => Refused::error("internal failure."),
+    };
+    Log::new(wanted.sink, &name, false)
+        .tell(refused.status, &format!("{}: {}", wanted.function, refused.message));
+    std::ptr::null_mut()
+}
+
+/// Turns the messages of an instance on or off.
+///
+/// # Safety
+/// As [`enter`] and [`array`]; the categories are NULL or end in zero.
+pub unsafe fn set_logging(
+    handle: *mut c_void,
+    function: &str,
+    on: bool,
+    n: usize,
+    categories: *const *const c_char,
+) -> Status {
+    // SAFETY: by contract.
+    unsafe {
+        enter(handle, function, |i| {
+            let names: Vec<Option<String>> =
+                array(categories, n, "categories")?.iter().map(|&name| text(name)).collect();
+            i.set_logging(on, &names)
+        })
     }
+}
+
+/// Functions of the life cycle: a name and the instance's method.
+#[macro_export]
+#[doc(hidden)]
+macro_rules! life_cycle {
+    ($($(#[doc = $doc:literal])* $name:ident => $method:ident;)*) => {$(
+        $(#[doc = $doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(handle: *mut std::ffi::c_void) -> $crate::logger::Status {
+            // SAFETY: as the crate's documentation says.
+            unsafe { $crate::boundary::enter(handle, stringify!($name), $crate::instance::Instance::$method) }
+        }
+    )*};
 }
 
 /// Takes an instance back and drops it.

@@ -3,9 +3,12 @@
 //! Arguments are as in the standard, "Functional Mock-up Interface for Model Exchange and Co-Simulation",
 //! version 2.0.4; each function's documentation names its section.
 
-use crate::boundary::{self, Outcome, Refused, array, array_mut, enter, hand_out, place, take_back, text};
-use crate::instance::{Instance, Type};
-use crate::logger::{Log, Logger2, Sink, Status};
+use crate::boundary::{
+    self, Outcome, Refused, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back,
+};
+use crate::instance::Type;
+use crate::life_cycle;
+use crate::logger::{Logger2, Sink, Status};
 use crate::saved_handle::{self, deserialize, free, save, serialize, serialized_size};
 use std::ffi::{c_char, c_int, c_void};
 
@@ -88,13 +91,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     categories: *const *const c_char,
 ) -> Status {
     // SAFETY: as the crate's documentation says; so for every block below.
-    unsafe {
-        enter(c, "fmi2SetDebugLogging", |i| {
-            let names: Vec<Option<String>> =
-                array(categories, n, "categories")?.iter().map(|&name| text(name)).collect();
-            i.set_logging(on != 0, &names)
-        })
-    }
+    unsafe { set_logging(c, "fmi2SetDebugLogging", on != 0, n, categories) }
 }
 
 /// Makes an instance; section 2.1.5.
@@ -108,27 +105,18 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: Boolean,
     logging_on: Boolean,
 ) -> Component {
-    hand_out(|| unsafe {
+    unsafe {
         let sink = match functions.as_ref() {
             Some(CallbackFunctions { logger: Some(logger), environment, .. }) => {
                 Sink::Fmi2(*logger, *environment)
             }
             _ => Sink::None,
         };
-        let name = text(name).unwrap_or_default();
-        let log = Log::new(sink, &name, logging_on != 0);
-        let complain = Log::new(sink, &name, false);
-        let made = if name.is_empty() {
-            Err(Refused::error("the instance name is missing."))
-        } else if interface != CO_SIMULATION {
-            Err(Refused::error(format!(
-                "the interface type {interface} is not in this FMU; 1, Co-Simulation, is."
-            )))
-        } else {
-            Instance::new(text(guid).as_deref(), log)
-        };
-        made.map_err(|r| complain.tell(r.status, &format!("fmi2Instantiate: {}", r.message))).ok()
-    })
+        let beyond = (interface != CO_SIMULATION)
+            .then(|| format!("the interface type {interface} is not in this FMU; 1, Co-Simulation, is."));
+        let logging_on = logging_on != 0;
+        hand_out(Wanted { function: "fmi2Instantiate", name, token: guid, sink, logging_on, beyond })
+    }
 }
 
 /// Drops an instance; section 2.1.5.
@@ -152,17 +140,6 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
             i.set_window(start, if stop_defined != 0 { Some(stop) } else { None })
         })
     }
-}
-
-/// A function of the life cycle: a name and the instance's method.
-macro_rules! life_cycle {
-    ($($(#[doc = $doc:literal])* $name:ident => $method:ident;)*) => {$(
-        $(#[doc = $doc])*
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(c: Component) -> Status {
-            unsafe { enter(c, stringify!($name), Instance::$method) }
-        }
-    )*};
 }
 
 life_cycle! {

@@ -10,9 +10,9 @@ mod values;
 pub use absent::*;
 pub use values::*;
 
-use crate::boundary::{Refused, array, enter, hand_out, place, take_back, text, write};
-use crate::instance::Instance;
-use crate::logger::{Log, Logger3, Sink, Status};
+use crate::boundary::{Wanted, enter, hand_out, place, set_logging, take_back, write};
+use crate::life_cycle;
+use crate::logger::{Logger3, Sink, Status};
 use crate::saved_handle;
 use std::ffi::{c_char, c_void};
 
@@ -38,13 +38,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     categories: *const *const c_char,
 ) -> Status {
     // SAFETY: as the crate's documentation says; so for every block below.
-    unsafe {
-        enter(instance, "fmi3SetDebugLogging", |i| {
-            let names: Vec<Option<String>> =
-                array(categories, n, "categories")?.iter().map(|&name| text(name)).collect();
-            i.set_logging(on != 0, &names)
-        })
-    }
+    unsafe { set_logging(instance, "fmi3SetDebugLogging", on != 0, n, categories) }
 }
 
 /// The sink of a logger that may be missing.
@@ -68,23 +62,18 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     log_message: Option<Logger3>,
     _intermediate_update: Option<unsafe extern "C" fn()>,
 ) -> InstanceHandle {
-    hand_out(|| unsafe {
-        let sink = sink(log_message, environment);
-        let name = text(name).unwrap_or_default();
-        let log = Log::new(sink, &name, logging_on != 0);
-        let complain = Log::new(sink, &name, false);
-        let refuse = |message: &str| Err(Refused::error(message));
-        let made = if name.is_empty() {
-            refuse("the instance name is missing.")
-        } else if event_mode_used != 0 {
-            refuse("event mode is not in this FMU (hasEventMode is false).")
-        } else if n_intermediate > 0 {
-            refuse("intermediate variables are not in this FMU (providesIntermediateUpdate is false).")
-        } else {
-            Instance::new(text(token).as_deref(), log)
-        };
-        made.map_err(|r| complain.tell(r.status, &format!("fmi3InstantiateCoSimulation: {}", r.message))).ok()
-    })
+    let beyond = if event_mode_used != 0 {
+        Some("event mode is not in this FMU (hasEventMode is false).")
+    } else if n_intermediate > 0 {
+        Some("intermediate variables are not in this FMU (providesIntermediateUpdate is false).")
+    } else {
+        None
+    };
+    let (sink, logging_on) = (sink(log_message, environment), logging_on != 0);
+    let beyond = beyond.map(str::to_string);
+    unsafe {
+        hand_out(Wanted { function: "fmi3InstantiateCoSimulation", name, token, sink, logging_on, beyond })
+    }
 }
 
 /// Drops an instance.
@@ -109,17 +98,6 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
             i.enter_initialization()
         })
     }
-}
-
-/// A function of the life cycle: a name and the instance's method.
-macro_rules! life_cycle {
-    ($($(#[doc = $doc:literal])* $name:ident => $method:ident;)*) => {$(
-        $(#[doc = $doc])*
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(instance: InstanceHandle) -> Status {
-            unsafe { enter(instance, stringify!($name), Instance::$method) }
-        }
-    )*};
 }
 
 life_cycle! {

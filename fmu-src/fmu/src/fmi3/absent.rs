@@ -1,8 +1,8 @@
 //! Functions that importers resolve when they load the library and that these FMUs declare not to have.
 
 use super::{Boolean, InstanceHandle};
-use crate::boundary::{Refused, enter, hand_out, text};
-use crate::logger::{Log, Logger3, Status};
+use crate::boundary::{Refused, Wanted, enter, hand_out};
+use crate::logger::{Logger3, Status};
 use std::ffi::{c_char, c_int, c_void};
 
 /// Functions that refuse with one sentence.
@@ -18,20 +18,17 @@ macro_rules! absent {
 }
 
 /// Constructors that refuse with one sentence.
-fn refuse_to_make(
-    function: &str,
+unsafe fn refuse_to_make(
+    function: &'static str,
     interface: &str,
     name: *const c_char,
     environment: *mut c_void,
     log_message: Option<Logger3>,
 ) -> InstanceHandle {
-    hand_out(|| {
-        // SAFETY: as the crate's documentation says.
-        let name = unsafe { text(name) }.unwrap_or_default();
-        let log = Log::new(super::sink(log_message, environment), &name, false);
-        log.tell(Status::Error, &format!("{function}: {interface} is not in this FMU; Co-Simulation is."));
-        None
-    })
+    let beyond = Some(format!("{interface} is not in this FMU; Co-Simulation is."));
+    let sink = super::sink(log_message, environment);
+    // SAFETY: as the crate's documentation says.
+    unsafe { hand_out(Wanted { function, name, token: std::ptr::null(), sink, logging_on: false, beyond }) }
 }
 
 /// Makes an instance for Model Exchange.
@@ -45,7 +42,9 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     environment: *mut c_void,
     log_message: Option<Logger3>,
 ) -> InstanceHandle {
-    refuse_to_make("fmi3InstantiateModelExchange", "Model Exchange", name, environment, log_message)
+    unsafe {
+        refuse_to_make("fmi3InstantiateModelExchange", "Model Exchange", name, environment, log_message)
+    }
 }
 
 /// Makes an instance for Scheduled Execution.
@@ -62,7 +61,15 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _lock: Option<unsafe extern "C" fn()>,
     _unlock: Option<unsafe extern "C" fn()>,
 ) -> InstanceHandle {
-    refuse_to_make("fmi3InstantiateScheduledExecution", "Scheduled Execution", name, environment, log_message)
+    unsafe {
+        refuse_to_make(
+            "fmi3InstantiateScheduledExecution",
+            "Scheduled Execution",
+            name,
+            environment,
+            log_message,
+        )
+    }
 }
 
 absent! {

@@ -6,7 +6,8 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use super::finding::short;
+use super::finding::{Findings, short};
+use super::rules;
 use super::schema::types::{parse_boolean, parse_double, parse_integer};
 use super::xml::Xml;
 
@@ -162,6 +163,20 @@ pub(crate) fn unsigned_list(text: &str) -> Vec<u32> {
 }
 
 impl<'a> Model<'a> {
+    /// Another file of the archive must be of the model description's version.
+    pub(crate) fn check_version_of(&self, other: &Xml, out: &mut Findings) {
+        let root = other.root();
+        let (here, there) = (root.attribute("fmiVersion"), self.root.attribute("fmiVersion"));
+        if self.version == Version::Fmi3 && here.is_some() && here != there {
+            let message = format!(
+                "fmiVersion is \"{}\" here and \"{}\" in modelDescription.xml",
+                short(here.unwrap_or_default()),
+                short(there.unwrap_or_default())
+            );
+            out.add(&rules::VERSION_MISMATCH, other.place(root), message);
+        }
+    }
+
     /// Reads the model description.
     pub(crate) fn read(xml: &'a Xml<'a>, version: Version) -> Model<'a> {
         let root: Node<'a, 'a> = xml.root();

@@ -52,16 +52,8 @@ pub(crate) fn check_build(bytes: &[u8], model: &Model, entries: &HashSet<String>
     if !schema::check(&xml, &schema::build::BUILD_DESCRIPTION, out) {
         return;
     }
+    model.check_version_of(&xml, out);
     let root = xml.root();
-    let (here, there) = (root.attribute("fmiVersion"), model.root.attribute("fmiVersion"));
-    if model.version == Version::Fmi3 && here.is_some() && here != there {
-        let message = format!(
-            "fmiVersion is \"{}\" here and \"{}\" in modelDescription.xml",
-            short(here.unwrap_or_default()),
-            short(there.unwrap_or_default())
-        );
-        out.add(&rules::VERSION_MISMATCH, xml.place(root), message);
-    }
     let mut seen = HashSet::new();
     for configuration in root.children().filter(|c| c.has_tag_name("BuildConfiguration")) {
         let place = xml.place(configuration);

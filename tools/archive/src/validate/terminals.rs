@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::Node;
 
 use super::finding::{Findings, short};
-use super::model::{Model, Version, children, double};
+use super::model::{Model, children, double};
 use super::rules;
 use super::schema;
 use super::xml::Xml;
@@ -26,16 +26,8 @@ pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out:
     if !schema::check(&xml, &schema::terminals::TERMINALS_AND_ICONS, out) {
         return;
     }
+    model.check_version_of(&xml, out);
     let root = xml.root();
-    let (here, there) = (root.attribute("fmiVersion"), model.root.attribute("fmiVersion"));
-    if model.version == Version::Fmi3 && here.is_some() && here != there {
-        let message = format!(
-            "fmiVersion is \"{}\" here and \"{}\" in modelDescription.xml",
-            short(here.unwrap_or_default()),
-            short(there.unwrap_or_default())
-        );
-        out.add(&rules::VERSION_MISMATCH, xml.place(root), message);
-    }
     let mut variables = HashMap::new();
     for v in &model.variables {
         let aliases = v.aliases.iter().filter_map(|a| a.attribute("name"));
