@@ -337,3 +337,16 @@ fn the_native_model_gives_the_same_bits() {
 fn native_slot(name: &str) -> physics::model::Slot {
     (physics::models::ALL[0].declaration)().by_name(name).unwrap().slot
 }
+
+/// A panic inside becomes a status; the instance then takes reset and free and nothing else.
+#[test]
+fn a_panic_does_not_cross_the_interface() {
+    let motor = Motor2::initialized("panic");
+    let status = unsafe { motor_fmu::boundary::enter(motor.0, "test", |_| panic!("on purpose")) };
+    assert_eq!(status, Status::Error);
+    assert_eq!(motor.step(0.0, 1e-3), Status::Error);
+    assert!(said("panic").iter().any(|line| line.contains("internal failure")));
+    unsafe { assert_eq!(fmi2Reset(motor.0), Status::Ok) };
+    motor.initialize();
+    assert_eq!(motor.step(0.0, 1e-3), Status::Ok);
+}
