@@ -299,15 +299,13 @@ impl ModelDescription {
         }
     }
 
-    /// How a variable is to be shown to people, if it says so and the display unit is defined.
+    /// How a variable is to be shown to people, if it says so and the display unit is defined. A difference has no
+    /// place on a scale with another zero and stays in its own unit.
     pub fn display_unit(&self, variable: &Variable) -> Option<DisplayUnit> {
         let (unit, wanted) = (variable.unit.as_deref()?, variable.display_unit.as_deref()?);
         let unit = self.units.iter().find(|u| u.name == unit)?;
-        let mut display = unit.display_units.iter().find(|d| d.name == wanted)?.clone();
-        if variable.relative {
-            display.offset = 0.0;
-        }
-        Some(display)
+        let display = unit.display_units.iter().find(|d| d.name == wanted)?;
+        (!variable.relative || display.offset == 0.0).then(|| display.clone())
     }
 
     /// Number of elements of a variable, 1 for a scalar. Sizes that hang on structural parameters are those of

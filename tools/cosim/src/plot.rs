@@ -8,14 +8,17 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Failure = DrawingAreaErrorKind<std::io::Error>;
 
-const PANEL_WIDTH: u32 = 640;
+/// The backend rounds to whole units, so a figure is drawn this many times as large as it is shown.
+const SCALE: u32 = 8;
+const PANEL_WIDTH: u32 = 640 * SCALE;
 /// Height of axes and labels, without the legend.
-const PANEL_HEIGHT: u32 = 230;
-const LEGEND_ROW: i32 = 18;
-const TITLE_HEIGHT: u32 = 44;
-const MARGIN: i32 = 10;
-/// From the left edge of a panel to its axis.
-const AXIS_WIDTH: i32 = 72;
+const PANEL_HEIGHT: u32 = 230 * SCALE;
+const LEGEND_ROW: i32 = px(18);
+const TITLE_HEIGHT: u32 = 44 * SCALE;
+const MARGIN: i32 = px(10);
+/// From the left edge of a panel to its axis; ticks may have ten characters.
+const AXIS_WIDTH: i32 = px(96);
+const FONT_SIZE: i32 = px(12);
 const FONT: &str = "sans-serif";
 /// Panels from which two columns are used.
 const TWO_COLUMNS_FROM: usize = 5;
@@ -34,6 +37,11 @@ const COLOURS: [RGBColor; 8] = [
 const GRID: RGBColor = RGBColor(225, 225, 225);
 const AXIS: RGBColor = RGBColor(110, 110, 110);
 const TEXT: RGBColor = RGBColor(40, 40, 40);
+
+/// A length as it is shown.
+const fn px(length: u32) -> i32 {
+    (length * SCALE) as i32
+}
 
 /// Outputs that share an axis.
 struct Panel<'a> {
@@ -58,13 +66,15 @@ pub(crate) fn svg(recording: &Recording) -> Result<String, String> {
         let root = SVGBackend::with_string(&mut text, (width, total)).into_drawing_area();
         draw(&root, recording, &rows, &heights).map_err(|e| e.to_string())?;
     }
-    Ok(text)
+    // The view box keeps the fine units; the size is what people see.
+    let shown = format!("width=\"{}\" height=\"{}\"", width / SCALE, total / SCALE);
+    Ok(text.replacen(&format!("width=\"{width}\" height=\"{total}\""), &shown, 1))
 }
 
 fn draw(root: &Area, recording: &Recording, rows: &[&[Panel]], heights: &[u32]) -> Result<(), Failure> {
     root.fill(&WHITE)?;
-    let title = (FONT, 18).into_font().style(FontStyle::Bold).color(&TEXT);
-    root.draw(&Text::new(recording.model_name.clone(), (MARGIN, 14), title))?;
+    let title = (FONT, px(18)).into_font().style(FontStyle::Bold).color(&TEXT);
+    root.draw(&Text::new(recording.model_name.clone(), (MARGIN, px(14)), title))?;
     let (_, mut rest) = root.split_vertically(TITLE_HEIGHT);
     let count: usize = rows.iter().map(|row| row.len()).sum();
     let mut drawn = 0;
@@ -86,32 +96,37 @@ fn draw_panel(area: &Area, panel: &Panel, times: &[f64], name_time: bool) -> Res
     let legend_height = places.last().map_or(0, |(_, y)| y + LEGEND_ROW);
     for ((column, (x, y)), colour) in panel.columns.iter().zip(&places).zip(COLOURS.iter().cycle()) {
         let middle = y + LEGEND_ROW / 2;
-        area.draw(&PathElement::new(vec![(*x, middle), (x + 18, middle)], colour.stroke_width(3)))?;
+        area.draw(&PathElement::new(
+            vec![(*x, middle), (x + px(18), middle)],
+            colour.stroke_width(3 * SCALE),
+        ))?;
         let anchor = Pos::new(HPos::Left, VPos::Center);
-        let style = (FONT, 12).into_font().color(&TEXT).pos(anchor);
-        area.draw(&Text::new(column.name.clone(), (x + 24, middle), style))?;
+        let style = (FONT, FONT_SIZE).into_font().color(&TEXT).pos(anchor);
+        area.draw(&Text::new(column.name.clone(), (x + px(24), middle), style))?;
     }
 
     let first = times.first().copied().unwrap_or(0.0);
     let last = times.last().copied().filter(|t| *t > first).unwrap_or(first + 1.0);
     let lines: Vec<Vec<(f64, f64)>> = panel.columns.iter().map(|c| line(times, c)).collect();
-    let (low, high) = range(&lines);
+    let flags = panel.columns.iter().all(|c| c.kind == crate::Kind::Boolean);
+    let (low, high) = if flags { (-0.1, 1.1) } else { range(&lines) };
     let mut chart = ChartBuilder::on(area)
-        .margin_top(legend_height + 6)
+        .margin_top(legend_height + px(6))
         .margin_right(MARGIN)
         .margin_left(MARGIN)
-        .margin_bottom(6)
-        .x_label_area_size(if name_time { 42 } else { 24 })
+        .margin_bottom(px(6))
+        .x_label_area_size(if name_time { px(42) } else { px(24) })
         .y_label_area_size(AXIS_WIDTH - MARGIN)
         .build_cartesian_2d(first..last, low..high)?;
-    let label = (FONT, 12).into_font().color(&TEXT);
+    let label = (FONT, FONT_SIZE).into_font().color(&TEXT);
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
-        .bold_line_style(GRID)
-        .axis_style(AXIS)
+        .bold_line_style(GRID.stroke_width(SCALE))
+        .axis_style(AXIS.stroke_width(SCALE))
+        .set_all_tick_mark_size(px(4))
         .x_labels(8)
-        .y_labels(6)
+        .y_labels(if flags { 2 } else { 6 })
         .x_label_formatter(&|t| tick(*t, last - first))
         .y_label_formatter(&|y| tick(*y, high - low))
         .x_desc(if name_time { "time in s" } else { "" })
@@ -122,7 +137,7 @@ fn draw_panel(area: &Area, panel: &Panel, times: &[f64], name_time: bool) -> Res
     for (points, colour) in lines.into_iter().zip(COLOURS.iter().cycle()) {
         // A value that is no number interrupts the line.
         for part in points.split(|(_, y)| !y.is_finite()).filter(|part| !part.is_empty()) {
-            chart.draw_series(LineSeries::new(part.iter().copied(), colour.stroke_width(2)))?;
+            chart.draw_series(LineSeries::new(part.iter().copied(), colour.stroke_width(2 * SCALE)))?;
         }
     }
     Ok(())
@@ -182,7 +197,7 @@ fn legend(panel: &Panel) -> Vec<(i32, i32)> {
     let mut places = Vec::new();
     for column in &panel.columns {
         // Swatch, gap, and generous seven pixels for a letter: the true font is not known here.
-        let width = 24 + 7 * column.name.chars().count() as i32 + 16;
+        let width = px(24 + 16) + px(7) * column.name.chars().count() as i32;
         if x + width > PANEL_WIDTH as i32 && x > AXIS_WIDTH {
             (x, y) = (AXIS_WIDTH, y + LEGEND_ROW);
         }
