@@ -171,14 +171,19 @@ impl Entry {
 
     /// One sentence about a refused value: name, value, limits, unit.
     pub fn explain(&self, value: f64, refusal: &Refusal) -> String {
-        let (name, unit) = (&self.name, self.row.unit.name());
+        let name = &self.name;
+        // A pure number is written without its unit.
+        let unit = match self.row.unit.name() {
+            "1" => String::new(),
+            unit => format!(" {unit}"),
+        };
         match refusal {
             Refusal::NotFinite => format!(
-                "{name} = {value} is not a finite number; it must lie in {} ... {} {unit}.",
+                "{name} = {value} is not a finite number; it must lie in {} ... {}{unit}.",
                 self.row.min, self.row.max
             ),
             Refusal::OutOfRange => format!(
-                "{name} = {value} {unit} is outside its limits {} ... {} {unit}.",
+                "{name} = {value}{unit} is outside its limits {} ... {}{unit}.",
                 self.row.min, self.row.max
             ),
             Refusal::NoSuchItem => {
@@ -195,7 +200,7 @@ impl Entry {
             }
             Refusal::Computed => format!("{name} is computed by the model and cannot be set to {value}."),
             Refusal::Fixed => format!(
-                "{name} is fixed after initialization and cannot be set to {value} {unit} while the model runs."
+                "{name} is fixed after initialization and cannot be set to {value}{unit} while the model runs."
             ),
         }
     }

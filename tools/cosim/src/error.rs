@@ -200,7 +200,7 @@ fn suggestion(near: &[String]) -> String {
 }
 
 fn spaced(unit: &Option<String>) -> String {
-    unit.as_ref().map(|u| format!(" {u}")).unwrap_or_default()
+    unit.as_ref().filter(|u| *u != "1").map(|u| format!(" {u}")).unwrap_or_default()
 }
 
 fn limits(min: Option<f64>, max: Option<f64>) -> String {
