@@ -105,6 +105,6 @@ def test_preset_with_unknown_key(motor_fmu, preset, tmp_path):
 
 def test_preset_with_wrong_unit(motor_fmu, preset, tmp_path):
     one_sentence(
-        build(motor_fmu, preset('unit = "Ohm"', 'unit = "V"'), tmp_path), CANNOT, "changed.toml", "motor.R_ref", "in Ohm", "in V"
+        build(motor_fmu, preset('unit = "Ohm"', 'unit = "V"'), tmp_path), CANNOT, "changed.toml", "motor.R_ref", '"Ohm"', '"V"'
     )
     assert not (tmp_path / "dist").exists()

@@ -38,15 +38,22 @@ fn table(results: &Map<String, Value>) -> Outcome<String> {
     for key in first.keys() {
         rows += &format!("\n<tr><td>{}", escaped(&key.replace('_', " ")));
         for case in &cases {
-            rows += &format!("<td>{}", number(case.get(key).unwrap_or(&Value::Null)));
+            rows += &format!("<td>{}", cell(case.get(key).unwrap_or(&Value::Null)));
         }
     }
     Ok(rows + "\n</table>")
 }
 
-/// Four significant digits; a dash where there is no number.
-fn number(value: &Value) -> String {
-    let Some(x) = value.as_f64() else { return "–".into() };
+/// What a reader sees of a value: a dash where there is none.
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
+        _ => value.as_f64().map_or_else(|| "–".into(), number),
+    }
+}
+
+/// Four significant digits.
+fn number(x: f64) -> String {
     let magnitude = if x == 0.0 { 3 } else { x.abs().log10().floor().clamp(-6.0, 3.0) as i32 };
     format!("{x:.*}", (3 - magnitude) as usize)
 }
@@ -71,8 +78,9 @@ mod tests {
     #[test]
     fn numbers_have_four_digits() {
         for (x, text) in [(0.0, "0"), (12345.6, "12346"), (0.012345, "0.01235"), (-9.87654, "-9.877")] {
-            assert_eq!(number(&Value::from(x)), text);
+            assert_eq!(number(x), text);
         }
+        assert_eq!([cell(&Value::Null), cell(&true.into()), cell(&2.0.into())], ["–", "yes", "2.000"]);
     }
 
     #[test]
