@@ -7,18 +7,20 @@
 //! pressure drop = 4 f L/D_h rho u^2/2 = 2 (f Re) mu u L/D_h^2                              (5)
 //!
 //! f is Fanning's factor, a quarter of Darcy's; a = D_i/D_o, D_h = D_o - D_i, x = L/(D_h Re).
-//! f_app in (2) is the mean over the length L from a sharp entrance with uniform speed and holds the momentum that
-//! the profile takes up; add to it a contraction of uniform profile only (K_d = 1, `entrance_exit.rs`).
-//! In a short duct f_app exceeds f of developed turbulence: the layers at the walls have not met, and count in (3).
-//! *Assumes* smooth concentric walls, constant properties. *Neglects* turbulence in those layers (some 10 D_h),
-//! eccentricity (lowers f Re by up to half), rotation of the shaft's end.
+//! f_app in (2) is the mean over the length L from a sharp entrance with uniform speed and holds the momentum
+//! that the profile takes up; add to it a contraction of uniform profile only (K_d = 1, `entrance_exit.rs`).
+//! In a short duct f_app exceeds f of developed turbulence: the layers at the walls have not met, and count
+//! in (3).
+//! *Assumes* smooth concentric walls, constant properties. *Neglects* turbulence in those layers (some 10
+//! D_h), eccentricity (lowers f Re by up to half), rotation of the shaft's end.
 //! *Sign*: (5) has the sign of u.
-//! *Range*: (1) exact; a is held within 1e-3 and 0.999 (a tube without a core is not its limit in detail: ln a
-//! falls slowly). (2) within 2.4 %. (3) phi Re up to 1e6, here to 1e9. L/D_h below 1e-3 counts as 1e-3. Re -> 0: (1).
+//! *Range*: (1) exact; a is held within 1e-3 and 0.999 (a tube without a core is not its limit in detail: ln
+//! a falls slowly). (2) within 2.4 %. (3) phi Re up to 1e6, here to 1e9. L/D_h below 1e-3 counts as 1e-3. Re
+//! -> 0: (1).
 //! *Source*: (1) Bird, Stewart, Lightfoot, Transport Phenomena, sec. 2.4; (2) Shah, J. Fluids Eng. 100 (1978)
-//! 177-179, with its table of K and C for annuli; (3) Gnielinski, VDI Heat Atlas, 2nd ed. (2010), ch. G2, eq. for
-//! f_ann, after the laminar-equivalent diameter of Jones and Leung, J. Fluids Eng. 103 (1981) 615-623; (4) the
-//! project's choice, as [`turbulent_share`].
+//! 177-179, with its table of K and C for annuli; (3) Gnielinski, VDI Heat Atlas, 2nd ed. (2010), ch. G2, eq.
+//! for f_ann, after the laminar-equivalent diameter of Jones and Leung, J. Fluids Eng. 103 (1981) 615-623;
+//! (4) the project's choice, as [`turbulent_share`].
 
 use super::{RE_LAMINAR, RE_TURBULENT, turbulent_share};
 
@@ -103,8 +105,8 @@ pub fn f_re(re: f64, a: f64, l_over_d_h: f64) -> f64 {
     }
 }
 
-/// Pressure drop by friction, eq. (5), Pa: viscosity `mu` in Pa.s, mean speed `u` in m/s, `length` and hydraulic
-/// diameter `d_h` in m.
+/// Pressure drop by friction, eq. (5), Pa: viscosity `mu` in Pa.s, mean speed `u` in m/s, `length` and
+/// hydraulic diameter `d_h` in m.
 #[inline]
 pub fn pressure_drop(f_re: f64, mu: f64, u: f64, length: f64, d_h: f64) -> f64 {
     let d_h = d_h.max(1e-9);
@@ -134,8 +136,9 @@ mod tests {
         assert!(laminar_f_re(0.001) > 16.0 && laminar_f_re(0.001) < laminar_f_re(0.01));
     }
 
-    /// Before the profile meets: the boundary layer of Blasius displaces 1.7208 sqrt(nu x/u); the core so gains
-    /// speed and loses the pressure of f_app Re = 2 * 1.7208/sqrt(x). A cube root in (2) was seen to fail.
+    /// Before the profile meets: the boundary layer of Blasius displaces 1.7208 sqrt(nu x/u); the core so
+    /// gains speed and loses the pressure of f_app Re = 2 * 1.7208/sqrt(x). A cube root in (2) was seen to
+    /// fail.
     #[test]
     fn short_duct_has_the_boundary_layer_of_blasius() {
         let (re, length) = (2000.0, 0.002);
@@ -154,8 +157,8 @@ mod tests {
         close(f_re(0.0, 0.6, 6.4), laminar_f_re(0.6), 1e-9);
     }
 
-    /// Between plates Dean's fit of measurements, f = 0.073 (u h/nu)^(-1/4), h the gap (J. Fluids Eng. 100 (1978)
-    /// 215-223): independent of (3), within 3 % from 1e4 to 2e5.
+    /// Between plates Dean's fit of measurements, f = 0.073 (u h/nu)^(-1/4), h the gap (J. Fluids Eng. 100
+    /// (1978) 215-223): independent of (3), within 3 % from 1e4 to 2e5.
     #[test]
     fn turbulent_between_plates_as_measured() {
         for re in [1e4, 3e4, 1e5, 2e5f64] {

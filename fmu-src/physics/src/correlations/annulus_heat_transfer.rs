@@ -9,21 +9,23 @@
 //! transition: Nu = (1 - g) Nu_laminar(2300) + g Nu_turbulent(4000),  g = (Re - 2300)/1700  (6)
 //! local: Nu_x = d(x Nu)/dx                                                                 (7)
 //!
-//! a = D_i/D_o, D_h = D_o - D_i, Nu = h D_h/k, Gz = Re Pr D_h/L, f Darcy's factor (`annulus_friction.rs`), h on the
-//! difference of wall and mixed air. F(y) in (1) is the share of the flow beyond the radius y r_o: integrating
-//! the energy equation twice leaves nothing else. Nu_3 is there when the flow starts with the heating.
-//! For uniform flux Nu_2 takes the factor of Leveque, 2 pi/(3 sqrt 3) = 1.209, and Nu_3 that of the flat plate,
-//! 0.453/0.332 = 1.364. A housing of metal lies between the two; nearer to uniform temperature.
+//! a = D_i/D_o, D_h = D_o - D_i, Nu = h D_h/k, Gz = Re Pr D_h/L, f Darcy's factor (`annulus_friction.rs`), h
+//! on the difference of wall and mixed air. F(y) in (1) is the share of the flow beyond the radius y r_o:
+//! integrating the energy equation twice leaves nothing else. Nu_3 is there when the flow starts with the
+//! heating. For uniform flux Nu_2 takes the factor of Leveque, 2 pi/(3 sqrt 3) = 1.209, and Nu_3 that of the
+//! flat plate, 0.453/0.332 = 1.364. A housing of metal lies between the two; nearer to uniform temperature.
 //! *Assumes* smooth concentric walls, properties at the air's mean temperature.
-//! *Neglects* natural convection in the gap, swirl and turbulence from the fan (raise Nu), and the gas's own correction
-//! (T/T_w)^0.45 in (5) (some 5 % at a wall 40 K above the air).
-//! *Range*: a 0.02 to 0.999, beyond as the limit ((2) within 4 % of exact values from 0.05 on); (3), (4) Pr 0.1 to
-//! 1000, Re <= 2300; (5) Re 4000 to 1e6, Pr 0.6 to 1000; (7) exact. x/D_h below 1e-3 counts as 1e-3, Re above 1e7 as
-//! 1e7, Pr is held within 0.1 and 1e3. No flow leaves Nu_1. In a duct shorter than some 10 D_h, (6) can fall with Re: the
-//! laminar entrance then gives more at 2300 than (5) at 4000 (one part in 10^4 at L/D_h = 10, uniform flux).
+//! *Neglects* natural convection in the gap, swirl and turbulence from the fan (raise Nu), and the gas's own
+//! correction (T/T_w)^0.45 in (5) (some 5 % at a wall 40 K above the air).
+//! *Range*: a 0.02 to 0.999, beyond as the limit ((2) within 4 % of exact values from 0.05 on); (3), (4) Pr
+//! 0.1 to 1000, Re <= 2300; (5) Re 4000 to 1e6, Pr 0.6 to 1000; (7) exact. x/D_h below 1e-3 counts as 1e-3,
+//! Re above 1e7 as 1e7, Pr is held within 0.1 and 1e3. No flow leaves Nu_1. In a duct shorter than some 10
+//! D_h, (6) can fall with Re: the laminar entrance then gives more at 2300 than (5) at 4000 (one part in 10^4
+//! at L/D_h = 10, uniform flux).
 //! *Source*: (1) derived here; (2) to (4) Martin and Gnielinski, VDI Heat Atlas, 2nd ed. (2010), ch. G2; (5)
-//! Gnielinski, ibid. and Heat Transfer Eng. 30 (2009) 1089; (6) Gnielinski, Int. J. Heat Mass Transfer 63 (2013)
-//! 134-140; factors of uniform flux: Shah and London (1978), and Incropera, 7th ed., eqs. 7.23 and 7.45.
+//! Gnielinski, ibid. and Heat Transfer Eng. 30 (2009) 1089; (6) Gnielinski, Int. J. Heat Mass Transfer 63
+//! (2013) 134-140; factors of uniform flux: Shah and London (1978), and Incropera, 7th ed., eqs. 7.23 and
+//! 7.45.
 
 use super::annulus_friction::{limited_length, turbulent_f};
 use super::{RE_LAMINAR, RE_TURBULENT, turbulent_share};
@@ -53,8 +55,8 @@ fn limited_ratio(a: f64) -> f64 {
     a.clamp(0.02, 0.999)
 }
 
-/// Nu of developed laminar flow with uniform flux at the inner wall, eq. (1). Some forty exponentials: evaluate
-/// it when the geometry changes.
+/// Nu of developed laminar flow with uniform flux at the inner wall, eq. (1). Some forty exponentials:
+/// evaluate it when the geometry changes.
 pub fn laminar_uniform_flux(a: f64) -> f64 {
     let a = limited_ratio(a);
     let ln = a.ln();
@@ -175,8 +177,8 @@ impl HeatedAnnulus {
         self.regimes(re, pr, laminar, x.cbrt().powi(-2) / 3.0)
     }
 
-    /// Mean Nu from `from` to `to` hydraulic diameters behind the entrance: what one axial segment sees, so that
-    /// all segments together have the mean of the whole, however many they are.
+    /// Mean Nu from `from` to `to` hydraulic diameters behind the entrance: what one axial segment sees, so
+    /// that all segments together have the mean of the whole, however many they are.
     pub fn between(&self, re: f64, pr: f64, from: f64, to: f64) -> f64 {
         // Below the limit of length Nu is held: x Nu still falls to nothing at the entrance itself.
         let (from, to) = (from.min(to).clamp(0.0, 1e9), from.max(to).clamp(1e-3, 1e9));

@@ -25,12 +25,12 @@ fn uniform_temperature_is_near_the_table() {
     }
 }
 
-/// The entrance of a developed flow between plates after Leveque: local Nu = (12/9 Gz)^(1/3)/Gamma(4/3) with uniform
-/// temperature, (12/9 Gz)^(1/3) Gamma(2/3) with uniform flux; 12 is the slope of the parabola at the wall.
-/// Gz^(1/2) instead of Gz^(1/3) was seen to fail.
+/// The entrance of a developed flow between plates after Leveque: local Nu = (12/9 Gz)^(1/3)/Gamma(4/3) with
+/// uniform temperature, (12/9 Gz)^(1/3) Gamma(2/3) with uniform flux; 12 is the slope of the parabola at the
+/// wall. Gz^(1/2) instead of Gz^(1/3) was seen to fail.
 #[test]
 fn thermal_entrance_is_leveques() {
-    let (gamma_4_3, gamma_2_3) = (0.892_979_511_569_249, 1.354_117_939_426_400);
+    let (gamma_4_3, gamma_2_3) = (0.892_979_511_569_249, 1.354_117_939_426_4);
     let (re, pr, x) = (2000.0, 700.0, 2e-3);
     let slope = (12.0f64 / 9.0 * re * pr / x).cbrt();
     let temperature = HeatedAnnulus::new(0.999, Wall::UniformTemperature, Entry::Developed);
@@ -50,8 +50,8 @@ fn common_entrance_is_the_flat_plate() {
     close(flux.local(re, pr, x), 0.453 * plate, 0.07);
 }
 
-/// Temperature develops in the exact laminar profile, inner wall heated, outer insulated: finite volumes in y = r/r_o,
-/// implicit steps along x. Returns local Nu at each of `stations` (x/(D_h Re Pr)), ascending.
+/// Temperature develops in the exact laminar profile, inner wall heated, outer insulated: finite volumes in y
+/// = r/r_o, implicit steps along x. Returns local Nu at each of `stations` (x/(D_h Re Pr)), ascending.
 fn marched<const N: usize>(a: f64, wall: Wall, stations: [f64; N]) -> [f64; N] {
     const CELLS: usize = 300;
     // Cells shrink towards the heated wall.
@@ -109,7 +109,8 @@ fn marched<const N: usize>(a: f64, wall: Wall, stations: [f64; N]) -> [f64; N] {
     out
 }
 
-/// Eqs. (3) and (7) against a numerical solution of the entrance, from its start to developed flow.
+/// Eqs. (3) and (7) against a numerical solution of the entrance, from its start to developed flow: within
+/// 5.3 %, worst where the laws of entrance and of developed flow meet.
 #[test]
 fn thermal_entrance_is_near_a_numerical_solution() {
     let stations = [1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 1.0];
@@ -119,15 +120,14 @@ fn thermal_entrance_is_near_a_numerical_solution() {
             for (x, exact) in stations.into_iter().zip(marched(a, wall, stations)) {
                 let pr = 0.7;
                 let nu = annulus.local(1000.0, pr, x * 1000.0 * pr);
-                println!("{wall:?} {a} {x}: {nu} {exact} {}", nu / exact - 1.0);
-                close(nu, exact, 0.08);
+                close(nu, exact, 0.06);
             }
         }
     }
 }
 
-/// A tube's law (Gnielinski, Int. Chem. Eng. 16 (1976) 359; Incropera, 7th ed., eqs. 8.21, 8.62) times 0.86 a^(-0.16)
-/// (Petukhov and Roizen) is an older way to the same number: within 6 % from 1e4 to 1e5.
+/// A tube's law (Gnielinski, Int. Chem. Eng. 16 (1976) 359; Incropera, 7th ed., eqs. 8.21, 8.62) times 0.86
+/// a^(-0.16) (Petukhov and Roizen) is an older way to the same number: within 6 % from 1e4 to 1e5.
 /// Re^0.9 for Re in (5) was seen to fail.
 #[test]
 fn turbulent_near_the_tube_with_petukhov_and_roizens_factor() {

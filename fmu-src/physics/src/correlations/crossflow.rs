@@ -4,10 +4,11 @@
 //! Nu^n = (Nu_forced - 0.3)^n + Nu_natural^n                                                (2)
 //!
 //! (2) with n = 4 for a horizontal cylinder in cross flow, n = 3 in general ([`Mixing`]). The 0.3 of (1) is
-//! conduction in still air, which Nu_natural has too: without it (2) is natural convection when the fan rests.
+//! conduction in still air, which Nu_natural has too: without it (2) is natural convection when the fan
+//! rests.
 //! *Assumes* a uniform approach flow, air at the film temperature; (2) flow across or with the buoyancy.
-//! *Neglects* the turbulence of a fan (raises Nu by 10 to 40 %), free ends, blockage by the jet's edge; (2) holds
-//! for flow against the buoyancy only with a minus sign, a case that no motor here has.
+//! *Neglects* the turbulence of a fan (raises Nu by 10 to 40 %), free ends, blockage by the jet's edge; (2)
+//! holds for flow against the buoyancy only with a minus sign, a case that no motor here has.
 //! *Range*: (1) Re Pr > 0.2 at all Re and Pr; below it goes on to 0.3 smoothly. Scatter of the data +-20 %.
 //! Re < 0 counts as |Re|; Re above 1e9 as 1e9; Pr is held within 1e-3 and 1e4.
 //! *Source*: (1) Churchill and Bernstein, J. Heat Transfer 99 (1977) 300-306, the form for the whole range;
@@ -48,8 +49,8 @@ pub fn mixed(nu_forced: f64, nu_natural: f64, mixing: Mixing) -> f64 {
     }
 }
 
-/// Nusselt number on the diameter of a horizontal cylinder in cross flow with natural convection `nu_natural`,
-/// eqs. (1) and (2).
+/// Nusselt number on the diameter of a horizontal cylinder in cross flow with natural convection
+/// `nu_natural`, eqs. (1) and (2).
 #[inline]
 pub fn cylinder_mixed(re: f64, pr: f64, nu_natural: f64) -> f64 {
     mixed(cylinder(re, pr) - NU_AT_REST, nu_natural, Mixing::HorizontalCylinder)
@@ -60,15 +61,15 @@ mod tests {
     use super::*;
     use crate::correlations::checks::close;
 
-    /// Incropera, 7th ed., example 7.4: Re = 6071, Pr = 0.70: Nu = 40.6. Pr instead of Pr^(1/3), and 0.6 instead
-    /// of the root of Re, were seen to fail here.
+    /// Incropera, 7th ed., example 7.4: Re = 6071, Pr = 0.70: Nu = 40.6. Pr instead of Pr^(1/3), and 0.6
+    /// instead of the root of Re, were seen to fail here.
     #[test]
     fn cylinder_in_a_wind_tunnel_of_the_book() {
         close(cylinder(6071.0, 0.70), 40.6, 2e-3);
     }
 
-    /// Hilpert's measured law for air, 0.683 Re^0.466 Pr^(1/3) from 40 to 4000 and 0.193 Re^0.618 Pr^(1/3) up to
-    /// 40000 (Incropera, 7th ed., table 7.2): independent of (1), within 12 %.
+    /// Hilpert's measured law for air, 0.683 Re^0.466 Pr^(1/3) from 40 to 4000 and 0.193 Re^0.618 Pr^(1/3) up
+    /// to 40000 (Incropera, 7th ed., table 7.2): independent of (1), within 12 %.
     #[test]
     fn near_hilpert() {
         for re in [100.0, 300.0, 1000.0, 3000.0f64] {

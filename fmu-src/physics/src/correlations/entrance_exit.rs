@@ -6,19 +6,20 @@
 //! K_d = 6/5 laminar;  1 + 0.04 (Re/1e4)^(-0.2) turbulent;  linear in Re between 2300 and 4000 (4)
 //! p_1 - p_2 = rho u^2/2 (1 - sigma^2 + K_c) at the entrance, -rho u^2/2 (1 - sigma^2 - K_e) at the exit (5)
 //!
-//! sigma is the area of the gap over that before or behind it, C_c the contraction of the jet behind the edge, K_d
-//! the momentum of the profile over that of a uniform one, u the mean speed in the gap.
-//! *Assumes* sharp edges, parallel plates (a narrow annulus), a profile that is developed where K_d > 1. With the
-//! friction of a developing profile (`annulus_friction.rs`) the entrance takes K_d = 1, or the momentum counts twice.
+//! sigma is the area of the gap over that before or behind it, C_c the contraction of the jet behind the
+//! edge, K_d the momentum of the profile over that of a uniform one, u the mean speed in the gap.
+//! *Assumes* sharp edges, parallel plates (a narrow annulus), a profile that is developed where K_d > 1. With
+//! the friction of a developing profile (`annulus_friction.rs`) the entrance takes K_d = 1, or the momentum
+//! counts twice.
 //! *Neglects* the profile in the wide part, compressibility, swirl.
 //! *Sign*: (5) positive = pressure lost downstream; K_e < 0 recovers pressure.
 //! *Range*: sigma 0 to 1, beyond as the limit; (4) at any Re.
-//! *Source*: (1), (2) Kays, Trans. ASME 72 (1950) 1067-1074, as drawn in Kays and London, Compact Heat Exchangers,
-//! fig. 5-3; (3) free-streamline theory of a slot, von Mises, VDI-Zeitschrift 61 (1917) 447; (4) 6/5 is the exact
-//! value of a parabola, 1.04 at Re = 1e4 and 1 at infinity those of fig. 5-3 (`seeds` audit, T36); that K_d - 1
-//! falls as friction does, Re^-0.2, and the blend are the project's choice.
-//! The audit reads K_c(0) = 0.785 and 0.385 for K_d = 1.2 and 1; (1) with (3), C_c(0) = pi/(pi + 2) = 0.611, gives 0.805
-//! and 0.405. The 0.02 is within the reading of the figure.
+//! *Source*: (1), (2) Kays, Trans. ASME 72 (1950) 1067-1074, as drawn in Kays and London, Compact Heat
+//! Exchangers, fig. 5-3; (3) free-streamline theory of a slot, von Mises, VDI-Zeitschrift 61 (1917) 447; (4)
+//! 6/5 is the exact value of a parabola, 1.04 at Re = 1e4 and 1 at infinity those of fig. 5-3 (`seeds` audit,
+//! T36); that K_d - 1 falls as friction does, Re^-0.2, and the blend are the project's choice.
+//! The audit reads K_c(0) = 0.785 and 0.385 for K_d = 1.2 and 1; (1) with (3), C_c(0) = pi/(pi + 2) = 0.611,
+//! gives 0.805 and 0.405. The 0.02 is within the reading of the figure.
 
 use super::{RE_TURBULENT, turbulent_share};
 use std::f64::consts::{FRAC_2_PI, PI};
@@ -65,8 +66,8 @@ pub fn expansion(sigma: f64, k_d: f64) -> f64 {
     1.0 - 2.0 * k_d.clamp(1.0, 2.0) * sigma + sigma * sigma
 }
 
-/// Pressure drop from the wide part into the gap, eq. (5), Pa: `k_c` of [`contraction`], density in kg/m3, mean
-/// speed `u` in the gap in m/s. It has the part that speeds the air up and the part that is lost.
+/// Pressure drop from the wide part into the gap, eq. (5), Pa: `k_c` of [`contraction`], density in kg/m3,
+/// mean speed `u` in the gap in m/s. It has the part that speeds the air up and the part that is lost.
 #[inline]
 pub fn entrance_drop(k_c: f64, sigma: f64, rho: f64, u: f64) -> f64 {
     let sigma = sigma.clamp(0.0, 1.0);
@@ -98,8 +99,8 @@ mod tests {
         close(contraction_ratio(1.0), 1.0, 1e-7);
     }
 
-    /// Kays and London, fig. 5-3 as read in the audit of the seeds (T36): 0.785 laminar, 0.385 at Re = infinity for
-    /// sigma = 0; they read to 0.02. K_e = 1 there, -0.4 and 0 at sigma = 1.
+    /// Kays and London, fig. 5-3 as read in the audit of the seeds (T36): 0.785 laminar, 0.385 at Re =
+    /// infinity for sigma = 0; they read to 0.02. K_e = 1 there, -0.4 and 0 at sigma = 1.
     #[test]
     fn figure_of_kays_and_london() {
         assert!((contraction(0.0, 1.2) - 0.785).abs() <= 0.021);
@@ -120,7 +121,8 @@ mod tests {
         }
     }
 
-    /// 6/5 is the mean of (3/2 (1 - y^2))^2 over the gap; 1.04 at Re = 1e4 and 1 at infinity as in the figure.
+    /// 6/5 is the mean of (3/2 (1 - y^2))^2 over the gap; 1.04 at Re = 1e4 and 1 at infinity as in the
+    /// figure.
     #[test]
     fn ratio_of_momentum() {
         let n = 1000;

@@ -7,15 +7,16 @@
 //!
 //! n is the speed over that of the data sheet, rho_ref the density there. Powers follow as n^3 rho/rho_ref.
 //! *Assumes* the affinity laws (efficiency and curve do not change with Reynolds number).
-//! *Neglects* hysteresis of the stall; the interior of (2) from end points is unknown: a straight line is a guess,
-//! good to some 20 % in flow for a small axial fan.
+//! *Neglects* hysteresis of the stall; the interior of (2) from end points is unknown: a straight line is a
+//! guess, good to some 20 % in flow for a small axial fan.
 //! *Sign*: Q > 0 in the direction of the fan, p > 0 against it.
 //! *Range*: any flow. Beyond the ends the curve goes on with the slope of the last piece: p < 0 beyond q_max
 //! (blown through), p > p_max for Q < 0. n below 1e-6 counts as rest: no pressure. With (3) a curve may rise;
-//! of several operating points (4) takes that of the largest flow, the one a fan reaches that starts unloaded.
-//! *Source*: (1) Eck, Fans (1973), ch. 1, or ASHRAE Handbook, HVAC Systems and Equipment, ch. Fans; (2) end points of
-//! 40x40x10 fans: data sheet CUI CFM-40V; stall at 30 to 60 % of the free flow is usual for axial fans; (3) the
-//! project's own form.
+//! of several operating points (4) takes that of the largest flow, the one a fan reaches that starts
+//! unloaded.
+//! *Source*: (1) Eck, Fans (1973), ch. 1, or ASHRAE Handbook, HVAC Systems and Equipment, ch. Fans; (2) end
+//! points of 40x40x10 fans: data sheet CUI CFM-40V; stall at 30 to 60 % of the free flow is usual for axial
+//! fans; (3) the project's own form.
 
 use std::fmt;
 
@@ -166,9 +167,10 @@ impl<'a> FanCurve<'a> {
         n * n * rho_ratio.clamp(0.0, 1e3) * self.reference(q.clamp(-1e6, 1e6) / n)
     }
 
-    /// Flow in m3/s where the fan meets `system`, eq. (4). `system` gives the pressure in Pa that a flow in m3/s
-    /// takes: 0 or less at rest, rising. No more flow than the free one is looked for: a system that drives the
-    /// fan gets that. Bisection, safeguarding a secant: at most 100 steps, no derivative, nothing allocated.
+    /// Flow in m3/s where the fan meets `system`, eq. (4). `system` gives the pressure in Pa that a flow in
+    /// m3/s takes: 0 or less at rest, rising. No more flow than the free one is looked for: a system that
+    /// drives the fan gets that. Bisection, safeguarding a secant: at most 100 steps, no derivative, nothing
+    /// allocated.
     pub fn operating_flow(&self, n: f64, rho_ratio: f64, system: impl Fn(f64) -> f64) -> f64 {
         if n < 1e-6 || rho_ratio <= 0.0 {
             return 0.0;

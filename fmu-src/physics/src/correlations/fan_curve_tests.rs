@@ -15,9 +15,9 @@ fn table() -> FanCurve<'static> {
 }
 
 /// The CUI CFM-40V family at 12 V, one fan at three speeds, by its data sheet: 5800 min-1 3.304 L/s 29.89 Pa,
-/// 7000 min-1 3.776 L/s 47.33 Pa, 8500 min-1 4.672 L/s 62.27 Pa. Real fans keep the affinity laws to 15 % (the
-/// sheet rounds 0.12 inH2O); the thesis's own family to 0.3 %: 8300 to 6400 min-1 from 7.24 to 4.29 mmH2O.
-/// Pressure with n instead of n^2 was seen to fail.
+/// 7000 min-1 3.776 L/s 47.33 Pa, 8500 min-1 4.672 L/s 62.27 Pa. Real fans keep the affinity laws to 15 %
+/// (the sheet rounds 0.12 inH2O); the thesis's own family to 0.3 %: 8300 to 6400 min-1 from 7.24 to 4.29
+/// mmH2O. Pressure with n instead of n^2 was seen to fail.
 #[test]
 fn data_sheets_follow_the_affinity_laws() {
     for (speed, flow, pressure) in [(5800.0, 0.003304, 29.89), (7000.0, 0.003776, 47.33)] {

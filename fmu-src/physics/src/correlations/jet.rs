@@ -4,15 +4,16 @@
 //! r(x) = D/2 + x tan(theta)                                                                (2)
 //! u(x) = u_0 sqrt(A_0 / (pi r^2))                                                          (3)
 //!
-//! D is the bore of the fan, d its hub, theta the half-angle of spread. (3) keeps the momentum rho u^2 pi r^2 of
-//! the fan's exit; the hub's dead water is filled by mixing, so that u(0) < u_0.
+//! D is the bore of the fan, d its hub, theta the half-angle of spread. (3) keeps the momentum rho u^2 pi r^2
+//! of the fan's exit; the hub's dead water is filled by mixing, so that u(0) < u_0.
 //! *Assumes* one mean speed over the cone (top hat), air at rest around it, no wall near.
 //! *Neglects* swirl (a wider cone: choose theta), the profile across the jet, the potential core.
 //! *Sign*: Q < 0 (a fan that sucks) has no jet; the speed is 0.
-//! *Range*: x >= 0, below counts as 0. The spread of a round turbulent jet without swirl is tan(theta) = 1/B = 0.17,
-//! with B the decay constant of its centreline speed U_c/U_0 = B D/x: a Gaussian profile of the same mass and
-//! momentum has U_c = 2 u. A small fan with swirl spreads wider; 0.1 to 0.5 are in use.
-//! *Source*: Pope, Turbulent Flows (2000), sec. 5.1 and table 5.1: B = 5.8 to 6.1, half-width S x, S = 0.094 to 0.102.
+//! *Range*: x >= 0, below counts as 0. The spread of a round turbulent jet without swirl is tan(theta) = 1/B
+//! = 0.17, with B the decay constant of its centreline speed U_c/U_0 = B D/x: a Gaussian profile of the same
+//! mass and momentum has U_c = 2 u. A small fan with swirl spreads wider; 0.1 to 0.5 are in use.
+//! *Source*: Pope, Turbulent Flows (2000), sec. 5.1 and table 5.1: B = 5.8 to 6.1, half-width S x, S = 0.094
+//! to 0.102.
 
 use std::f64::consts::PI;
 
@@ -70,9 +71,9 @@ mod tests {
 
     const FAN: FanJet = FanJet { bore: 0.038, hub: 0.024, tan_spread: TAN_SPREAD_ROUND_JET };
 
-    /// Far from the fan, the centreline of the equivalent Gaussian jet (twice the mean speed) has the measured decay
-    /// B = 5.8 (Hussein and others) to 6.06 (Panchapakesan and Lumley), Pope, table 5.1. Speed falling with the area
-    /// instead of its root was seen to fail.
+    /// Far from the fan, the centreline of the equivalent Gaussian jet (twice the mean speed) has the
+    /// measured decay B = 5.8 (Hussein and others) to 6.06 (Panchapakesan and Lumley), Pope, table 5.1. Speed
+    /// falling with the area instead of its root was seen to fail.
     #[test]
     fn measured_decay_of_a_round_jet() {
         let jet = FanJet { hub: 0.0, ..FAN };
@@ -99,7 +100,8 @@ mod tests {
         }
     }
 
-    /// By hand: 38 mm bore, 24 mm hub: A_0 = pi/4 (0.038^2 - 0.024^2) = 6.8173e-4 m2, u(0) = Q/sqrt(A_0 A_bore).
+    /// By hand: 38 mm bore, 24 mm hub: A_0 = pi/4 (0.038^2 - 0.024^2) = 6.8173e-4 m2, u(0) = Q/sqrt(A_0
+    /// A_bore).
     #[test]
     fn hub_raises_the_speed() {
         close(FAN.exit_area(), 6.8173e-4, 1e-4);

@@ -17,7 +17,8 @@ pub const RE_LAMINAR: f64 = 2300.0;
 /// Reynolds number from which on the flow in a duct counts as turbulent.
 pub const RE_TURBULENT: f64 = 4000.0;
 
-/// Share of turbulent flow at the Reynolds number `re` of a duct: 0 up to 2300, 1 from 4000 on, linear between.
+/// Share of turbulent flow at the Reynolds number `re` of a duct: 0 up to 2300, 1 from 4000 on, linear
+/// between.
 ///
 /// *Source*: Gnielinski, Int. J. Heat Mass Transfer 63 (2013) 134-140, who so interpolates Nu in tubes.
 #[inline]

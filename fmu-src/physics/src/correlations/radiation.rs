@@ -6,8 +6,10 @@
 //! *Assumes* a grey, diffuse, convex body whose surroundings are large beside it and at one temperature.
 //! *Neglects* what an annulus around the body sends back (there the wall is a node of its own).
 //! *Sign*: q > 0 leaves the body.
-//! *Range*: any temperature >= 0 K; below it counts as 0 K, above 1e4 K as 1e4 K; eps outside 0 to 1 as the limit.
-//! *Source*: Incropera, Fundamentals of Heat and Mass Transfer, 7th ed., eqs. 1.7 to 1.9; sigma of the SI (2019).
+//! *Range*: any temperature >= 0 K; below it counts as 0 K, above 1e4 K as 1e4 K; eps outside 0 to 1 as the
+//! limit.
+//! *Source*: Incropera, Fundamentals of Heat and Mass Transfer, 7th ed., eqs. 1.7 to 1.9; sigma of the SI
+//! (2019).
 
 /// Constant of Stefan and Boltzmann, W/(m2.K4).
 pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
@@ -36,8 +38,8 @@ mod tests {
     use super::*;
     use crate::correlations::checks::close;
 
-    /// Incropera, 7th ed., example 1.2: a steam pipe of 70 mm, eps 0.8, at 200 degC in a room at 25 degC loses
-    /// 421 W/m by radiation. The third power in (1) was seen to fail here.
+    /// Incropera, 7th ed., example 1.2: a steam pipe of 70 mm, eps 0.8, at 200 degC in a room at 25 degC
+    /// loses 421 W/m by radiation. The third power in (1) was seen to fail here.
     #[test]
     fn steam_pipe_of_the_book() {
         close(flux(0.8, 473.0, 298.0) * std::f64::consts::PI * 0.07, 421.0, 2e-3);
