@@ -23,7 +23,7 @@
 //! D_h, (6) can fall with Re: the laminar entrance then gives more at 2300 than (5) at 4000 (one part in 10^4
 //! at L/D_h = 10, uniform flux).
 //! *Source*: (1) derived here; (2) to (4) Martin and Gnielinski, VDI Heat Atlas, 2nd ed. (2010), ch. G2; (5)
-//! Gnielinski, ibid. and Heat Transfer Eng. 30 (2009) 1089; (6) Gnielinski, Int. J. Heat Mass Transfer 63
+//! Gnielinski, ibid. and Heat Transfer Eng. 30 (2009) 431; (6) Gnielinski, Int. J. Heat Mass Transfer 63
 //! (2013) 134-140; factors of uniform flux: Shah and London (1978), and Incropera, 7th ed., eqs. 7.23 and
 //! 7.45.
 

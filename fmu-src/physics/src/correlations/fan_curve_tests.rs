@@ -25,8 +25,9 @@ fn data_sheets_follow_the_affinity_laws() {
         close(ends().pressure(0.0, n, 1.0), pressure, 0.15);
         close(ends().free_flow() * n, flow, 0.05);
     }
-    let sunon = FanCurve::new(Shape::EndPoints { flow_max: 0.28 / 60.0, pressure_max: 7.24 }, None).unwrap();
-    close(sunon.pressure(0.0, 6400.0 / 8300.0, 1.0), 4.29, 4e-3);
+    let thesis_fan =
+        FanCurve::new(Shape::EndPoints { flow_max: 0.28 / 60.0, pressure_max: 7.24 }, None).unwrap();
+    close(thesis_fan.pressure(0.0, 6400.0 / 8300.0, 1.0), 4.29, 4e-3);
 }
 
 #[test]
@@ -75,7 +76,7 @@ fn operating_point_on_a_parabola_by_hand() {
         let exact = 2.0 * p / (slope + (slope * slope + 4.0 * c * p).sqrt());
         close(ends().operating_flow(1.0, 1.0, |q| c * q * q), exact, 1e-11);
     }
-    // A quadratic system keeps its place on the curve: the flow goes with n, whatever the density (both ~ rho).
+    // A quadratic system keeps its place on the curve: flow goes with n, whatever the density (both ~ rho).
     let full = table().operating_flow(1.0, 1.0, |q| 3e6 * q * q);
     close(table().operating_flow(0.5, 0.8, |q| 0.8 * 3e6 * q * q), 0.5 * full, 1e-11);
 }

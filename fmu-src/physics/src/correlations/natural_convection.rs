@@ -14,9 +14,9 @@
 //! above 1e12 the same law goes on to 1e30; Pr is held within 1e-3 and 1e4. (2a) up to 1e9, where a motor
 //! always is and where (2) lies up to 18 % above it in air.
 //! (3) A cylinder is a plate while D/L >= 35/Gr_L^(1/4) ([`is_plate_like`]); slenderer, its curvature adds
-//! the second term of the laminar integral solution; a motor (L/D about 2, Gr_L about 1e6) needs it: 10 %.
+//! the second term of the laminar integral solution; a motor (L/D about 2, Gr_L about 1e6) needs it: 6 %.
 //! *Source*: (1) Churchill and Chu, Int. J. Heat Mass Transfer 18 (1975) 1049-1053; (2) the same, 1323-1329;
-//! Incropera, 7th ed., eqs. 9.34, 9.26, 9.28; (3) Le Fevre and Ede, 9th Int. Congr. Appl. Mech. (1956) 4,
+//! Incropera, 7th ed., eqs. 9.34, 9.26 to 9.28; (3) Le Fevre and Ede, 9th Int. Congr. Appl. Mech. (1956) 4,
 //! 175.
 
 use std::f64::consts::PI;
