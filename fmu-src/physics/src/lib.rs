@@ -4,8 +4,10 @@
 //! [`models::ALL`], the list of models, or at `fmu-src/README.md`, the map from equation to file.
 
 pub mod components;
+pub mod correlations;
 pub mod effects;
 pub mod ledger;
+pub mod media;
 pub mod model;
 pub mod models;
 pub mod solver;

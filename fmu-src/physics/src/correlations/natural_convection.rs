@@ -1,0 +1,159 @@
+//! Natural convection around a cylinder with flat ends, in still air.
+//!
+//! horizontal cylinder: Nu_D = {0.60 + 0.387 Ra_D^(1/6) / [1 + (0.559/Pr)^(9/16)]^(8/27)}^2  (1)
+//! vertical plate:      Nu_L = {0.825 + 0.387 Ra_L^(1/6) / [1 + (0.492/Pr)^(9/16)]^(8/27)}^2 (2)
+//! the same, laminar:   Nu_L = 0.68 + 0.670 Ra_L^(1/4) / [1 + (0.492/Pr)^(9/16)]^(4/9)      (2a)
+//! vertical cylinder:   Nu_L = (2a) + 4 (272 + 315 Pr) / [35 (64 + 63 Pr)] L/D              (3)
+//! end disc, upright:   (2a) with L = pi D/4, the mean chord                                 (4)
+//!
+//! *Assumes* an isothermal surface, properties at the mean of surface and air, a large still room.
+//! *Neglects* the wake of the cylinder over its own ends. For a vertical motor, its ends lie flat: (4) then
+//! only stands in for them (upper and lower face together differ little from an upright one).
+//! *Range*: (1) Ra_D <= 1e12, (2) all Ra_L up to 1e12; both for any Pr. Ra -> 0 gives Nu = 0.36 and 0.68:
+//! conduction alone, which a finite body in a large room keeps. Ra < 0 counts as |Ra| (heat also flows in);
+//! above 1e12 the same law goes on to 1e30; Pr is held within 1e-3 and 1e4. (2a) up to 1e9, where a motor
+//! always is and where (2) lies up to 18 % above it in air.
+//! (3) A cylinder is a plate while D/L >= 35/Gr_L^(1/4) ([`is_plate_like`]); slenderer, its curvature adds
+//! the second term of the laminar integral solution; a motor (L/D about 2, Gr_L about 1e6) needs it: 6 %.
+//! *Source*: (1) Churchill and Chu, Int. J. Heat Mass Transfer 18 (1975) 1049-1053; (2) the same, 1323-1329;
+//! Incropera, 7th ed., eqs. 9.34, 9.26 to 9.28; (3) Le Fevre and Ede, 9th Int. Congr. Appl. Mech. (1956) 4,
+//! 175.
+
+use std::f64::consts::PI;
+
+/// Numbers that the laws can take: |Ra| up to 1e30, Pr from 1e-3 to 1e4.
+#[inline]
+fn limited(ra: f64, pr: f64) -> (f64, f64) {
+    (ra.abs().min(1e30), pr.clamp(1e-3, 1e4))
+}
+
+/// The common form of (1) and (2).
+#[inline]
+fn churchill_chu(ra: f64, pr: f64, rest: f64, pr_ref: f64) -> f64 {
+    let (ra, pr) = limited(ra, pr);
+    let root = rest + 0.387 * ra.powf(1.0 / 6.0) / (1.0 + (pr_ref / pr).powf(9.0 / 16.0)).powf(8.0 / 27.0);
+    root * root
+}
+
+/// Mean Nusselt number on the diameter of a horizontal cylinder, eq. (1), from Ra on the diameter.
+#[inline]
+pub fn horizontal_cylinder(ra_d: f64, pr: f64) -> f64 {
+    churchill_chu(ra_d, pr, 0.60, 0.559)
+}
+
+/// Mean Nusselt number on the height of a vertical plate, eq. (2), from Ra on the height.
+#[inline]
+pub fn vertical_plate(ra_l: f64, pr: f64) -> f64 {
+    churchill_chu(ra_l, pr, 0.825, 0.492)
+}
+
+/// Mean Nusselt number on the height of a vertical plate in laminar flow, eq. (2a), Ra up to 1e9.
+#[inline]
+pub fn vertical_plate_laminar(ra_l: f64, pr: f64) -> f64 {
+    let (ra, pr) = limited(ra_l, pr);
+    0.68 + 0.670 * ra.sqrt().sqrt() / (1.0 + (0.492 / pr).powf(9.0 / 16.0)).powf(4.0 / 9.0)
+}
+
+/// Mean Nusselt number on the height of a vertical cylinder, eq. (3), from Ra on the height and `l_over_d`,
+/// the height over the diameter (held within 0 and 100).
+#[inline]
+pub fn vertical_cylinder(ra_l: f64, pr: f64, l_over_d: f64) -> f64 {
+    let (_, p) = limited(ra_l, pr);
+    let curvature = 4.0 * (272.0 + 315.0 * p) / (35.0 * (64.0 + 63.0 * p));
+    vertical_plate_laminar(ra_l, pr) + curvature * l_over_d.clamp(0.0, 100.0)
+}
+
+/// Whether a vertical cylinder is thick enough to count as a plate: D/L >= 35/Gr_L^(1/4).
+#[inline]
+pub fn is_plate_like(ra_l: f64, pr: f64, l_over_d: f64) -> bool {
+    let (ra, pr) = limited(ra_l, pr);
+    (ra / pr).powf(0.25) >= 35.0 * l_over_d
+}
+
+/// Height of the vertical plate that an upright end disc of diameter `d` stands for, eq. (4), m: area over
+/// width.
+#[inline]
+pub fn end_disc_height(d: f64) -> f64 {
+    PI / 4.0 * d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correlations::checks::close;
+
+    /// Cengel, Heat and Mass Transfer, example 9-1 (pipe of 8 cm at 70 degC in air at 20 degC): k 0.02699,
+    /// Pr 0.7241, nu 1.750e-5; Ra = 1.869e6, Nu = 17.40, h = 5.869. A power of 1/5 instead of 1/6 was seen to
+    /// fail.
+    #[test]
+    fn hot_pipe_of_the_book() {
+        let ra = 9.81 / 318.0 * 50.0 * 0.08f64.powi(3) * 0.7241 / 1.750e-5f64.powi(2);
+        close(ra, 1.869e6, 1e-3);
+        close(horizontal_cylinder(ra, 0.7241), 17.40, 1e-3);
+        close(horizontal_cylinder(ra, 0.7241) * 0.02699 / 0.08, 5.869, 1e-3);
+    }
+
+    /// Incropera, 7th ed., example 9.2 (glass door of a fireplace, 0.71 m): Ra = 1.813e9, Pr = 0.690, Nu =
+    /// 147.
+    #[test]
+    fn fire_screen_of_the_book() {
+        close(vertical_plate(1.813e9, 0.690), 147.0, 3e-3);
+    }
+
+    /// Ostrach's solution of the laminar layer as LeFevre interpolates it (Incropera, 7th ed., eqs. 9.20 and
+    /// 9.21): Nu = 4/3 (Gr/4)^(1/4) 0.75 Pr^(1/2) / (0.609 + 1.221 Pr^(1/2) + 1.238 Pr)^(1/4). (2a) without
+    /// its 0.68 within 2 %, also for water and oil; (2) in air within 18 %. The power 1/3 in (2a) was seen to fail.
+    #[test]
+    fn laminar_plate_is_ostrachs() {
+        for pr in [0.71, 7.0, 100.0f64] {
+            for ra in [1e4, 1e6, 1e8f64] {
+                let g = 0.75 * pr.sqrt() / (0.609 + 1.221 * pr.sqrt() + 1.238 * pr).powf(0.25);
+                let exact = 4.0 / 3.0 * (ra / pr / 4.0).powf(0.25) * g;
+                close(vertical_plate_laminar(ra, pr) - 0.68, exact, 0.02);
+                if pr < 1.0 {
+                    close(vertical_plate(ra, pr), 0.68 + exact, 0.18);
+                }
+            }
+        }
+        close(vertical_plate_laminar(0.0, 0.7), 0.68, 1e-14);
+    }
+
+    #[test]
+    fn conduction_is_left_without_buoyancy_and_nothing_jumps_there() {
+        close(horizontal_cylinder(0.0, 0.7), 0.36, 1e-12);
+        close(vertical_plate(0.0, 0.7), 0.680_625, 1e-12);
+        close(horizontal_cylinder(1e-30, 0.7), 0.36, 1e-4);
+        assert_eq!(horizontal_cylinder(-1e5, 0.7), horizontal_cylinder(1e5, 0.7));
+    }
+
+    /// The extra term of (3) by hand at Pr = 1: 4 * 587 / (35 * 127) = 0.52823.
+    #[test]
+    fn slender_cylinders_lose_more() {
+        close(vertical_cylinder(1e6, 1.0, 2.0) - vertical_plate_laminar(1e6, 1.0), 2.0 * 0.528_234, 1e-5);
+        assert_eq!(vertical_cylinder(1e6, 0.7, 0.0), vertical_plate_laminar(1e6, 0.7));
+        assert!(is_plate_like(0.7 * 35f64.powi(4) * 1.01, 0.7, 1.0));
+        assert!(!is_plate_like(0.7 * 35f64.powi(4) * 0.99, 0.7, 1.0));
+    }
+
+    #[test]
+    fn disc_height_times_width_is_the_area() {
+        close(end_disc_height(0.03) * 0.03, PI * 0.015 * 0.015, 1e-14);
+    }
+
+    #[test]
+    fn rises_with_ra_and_is_finite_everywhere() {
+        let mut last = 0.0;
+        for k in 0..38 {
+            let nu = horizontal_cylinder(10f64.powi(k - 8), 0.7);
+            assert!(nu > last);
+            last = nu;
+        }
+        for ra in [-1e300, 0.0, 1e300] {
+            for pr in [-1.0, 0.0, 1e300] {
+                assert!(
+                    vertical_cylinder(ra, pr, 1e300).is_finite() && horizontal_cylinder(ra, pr).is_finite()
+                );
+            }
+        }
+    }
+}

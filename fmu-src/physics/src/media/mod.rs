@@ -1,0 +1,3 @@
+//! Properties of the media, one file each.
+
+pub mod air;
