@@ -26,7 +26,7 @@ pub struct Display {
 }
 
 macro_rules! units {
-    ($($(#[doc = $doc:literal])* $unit:ident = $name:literal { $($base:ident : $power:literal),* }
+    ($($(#[doc = $doc:literal])* $unit:ident = $name:literal $({ $($base:ident : $power:literal),* })?
        $(shown as $shown:literal, $factor:expr, $offset:expr)?;)*) => {
         /// Unit of a variable. The variants' documentation is their meaning.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -41,10 +41,15 @@ macro_rules! units {
                 match self { $(Unit::$unit => $name),* }
             }
 
-            /// The unit's dimension. Every declared unit is coherent SI: its factor is 1.
-            pub const fn base(self) -> BaseUnits {
+            /// The unit's dimension, where its exponents are whole numbers. Every declared unit is coherent SI:
+            /// its factor is 1.
+            pub const fn base(self) -> Option<BaseUnits> {
                 let none = BaseUnits { kg: 0, m: 0, s: 0, A: 0, K: 0, mol: 0, cd: 0, rad: 0 };
-                match self { $(Unit::$unit => BaseUnits { $($base: $power,)* ..none }),* }
+                $($(if matches!(self, Unit::$unit) {
+                    return Some(BaseUnits { $($base: $power,)* ..none });
+                })?)*
+                let _ = none;
+                None
             }
 
             /// The unit shown to people in place of the SI unit, if they expect another one.
@@ -86,6 +91,10 @@ units! {
     NewtonMetrePerAmpere = "N.m/A" { kg: 1, m: 2, s: -2, A: -1 };
     /// Coefficient of a torque proportional to speed.
     NewtonMetreSecond = "N.m.s/rad" { kg: 1, m: 2, s: -1, rad: -1 };
+    /// Coefficient of a torque proportional to the square root of speed; no unit of whole exponents.
+    NewtonMetreRootSecond = "N.m.s0.5/rad0.5";
+    /// Coefficient of a torque proportional to the square of speed.
+    NewtonMetreSquareSecond = "N.m.s2/rad2" { kg: 1, m: 2, rad: -2 };
     /// Torque per mass.
     NewtonMetrePerKilogram = "N.m/kg" { m: 2, s: -2 };
     /// Moment of inertia.
@@ -98,6 +107,10 @@ units! {
     Joule = "J" { kg: 1, m: 2, s: -2 };
     /// Thermal conductance.
     WattPerKelvin = "W/K" { kg: 1, m: 2, s: -3, K: -1 };
+    /// Coefficient of thermal radiation.
+    WattPerKelvin4 = "W/K4" { kg: 1, m: 2, s: -3, K: -4 };
+    /// Rate of a temperature.
+    KelvinPerSecond = "K/s" { K: 1, s: -1 };
     /// Thermal resistance.
     KelvinPerWatt = "K/W" { kg: -1, m: -2, s: 3, K: 1 };
     /// Heat capacity.

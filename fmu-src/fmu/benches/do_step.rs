@@ -137,8 +137,8 @@ fn steps(criterion: &mut Criterion) {
             let mut y: [f64; STATES] = [0.0, 0.0, 0.0, 298.15, 298.15, 0.0, 0.0, 0.0];
             for &voltage in &volts {
                 let inputs = Inputs { voltage, ..Inputs::default() };
-                let conductance = motor.parameters.conductance.at(inputs.fan_command);
-                let step = Step::new(&motor.parameters, &constants, &inputs, &Inputs::ZERO, conductance);
+                let conductance = motor.parameters.to_ambient(inputs.fan_command);
+                let step = Step::new(&motor.parameters, &constants, &inputs, &Inputs::ZERO, conductance, 0.0);
                 y = integrate(|t, y| step.rates(t, y), &y, &[1e-3], tolerance).expect("a smooth step")[0];
             }
             black_box(y)

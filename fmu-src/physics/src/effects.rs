@@ -1,28 +1,145 @@
 //! The effects: one line each. An effect acts at a port of the model, keeps the books, and is off by default.
+//!
+//! A port is a method of [`Effect`] and a line of [`Effects`] that adds up (or multiplies) what all effects say
+//! there. The model's equations know ports alone, and enter what comes out of them in the ledger with both ends.
 
+mod ambient_drift;
+mod contact_drop;
 mod coulomb_friction;
+mod demagnetisation;
+mod drive_loss;
+mod fan_back_pressure;
+mod forced_convection;
+mod housing_radiation;
+mod interface_temperature;
+mod iron_loss;
+mod load_dependent_friction;
 mod viscous_friction;
+mod windage;
 
+pub use ambient_drift::AmbientDrift;
+pub use contact_drop::ContactDrop;
 pub use coulomb_friction::CoulombFriction;
+pub use demagnetisation::Demagnetisation;
+pub use drive_loss::DriveLoss;
+pub use fan_back_pressure::FanBackPressure;
+pub use forced_convection::{CooledNode, Draught, ForcedConvection};
+pub use housing_radiation::HousingRadiation;
+pub use interface_temperature::InterfaceTemperature;
+pub use iron_loss::IronLoss;
+pub use load_dependent_friction::LoadDependentFriction;
 pub use viscous_friction::ViscousFriction;
+pub use windage::Windage;
 
 use num_dual::{Dual64, DualNum};
+
+/// A number, or a number with its derivative: what a port is computed with, so that no slope is written by hand.
+pub trait Number: DualNum<Primitive = f64> + Copy {}
+impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
+
+/// An event that is less than this ahead has come, s: times that differ by rounding are the same.
+pub const IMMINENT: f64 = 1e-9;
+
+/// A value for each thermal node that effects know of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PerNode {
+    /// That of the winding.
+    pub winding: f64,
+    /// That of the housing.
+    pub housing: f64,
+}
+
+impl std::ops::Add for PerNode {
+    type Output = PerNode;
+    #[inline]
+    fn add(self, other: PerNode) -> PerNode {
+        PerNode { winding: self.winding + other.winding, housing: self.housing + other.housing }
+    }
+}
 
 /// What an effect may do, port by port. A port that an effect does not touch stays neutral.
 pub trait Effect {
     /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.
     #[inline]
-    fn drag_torque<D: DualNum<Primitive = f64> + Copy>(&self, _w: D) -> D {
+    fn drag_torque<D: Number>(&self, _w: D) -> D {
         D::from(0.0)
+    }
+
+    /// A torque against the motion for each newton metre that the shaft hands to its load: of the sign of `w`
+    /// times that of the load's torque, which is about `tau`, N.m. Its power heats the housing.
+    #[inline]
+    fn load_drag<D: Number>(&self, _w: D, _tau: f64) -> D {
+        D::from(0.0)
+    }
+
+    /// Volts lost between the terminals and the winding at current `i`, A: of the sign of `i`. Their power heats
+    /// the winding.
+    #[inline]
+    fn terminal_voltage<D: Number>(&self, _i: D) -> D {
+        D::from(0.0)
+    }
+
+    /// Multiplies the torque constant at `time`, s. It steps at [`next_event`](Effect::next_event) and only there.
+    #[inline]
+    fn torque_constant(&self, _time: f64) -> f64 {
+        1.0
+    }
+
+    /// The first time after `time` at which a port jumps, s; infinite where none does.
+    #[inline]
+    fn next_event(&self, _time: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Multiplies the thermal resistance from winding to housing with the winding at `t_w`, K; positive.
+    #[inline]
+    fn winding_housing_resistance<D: Number>(&self, _t_w: D) -> D {
+        D::from(1.0)
+    }
+
+    /// Further conductances to ambient, W/K, at the fan's `flow`, 0 to 1.
+    #[inline]
+    fn ambient_conductance(&self, _flow: f64) -> PerNode {
+        PerNode::default()
+    }
+
+    /// Heat flow from the housing at `t_h`, K, to the surroundings at `t_a` that follows no conductance, W.
+    #[inline]
+    fn housing_to_ambient<D: Number>(&self, _t_h: D, _t_a: f64) -> D {
+        D::from(0.0)
+    }
+
+    /// The command that the fan really follows when it is given `n`, 0 to 1.
+    #[inline]
+    fn fan_flow(&self, n: f64) -> f64 {
+        n
+    }
+
+    /// How fast the true ambient temperature leaves the shown one, K/s; they agree at time 0.
+    #[inline]
+    fn ambient_sensor(&self) -> f64 {
+        0.0
+    }
+
+    /// Share of the input electrical_power that never reaches the winding and heats the surroundings.
+    #[inline]
+    fn drive_loss(&self) -> f64 {
+        0.0
     }
 }
 
 /// The sign of `x` with a smooth passage through zero of width `small`: tanh(x / small), saturated where a double
 /// no longer sees the difference (and where a dual number's tanh would overflow).
 #[inline]
-fn smooth_sign<D: DualNum<Primitive = f64> + Copy>(x: D, small: f64) -> D {
+fn smooth_sign<D: Number>(x: D, small: f64) -> D {
     const SATURATED: f64 = 20.0;
     if x.re().abs() > SATURATED * small { D::from(x.re().signum()) } else { (x / small).tanh() }
+}
+
+/// The derivative of a port with respect to its argument, at `x`.
+#[inline]
+fn slope(x: f64, port: impl Fn(Dual64) -> Dual64) -> f64 {
+    port(Dual64::from(x).derivative()).eps
 }
 
 macro_rules! effects {
@@ -33,18 +150,61 @@ macro_rules! effects {
 
         $crate::groups! { Effects { $($prefix @ $base => $id: $type),* } }
 
-        impl Effects {
-            /// The sum of all drag torques at speed `w`, rad/s: N.m, of the sign of `w`.
+        impl Effect for Effects {
             #[inline]
-            pub fn drag_torque(&self, w: f64) -> f64 {
-                0.0 $(+ self.$id.drag_torque(w))*
+            fn drag_torque<D: Number>(&self, w: D) -> D {
+                D::from(0.0) $(+ self.$id.drag_torque(w))*
             }
 
-            /// The same with its derivative with respect to `w`, N.m.s/rad.
             #[inline]
-            pub fn drag_torque_slope(&self, w: f64) -> f64 {
-                let w = Dual64::from(w).derivative();
-                (Dual64::from(0.0) $(+ self.$id.drag_torque(w))*).eps
+            fn load_drag<D: Number>(&self, w: D, tau: f64) -> D {
+                D::from(0.0) $(+ self.$id.load_drag(w, tau))*
+            }
+
+            #[inline]
+            fn terminal_voltage<D: Number>(&self, i: D) -> D {
+                D::from(0.0) $(+ self.$id.terminal_voltage(i))*
+            }
+
+            #[inline]
+            fn torque_constant(&self, time: f64) -> f64 {
+                1.0 $(* self.$id.torque_constant(time))*
+            }
+
+            #[inline]
+            fn next_event(&self, time: f64) -> f64 {
+                f64::INFINITY $(.min(self.$id.next_event(time)))*
+            }
+
+            #[inline]
+            fn winding_housing_resistance<D: Number>(&self, t_w: D) -> D {
+                D::from(1.0) $(* self.$id.winding_housing_resistance(t_w))*
+            }
+
+            #[inline]
+            fn ambient_conductance(&self, flow: f64) -> PerNode {
+                PerNode::default() $(+ self.$id.ambient_conductance(flow))*
+            }
+
+            #[inline]
+            fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
+                D::from(0.0) $(+ self.$id.housing_to_ambient(t_h, t_a))*
+            }
+
+            #[inline]
+            fn fan_flow(&self, n: f64) -> f64 {
+                $(let n = self.$id.fan_flow(n);)*
+                n
+            }
+
+            #[inline]
+            fn ambient_sensor(&self) -> f64 {
+                0.0 $(+ self.$id.ambient_sensor())*
+            }
+
+            #[inline]
+            fn drive_loss(&self) -> f64 {
+                0.0 $(+ self.$id.drive_loss())*
             }
         }
     };
@@ -55,4 +215,75 @@ effects! {
     coulomb_friction: CoulombFriction @ "effect.coulomb_friction." 1000;
     /// Friction of lubricant, and eddy currents, which follow the same law.
     viscous_friction: ViscousFriction @ "effect.viscous_friction." 1010;
+    /// Hysteresis and eddy currents in the stator's iron.
+    iron_loss: IronLoss @ "effect.iron_loss." 1020;
+    /// Drag of the air on the rotor.
+    windage: Windage @ "effect.windage." 1030;
+    /// Friction of gear and bearings under load.
+    load_dependent_friction: LoadDependentFriction @ "effect.load_dependent_friction." 1040;
+    /// Voltage lost in brushes or semiconductors.
+    contact_drop: ContactDrop @ "effect.contact_drop." 1050;
+    /// Radiation from the housing to the room.
+    housing_radiation: HousingRadiation @ "effect.housing_radiation." 1060;
+    /// A resistance between winding and housing that depends on temperature.
+    interface_temperature: InterfaceTemperature @ "effect.interface_temperature." 1070;
+    /// A draught on the housing, or air through the winding.
+    forced_convection: ForcedConvection @ "effect.forced_convection." 1080;
+    /// A fan that works against a pressure.
+    fan_back_pressure: FanBackPressure @ "effect.fan_back_pressure." 1090;
+    /// Magnets that have lost some of their strength.
+    demagnetisation: Demagnetisation @ "effect.demagnetisation." 1100;
+    /// A sensor of the ambient temperature that drifts.
+    ambient_drift: AmbientDrift @ "effect.ambient_drift." 1110;
+    /// Power lost in the drive.
+    drive_loss: DriveLoss @ "effect.drive_loss." 1120;
+}
+
+/// Slopes of the ports with respect to their first argument, for Jacobians.
+impl Effects {
+    /// Slope of [`drag_torque`](Effect::drag_torque), N.m.s/rad.
+    #[inline]
+    pub fn drag_torque_slope(&self, w: f64) -> f64 {
+        slope(w, |w| self.drag_torque(w))
+    }
+
+    /// Slope of [`load_drag`](Effect::load_drag) with the speed, s/rad.
+    #[inline]
+    pub fn load_drag_slope(&self, w: f64, tau: f64) -> f64 {
+        slope(w, |w| self.load_drag(w, tau))
+    }
+
+    /// Slope of [`winding_housing_resistance`](Effect::winding_housing_resistance), 1/K.
+    #[inline]
+    pub fn winding_housing_resistance_slope(&self, t_w: f64) -> f64 {
+        slope(t_w, |t_w| self.winding_housing_resistance(t_w))
+    }
+
+    /// Slope of [`housing_to_ambient`](Effect::housing_to_ambient) with the housing's temperature, W/K.
+    #[inline]
+    pub fn housing_to_ambient_slope(&self, t_h: f64, t_a: f64) -> f64 {
+        slope(t_h, |t_h| self.housing_to_ambient(t_h, t_a))
+    }
+
+    /// Slope of [`terminal_voltage`](Effect::terminal_voltage), Ohm.
+    #[inline]
+    pub fn terminal_voltage_slope(&self, i: f64) -> f64 {
+        slope(i, |i| self.terminal_voltage(i))
+    }
+}
+
+/// What the effects' own tests share.
+#[cfg(test)]
+mod testing {
+    use super::*;
+
+    /// Asserts that the slope of a port is its difference quotient within `tolerance`.
+    pub fn slope_is_derivative(port: impl Fn(Dual64) -> Dual64, at: &[f64], by: f64, tolerance: f64) {
+        for &x in at {
+            let exact = slope(x, &port);
+            let value = |x: f64| port(Dual64::from(x)).re;
+            let difference = (value(x + by) - value(x - by)) / (2.0 * by);
+            assert!((exact - difference).abs() <= tolerance, "at {x}: {exact} and {difference}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! The split against diffsol (BDF at 1e-10) on the same equations, and what is left between them.
 
 mod common;
-use common::{Profile, compare, friction, motor};
+use common::{Profile, all_effects, compare, friction, motor};
 use physics::models::annulus_cooled_motor::{DriveMode, MechanicalMode};
 
 /// Volts on a locked rotor: the current rises in 0.17 ms steps' time, the winding heats at 15 K/s and more.
@@ -88,5 +88,22 @@ fn the_callers_step_does_not_matter() {
         m.parameters.effects.coulomb_friction = friction(0.00983);
         let error = compare(m, &Profile::ramps(0.05), 0.5, h);
         assert!(error.worst() <= 1e-6, "{h} s: {error}");
+    }
+}
+
+/// Every effect at once, in every mode, with ramps through the passages of all of them.
+#[test]
+fn all_effects_on_ramps_in_every_mode() {
+    for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
+        for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
+            let mut m = motor(drive, mechanical);
+            m.parameters.effects = all_effects();
+            m.inputs.electrical_power = 10.0;
+            if drive == DriveMode::Pwm {
+                m.inputs.voltage = 24.0;
+            }
+            let error = compare(m, &Profile::ramps(0.05), 0.5, 1e-3);
+            assert!(error.worst() <= 1e-6, "{drive:?} {mechanical:?}: {error}");
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! The energy books, instantaneous and integrated, in every mode.
 
 mod common;
-use common::{friction, motor};
+use common::{all_effects, friction, motor};
+use physics::declare::Kind;
+use physics::effects::Effects;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
 
@@ -19,16 +21,23 @@ fn input(m: &mut AnnulusCooledMotor, name: &str, value: f64, slope: f64) {
     m.set_slope(slot, slope);
 }
 
+/// Friction alone, and every effect.
+fn cases() -> [Effects; 2] {
+    let mut rubbing = Effects { coulomb_friction: friction(0.00983), ..Effects::default() };
+    rubbing.viscous_friction.k = 3e-6;
+    [rubbing, all_effects()]
+}
+
 /// A second of everything at once: volts, amperes, load, fan and room on ramps, reversing under friction.
 fn run(
     drive: DriveMode,
     coupling: MechanicalMode,
+    effects: Effects,
     slopes: bool,
     mut each: impl FnMut(&mut AnnulusCooledMotor),
 ) {
     let mut m = motor(drive, coupling);
-    m.parameters.effects.coulomb_friction = friction(0.00983);
-    m.parameters.effects.viscous_friction.k = 3e-6;
+    m.parameters.effects = effects;
     m.start(0.0).unwrap();
     let h = 1e-3;
     for k in 0..1000 {
@@ -54,10 +63,12 @@ fn run(
 fn the_power_balance_closes_at_every_instant() {
     for drive in DRIVES {
         for coupling in COUPLINGS {
-            run(drive, coupling, true, |m| {
-                let error = output(m, "power_balance_error");
-                assert!(error.abs() <= 1e-6, "{drive:?} {coupling:?} at {} s: {error} W", m.time());
-            });
+            for effects in cases() {
+                run(drive, coupling, effects, true, |m| {
+                    let error = output(m, "power_balance_error");
+                    assert!(error.abs() <= 1e-6, "{drive:?} {coupling:?} at {} s: {error} W", m.time());
+                });
+            }
         }
     }
 }
@@ -67,9 +78,9 @@ fn the_power_balance_closes_at_every_instant() {
 fn the_energy_books_close_over_a_run() {
     for drive in DRIVES {
         for coupling in COUPLINGS {
-            for slopes in [true, false] {
+            for (slopes, effects) in [true, false].into_iter().flat_map(|s| cases().map(|e| (s, e))) {
                 let (mut worst, mut throughput) = (0.0f64, 0.0f64);
-                run(drive, coupling, slopes, |m| {
+                run(drive, coupling, effects, slopes, |m| {
                     worst = worst.max(output(m, "energy_balance_error").abs());
                     throughput = throughput.max(output(m, "energy_electrical").abs());
                 });
@@ -149,4 +160,49 @@ fn tuning_a_parameter_keeps_the_books() {
 fn input_parameter(m: &mut AnnulusCooledMotor, name: &str, value: f64) {
     let slot = m.declaration().by_name(name).unwrap().slot;
     assert!(m.set(slot, value));
+}
+
+/// All effects are off by default, and their other parameters then do nothing, to the bit.
+#[test]
+fn an_effect_that_is_off_is_not_there() {
+    let bits = |change: bool| {
+        let mut m = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
+        let switches = [
+            "coulomb_friction.tau_c",
+            "viscous_friction.k",
+            "iron_loss.k",
+            "windage.k",
+            "load_dependent_friction.mu",
+            "contact_drop.V_b",
+            "housing_radiation.k",
+            "interface_temperature.beta",
+            "forced_convection.G",
+            "fan_back_pressure.k",
+            "demagnetisation.fraction",
+            "ambient_drift.rate",
+            "drive_loss.share",
+        ];
+        let declaration = m.declaration();
+        for entry in declaration.entries.iter().filter(|e| e.name.starts_with("effect.")) {
+            let is_switch = switches.iter().any(|s| entry.name == format!("effect.{s}"));
+            assert!(!is_switch || entry.row.start == 0.0, "{} is on by default", entry.name);
+            if change && !is_switch {
+                // The greatest value of a number, the last choice of an enumeration.
+                let value = match entry.row.kind {
+                    Kind::Enumeration(t) => t.items.last().map_or(1.0, |i| f64::from(i.value)),
+                    _ => entry.row.max,
+                };
+                assert!(m.set(entry.slot, value));
+            }
+        }
+        m.inputs.load_torque = 0.03;
+        m.start(0.0).unwrap();
+        for k in 0..200 {
+            input(&mut m, "voltage", 20.0 * (0.05 * f64::from(k)).sin(), 3.0);
+            input(&mut m, "fan_command", 0.004 * f64::from(k), 4.0);
+            m.step(m.time(), 1e-3).unwrap();
+        }
+        m.state().to_numbers().map(f64::to_bits).collect::<Vec<_>>()
+    };
+    assert_eq!(bits(false), bits(true));
 }

@@ -4,8 +4,11 @@
 //! neutral: a dependency that is there in any of them is declared. What importers sort their loops by can thus
 //! not drift away from the equations.
 
-use physics::declare::{Causality, Kind};
+use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model, ModelType};
+
+/// Where time starts, s; not 0, where a drift has done nothing yet.
+const START: f64 = 1.0;
 
 /// For each output, in the order of the declaration, the entries (by index) that it depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +35,8 @@ impl Dependencies {
             combinations(declaration, &choices).into_iter().flat_map(|c| [(c.clone(), 1.0), (c, 1e-3)]);
         for (combination, scale) in points {
             let mut model = (kind.new)();
-            for &k in &knowns {
+            // The time of an event stays where it is, so that what the event changes can be seen at the start.
+            for &k in knowns.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
                 let entry = &declaration.entries[k];
                 let share = if entry.row.causality == Causality::Input && entry.row.start == 0.0 {
                     scale
@@ -45,11 +49,11 @@ impl Dependencies {
                 model.set(declaration.entries[k].slot, value);
             }
             let point = || model.boxed_clone();
-            note(&mut initial, &knowns, &outputs, declaration, &mut probe, point, |m| m.start(0.0).is_ok());
+            note(&mut initial, &knowns, &outputs, declaration, &mut probe, point, |m| m.start(START).is_ok());
             // A point away from rest, at which each input moves by itself.
             let mut moving = model.boxed_clone();
-            let reached =
-                moving.start(0.0).is_ok() && (0..3).all(|k| moving.step(f64::from(k) * 1e-3, 1e-3).is_ok());
+            let reached = moving.start(START).is_ok()
+                && (0..3).all(|k| moving.step(START + f64::from(k) * 1e-3, 1e-3).is_ok());
             if reached {
                 note(
                     &mut running,

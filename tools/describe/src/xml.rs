@@ -150,19 +150,21 @@ pub(crate) fn unit_definitions(xml: &mut Xml, declaration: &Declaration) -> io::
     element(xml, "UnitDefinitions", &vec![], |xml| {
         Unit::ALL.iter().filter(used).try_for_each(|unit| {
             element(xml, "Unit", &vec![("name", unit.name().to_string())], |xml| {
-                let b = unit.base();
-                let powers = [
-                    ("kg", b.kg),
-                    ("m", b.m),
-                    ("s", b.s),
-                    ("A", b.A),
-                    ("K", b.K),
-                    ("mol", b.mol),
-                    ("cd", b.cd),
-                    ("rad", b.rad),
-                ];
-                let base = powers.iter().filter(|(_, p)| *p != 0).map(|(n, p)| (*n, p.to_string())).collect();
-                empty(xml, "BaseUnit", &base)?;
+                if let Some(b) = unit.base() {
+                    let powers = [
+                        ("kg", b.kg),
+                        ("m", b.m),
+                        ("s", b.s),
+                        ("A", b.A),
+                        ("K", b.K),
+                        ("mol", b.mol),
+                        ("cd", b.cd),
+                        ("rad", b.rad),
+                    ];
+                    let powers =
+                        powers.iter().filter(|(_, p)| *p != 0).map(|(n, p)| (*n, p.to_string())).collect();
+                    empty(xml, "BaseUnit", &powers)?;
+                }
                 let Some(shown) = unit.display() else { return Ok(()) };
                 let mut attributes = vec![("name", shown.name.to_string())];
                 if shown.factor != 1.0 {

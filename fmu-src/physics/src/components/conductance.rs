@@ -21,19 +21,24 @@ variables! {
 }
 
 impl Conductance {
-    /// Conductance at the fan command `n`, eq. (1), W/K. A command below 0 counts as 0, above 1 as 1: a ramp
-    /// may lead an input past its limits between two communication points.
+    /// Conductance at the fan command `n`, eq. (1), W/K.
     #[inline]
     pub fn at(&self, n: f64) -> f64 {
+        self.G_still + self.G_forced * Self::share(n)
+    }
+
+    /// n^0.8. A command below 0 counts as 0, above 1 as 1: a ramp may lead an input past its limits between two
+    /// communication points.
+    #[inline]
+    pub fn share(n: f64) -> f64 {
         // A power costs as much as all else in a step, so the two common commands go without.
-        let share = if n <= 0.0 {
+        if n <= 0.0 {
             0.0
         } else if n >= 1.0 {
             1.0
         } else {
             n.powf(0.8)
-        };
-        self.G_still + self.G_forced * share
+        }
     }
 }
 

@@ -7,9 +7,8 @@
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing.
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
 
-use super::{Effect, smooth_sign};
+use super::{Effect, Number, smooth_sign};
 use declare::{Unit, Variable, variables};
-use num_dual::DualNum;
 
 variables! {
     /// Dry friction.
@@ -23,7 +22,7 @@ variables! {
 
 impl Effect for CoulombFriction {
     #[inline]
-    fn drag_torque<D: DualNum<Primitive = f64> + Copy>(&self, w: D) -> D {
+    fn drag_torque<D: Number>(&self, w: D) -> D {
         if self.tau_c == 0.0 {
             return D::from(0.0);
         }

@@ -7,9 +7,8 @@
 //! *Sign*: against the motion; its power k w^2 >= 0 heats the housing.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.Friction, with power_w = 2.
 
-use super::Effect;
+use super::{Effect, Number};
 use declare::{Unit, Variable, variables};
-use num_dual::DualNum;
 
 variables! {
     /// Friction proportional to speed.
@@ -21,7 +20,10 @@ variables! {
 
 impl Effect for ViscousFriction {
     #[inline]
-    fn drag_torque<D: DualNum<Primitive = f64> + Copy>(&self, w: D) -> D {
+    fn drag_torque<D: Number>(&self, w: D) -> D {
+        if self.k == 0.0 {
+            return D::from(0.0);
+        }
         w * self.k
     }
 }

@@ -14,7 +14,8 @@
 //! close whatever the step. The thermal block then takes a heat flow with that very integral.
 //! The blocks are solved in turn until the temperatures at the end of the step stand still.
 //!
-//! *Error control*: the parabola against the line (the error of the order below) for both blocks, and the
+//! *Error control*: the parabola against the line (the error of the order below) for both blocks, what the fast
+//! block's remainder at x1 differs from that at x_b (which alone tells where the block is stiff), and the
 //! curvature of the temperatures as the fast block saw them. A step that misses is cut; the caller's step is
 //! always met.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
@@ -49,15 +50,15 @@ pub trait System<const N: usize> {
     fn fast_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Fast;
     /// Their Jacobian with respect to (current, speed), 1/s.
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Matrix2<f64>;
-    /// Derivatives of the temperatures by conduction and convection alone, K/s.
+    /// Derivatives of the temperatures by conduction, convection and radiation alone, K/s.
     fn network_rates(&self, t: f64, temperature: &SVector<f64, N>) -> SVector<f64, N>;
     /// Their Jacobian, 1/s.
-    fn network_matrix(&self, t: f64) -> SMatrix<f64, N, N>;
+    fn network_matrix(&self, t: f64, temperature: &SVector<f64, N>) -> SMatrix<f64, N, N>;
     /// Heat capacities of the nodes, J/K.
     fn capacity(&self) -> &SVector<f64, N>;
     /// Their reciprocals, K/J.
     fn inverse_capacity(&self) -> &SVector<f64, N>;
-    /// Heat flow to the surroundings, W.
+    /// Heat flow from the nodes to the surroundings, W.
     fn ambient_flow(&self, t: f64, temperature: &SVector<f64, N>) -> f64;
     /// Heat set free in each node at one instant, W.
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> SVector<f64, N>;
@@ -94,6 +95,8 @@ pub struct Work<const N: usize> {
     pub electrical: f64,
     /// Energy delivered at the shaft.
     pub mechanical: f64,
+    /// Heat given to the surroundings without passing a node.
+    pub ambient: f64,
     /// How far a coarser rule would miss the energies that are not exact.
     pub doubt: f64,
 }
@@ -232,7 +235,7 @@ impl<const N: usize> Split<N> {
         backup: &mut Option<Self>,
     ) -> (State<N>, f64) {
         let (x0, temp0) = (state.x, state.temperature);
-        self.renew(system.fast_matrix(t, &x0, &temp0), system.network_matrix(t), h, backup);
+        self.renew(system.fast_matrix(t, &x0, &temp0), system.network_matrix(t, &temp0), h, backup);
         let (fast, thermal) = (&self.fast, &self.thermal);
         let (a, m) = (fast.matrix(), thermal.matrix());
         let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
@@ -285,6 +288,12 @@ impl<const N: usize> Split<N> {
             let bend = 0.25 * (end - temp0 - rate0 * h).amax();
             let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
             let miss = fast.curvature_error(&forcing).component_div(&size).amax();
+            // Where the block is stiff, its end is the remainder's end value over A, and the parabola and the line
+            // agree on that; what tells is how far the remainder at the end is from that at the last stage.
+            let late = system.fast_rates(t + h, &x1, &temp1) - product(a, &x1) - nb;
+            let none = Fast::zeros();
+            let late = fast.end(&none, &none, &Forcing::through(none, none, late));
+            let miss = miss + late.component_div(&size).amax();
             // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
             let miss_thermal = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
             let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
@@ -303,7 +312,7 @@ impl<const N: usize> Split<N> {
                 energy: [
                     state.energy[0] + work.electrical,
                     state.energy[1] + work.mechanical,
-                    state.energy[2] + ambient,
+                    state.energy[2] + ambient + work.ambient,
                 ],
             };
             let finite = next.x.sum() + next.temperature.sum() + next.angle;

@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each test file uses its share
 
 use declare::Group;
-use physics::effects::CoulombFriction;
+use physics::effects::{CooledNode, CoulombFriction, Draught, Effects};
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
@@ -27,6 +27,27 @@ pub fn motor(drive: DriveMode, mechanical: MechanicalMode) -> AnnulusCooledMotor
 /// Dry friction of this torque, N.m.
 pub fn friction(tau_c: f64) -> CoulombFriction {
     CoulombFriction { tau_c, w_small: 1.0 }
+}
+
+/// Every effect on, each of a size that the bench could show.
+pub fn all_effects() -> Effects {
+    let mut effects = Effects { coulomb_friction: friction(0.005), ..Effects::default() };
+    effects.viscous_friction.k = 2e-6;
+    effects.iron_loss.k = 1e-4;
+    effects.windage.k = 2e-9;
+    effects.load_dependent_friction.mu = 0.06;
+    effects.contact_drop.V_b = 0.4;
+    effects.housing_radiation.k = 6e-10;
+    effects.interface_temperature.beta = 0.004;
+    effects.forced_convection.G = 0.03;
+    effects.forced_convection.node = CooledNode::Winding;
+    effects.forced_convection.driver = Draught::FanCommand;
+    effects.fan_back_pressure.k = 0.3;
+    effects.demagnetisation.fraction = 0.1;
+    effects.demagnetisation.time = 0.25;
+    effects.ambient_drift.rate = 0.01;
+    effects.drive_loss.share = 0.12;
+    effects
 }
 
 /// How the inputs run.
@@ -147,8 +168,8 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
     for piece in 0..pieces {
         let t0 = piece as f64 * smooth;
         let (inputs, slopes) = (profile.at(&base, t0), profile.slope(&base, t0));
-        let conductance = parameters.conductance.at(inputs.fan_command);
-        let step = Step::new(&parameters, &constants, &inputs, &slopes, conductance);
+        let conductance = parameters.to_ambient(inputs.fan_command);
+        let step = Step::new(&parameters, &constants, &inputs, &slopes, conductance, t0);
         // What the inputs dictate jumps with them.
         model.inputs = inputs;
         touch(&mut model);
@@ -184,7 +205,11 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
         }
         y = *truth.last().unwrap();
     }
-    Errors { relative: std::array::from_fn(|s| if size[s] == 0.0 { error[s] } else { error[s] / size[s] }) }
+    Errors {
+        relative: std::array::from_fn(
+            |s| if size[s] <= TIGHT.absolute { error[s] } else { error[s] / size[s] },
+        ),
+    }
 }
 
 /// Lets a model see that its inputs were written directly.

@@ -1,12 +1,18 @@
 //! The equations of the motor.
 //!
-//! voltage drive     L dI/dt = V - R(T_w) I - k_t(T_m) w                                    (1)
+//! voltage drive     L dI/dt = V - R(T_w) I - V_drop(I) - k_t(T_m) w                        (1)
 //! current drive     I = I_command                                                          (2)
-//! free shaft        J dw/dt = k_t(T_m) I - tau_drag(w) - tau_load                          (3)
+//! free shaft        J dw/dt = k_t(T_m) I - tau_drag - tau_load                             (3)
 //! imposed speed     w = w_imposed                                                          (4)
-//! copper heat       Q_w = R(T_w) I^2 (+ heat_power; electrical_power in drive_mode power)  (5)
-//! friction heat     Q_h = tau_drag w                                                       (6)
+//! copper heat       Q_w = R(T_w) I^2 + V_drop(I) I (+ heat_power; electrical_power in drive_mode power) (5)
+//! friction heat     Q_h = tau_drag w, with tau_drag = tau(w) + c(w, tau_s) tau_s           (6)
 //! temperatures      components/thermal.rs (1), (2) with components/conductance.rs (1)
+//!
+//! tau_s is the torque handed to the load: tau_load on a free shaft, k_t I - tau_drag on an imposed one.
+//! V_drop, tau and c are the sums over all effects (`effects.rs`).
+//!
+//! Effects also multiply k_t and the resistance from winding to housing, add conductances to ambient and
+//! radiation, shift the ambient temperature, and take their share of electrical_power (`effects.rs`).
 //!
 //! Whoever imposes a current or a speed also feeds the energy that inductance or rotor store by it; those
 //! energies stay outside the model's books, and L dI/dt and J dw/dt outside its terminals and its shaft.
@@ -15,7 +21,10 @@
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
 //! `solver/reference.rs`, which takes [`Step::rates`].
 
-use super::{DriveMode, Inputs, MechanicalMode, Outputs, Parameters};
+mod outputs;
+
+use super::{DriveMode, Inputs, MechanicalMode, Parameters};
+use crate::effects::{Effect, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, Segment, State, System, Work};
 use nalgebra::{Matrix2, SMatrix, SVector};
@@ -107,8 +116,14 @@ pub struct Step<'a> {
     speed: Line,
     /// Heat set free in the winding without a current, W.
     heat: Line,
+    /// Heat that the drive gives to the surroundings, W.
+    drive: Line,
+    /// True temperature of the surroundings, K.
+    ambient: Line,
+    /// What is left of the torque constant, 1 for all.
+    strength: f64,
     /// Conductance to ambient, where the fan stands still over the step, W/K.
-    conductance: f64,
+    conductance: PerNode,
 }
 
 /// All that the equations say at one instant.
@@ -124,21 +139,23 @@ pub struct Point {
     pub fast: Fast,
     /// Derivatives of the temperatures, K/s.
     pub warming: Temperatures,
-    /// Heat flow to the surroundings, W.
+    /// Heat flow to the surroundings, W: from the winding, the housing, and the drive.
     pub to_ambient: f64,
     /// The books.
     pub ledger: Ledger,
 }
 
 impl<'a> Step<'a> {
-    /// The equations of a motor with its inputs on lines; `conductance` is that of the fan's command.
+    /// The equations of a motor with its inputs on lines from `time` on; `conductance` is that of the fan's
+    /// command, [`Parameters::to_ambient`]. They hold until the next event of the effects.
     #[inline]
     pub fn new(
         model: &'a Parameters,
         constants: &'a Constants,
         inputs: &'a Inputs,
         slopes: &'a Inputs,
-        conductance: f64,
+        conductance: PerNode,
+        time: f64,
     ) -> Self {
         let none = Line { start: 0.0, slope: 0.0 };
         let (u, s) = (inputs, slopes);
@@ -155,9 +172,14 @@ impl<'a> Step<'a> {
             _ => none,
         };
         let mut heat = Line { start: u.heat_power, slope: s.heat_power };
+        let mut drive = none;
         if model.choices.drive_mode == DriveMode::Power {
-            heat = Line { start: heat.start + u.electrical_power, slope: heat.slope + s.electrical_power };
+            let lost = model.effects.drive_loss();
+            drive = Line { start: lost * u.electrical_power, slope: lost * s.electrical_power };
+            heat.start += u.electrical_power - drive.start;
+            heat.slope += s.electrical_power - drive.slope;
         }
+        let drift = model.effects.ambient_sensor();
         let free = constants.inverse_j != 0.0;
         Step {
             model,
@@ -169,6 +191,12 @@ impl<'a> Step<'a> {
             load: if free { Line { start: u.load_torque, slope: s.load_torque } } else { none },
             speed: if free { none } else { Line { start: u.imposed_speed, slope: s.imposed_speed } },
             heat,
+            drive,
+            ambient: Line {
+                start: u.ambient_temperature + drift * time,
+                slope: s.ambient_temperature + drift,
+            },
+            strength: model.effects.torque_constant(time),
             conductance,
         }
     }
@@ -181,18 +209,51 @@ impl<'a> Step<'a> {
         self.constants.inverse_l != 0.0
     }
 
+    /// The torque against the motion, N.m; `k` is the torque constant.
     #[inline]
-    fn conductance_at(&self, t: f64) -> f64 {
-        if self.slopes.fan_command == 0.0 {
-            self.conductance
+    fn drag(&self, t: f64, x: &Fast, k: f64) -> f64 {
+        let effects = &self.model.effects;
+        let own = effects.drag_torque(x[1]);
+        if self.is_free() {
+            let load = self.load.at(t);
+            own + effects.load_drag(x[1], load) * load
         } else {
-            self.model.conductance.at(self.inputs.fan_command + self.slopes.fan_command * t)
+            // The friction of the load takes its share of the very torque that it leaves over.
+            let before = k * x[0] - own;
+            let share = effects.load_drag(x[1], before);
+            if share == 0.0 { own } else { own + before * (share / (1.0 + share)) }
         }
     }
 
     #[inline]
-    fn ambient(&self, t: f64) -> f64 {
-        self.inputs.ambient_temperature + self.slopes.ambient_temperature * t
+    fn conductance_at(&self, t: f64) -> PerNode {
+        if self.slopes.fan_command == 0.0 {
+            self.conductance
+        } else {
+            self.model.to_ambient(self.inputs.fan_command + self.slopes.fan_command * t)
+        }
+    }
+
+    /// Torque constant with the magnets at the housing's temperature.
+    #[inline]
+    fn torque_constant(&self, temperature: &Temperatures) -> f64 {
+        self.model.motor.torque_constant(temperature[HOUSING]) * self.strength
+    }
+
+    /// Heat flows from the nodes to the surroundings, W.
+    #[inline]
+    fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
+        let (conductance, ambient) = (self.conductance_at(t), self.ambient.at(t));
+        PerNode {
+            winding: conductance.winding * (temperature[WINDING] - ambient),
+            housing: conductance.housing * (temperature[HOUSING] - ambient)
+                + self.model.effects.housing_to_ambient(temperature[HOUSING], ambient),
+        }
+    }
+
+    /// Power lost in the drive at the start of the step, W.
+    pub fn drive_loss(&self) -> f64 {
+        self.drive.start
     }
 
     /// The inputs after `t` seconds on their lines.
@@ -225,16 +286,19 @@ impl<'a> Step<'a> {
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
-        let (r, k) = (motor.resistance(t_w), motor.torque_constant(t_h));
-        let drag = self.model.effects.drag_torque(w);
+        let (r, k) = (motor.resistance(t_w), self.torque_constant(temperature));
+        let lost = self.model.effects.terminal_voltage(i);
+        let drag = self.drag(t, x, k);
         let fast = self.fast_rates(t, x, temperature);
-        let voltage = if self.is_voltage_driven() { self.voltage.at(t) } else { r * i + k * w };
+        let voltage = if self.is_voltage_driven() { self.voltage.at(t) } else { r * i + lost + k * w };
         let shaft_torque = if self.is_free() { self.load.at(t) } else { k * i - drag };
-        let to_ambient = self.ambient_flow(t, temperature);
-        let across = self.model.thermal.winding_to_housing(t_w, t_h);
+        let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t));
+        let insulation = self.model.effects.winding_housing_resistance(t_w);
+        let across = self.model.thermal.winding_to_housing(t_w, t_h) / insulation;
 
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Winding, r * i * i);
+        ledger.transfer(Terminals, Winding, lost * i);
         ledger.transfer(Terminals, Winding, self.heat.at(t));
         ledger.transfer(Terminals, AirGap, k * w * i);
         ledger.transfer(AirGap, Housing, drag * w);
@@ -246,16 +310,19 @@ impl<'a> Step<'a> {
             ledger.transfer(AirGap, Kinetic, motor.J * w * fast[1]);
         }
         ledger.transfer(Winding, Housing, across);
-        ledger.transfer(Housing, Ambient, to_ambient);
+        ledger.transfer(Winding, Ambient, leaving.winding);
+        ledger.transfer(Housing, Ambient, leaving.housing);
+        ledger.transfer(Terminals, Ambient, drive);
 
         let warming = self.network_rates(t, temperature)
             + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
+        let to_ambient = self.ambient_flow(t, temperature) + drive;
         Point { voltage, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 
     /// Power taken in at one instant: at the terminals and as heat, W.
     fn power_in(&self, t: f64, point: &Point, x: &Fast) -> f64 {
-        point.voltage * x[0] + self.heat.at(t)
+        point.voltage * x[0] + self.heat.at(t) + self.drive.at(t)
     }
 
     /// Derivatives of all states, for an integrator that knows nothing of the split.
@@ -269,60 +336,6 @@ impl<'a> Step<'a> {
         let power = self.power_in(t, &p, &x);
         [p.fast[0], p.fast[1], y[1], p.warming[0], p.warming[1], power, p.shaft_torque * y[1], p.to_ambient]
     }
-
-    /// The outputs at the start of the step.
-    pub fn outputs(&self, state: &State<NODES>, stored_at_start: f64) -> Outputs {
-        use Account::*;
-        let model = self.model;
-        let (x, temperature) = (&state.x, &state.temperature);
-        let (i, w) = (x[0], x[1]);
-        let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
-        let p = self.point(0.0, x, temperature);
-        let capacity = self.capacity();
-        let power_balance_error = p.ledger.error(&[
-            (Terminals, -self.power_in(0.0, &p, x)),
-            (AirGap, 0.0),
-            (Shaft, p.shaft_torque * w),
-            (Winding, capacity[WINDING] * p.warming[WINDING]),
-            (Housing, capacity[HOUSING] * p.warming[HOUSING]),
-        ]);
-        let [energy_in, energy_out, energy_heat] = state.energy;
-        let r = model.motor.resistance(t_w);
-        let copper = r * i * i;
-        let (electrical, copper) = match model.choices.drive_mode {
-            DriveMode::Power => (self.inputs.electrical_power, copper + self.inputs.electrical_power),
-            _ => (p.voltage * i, copper),
-        };
-        Outputs {
-            current: i,
-            shaft_angle: state.angle,
-            shaft_speed: w,
-            shaft_torque: p.shaft_torque,
-            winding_temperature: t_w,
-            stator_temperature: t_h,
-            magnet_temperature: t_h,
-            housing_temperature: t_h,
-            winding_resistance: r,
-            torque_constant: model.motor.torque_constant(t_h),
-            power_electrical: electrical,
-            power_mechanical: p.shaft_torque * w,
-            loss_copper: copper,
-            loss_friction: p.drag * w,
-            heat_to_ambient: p.to_ambient,
-            power_balance_error,
-            winding_margin: model.thermal.T_w_max - t_w,
-            over_temperature: t_w > model.thermal.T_w_max,
-            torque_density: p.shaft_torque / model.motor.mass,
-            terminal_voltage: p.voltage,
-            energy_electrical: energy_in,
-            energy_mechanical: energy_out,
-            energy_heat_to_ambient: energy_heat,
-            energy_balance_error: energy_in
-                - energy_out
-                - energy_heat
-                - (self.stored(state) - stored_at_start),
-        }
-    }
 }
 
 impl System<NODES> for Step<'_> {
@@ -330,15 +343,16 @@ impl System<NODES> for Step<'_> {
     fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
-        let k = motor.torque_constant(temperature[HOUSING]);
+        let k = self.torque_constant(temperature);
         let di = if self.is_voltage_driven() {
-            (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - k * w)
+            let lost = self.model.effects.terminal_voltage(i);
+            (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - lost - k * w)
                 * self.constants.inverse_l
         } else {
             self.current.slope
         };
         let dw = if self.is_free() {
-            (k * i - self.model.effects.drag_torque(w) - self.load.at(t)) * self.constants.inverse_j
+            (k * i - self.drag(t, x, k) - self.load.at(t)) * self.constants.inverse_j
         } else {
             self.speed.slope
         };
@@ -346,28 +360,46 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline]
-    fn fast_matrix(&self, _t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
-        let motor = &self.model.motor;
-        let r = motor.resistance(temperature[WINDING]);
-        let k = motor.torque_constant(temperature[HOUSING]);
-        let slope = if self.is_free() { self.model.effects.drag_torque_slope(x[1]) } else { 0.0 };
+    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
+        let (motor, effects) = (&self.model.motor, &self.model.effects);
+        let r = motor.resistance(temperature[WINDING]) + effects.terminal_voltage_slope(x[0]);
+        let k = self.torque_constant(temperature);
+        let slope = if self.is_free() {
+            let load = self.load.at(t);
+            effects.drag_torque_slope(x[1]) + effects.load_drag_slope(x[1], load) * load
+        } else {
+            0.0
+        };
         let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
         Matrix2::new(-r * l, -k * l, k * j, -slope * j)
     }
 
     #[inline]
     fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
-        let across = self.constants.across * (temperature[WINDING] - temperature[HOUSING]);
-        let gain = Temperatures::new(-across, across - self.ambient_flow(t, temperature));
+        let insulation = self.model.effects.winding_housing_resistance(temperature[WINDING]);
+        let across = self.constants.across * (temperature[WINDING] - temperature[HOUSING]) / insulation;
+        let leaving = self.leaving(t, temperature);
+        let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
         gain.component_mul(&self.constants.inverse_capacity)
     }
 
     #[inline]
-    fn network_matrix(&self, t: f64) -> SMatrix<f64, NODES, NODES> {
+    fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
+        let effects = &self.model.effects;
+        let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
+        // What crosses from winding to housing grows with T_w by `hot` and falls with T_h by `cold`.
+        let insulation = effects.winding_housing_resistance(t_w);
+        let cold = self.constants.across / insulation;
+        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) / insulation;
+        let conductance = self.conductance_at(t);
+        let from_housing = conductance.housing + effects.housing_to_ambient_slope(t_h, self.ambient.at(t));
         let per_kelvin = self.constants.inverse_capacity;
-        let (w, h) =
-            (self.constants.across * per_kelvin[WINDING], self.constants.across * per_kelvin[HOUSING]);
-        Matrix2::new(-w, w, h, -h - self.conductance_at(t) * per_kelvin[HOUSING])
+        Matrix2::new(
+            (-hot - conductance.winding) * per_kelvin[WINDING],
+            cold * per_kelvin[WINDING],
+            hot * per_kelvin[HOUSING],
+            (-cold - from_housing) * per_kelvin[HOUSING],
+        )
     }
 
     #[inline]
@@ -382,14 +414,17 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn ambient_flow(&self, t: f64, temperature: &Temperatures) -> f64 {
-        self.conductance_at(t) * (temperature[HOUSING] - self.ambient(t))
+        let leaving = self.leaving(t, temperature);
+        leaving.winding + leaving.housing
     }
 
     #[inline]
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
         let (i, w) = (x[0], x[1]);
-        let copper = self.model.motor.resistance(temperature[WINDING]) * i * i;
-        Temperatures::new(copper + self.heat.at(t), self.model.effects.drag_torque(w) * w)
+        let motor = &self.model.motor;
+        let volts = motor.resistance(temperature[WINDING]) * i + self.model.effects.terminal_voltage(i);
+        let drag = self.drag(t, x, self.torque_constant(temperature));
+        Temperatures::new(volts * i + self.heat.at(t), drag * w)
     }
 
     /// The energies of one step. All but the friction heat follow from integrals that are exact for the fast
@@ -402,15 +437,18 @@ impl System<NODES> for Step<'_> {
         let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
         // A line times the solution: value at the step's start by the integral, slope by the moment.
         let line = |l: &Line, k: usize| l.at(t) * segment.integral[k] + l.slope * segment.moment[k];
-        let k_t = |n: usize| motor.torque_constant(segment.temperature[n][HOUSING]);
+        let k_t = |n: usize| self.torque_constant(&segment.temperature[n]);
 
-        // Simpson's rule for what the drag adds to its value at the end; that value times the exact angle.
-        let drag_end = effects.drag_torque(x1[1]);
-        let beyond = |w: f64| (effects.drag_torque(w) - drag_end) * w;
-        let (beyond_start, beyond_middle) = (beyond(x0[1]), beyond(xm[1]));
-        let extra = simpson(beyond_start, beyond_middle, 0.0);
-        let doubt = (extra - 0.5 * h * beyond_start).abs();
-        let friction = drag_end * segment.integral[1] + extra;
+        // The integral of f times current or speed: the value at the end times their exact integral, and what f
+        // differs from it by Simpson's rule; with it, how far the trapezoidal rule would miss.
+        let against = |f: [f64; 3], k: usize| {
+            let beyond = |n: usize| (f[n] - f[2]) * segment.x[n][k];
+            let start = beyond(0);
+            let extra = simpson(start, beyond(1), 0.0);
+            (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * start).abs())
+        };
+        let drag = |n: usize, at: f64| self.drag(at, &segment.x[n], k_t(n));
+        let (friction, mut doubt) = against([drag(0, t), drag(1, t + 0.5 * h), drag(2, t + h)], 1);
         let (air_gap, mechanical) = if self.is_free() {
             let load = line(&self.load, 1);
             (self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction, load)
@@ -423,19 +461,23 @@ impl System<NODES> for Step<'_> {
             };
             (air_gap, air_gap - friction)
         };
-        let heat = simpson(self.heat.at(t), self.heat.at(t + 0.5 * h), self.heat.at(t + h));
+        let heat = h * self.heat.at(t + 0.5 * h);
+        let drive = h * self.drive.at(t + 0.5 * h);
         let (copper, electrical) = if self.is_voltage_driven() {
             let electrical = line(&self.voltage, 0);
             (electrical - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, electrical)
         } else {
             let r = |n: usize| motor.resistance(segment.temperature[n][WINDING]);
             let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
-            (copper, copper + air_gap)
+            let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
+            doubt += doubt_of_drop;
+            (copper + drop, copper + drop + air_gap)
         };
         Work {
             heat: Temperatures::new(copper + heat, friction),
-            electrical: electrical + heat,
+            electrical: electrical + heat + drive,
             mechanical,
+            ambient: drive,
             doubt,
         }
     }

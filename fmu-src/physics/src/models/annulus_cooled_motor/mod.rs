@@ -12,7 +12,7 @@ pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Out
 use crate::components::conductance::Conductance;
 use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
-use crate::effects::Effects;
+use crate::effects::{Effect, Effects, IMMINENT, PerNode};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
 use crate::solver::split::{Fast, Split, State};
@@ -41,6 +41,17 @@ groups! {
     } then effects: Effects
 }
 
+impl Parameters {
+    /// Conductances to ambient at the fan command `n`, W/K.
+    #[inline]
+    pub fn to_ambient(&self, n: f64) -> PerNode {
+        let n = self.effects.fan_flow(n);
+        let mut conductance = self.effects.ambient_conductance(Conductance::share(n));
+        conductance.housing += self.conductance.at(n);
+        conductance
+    }
+}
+
 /// The motor: parameters, inputs, and the state it has reached.
 #[derive(Clone, Debug)]
 pub struct AnnulusCooledMotor {
@@ -51,7 +62,7 @@ pub struct AnnulusCooledMotor {
     pub parameters: Parameters,
     constants: Constants,
     /// The fan command and the conductance that belongs to it: a power costs as much as half a step.
-    fan: (f64, f64),
+    fan: (f64, PerNode),
     slopes: Inputs,
     time: f64,
     state: State<NODES>,
@@ -81,7 +92,7 @@ impl Default for AnnulusCooledMotor {
             outputs: Outputs::default(),
             parameters,
             constants: Constants::of(&parameters),
-            fan: (f64::NAN, f64::NAN),
+            fan: (f64::NAN, PerNode::default()),
             slopes: Inputs::ZERO,
             time: 0.0,
             state: State {
@@ -120,13 +131,13 @@ impl AnnulusCooledMotor {
     /// The equations over the next step, with the inputs on their slopes.
     pub fn step_equations(&mut self) -> Step<'_> {
         let conductance = self.conductance();
-        Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance)
+        Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance, self.time)
     }
 
     #[inline]
-    fn conductance(&mut self) -> f64 {
+    fn conductance(&mut self) -> PerNode {
         if self.fan.0 != self.inputs.fan_command {
-            self.fan = (self.inputs.fan_command, self.parameters.conductance.at(self.inputs.fan_command));
+            self.fan = (self.inputs.fan_command, self.parameters.to_ambient(self.inputs.fan_command));
         }
         self.fan.1
     }
@@ -134,7 +145,7 @@ impl AnnulusCooledMotor {
     /// Draws the consequences of parameters that were written.
     fn follow_parameters(&mut self) {
         self.constants = Constants::of(&self.parameters);
-        self.fan = (f64::NAN, f64::NAN);
+        self.fan = (f64::NAN, PerNode::default());
     }
 
     fn refresh_outputs(&mut self) {
@@ -158,6 +169,31 @@ impl AnnulusCooledMotor {
             MechanicalMode::ImposedSpeed => self.state.x[1] = self.inputs.imposed_speed,
         }
         self.outputs_are_stale = true;
+    }
+}
+
+impl AnnulusCooledMotor {
+    /// A step without an event in it.
+    #[inline]
+    fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        let conductance = self.conductance();
+        let step =
+            Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance, time);
+        self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
+            Fault(format!(
+                "The motor's equations have no solution {} s after {} s even with steps of {} s \
+                 (current {} A, speed {} rad/s, winding {} K).",
+                stuck.t, time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
+            ))
+        })?;
+        if self.slopes != Inputs::ZERO {
+            self.inputs = step.inputs_at(h);
+            self.slopes = Inputs::ZERO;
+            self.follow_inputs();
+        }
+        self.time = time + h;
+        self.outputs_are_stale = true;
+        Ok(())
     }
 }
 
@@ -200,7 +236,7 @@ impl Model for AnnulusCooledMotor {
 
     fn start(&mut self, time: f64) -> Result<(), Fault> {
         self.time = time;
-        let ambient = self.inputs.ambient_temperature;
+        let ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
         self.state = State {
             x: Fast::zeros(),
             angle: 0.0,
@@ -216,23 +252,22 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        let conductance = self.conductance();
-        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance);
-        self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
-            Fault(format!(
-                "The motor's equations have no solution {} s after {} s even with steps of {} s \
-                 (current {} A, speed {} rad/s, winding {} K).",
-                stuck.t, time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
-            ))
-        })?;
-        if self.slopes != Inputs::ZERO {
-            self.inputs = step.inputs_at(h);
-            self.slopes = Inputs::ZERO;
-            self.follow_inputs();
+        let end = time + h;
+        let event = self.parameters.effects.next_event(time);
+        if event < end - IMMINENT {
+            // An event within the step: up to it and on from it, or nothing of both.
+            let (before, slopes) = (self.clone(), self.slopes);
+            let outcome = self.advance(time, event - time).and_then(|()| {
+                self.slopes = slopes;
+                self.step(event, end - event)
+            });
+            match outcome {
+                Ok(()) => self.time = end,
+                Err(_) => *self = before,
+            }
+            return outcome;
         }
-        self.time = time + h;
-        self.outputs_are_stale = true;
-        Ok(())
+        self.advance(time, h)
     }
 
     fn time(&self) -> f64 {

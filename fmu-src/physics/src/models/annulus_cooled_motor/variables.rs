@@ -61,9 +61,9 @@ variables! {
         imposed_speed: f64 = Variable::input(5, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(1000.0),
         /// Command to the fan, 0 off, 1 full speed
         fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0),
-        /// Temperature of the surroundings; every node starts at it
+        /// Temperature of the surroundings as shown; every node starts at the true one
         ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0),
-        /// Electrical power that heats the winding (drive_mode power)
+        /// Electrical power that heats the winding, less what the drive loses (drive_mode power)
         electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, 0.0, 1e6).nominal(10.0),
         /// Further heat set free in the winding
         heat_power: f64 = Variable::input(10, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
@@ -97,11 +97,15 @@ variables! {
         power_electrical: f64 = Variable::output(33, Unit::Watt).nominal(10.0),
         /// Power given to the load
         power_mechanical: f64 = Variable::output(34, Unit::Watt).nominal(10.0),
-        /// Heat set free in the winding's copper
+        /// Heat set free in the winding by its current: copper, and what contacts lose
         loss_copper: f64 = Variable::output(35, Unit::Watt).nominal(10.0),
-        /// Friction power, which heats the housing
+        /// Share of loss_friction that is lost in the iron
+        loss_iron: f64 = Variable::output(36, Unit::Watt).nominal(10.0),
+        /// Power of all drags, which heats the housing
         loss_friction: f64 = Variable::output(37, Unit::Watt).nominal(10.0),
-        /// Heat flow to the surroundings
+        /// Power lost in the drive, which heats the surroundings (drive_mode power)
+        loss_drive: f64 = Variable::output(38, Unit::Watt).nominal(10.0),
+        /// Heat flow to the surroundings, that of the drive included
         heat_to_ambient: f64 = Variable::output(39, Unit::Watt).nominal(10.0),
         /// Power that the books miss at this instant; zero but for rounding
         power_balance_error: f64 = Variable::output(40, Unit::Watt),

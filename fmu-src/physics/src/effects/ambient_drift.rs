@@ -1,0 +1,36 @@
+//! A sensor of the ambient temperature that drifts.
+//!
+//! T_a = T_shown + rate time                                                                (1)
+//!
+//! The input `ambient_temperature` is what the sensor shows; the motor feels T_a.
+//! *Assumes* a drift linear in time, zero at time 0. *Neglects* everything else about the sensor.
+//! *Sign*: rate > 0 means that the surroundings get warmer than shown. *Source*: contract of the bench.
+
+use super::Effect;
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Drift of the ambient sensor.
+    pub struct AmbientDrift {
+        /// How fast the true ambient temperature runs away from the shown one; 0 switches the effect off
+        rate: f64 = Variable::tunable(0, 0.0, Unit::KelvinPerSecond, -1.0, 1.0).nominal(1e-3).difference(),
+    }
+}
+
+impl Effect for AmbientDrift {
+    #[inline]
+    fn ambient_sensor(&self) -> f64 {
+        self.rate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rate_is_the_rate() {
+        assert_eq!(AmbientDrift { rate: -2e-3 }.ambient_sensor(), -2e-3);
+        assert_eq!(AmbientDrift::default().ambient_sensor(), 0.0);
+    }
+}

@@ -1,0 +1,54 @@
+//! Magnets that have lost some of their strength.
+//!
+//! k_t -> k_t (1 - fraction) from time on                                                   (1)
+//!
+//! The torque constant and, by reciprocity, the back-EMF constant step at once; current, speed and temperatures
+//! are continuous. It is an event in time: a step of the caller's that contains it is cut there.
+//! *Assumes* a loss that is sudden and for good. *Neglects* what caused it.
+//! *Sign*: fraction > 0 weakens the motor. *Source*: irreversible loss of Nd-Fe-B beyond its knee.
+
+use super::{Effect, IMMINENT};
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Loss of magnetisation.
+    pub struct Demagnetisation {
+        /// Share of the torque constant that is lost; 0 switches the effect off
+        fraction: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.99).nominal(0.1),
+        /// Time of the loss; 0 or less: from the start
+        time: f64 = Variable::tunable(1, 0.0, Unit::Second, -1e9, 1e9).nominal(1000.0),
+    }
+}
+
+impl Effect for Demagnetisation {
+    #[inline]
+    fn torque_constant(&self, time: f64) -> f64 {
+        if self.fraction == 0.0 || self.time > time + IMMINENT { 1.0 } else { 1.0 - self.fraction }
+    }
+
+    #[inline]
+    fn next_event(&self, time: f64) -> f64 {
+        if self.fraction == 0.0 || self.time <= time + IMMINENT { f64::INFINITY } else { self.time }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_at_its_time() {
+        let lost = Demagnetisation { fraction: 0.2, time: 5.0 };
+        assert_eq!((lost.torque_constant(4.999), lost.torque_constant(5.0)), (1.0, 0.8));
+        // A time that rounding keeps a hair below the event counts as the event's.
+        assert_eq!(lost.torque_constant(5.0 - 1e-12), 0.8);
+        assert_eq!((lost.next_event(0.0), lost.next_event(5.0)), (5.0, f64::INFINITY));
+    }
+
+    #[test]
+    fn off_by_default_and_without_an_event() {
+        let off = Demagnetisation { fraction: 0.0, time: 5.0 };
+        assert_eq!((off.torque_constant(9.0), off.next_event(0.0)), (1.0, f64::INFINITY));
+        assert_eq!(Demagnetisation::default().fraction, 0.0);
+    }
+}

@@ -1,0 +1,37 @@
+//! Power that the drive loses before it reaches the winding.
+//!
+//! Q_w = (1 - share) P,   Q_drive = share P                                                 (1)
+//!
+//! Acts in drive_mode power, where P is the input `electrical_power`; the drive stands apart from the motor, so
+//! its heat goes straight to the surroundings.
+//! *Assumes* a share that does not depend on the power. *Neglects* the drive's own heat capacity.
+//! *Sign*: share > 0 leaves the winding cooler. *Source*: definition of an efficiency.
+
+use super::Effect;
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Loss of the drive.
+    pub struct DriveLoss {
+        /// Share of electrical_power that is lost in the drive; 0 switches the effect off
+        share: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 1.0).nominal(0.1),
+    }
+}
+
+impl Effect for DriveLoss {
+    #[inline]
+    fn drive_loss(&self) -> f64 {
+        self.share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_is_the_share() {
+        assert_eq!(DriveLoss { share: 0.15 }.drive_loss(), 0.15);
+        assert_eq!(DriveLoss::default().drive_loss(), 0.0);
+    }
+}

@@ -1,0 +1,78 @@
+//! A further conductance to ambient.
+//!
+//! Q_flow = G s (T - T_a),   T that of the housing or of the winding                        (1)
+//!
+//! s = 1 where it is constant (a draught, a mount), or n^0.8 where it follows the fan (components/conductance.rs).
+//! *Assumes* that it does not depend on temperature. *Neglects* the warming of the air on its way.
+//! *Sign*: Q_flow > 0 leaves the motor. *Source*: as components/conductance.rs.
+
+use super::{Effect, PerNode};
+use declare::{Unit, Variable, enumeration, variables};
+
+enumeration! {
+    /// What forced convection cools.
+    pub enum CooledNode {
+        /// The housing.
+        Housing = 1, "housing";
+        /// The winding, by air inside the motor.
+        Winding = 2, "winding";
+    }
+}
+
+enumeration! {
+    /// What drives forced convection.
+    pub enum Draught {
+        /// Always the same.
+        Constant = 1, "constant";
+        /// As the fan's flow, fan_command^0.8.
+        FanCommand = 2, "fan_command";
+    }
+}
+
+variables! {
+    /// Convection beyond that of the cooling.
+    pub struct ForcedConvection {
+        /// Conductance to ambient (driver fan_command: at full speed); 0 switches the effect off
+        G: f64 = Variable::tunable(0, 0.0, Unit::WattPerKelvin, 0.0, 1e4).nominal(0.05),
+        /// The node that is cooled
+        node: CooledNode = Variable::choice(1, 1),
+        /// What the conductance depends on
+        driver: Draught = Variable::choice(2, 1),
+    }
+}
+
+impl Effect for ForcedConvection {
+    #[inline]
+    fn ambient_conductance(&self, flow: f64) -> PerNode {
+        let mut conductance = PerNode::default();
+        if self.G == 0.0 {
+            return conductance;
+        }
+        let g = match self.driver {
+            Draught::Constant => self.G,
+            Draught::FanCommand => self.G * flow,
+        };
+        match self.node {
+            CooledNode::Housing => conductance.housing = g,
+            CooledNode::Winding => conductance.winding = g,
+        }
+        conductance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_the_node_and_with_the_driver_that_are_chosen() {
+        let mut forced = ForcedConvection { G: 0.2, ..ForcedConvection::default() };
+        assert_eq!(forced.ambient_conductance(0.5), PerNode { winding: 0.0, housing: 0.2 });
+        forced.driver = Draught::FanCommand;
+        assert_eq!(forced.ambient_conductance(0.5), PerNode { winding: 0.0, housing: 0.1 });
+        forced.node = CooledNode::Winding;
+        assert_eq!(forced.ambient_conductance(0.5), PerNode { winding: 0.1, housing: 0.0 });
+        assert_eq!(forced.ambient_conductance(0.0), PerNode::default());
+        assert_eq!(ForcedConvection::default().ambient_conductance(1.0), PerNode::default());
+    }
+}

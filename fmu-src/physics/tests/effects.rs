@@ -1,0 +1,211 @@
+//! What single effects do to the motor as a whole, against numbers computed by hand.
+
+mod common;
+use common::motor;
+use physics::effects::{CooledNode, Draught};
+use physics::model::Model;
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
+
+fn output(m: &mut AnnulusCooledMotor, name: &str) -> f64 {
+    let slot = m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot;
+    m.get(slot)
+}
+
+fn set(m: &mut AnnulusCooledMotor, name: &str, value: f64, slope: f64) {
+    let slot = m.declaration().by_name(name).unwrap().slot;
+    assert!(m.set(slot, value));
+    m.set_slope(slot, slope);
+}
+
+/// 5 A imposed at this speed, rad/s.
+fn running(speed: f64) -> AnnulusCooledMotor {
+    let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);
+    (m.inputs.current_command, m.inputs.imposed_speed) = (5.0, speed);
+    m
+}
+
+/// 10 W of heat for a long time.
+fn heated(prepare: impl Fn(&mut AnnulusCooledMotor)) -> AnnulusCooledMotor {
+    let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
+    m.inputs.electrical_power = 10.0;
+    prepare(&mut m);
+    m.start(0.0).unwrap();
+    for _ in 0..100 {
+        m.step(m.time(), 1000.0).unwrap();
+    }
+    m
+}
+
+fn close(got: f64, wanted: f64, tolerance: f64) {
+    assert!((got - wanted).abs() <= tolerance, "{got} instead of {wanted}");
+}
+
+/// 2e-4 sqrt(900) = 6 mN.m of iron and 1e-9 900^2 = 0.81 mN.m of air: 5.4 W and 0.729 W.
+#[test]
+fn iron_and_air_brake_and_heat() {
+    let mut m = running(900.0);
+    m.parameters.effects.iron_loss.k = 2e-4;
+    m.parameters.effects.windage.k = 1e-9;
+    m.start(0.0).unwrap();
+    close(output(&mut m, "loss_iron"), 5.4, 5e-6);
+    close(output(&mut m, "loss_friction"), 6.129, 5e-6);
+    close(output(&mut m, "shaft_torque"), 5.0 * 0.0276 - 6.81e-3, 1e-8);
+}
+
+/// mu = 0.06: a driving motor keeps 1/1.06 of its torque for the load, a braking one takes 1/0.94.
+#[test]
+fn friction_of_the_load_drives_and_brakes() {
+    for (speed, share) in [(500.0, 1.0 / 1.06), (-500.0, 1.0 / 0.94)] {
+        let mut m = running(speed);
+        m.parameters.effects.load_dependent_friction.mu = 0.06;
+        m.start(0.0).unwrap();
+        let torque = 5.0 * 0.0276 * share;
+        close(output(&mut m, "shaft_torque"), torque, 1e-15);
+        close(output(&mut m, "loss_friction"), 0.06 * torque * 500.0, 1e-12);
+    }
+    // On a free shaft the load is the torque handed over: 6 % of it brakes.
+    let mut m = motor(DriveMode::Current, MechanicalMode::FreeShaft);
+    (m.inputs.current_command, m.inputs.load_torque) = (5.0, 0.1);
+    m.parameters.effects.load_dependent_friction.mu = 0.06;
+    m.start(0.0).unwrap();
+    m.step(0.0, 0.1).unwrap();
+    let (k_t, w) = (output(&mut m, "torque_constant"), output(&mut m, "shaft_speed"));
+    close(w, (5.0 * k_t - 0.106) / 33.3e-7 * 0.1, 1e-3 * w);
+    close(output(&mut m, "loss_friction"), 0.006 * w, 1e-12 * w);
+}
+
+/// The drop adds to the terminals' voltage, whichever way the current runs, and heats the winding.
+#[test]
+fn the_contacts_take_volts() {
+    for amperes in [5.0, -5.0] {
+        let mut m = running(0.0);
+        m.inputs.current_command = amperes;
+        m.parameters.effects.contact_drop.V_b = 0.8;
+        m.start(0.0).unwrap();
+        close(output(&mut m, "terminal_voltage"), (5.0 * 0.386 + 0.8) * amperes.signum(), 1e-14);
+        close(output(&mut m, "loss_copper"), 25.0 * 0.386 + 4.0, 1e-13);
+    }
+    // A voltage below the drop drives little: the passage's slope, 0.8 V / 0.05 A, stands in its way.
+    let mut m = motor(DriveMode::Voltage, MechanicalMode::ImposedSpeed);
+    m.parameters.effects.contact_drop.V_b = 0.8;
+    m.inputs.voltage = 0.2;
+    m.start(0.0).unwrap();
+    m.step(0.0, 1.0).unwrap();
+    let i = output(&mut m, "current");
+    close(0.386 * i + 0.8 * (i / 0.05f64).tanh(), 0.2, 1e-6);
+}
+
+/// In balance at 10 W: G (T_h - T_a) + k (T_h^4 - T_a^4) = 10 W.
+#[test]
+fn radiation_cools() {
+    let mut m = heated(|m| m.parameters.effects.housing_radiation.k = 6e-10);
+    let t_h = output(&mut m, "housing_temperature");
+    close(0.1351 * (t_h - 298.15) + 6e-10 * (t_h.powi(4) - 298.15f64.powi(4)), 10.0, 1e-7);
+    close(output(&mut m, "heat_to_ambient"), 10.0, 1e-7);
+    assert!(t_h < 298.15 + 10.0 / 0.1351 - 10.0);
+}
+
+/// In balance at 10 W: T_w - T_h = 10 W R_wh [1 + beta (T_w - 298.15)].
+#[test]
+fn the_interface_insulates() {
+    let mut m = heated(|m| m.parameters.effects.interface_temperature.beta = 0.004);
+    let (t_w, t_h) = (output(&mut m, "winding_temperature"), output(&mut m, "housing_temperature"));
+    close(t_w - t_h, 2.1 * (1.0 + 0.004 * (t_w - 298.15)), 1e-6);
+}
+
+/// In balance at 10 W with half the fan that has lost 15 % of its flow, and air on the winding as well.
+#[test]
+fn air_on_the_winding_and_a_tired_fan() {
+    let mut m = heated(|m| {
+        m.inputs.fan_command = 0.5;
+        let effects = &mut m.parameters.effects;
+        effects.fan_back_pressure.k = 0.3;
+        effects.forced_convection.G = 0.1;
+        effects.forced_convection.node = CooledNode::Winding;
+        effects.forced_convection.driver = Draught::FanCommand;
+    });
+    let flow = 0.425f64.powf(0.8);
+    let rise = |m: &mut AnnulusCooledMotor, node: &str| output(m, node) - 298.15;
+    let (w, h) = (rise(&mut m, "winding_temperature"), rise(&mut m, "housing_temperature"));
+    close(0.1 * flow * w + (w - h) / 0.21, 10.0, 1e-7);
+    close((w - h) / 0.21, (0.1351 + 0.35 * flow) * h, 1e-7);
+    close(output(&mut m, "heat_to_ambient"), 10.0, 1e-7);
+}
+
+/// 12 % of 10 W stay in the drive; the winding gets 8.8 W, the surroundings 10 W in the end.
+#[test]
+fn the_drive_keeps_its_share() {
+    let mut m = heated(|m| m.parameters.effects.drive_loss.share = 0.12);
+    close(output(&mut m, "loss_drive"), 1.2, 1e-15);
+    close(output(&mut m, "loss_copper"), 8.8, 1e-14);
+    close(output(&mut m, "power_electrical"), 10.0, 0.0);
+    close(output(&mut m, "heat_to_ambient"), 10.0, 1e-7);
+    close(output(&mut m, "housing_temperature"), 298.15 + 8.8 / 0.1351, 1e-6);
+}
+
+/// The sensor shows 25 degC for good; the room gains 1 mK each second, and an idle motor lags G and C behind.
+#[test]
+fn the_room_runs_away_from_what_is_shown() {
+    let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
+    m.parameters.effects.ambient_drift.rate = 1e-3;
+    m.start(100.0).unwrap();
+    close(m.state().temperature[1], 298.25, 1e-12);
+    for _ in 0..40 {
+        m.step(m.time(), 1000.0).unwrap();
+    }
+    // The whole capacity, 159.45 J/K, warms by 1 mK/s: 0.15945 W come in, 1.18 K below the room.
+    close(output(&mut m, "heat_to_ambient"), -0.159_45, 1e-9);
+    close(output(&mut m, "housing_temperature"), 298.15 + 40.1 - 0.159_45 / 0.1351, 1e-6);
+}
+
+/// Step of the runs with an event, s: times and volts on the way are exact in binary.
+const H: f64 = 1.0 / 1024.0;
+
+/// A tenth of the torque constant is lost in the middle of the fifth step.
+fn weakening() -> AnnulusCooledMotor {
+    let mut m = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
+    m.parameters.effects.demagnetisation.fraction = 0.1;
+    m.parameters.effects.demagnetisation.time = 4.5 * H;
+    m.start(0.0).unwrap();
+    m
+}
+
+/// Steps to `at` plus `h` with the volts on a ramp.
+fn ramp(m: &mut AnnulusCooledMotor, h: f64) {
+    let at = m.time();
+    set(m, "voltage", 8.0 + 256.0 * at, 256.0);
+    m.step(at, h).unwrap();
+}
+
+#[test]
+fn a_step_is_cut_where_the_magnets_weaken() {
+    let (mut whole, mut cut) = (weakening(), weakening());
+    for _ in 0..4 {
+        ramp(&mut whole, H);
+        ramp(&mut cut, H);
+    }
+    let before = output(&mut whole, "torque_constant");
+    ramp(&mut whole, H);
+    let end = cut.time() + H;
+    ramp(&mut cut, 0.5 * H);
+    ramp(&mut cut, 0.5 * H);
+    assert_eq!((whole.time(), cut.time()), (end, end));
+    assert_eq!(whole.state(), cut.state());
+    close(output(&mut whole, "torque_constant") / before, 0.9, 1e-5);
+}
+
+/// Taken back to before the event, the motor goes the same way again, to the bit.
+#[test]
+fn a_rollback_over_the_event_is_exact() {
+    let mut m = weakening();
+    (0..3).for_each(|_| ramp(&mut m, H));
+    let mut saved = Vec::new();
+    m.save(&mut saved);
+    let mut bits = || {
+        (0..4).for_each(|_| ramp(&mut m, H));
+        let bits: Vec<u64> = m.state().to_numbers().chain([m.time()]).map(f64::to_bits).collect();
+        assert!(m.restore(&saved));
+        bits
+    };
+    assert_eq!(bits(), bits());
+}
