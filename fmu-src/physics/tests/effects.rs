@@ -1,10 +1,11 @@
 //! What single effects do to the motor as a whole, against numbers computed by hand.
 
 mod common;
-use common::motor;
+use common::{all_effects, motor};
 use physics::effects::{CooledNode, Draught};
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode, Temperatures};
+use physics::solver::split::{Fast, System};
 
 fn output(m: &mut AnnulusCooledMotor, name: &str) -> f64 {
     let slot = m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot;
@@ -208,4 +209,28 @@ fn a_rollback_over_the_event_is_exact() {
         bits
     };
     assert_eq!(bits(), bits());
+}
+
+/// The matrices that the integrator freezes, with every effect on, against differences of the rates.
+#[test]
+fn the_matrices_are_the_derivatives() {
+    let mut m = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
+    m.parameters.effects = all_effects();
+    (m.inputs.load_torque, m.inputs.fan_command) = (0.05, 0.5);
+    m.start(0.0).unwrap();
+    let step = m.step_equations();
+    let (x, temperature) = (Fast::new(0.03, 0.6), Temperatures::new(390.0, 340.0));
+    for k in 0..2 {
+        let mut by = Fast::zeros();
+        by[k] = 1e-5;
+        let fast =
+            step.fast_rates(0.0, &(x + by), &temperature) - step.fast_rates(0.0, &(x - by), &temperature);
+        let wanted = step.fast_matrix(0.0, &x, &temperature).column(k) * 2e-5;
+        assert!((fast - wanted).norm() <= 1e-6 * wanted.norm(), "{fast} {wanted}");
+        let by = by * 1e3;
+        let heat =
+            step.network_rates(0.0, &(temperature + by)) - step.network_rates(0.0, &(temperature - by));
+        let wanted = step.network_matrix(0.0, &temperature).column(k) * 2e-2;
+        assert!((heat - wanted).norm() <= 1e-6 * wanted.norm(), "{heat} {wanted}");
+    }
 }
