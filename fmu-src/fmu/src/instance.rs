@@ -235,6 +235,7 @@ impl Instance {
     pub fn set(&mut self, references: &[u32], of: Type, value: impl Fn(usize) -> f64) -> Outcome {
         self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step])?;
         let running = self.mode == Mode::Step;
+        let mut last = None;
         for (k, &value_reference) in references.iter().enumerate() {
             if value_reference == TIME && of == Type::Real {
                 return Err(Refused::error("time is the independent variable and cannot be set."));
@@ -247,10 +248,16 @@ impl Instance {
                     _ => Refused::discard(message),
                 });
             }
+            last = Some(entry.slot);
         }
-        for (k, &value_reference) in references.iter().enumerate() {
-            let slot = self.entry(value_reference, of)?.slot;
-            self.model.set(slot, value(k));
+        // All are good. A single value, the common case, needs no second look-up.
+        if let (&[_], Some(slot)) = (references, last) {
+            self.model.set(slot, value(0));
+        } else {
+            for (k, &value_reference) in references.iter().enumerate() {
+                let slot = self.entry(value_reference, of)?.slot;
+                self.model.set(slot, value(k));
+            }
         }
         self.unsettled = true;
         Ok(())

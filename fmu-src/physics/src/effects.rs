@@ -59,6 +59,9 @@ impl std::ops::Add for PerNode {
 
 /// What an effect may do, port by port. A port that an effect does not touch stays neutral.
 pub trait Effect {
+    /// Whether its switch, the parameter that is 0 by default, is on.
+    fn is_on(&self) -> bool;
+
     /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.
     #[inline]
     fn drag_torque<D: Number>(&self, _w: D) -> D {
@@ -142,15 +145,42 @@ fn slope(x: f64, port: impl Fn(Dual64) -> Dual64) -> f64 {
     port(Dual64::from(x).derivative()).eps
 }
 
+/// Where an effect acts: the methods of [`Effect`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // each is explained where it is a method
+pub enum Port {
+    DragTorque,
+    LoadDrag,
+    TerminalVoltage,
+    TorqueConstant,
+    WindingHousingResistance,
+    AmbientConductance,
+    HousingToAmbient,
+    FanFlow,
+    AmbientSensor,
+    DriveLoss,
+}
+
 macro_rules! effects {
-    ($($(#[doc = $doc:literal])* $id:ident : $type:ident @ $prefix:literal $base:literal;)*) => {
+    ($($(#[doc = $doc:literal])* $id:ident : $type:ident @ $prefix:literal $base:literal at $port:ident;)*) => {
         /// All effects of a model with their parameters.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct Effects { $($(#[doc = $doc])* pub $id: $type),* }
 
         $crate::groups! { Effects { $($prefix @ $base => $id: $type),* } }
 
+        impl Effects {
+            /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts.
+            pub fn acts_at(&self, port: Port) -> bool {
+                false $(|| (port == Port::$port && self.$id.is_on()))*
+            }
+        }
+
         impl Effect for Effects {
+            fn is_on(&self) -> bool {
+                false $(|| self.$id.is_on())*
+            }
+
             #[inline]
             fn drag_torque<D: Number>(&self, w: D) -> D {
                 D::from(0.0) $(+ self.$id.drag_torque(w))*
@@ -212,31 +242,31 @@ macro_rules! effects {
 
 effects! {
     /// Dry friction of bearings and seals.
-    coulomb_friction: CoulombFriction @ "effect.coulomb_friction." 1000;
+    coulomb_friction: CoulombFriction @ "effect.coulomb_friction." 1000 at DragTorque;
     /// Friction of lubricant, and eddy currents, which follow the same law.
-    viscous_friction: ViscousFriction @ "effect.viscous_friction." 1010;
+    viscous_friction: ViscousFriction @ "effect.viscous_friction." 1010 at DragTorque;
     /// Hysteresis and eddy currents in the stator's iron.
-    iron_loss: IronLoss @ "effect.iron_loss." 1020;
+    iron_loss: IronLoss @ "effect.iron_loss." 1020 at DragTorque;
     /// Drag of the air on the rotor.
-    windage: Windage @ "effect.windage." 1030;
+    windage: Windage @ "effect.windage." 1030 at DragTorque;
     /// Friction of gear and bearings under load.
-    load_dependent_friction: LoadDependentFriction @ "effect.load_dependent_friction." 1040;
+    load_dependent_friction: LoadDependentFriction @ "effect.load_dependent_friction." 1040 at LoadDrag;
     /// Voltage lost in brushes or semiconductors.
-    contact_drop: ContactDrop @ "effect.contact_drop." 1050;
+    contact_drop: ContactDrop @ "effect.contact_drop." 1050 at TerminalVoltage;
     /// Radiation from the housing to the room.
-    housing_radiation: HousingRadiation @ "effect.housing_radiation." 1060;
+    housing_radiation: HousingRadiation @ "effect.housing_radiation." 1060 at HousingToAmbient;
     /// A resistance between winding and housing that depends on temperature.
-    interface_temperature: InterfaceTemperature @ "effect.interface_temperature." 1070;
+    interface_temperature: InterfaceTemperature @ "effect.interface_temperature." 1070 at WindingHousingResistance;
     /// A draught on the housing, or air through the winding.
-    forced_convection: ForcedConvection @ "effect.forced_convection." 1080;
+    forced_convection: ForcedConvection @ "effect.forced_convection." 1080 at AmbientConductance;
     /// A fan that works against a pressure.
-    fan_back_pressure: FanBackPressure @ "effect.fan_back_pressure." 1090;
+    fan_back_pressure: FanBackPressure @ "effect.fan_back_pressure." 1090 at FanFlow;
     /// Magnets that have lost some of their strength.
-    demagnetisation: Demagnetisation @ "effect.demagnetisation." 1100;
+    demagnetisation: Demagnetisation @ "effect.demagnetisation." 1100 at TorqueConstant;
     /// A sensor of the ambient temperature that drifts.
-    ambient_drift: AmbientDrift @ "effect.ambient_drift." 1110;
+    ambient_drift: AmbientDrift @ "effect.ambient_drift." 1110 at AmbientSensor;
     /// Power lost in the drive.
-    drive_loss: DriveLoss @ "effect.drive_loss." 1120;
+    drive_loss: DriveLoss @ "effect.drive_loss." 1120 at DriveLoss;
 }
 
 /// Slopes of the ports with respect to their first argument, for Jacobians.

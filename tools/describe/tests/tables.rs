@@ -79,7 +79,9 @@ fn dependencies_are_the_physics() {
         on.iter().map(|k| declaration.entries[*k].name.as_str()).collect()
     };
     assert_eq!(on(&found.running, "winding_temperature"), [""; 0], "a state depends on no input at once");
-    assert_eq!(on(&found.running, "heat_to_ambient"), ["fan_command", "ambient_temperature"]);
+    // The last by the drive's own heat (effect drive_loss).
+    let cooled = ["fan_command", "ambient_temperature", "electrical_power"];
+    assert_eq!(on(&found.running, "heat_to_ambient"), cooled);
     assert_eq!(on(&found.running, "shaft_speed"), ["imposed_speed"]);
     assert_eq!(on(&found.initial, "winding_temperature"), ["ambient_temperature"]);
     assert_eq!(on(&found.initial, "over_temperature"), ["ambient_temperature", "thermal.T_w_max"]);

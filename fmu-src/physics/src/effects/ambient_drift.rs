@@ -19,6 +19,11 @@ variables! {
 
 impl Effect for AmbientDrift {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.rate != 0.0
+    }
+
+    #[inline]
     fn ambient_sensor(&self) -> f64 {
         self.rate
     }

@@ -21,6 +21,11 @@ variables! {
 
 impl Effect for ContactDrop {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.V_b != 0.0
+    }
+
+    #[inline]
     fn terminal_voltage<D: Number>(&self, i: D) -> D {
         if self.V_b == 0.0 {
             return D::from(0.0);

@@ -22,6 +22,11 @@ variables! {
 
 impl Effect for CoulombFriction {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.tau_c != 0.0
+    }
+
+    #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
         if self.tau_c == 0.0 {
             return D::from(0.0);

@@ -22,6 +22,11 @@ variables! {
 
 impl Effect for Demagnetisation {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.fraction != 0.0
+    }
+
+    #[inline]
     fn torque_constant(&self, time: f64) -> f64 {
         if self.fraction == 0.0 || self.time > time + IMMINENT { 1.0 } else { 1.0 - self.fraction }
     }

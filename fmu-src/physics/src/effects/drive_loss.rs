@@ -20,6 +20,11 @@ variables! {
 
 impl Effect for DriveLoss {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.share != 0.0
+    }
+
+    #[inline]
     fn drive_loss(&self) -> f64 {
         self.share
     }

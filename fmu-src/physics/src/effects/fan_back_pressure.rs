@@ -19,6 +19,11 @@ variables! {
 
 impl Effect for FanBackPressure {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.k != 0.0
+    }
+
+    #[inline]
     fn fan_flow(&self, n: f64) -> f64 {
         if self.k == 0.0 {
             return n;

@@ -43,6 +43,11 @@ variables! {
 
 impl Effect for ForcedConvection {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.G != 0.0
+    }
+
+    #[inline]
     fn ambient_conductance(&self, flow: f64) -> PerNode {
         let mut conductance = PerNode::default();
         if self.G == 0.0 {

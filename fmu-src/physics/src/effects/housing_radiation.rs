@@ -19,6 +19,11 @@ variables! {
 
 impl Effect for HousingRadiation {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.k != 0.0
+    }
+
+    #[inline]
     fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
         if self.k == 0.0 {
             return D::from(0.0);

@@ -25,6 +25,11 @@ variables! {
 
 impl Effect for InterfaceTemperature {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.beta != 0.0
+    }
+
+    #[inline]
     fn winding_housing_resistance<D: Number>(&self, t_w: D) -> D {
         if self.beta == 0.0 {
             return D::from(1.0);

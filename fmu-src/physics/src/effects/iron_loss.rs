@@ -24,6 +24,11 @@ variables! {
 
 impl Effect for IronLoss {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.k != 0.0
+    }
+
+    #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
         if self.k == 0.0 {
             return D::from(0.0);

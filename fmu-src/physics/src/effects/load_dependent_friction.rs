@@ -27,6 +27,11 @@ variables! {
 
 impl Effect for LoadDependentFriction {
     #[inline]
+    fn is_on(&self) -> bool {
+        self.mu != 0.0
+    }
+
+    #[inline]
     fn load_drag<D: Number>(&self, w: D, tau: f64) -> D {
         if self.mu == 0.0 {
             return D::from(0.0);

@@ -64,6 +64,9 @@ pub trait System<const N: usize> {
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> SVector<f64, N>;
     /// Energies over one step, from the fast solution's integrals.
     fn work(&self, segment: &Segment<N>) -> Work<N>;
+    /// True where the fast rates bend on a scale that a stiff block passes within a step, so that the remainder is
+    /// looked at once more where the step has led.
+    fn bends_where_stiff(&self) -> bool;
     /// True where an input that multiplies current or speed runs along a slope, so that [`Segment::moment`]
     /// is wanted.
     fn wants_moment(&self) -> bool;
@@ -290,15 +293,19 @@ impl<const N: usize> Split<N> {
             let miss = fast.curvature_error(&forcing).component_div(&size).amax();
             // Where the block is stiff, its end is the remainder's end value over A, and the parabola and the line
             // agree on that; what tells is how far the remainder at the end is from that at the last stage.
-            let late = system.fast_rates(t + h, &x1, &temp1) - product(a, &x1) - nb;
-            let none = Fast::zeros();
-            let late = fast.end(&none, &none, &Forcing::through(none, none, late));
-            let miss = miss + late.component_div(&size).amax();
+            let late = if system.bends_where_stiff() {
+                let late = system.fast_rates(t + h, &x1, &temp1) - product(a, &x1) - nb;
+                let none = Fast::zeros();
+                let late = fast.end(&none, &none, &Forcing::through(none, none, late));
+                late.component_div(&size).amax()
+            } else {
+                0.0
+            };
             // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
             let miss_thermal = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
             let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
             let unsettled = if settled { 0.0 } else { SENSITIVITY * moved };
-            let error = (miss + miss_thermal + doubt + SENSITIVITY * bend + unsettled) / TOLERANCE;
+            let error = (miss + late + miss_thermal + doubt + SENSITIVITY * bend + unsettled) / TOLERANCE;
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -m.tr_mul(capacity);
             let rest =

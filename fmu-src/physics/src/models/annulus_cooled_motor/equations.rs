@@ -22,12 +22,14 @@
 //! `solver/reference.rs`, which takes [`Step::rates`].
 
 mod outputs;
+mod ports;
 
 use super::{DriveMode, Inputs, MechanicalMode, Parameters};
 use crate::effects::{Effect, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, Segment, State, System, Work};
 use nalgebra::{Matrix2, SMatrix, SVector};
+use ports::{Acts, Ports};
 
 /// Thermal nodes: winding and housing.
 pub const NODES: usize = 2;
@@ -38,21 +40,6 @@ pub type Temperatures = SVector<f64, NODES>;
 
 /// State variables of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
 pub const STATES: usize = 3 + NODES + 3;
-
-impl Inputs {
-    /// All zero: no slope.
-    pub const ZERO: Inputs = Inputs {
-        voltage: 0.0,
-        current_command: 0.0,
-        duty: 0.0,
-        load_torque: 0.0,
-        imposed_speed: 0.0,
-        fan_command: 0.0,
-        ambient_temperature: 0.0,
-        electrical_power: 0.0,
-        heat_power: 0.0,
-    };
-}
 
 /// A value that runs along a line.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +68,14 @@ pub struct Constants {
     inverse_capacity: Temperatures,
     /// Conductance from winding to housing, W/K.
     across: f64,
+    /// How fast the true ambient temperature leaves the shown one, K/s.
+    drift: f64,
+    /// Share of electrical_power that the drive loses.
+    lost: f64,
+    /// Whether a port may jump at a time of its own.
+    pub(super) eventful: bool,
+    /// Where effects act.
+    acts: Acts,
 }
 
 impl Constants {
@@ -95,6 +90,10 @@ impl Constants {
             capacity,
             inverse_capacity: capacity.map(|c| 1.0 / c),
             across: parameters.thermal.winding_to_housing(1.0, 0.0),
+            drift: parameters.effects.ambient_sensor(),
+            lost: parameters.effects.drive_loss(),
+            eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
+            acts: Acts::of(&parameters.effects),
         }
     }
 }
@@ -174,12 +173,12 @@ impl<'a> Step<'a> {
         let mut heat = Line { start: u.heat_power, slope: s.heat_power };
         let mut drive = none;
         if model.choices.drive_mode == DriveMode::Power {
-            let lost = model.effects.drive_loss();
+            let lost = constants.lost;
             drive = Line { start: lost * u.electrical_power, slope: lost * s.electrical_power };
             heat.start += u.electrical_power - drive.start;
             heat.slope += s.electrical_power - drive.slope;
         }
-        let drift = model.effects.ambient_sensor();
+        let drift = constants.drift;
         let free = constants.inverse_j != 0.0;
         Step {
             model,
@@ -196,7 +195,7 @@ impl<'a> Step<'a> {
                 start: u.ambient_temperature + drift * time,
                 slope: s.ambient_temperature + drift,
             },
-            strength: model.effects.torque_constant(time),
+            strength: if constants.eventful { model.effects.torque_constant(time) } else { 1.0 },
             conductance,
         }
     }
@@ -209,10 +208,15 @@ impl<'a> Step<'a> {
         self.constants.inverse_l != 0.0
     }
 
-    /// The torque against the motion, N.m; `k` is the torque constant.
     #[inline]
+    fn ports(&self) -> Ports<'_> {
+        Ports { effects: &self.model.effects, acts: self.constants.acts }
+    }
+
+    /// The torque against the motion, N.m; `k` is the torque constant.
+    #[inline(always)]
     fn drag(&self, t: f64, x: &Fast, k: f64) -> f64 {
-        let effects = &self.model.effects;
+        let effects = self.ports();
         let own = effects.drag_torque(x[1]);
         if self.is_free() {
             let load = self.load.at(t);
@@ -247,23 +251,13 @@ impl<'a> Step<'a> {
         PerNode {
             winding: conductance.winding * (temperature[WINDING] - ambient),
             housing: conductance.housing * (temperature[HOUSING] - ambient)
-                + self.model.effects.housing_to_ambient(temperature[HOUSING], ambient),
+                + self.ports().housing_to_ambient(temperature[HOUSING], ambient),
         }
     }
 
     /// Power lost in the drive at the start of the step, W.
     pub fn drive_loss(&self) -> f64 {
         self.drive.start
-    }
-
-    /// The inputs after `t` seconds on their lines.
-    pub fn inputs_at(&self, t: f64) -> Inputs {
-        use declare::Group;
-        let mut inputs = *self.inputs;
-        for row in 0..Inputs::TABLE.len() {
-            inputs.set(row, self.inputs.get(row) + self.slopes.get(row) * t);
-        }
-        inputs
     }
 
     /// Energy in the model's stores, J: magnetic and kinetic where they are its own, and heat above 0 K.
@@ -287,13 +281,13 @@ impl<'a> Step<'a> {
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
         let (r, k) = (motor.resistance(t_w), self.torque_constant(temperature));
-        let lost = self.model.effects.terminal_voltage(i);
+        let lost = self.ports().terminal_voltage(i);
         let drag = self.drag(t, x, k);
         let fast = self.fast_rates(t, x, temperature);
         let voltage = if self.is_voltage_driven() { self.voltage.at(t) } else { r * i + lost + k * w };
         let shaft_torque = if self.is_free() { self.load.at(t) } else { k * i - drag };
         let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t));
-        let insulation = self.model.effects.winding_housing_resistance(t_w);
+        let insulation = self.ports().winding_housing_resistance(t_w);
         let across = self.model.thermal.winding_to_housing(t_w, t_h) / insulation;
 
         let mut ledger = Ledger::default();
@@ -339,13 +333,13 @@ impl<'a> Step<'a> {
 }
 
 impl System<NODES> for Step<'_> {
-    #[inline]
+    #[inline(always)]
     fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let k = self.torque_constant(temperature);
         let di = if self.is_voltage_driven() {
-            let lost = self.model.effects.terminal_voltage(i);
+            let lost = self.ports().terminal_voltage(i);
             (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - lost - k * w)
                 * self.constants.inverse_l
         } else {
@@ -361,7 +355,7 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
-        let (motor, effects) = (&self.model.motor, &self.model.effects);
+        let (motor, effects) = (&self.model.motor, self.ports());
         let r = motor.resistance(temperature[WINDING]) + effects.terminal_voltage_slope(x[0]);
         let k = self.torque_constant(temperature);
         let slope = if self.is_free() {
@@ -376,8 +370,8 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
-        let insulation = self.model.effects.winding_housing_resistance(temperature[WINDING]);
-        let across = self.constants.across * (temperature[WINDING] - temperature[HOUSING]) / insulation;
+        let conducts = self.constants.across * self.ports().winding_housing_conductance(temperature[WINDING]);
+        let across = conducts * (temperature[WINDING] - temperature[HOUSING]);
         let leaving = self.leaving(t, temperature);
         let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
         gain.component_mul(&self.constants.inverse_capacity)
@@ -385,12 +379,12 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
-        let effects = &self.model.effects;
+        let effects = self.ports();
         let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
         // What crosses from winding to housing grows with T_w by `hot` and falls with T_h by `cold`.
-        let insulation = effects.winding_housing_resistance(t_w);
-        let cold = self.constants.across / insulation;
-        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) / insulation;
+        let share = effects.winding_housing_conductance(t_w);
+        let cold = self.constants.across * share;
+        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
         let conductance = self.conductance_at(t);
         let from_housing = conductance.housing + effects.housing_to_ambient_slope(t_h, self.ambient.at(t));
         let per_kelvin = self.constants.inverse_capacity;
@@ -422,7 +416,7 @@ impl System<NODES> for Step<'_> {
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
         let (i, w) = (x[0], x[1]);
         let motor = &self.model.motor;
-        let volts = motor.resistance(temperature[WINDING]) * i + self.model.effects.terminal_voltage(i);
+        let volts = motor.resistance(temperature[WINDING]) * i + self.ports().terminal_voltage(i);
         let drag = self.drag(t, x, self.torque_constant(temperature));
         Temperatures::new(volts * i + self.heat.at(t), drag * w)
     }
@@ -431,7 +425,7 @@ impl System<NODES> for Step<'_> {
     /// solution; the copper heat of a voltage drive is what the books leave, so they close by construction.
     #[inline]
     fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
-        let (motor, effects) = (&self.model.motor, &self.model.effects);
+        let (motor, effects) = (&self.model.motor, self.ports());
         let (t, h) = (segment.t, segment.h);
         let [x0, xm, x1] = segment.x;
         let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
@@ -480,6 +474,12 @@ impl System<NODES> for Step<'_> {
             ambient: drive,
             doubt,
         }
+    }
+
+    #[inline]
+    fn bends_where_stiff(&self) -> bool {
+        // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
+        self.constants.acts.terminal_voltage
     }
 
     #[inline]

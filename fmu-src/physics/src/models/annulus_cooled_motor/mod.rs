@@ -187,7 +187,7 @@ impl AnnulusCooledMotor {
             ))
         })?;
         if self.slopes != Inputs::ZERO {
-            self.inputs = step.inputs_at(h);
+            self.inputs = self.inputs.after(h, &self.slopes);
             self.slopes = Inputs::ZERO;
             self.follow_inputs();
         }
@@ -252,6 +252,9 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        if !self.constants.eventful {
+            return self.advance(time, h);
+        }
         let end = time + h;
         let event = self.parameters.effects.next_event(time);
         if event < end - IMMINENT {

@@ -1,6 +1,6 @@
 //! Inputs, outputs and choices of the motor. Parameters stand with their components.
 
-use declare::{Unit, Variable, enumeration, variables};
+use declare::{Group, Unit, Variable, enumeration, variables};
 
 enumeration! {
     /// What drives the winding.
@@ -125,5 +125,29 @@ variables! {
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
         /// Energy taken in, less given out, less stored, since the start; zero but for rounding
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
+    }
+}
+
+impl Inputs {
+    /// All zero: no slope.
+    pub const ZERO: Inputs = Inputs {
+        voltage: 0.0,
+        current_command: 0.0,
+        duty: 0.0,
+        load_torque: 0.0,
+        imposed_speed: 0.0,
+        fan_command: 0.0,
+        ambient_temperature: 0.0,
+        electrical_power: 0.0,
+        heat_power: 0.0,
+    };
+
+    /// The inputs after `t` seconds on these slopes.
+    pub fn after(&self, t: f64, slopes: &Inputs) -> Inputs {
+        let mut inputs = *self;
+        for row in 0..Inputs::TABLE.len() {
+            inputs.set(row, self.get(row) + slopes.get(row) * t);
+        }
+        inputs
     }
 }
