@@ -83,8 +83,11 @@ fn dependencies_are_the_physics() {
     let cooled = ["fan_command", "ambient_temperature", "electrical_power"];
     assert_eq!(on(&found.running, "heat_to_ambient"), cooled);
     assert_eq!(on(&found.running, "shaft_speed"), ["imposed_speed"]);
-    assert_eq!(on(&found.initial, "winding_temperature"), ["ambient_temperature"]);
-    assert_eq!(on(&found.initial, "over_temperature"), ["ambient_temperature", "thermal.T_w_max"]);
+    // A run that starts late starts at what a drifting sensor hides.
+    let start = ["ambient_temperature", "effect.ambient_drift.rate"];
+    assert_eq!(on(&found.initial, "winding_temperature"), start);
+    let limit = ["ambient_temperature", "thermal.T_w_max", "effect.ambient_drift.rate"];
+    assert_eq!(on(&found.initial, "over_temperature"), limit);
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
 }
 
