@@ -7,8 +7,8 @@
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model, ModelType};
 
-/// Where time starts, s; not 0, where a drift has done nothing yet.
-const START: f64 = 1.0;
+/// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
+const START: f64 = 1e5;
 
 /// For each output, in the order of the declaration, the entries (by index) that it depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
