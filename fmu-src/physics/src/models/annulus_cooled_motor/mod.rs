@@ -170,9 +170,7 @@ impl AnnulusCooledMotor {
         }
         self.outputs_are_stale = true;
     }
-}
 
-impl AnnulusCooledMotor {
     /// A step without an event in it.
     #[inline]
     fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
@@ -213,12 +211,12 @@ impl Model for AnnulusCooledMotor {
     #[inline]
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
-        // A parameter that changes on the way changes what the stores hold; the books start anew from there.
         if group <= OUTPUTS {
             let taken = self.set_value(group, slot.row as usize, value);
             self.follow_inputs();
             return taken;
         }
+        // A parameter that changes on the way changes what the stores hold; the books start anew from there.
         let state = self.state;
         let before = self.step_equations().stored(&state);
         let taken = self.set_value(group, slot.row as usize, value);
