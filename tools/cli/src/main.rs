@@ -1,6 +1,7 @@
 //! The motor-fmu command.
 
 mod build;
+mod reproduce;
 mod simulate;
 mod validate;
 
@@ -23,6 +24,7 @@ enum Command {
     Build(build::Args),
     Validate(validate::Args),
     Simulate(simulate::Args),
+    Reproduce(reproduce::Args),
     #[command(hide = true)]
     Probe(validate::ProbeArgs),
 }
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
         Command::Build(args) => build::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Probe(args) => validate::probe(&args),
     };
     outcome.unwrap_or_else(|Failure(sentence)| {

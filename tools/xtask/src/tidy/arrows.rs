@@ -14,7 +14,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("calibrate", &["physics"]),
     ("cosim", &[]),
     ("archive", &["describe", "cosim"]),
-    ("cli", &["calibrate", "cosim", "archive", "describe"]),
+    ("study", &["physics", "describe"]),
+    ("cli", &["calibrate", "cosim", "archive", "study", "describe"]),
     ("xtask", &[]),
 ];
 

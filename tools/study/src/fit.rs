@@ -1,0 +1,388 @@
+//! Parameters of a native model from steady states that were measured: bounded Gauss-Newton (Levenberg's
+//! damping), what a left-out case would have been predicted as, and what the data can tell apart.
+//!
+//! Parameters move in units of their scale: a logarithm where the declaration says so, else the nominal value.
+
+use crate::StudyError;
+use crate::bench::STEADY;
+use crate::steady::Setup;
+use nalgebra::{DMatrix, DVector};
+use physics::declare::Scale;
+use physics::model::Entry;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Step of the central differences, in units of the scale: large against the 1e-4 K of a steady state.
+const DIFFERENCE: f64 = 5e-3;
+/// Steps after which a fit ends.
+const MAX_STEPS: usize = 40;
+/// Relative fall of the sum of squares below which a fit ends.
+const CONVERGED: f64 = 1e-7;
+
+/// A steady state that was measured.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// Name in the report.
+    pub name: String,
+    /// The model as it was tested.
+    pub setup: Setup,
+    /// Output that was measured.
+    pub output: &'static str,
+    /// The measured value, SI.
+    pub measured: f64,
+}
+
+/// What a fit found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fit {
+    /// Parameters, in order.
+    pub parameters: Vec<Fitted>,
+    /// Model less measurement for each observation.
+    pub residuals: Vec<f64>,
+    /// Root of their mean square.
+    pub rms: f64,
+    /// Singular values of the Jacobian in scaled parameters, largest first: change of all observations along
+    /// each direction. Directions below the uncertainty of a measurement are not identifiable.
+    pub singular_values: Vec<f64>,
+    /// Correlations between the estimates, parameter by parameter.
+    pub correlations: Vec<Vec<f64>>,
+    #[serde(skip)]
+    z: DVector<f64>,
+}
+
+/// A parameter and its estimate.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fitted {
+    /// Name.
+    pub name: String,
+    /// Estimate, SI.
+    pub value: f64,
+    /// Standard deviation of the estimate for measurements with a standard deviation of 1; infinite where the
+    /// data say nothing.
+    pub deviation: Option<f64>,
+    /// Whether it stands on a limit.
+    pub at_limit: bool,
+}
+
+/// What a fit without one observation predicts for it.
+#[derive(Clone, Debug, Serialize)]
+pub struct LeftOut {
+    /// Name of the observation.
+    pub case: String,
+    /// Measured, SI.
+    pub measured: f64,
+    /// Predicted, SI.
+    pub predicted: f64,
+    /// Predicted less measured.
+    pub error: f64,
+}
+
+/// A parameter as the fit moves it.
+struct Axis {
+    entry: &'static Entry,
+    scale: f64,
+    range: (f64, f64),
+}
+
+impl Axis {
+    fn new(entry: &'static Entry) -> Axis {
+        let row = entry.row;
+        let scale = if row.scale == Scale::Log { 1.0 } else { row.nominal };
+        let mut axis = Axis { entry, scale, range: (0.0, 0.0) };
+        axis.range = (axis.inside(row.min), axis.inside(row.max));
+        axis
+    }
+
+    /// The scaled value of a value.
+    fn inside(&self, value: f64) -> f64 {
+        if self.entry.row.scale == Scale::Log { value.ln() } else { value / self.scale }
+    }
+
+    /// The value of a scaled value, within the declared limits.
+    fn outside(&self, z: f64) -> f64 {
+        let value = if self.entry.row.scale == Scale::Log { z.exp() } else { z * self.scale };
+        value.clamp(self.entry.row.min, self.entry.row.max)
+    }
+
+    /// Change of the value with the scaled value.
+    fn slope(&self, z: f64) -> f64 {
+        if self.entry.row.scale == Scale::Log { z.exp() } else { self.scale }
+    }
+}
+
+/// The problem: which parameters, which observations.
+pub struct Problem {
+    axes: Vec<Axis>,
+    observations: Vec<Observation>,
+    start: DVector<f64>,
+}
+
+impl Problem {
+    /// Parameters by name, which start where the first observation's setup has them.
+    ///
+    /// # Errors
+    /// No observation, or a parameter that the model does not have.
+    pub fn new(parameters: &[&str], observations: Vec<Observation>) -> Result<Problem, StudyError> {
+        let mut first = match observations.first() {
+            Some(observation) => observation.setup.bench()?,
+            None => return Err(StudyError::new("a fit needs at least one observation")),
+        };
+        let mut axes = Vec::new();
+        let mut start = Vec::new();
+        for name in parameters {
+            let axis = Axis::new(first.entry(name)?);
+            let z = axis.inside(first.get(name)?);
+            start.push(z.clamp(axis.range.0, axis.range.1));
+            axes.push(axis);
+        }
+        Ok(Problem { axes, observations, start: DVector::from_vec(start) })
+    }
+
+    /// The model's value for an observation.
+    fn predict(&self, observation: &Observation, z: &DVector<f64>) -> Result<f64, StudyError> {
+        let mut bench = observation.setup.bench()?;
+        for (axis, z) in self.axes.iter().zip(z) {
+            bench.set(&axis.entry.name, axis.outside(*z))?;
+        }
+        bench.steady_state()?;
+        bench.get(observation.output)
+    }
+
+    fn residuals(&self, z: &DVector<f64>, without: Option<usize>) -> Result<DVector<f64>, StudyError> {
+        let kept: Vec<&Observation> = self.kept(without).collect();
+        let found: Result<Vec<f64>, StudyError> =
+            kept.par_iter().map(|o| Ok(self.predict(o, z)? - o.measured)).collect();
+        Ok(DVector::from_vec(found?))
+    }
+
+    fn kept(&self, without: Option<usize>) -> impl Iterator<Item = &Observation> {
+        self.observations.iter().enumerate().filter(move |(k, _)| Some(*k) != without).map(|(_, o)| o)
+    }
+
+    /// Central differences; one-sided where a limit is near.
+    fn jacobian(&self, z: &DVector<f64>, without: Option<usize>) -> Result<DMatrix<f64>, StudyError> {
+        let columns: Result<Vec<DVector<f64>>, StudyError> = (0..self.axes.len())
+            .into_par_iter()
+            .map(|k| {
+                let (least, greatest) = self.axes[k].range;
+                let (mut below, mut above) = (z.clone(), z.clone());
+                below[k] = (z[k] - DIFFERENCE).max(least);
+                above[k] = (z[k] + DIFFERENCE).min(greatest);
+                let change = self.residuals(&above, without)? - self.residuals(&below, without)?;
+                let column = change / (above[k] - below[k]);
+                // Below what two steady states can resolve there is only their noise, which must not steer.
+                let noise = STEADY / DIFFERENCE * (column.len() as f64).sqrt();
+                Ok(if column.norm() > noise { column } else { 0.0 * column })
+            })
+            .collect();
+        Ok(DMatrix::from_columns(&columns?))
+    }
+
+    /// Fits all observations.
+    ///
+    /// # Errors
+    /// A model that does not settle at the start.
+    pub fn fit(&self) -> Result<Fit, StudyError> {
+        self.fit_from(&self.start, None)
+    }
+
+    fn fit_from(&self, start: &DVector<f64>, without: Option<usize>) -> Result<Fit, StudyError> {
+        let mut z = start.clone();
+        let mut residuals = self.residuals(&z, without)?;
+        let mut damping = 1e-3;
+        let mut jacobian = self.jacobian(&z, without)?;
+        for _ in 0..MAX_STEPS {
+            let Some((next, found)) = self.improve(&z, &residuals, &jacobian, &mut damping, without) else {
+                break;
+            };
+            let fall = 1.0 - found.norm_squared() / residuals.norm_squared().max(f64::MIN_POSITIVE);
+            (z, residuals) = (next, found);
+            jacobian = self.jacobian(&z, without)?;
+            if fall < CONVERGED {
+                break;
+            }
+        }
+        Ok(self.describe(z, &residuals, &jacobian))
+    }
+
+    /// A step that lowers the sum of squares, if there is one. A parameter that would leave its range stays on
+    /// the limit, and the others are solved for without it.
+    fn improve(
+        &self,
+        z: &DVector<f64>,
+        residuals: &DVector<f64>,
+        jacobian: &DMatrix<f64>,
+        damping: &mut f64,
+        without: Option<usize>,
+    ) -> Option<(DVector<f64>, DVector<f64>)> {
+        for _ in 0..12 {
+            let next = self.step(z, residuals, jacobian, *damping);
+            match self.residuals(&next, without) {
+                Ok(found) if found.norm_squared() < residuals.norm_squared() => {
+                    *damping = (*damping * 0.2).max(1e-9);
+                    return Some((next, found));
+                }
+                _ => *damping = (*damping * 5.0).max(1e-6),
+            }
+        }
+        None
+    }
+
+    fn step(
+        &self,
+        z: &DVector<f64>,
+        residuals: &DVector<f64>,
+        jacobian: &DMatrix<f64>,
+        damping: f64,
+    ) -> DVector<f64> {
+        let mut fixed = vec![false; self.axes.len()];
+        let mut next = z.clone();
+        for _ in 0..=self.axes.len() {
+            let mut held = jacobian.clone();
+            for (k, fixed) in fixed.iter().enumerate().filter(|(_, f)| **f) {
+                debug_assert!(*fixed);
+                held.column_mut(k).fill(0.0);
+            }
+            let mut normal = held.transpose() * &held;
+            for k in 0..self.axes.len() {
+                normal[(k, k)] += damping * (1.0 + normal[(k, k)]);
+            }
+            let Some(solved) = normal.cholesky() else { return z.clone() };
+            let step = solved.solve(&(-(held.transpose() * residuals)));
+            next = z + step;
+            let mut clean = true;
+            for (k, axis) in self.axes.iter().enumerate() {
+                let inside = next[k].clamp(axis.range.0, axis.range.1);
+                if inside != next[k] {
+                    // Only a step out of a limit that is reached already changes the others' solution.
+                    clean &= fixed[k] || z[k] != inside;
+                    fixed[k] |= z[k] == inside;
+                    next[k] = inside;
+                }
+            }
+            if clean {
+                break;
+            }
+        }
+        next
+    }
+
+    fn describe(&self, z: DVector<f64>, residuals: &DVector<f64>, jacobian: &DMatrix<f64>) -> Fit {
+        let n = self.axes.len();
+        let decomposition = jacobian.clone().svd(false, true);
+        let mut order: Vec<usize> = (0..decomposition.singular_values.len()).collect();
+        order.sort_by(|a, b| decomposition.singular_values[*b].total_cmp(&decomposition.singular_values[*a]));
+        let largest = order.first().map_or(0.0, |k| decomposition.singular_values[*k]);
+        // Covariance of the scaled estimates for measurements of deviation 1; a direction that the data do not
+        // see has an infinite one.
+        let mut covariance = DMatrix::<f64>::zeros(n, n);
+        let mut blind = vec![order.len() < n; n];
+        if let Some(v_t) = &decomposition.v_t {
+            for &k in &order {
+                let s = decomposition.singular_values[k];
+                let direction = v_t.row(k).transpose();
+                if s > 1e-9 * largest {
+                    covariance += &direction * direction.transpose() / (s * s);
+                } else {
+                    blind.iter_mut().zip(&direction).for_each(|(b, d)| *b |= d.abs() > 1e-6);
+                }
+            }
+        }
+        let deviation = |k: usize| covariance[(k, k)].sqrt();
+        let correlation = |i: usize, j: usize| {
+            let both = deviation(i) * deviation(j);
+            if both > 0.0 { covariance[(i, j)] / both } else { 0.0 }
+        };
+        let parameters = self
+            .axes
+            .iter()
+            .enumerate()
+            .map(|(k, axis)| Fitted {
+                name: axis.entry.name.clone(),
+                value: axis.outside(z[k]),
+                deviation: (!blind[k]).then(|| deviation(k) * axis.slope(z[k])),
+                at_limit: z[k] <= axis.range.0 || z[k] >= axis.range.1,
+            })
+            .collect();
+        Fit {
+            parameters,
+            residuals: residuals.iter().copied().collect(),
+            rms: (residuals.norm_squared() / residuals.len() as f64).sqrt(),
+            singular_values: order.iter().map(|k| decomposition.singular_values[*k]).collect(),
+            correlations: (0..n).map(|i| (0..n).map(|j| correlation(i, j)).collect()).collect(),
+            z,
+        }
+    }
+
+    /// Leaves each observation out in turn, fits the others from `fit` on, and predicts the one left out.
+    ///
+    /// # Errors
+    /// A model that does not settle.
+    pub fn leave_one_out(&self, fit: &Fit) -> Result<Vec<LeftOut>, StudyError> {
+        (0..self.observations.len())
+            .into_par_iter()
+            .map(|k| {
+                let others = self.fit_from(&fit.z, Some(k))?;
+                let observation = &self.observations[k];
+                let predicted = self.predict(observation, &others.z)?;
+                let measured = observation.measured;
+                let case = observation.name.clone();
+                Ok(LeftOut { case, measured, predicted, error: predicted - measured })
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steady temperatures at known parameters, as if measured: 10 W at several fan commands.
+    fn problem(parameters: &[&str]) -> Problem {
+        let observation = |command: f64| {
+            let sets = [("electrical_power", "10".to_owned()), ("fan_command", command.to_string())];
+            let sets = sets.into_iter().map(|(n, v)| (n.to_owned(), v)).collect();
+            let setup = Setup { model: "AnnulusCooledMotor".into(), preset: None, sets };
+            // By hand: T_w = T_a + P (R_wh + 1/(G_still + G_forced n^0.8)) with 0.3 K/W, 0.2 and 0.5 W/K.
+            let measured = 298.15 + 10.0 * (0.3 + 1.0 / (0.2 + 0.5 * f64::powf(command, 0.8)));
+            Observation { name: format!("n={command}"), setup, output: "winding_temperature", measured }
+        };
+        Problem::new(parameters, [0.0, 0.1, 0.5, 1.0].map(observation).to_vec()).unwrap()
+    }
+
+    #[test]
+    fn parameters_come_back() {
+        let fit = problem(&["conductance.G_still", "conductance.G_forced", "thermal.R_wh"]).fit().unwrap();
+        let values: Vec<f64> = fit.parameters.iter().map(|p| p.value).collect();
+        for (value, expected) in values.iter().zip([0.2, 0.5, 0.3]) {
+            assert!((value / expected - 1.0).abs() < 1e-3, "{values:?}");
+        }
+        assert!(fit.rms < 1e-3 && fit.parameters.iter().all(|p| !p.at_limit));
+    }
+
+    /// A heat capacity has no say in a steady state: it stays where it was, without a deviation.
+    #[test]
+    fn what_the_data_cannot_tell_is_said() {
+        let fit = problem(&["conductance.G_still", "thermal.C_w"]).fit().unwrap();
+        assert!(fit.singular_values[1] < 1e-9 * fit.singular_values[0], "{:?}", fit.singular_values);
+        let capacity = &fit.parameters[1];
+        assert!(capacity.deviation.is_none() && capacity.value == 10.05, "{capacity:?}");
+    }
+
+    #[test]
+    fn a_left_out_case_is_predicted() {
+        let problem = problem(&["conductance.G_still", "conductance.G_forced", "thermal.R_wh"]);
+        let fit = problem.fit().unwrap();
+        for left_out in problem.leave_one_out(&fit).unwrap() {
+            assert!(left_out.error.abs() < 0.05, "{left_out:?}");
+        }
+    }
+
+    #[test]
+    fn unknown_parameters_are_named() {
+        let error = Problem::new(&["x"], Vec::new()).err().unwrap().to_string();
+        assert!(error.contains("at least one"), "{error}");
+        let one = problem(&["thermal.R_wh"]).observations;
+        assert!(Problem::new(&["thermal.R_w"], one).err().unwrap().to_string().contains("thermal.R_wh"));
+    }
+}

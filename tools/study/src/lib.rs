@@ -1,0 +1,36 @@
+//! Studies with the native models, without FMI: a model on a bench, its steady state, sweeps, and the numbers
+//! of the two published systems recomputed.
+//!
+//! [`bench`] knows models by name and variables by name; all else here goes through it.
+
+pub mod bench;
+pub mod figure;
+pub mod fit;
+pub mod numeric;
+pub mod reproduce;
+pub mod steady;
+pub mod sweep;
+
+/// Why a study could not be done: one sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StudyError {
+    /// The model has no steady state at these values.
+    #[error("{0}")]
+    Unsettled(String),
+    /// Anything else.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl StudyError {
+    /// The error that this sentence tells.
+    pub fn new(sentence: impl Into<String>) -> StudyError {
+        StudyError::Other(sentence.into())
+    }
+}
+
+impl From<describe::preset::PresetError> for StudyError {
+    fn from(error: describe::preset::PresetError) -> StudyError {
+        StudyError::new(error.to_string())
+    }
+}

@@ -1,0 +1,136 @@
+//! The native gearmotor in the paper's runs.
+
+use super::Parts;
+use super::published::{DURATION, DUTIES, SUPPLY, T_ROOM};
+use crate::StudyError;
+use crate::bench::Bench;
+use describe::Preset;
+use serde::Serialize;
+
+/// The model that the paper is about.
+const MODEL: &str = "BrushedGearmotor";
+/// Its preset.
+const PRESET: &str = "bdcm-37d";
+/// Heat capacity of motor and gear in the box, J/K: an estimate (audit, default parameters).
+pub const BOX_CAPACITY: f64 = 95.0;
+/// Step of a run, s, and how many steps make a point of a figure.
+const STEP: f64 = 0.5;
+const STEPS_PER_POINT: usize = 10;
+/// The start, when the winding's inductance and the rotor count: points of figures 4 and 8.
+const FIRST_STEP: f64 = 0.01;
+
+/// A run at one duty.
+#[derive(Clone, Debug, Serialize)]
+#[allow(non_snake_case)] // units in the keys
+pub struct Run {
+    /// Duty, percent.
+    pub duty_percent: f64,
+    /// Terms of the voltage at the end, V.
+    pub voltage: Parts,
+    /// Current at the end, A.
+    pub current_A: f64,
+    /// Terms of the power at the end, W.
+    pub power: Parts,
+    /// Terms of the work until the end, J.
+    pub work: Parts,
+    /// Speed at the output shaft at the end, rad/s.
+    pub shaft_speed_rad_per_s: f64,
+    /// The course of the run, for the figures.
+    #[serde(skip)]
+    pub course: Vec<Sample>,
+}
+
+/// A moment of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Time, s.
+    pub time: f64,
+    /// Terms of the voltage, V.
+    pub voltage: Parts,
+    /// Current, A.
+    pub current: f64,
+    /// Terms of the power, W.
+    pub power: Parts,
+    /// Terms of the work, J.
+    pub work: Parts,
+    /// Winding temperature, degC.
+    pub temperature: f64,
+    /// Torque that the current makes at the output shaft, N.m: mechanical power over speed.
+    pub torque: f64,
+}
+
+impl Run {
+    /// Winding temperature at the end, degC.
+    pub fn final_temperature(&self) -> f64 {
+        self.course.last().map_or(f64::NAN, |s| s.temperature)
+    }
+}
+
+/// The five runs of 900 s from the room's temperature; in the inner result why they cannot be simulated.
+///
+/// # Errors
+/// A model that refuses a value or fails.
+pub fn runs() -> Result<Result<Vec<Run>, String>, StudyError> {
+    let preset = match Preset::load(PRESET) {
+        Ok(preset) => preset,
+        Err(error) => return Ok(Err(error.to_string())),
+    };
+    let bench = match Bench::new(MODEL, Some(&preset)) {
+        Ok(bench) => bench,
+        Err(error) => return Ok(Err(error.to_string())),
+    };
+    DUTIES.iter().map(|duty| run(bench.clone(), *duty)).collect::<Result<Vec<Run>, StudyError>>().map(Ok)
+}
+
+fn run(mut bench: Bench, duty: f64) -> Result<Run, StudyError> {
+    bench.set("duty", duty / 100.0)?;
+    bench.set("supply_voltage", SUPPLY)?;
+    bench.set("ambient_temperature", T_ROOM + 273.15)?;
+    bench.start()?;
+    let mut course = Vec::new();
+    while bench.time() < 1.0 - 0.5 * FIRST_STEP {
+        bench.step(FIRST_STEP)?;
+        course.push(sample(&mut bench)?);
+    }
+    let steps = ((DURATION - bench.time()) / STEP).round() as usize;
+    for k in 1..=steps {
+        bench.step(STEP)?;
+        if k % STEPS_PER_POINT == 0 || k == steps {
+            course.push(sample(&mut bench)?);
+        }
+    }
+    let end = sample(&mut bench)?;
+    Ok(Run {
+        duty_percent: duty,
+        voltage: end.voltage,
+        current_A: end.current,
+        power: end.power,
+        work: end.work,
+        shaft_speed_rad_per_s: bench.get("shaft_speed")?,
+        course,
+    })
+}
+
+fn sample(bench: &mut Bench) -> Result<Sample, StudyError> {
+    let power = parts(bench, "power")?;
+    let speed = bench.get("shaft_speed")?;
+    Ok(Sample {
+        time: bench.time(),
+        voltage: parts(bench, "voltage")?,
+        current: bench.get("current")?,
+        power,
+        work: parts(bench, "work")?,
+        temperature: bench.get("winding_temperature")? - 273.15,
+        torque: if speed.abs() > 1e-6 { power.mechanical / speed } else { 0.0 },
+    })
+}
+
+fn parts(bench: &mut Bench, quantity: &str) -> Result<Parts, StudyError> {
+    let mut part = |name: &str| bench.get(&format!("{quantity}_{name}"));
+    Ok(Parts {
+        electrical: part("electrical")?,
+        magnetic: part("magnetic")?,
+        mechanical: part("mechanical")?,
+        total: part("total")?,
+    })
+}

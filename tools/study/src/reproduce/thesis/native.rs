@@ -1,0 +1,114 @@
+//! The native model in the thesis's rig.
+
+use super::measured::{CASES, Case, POWER};
+use crate::StudyError;
+use crate::bench::Bench;
+use crate::fit::{Observation, Problem};
+use crate::steady::{Setup, Steady, steady};
+use describe::Preset;
+
+/// The model that the thesis is about.
+const MODEL: &str = "AnnulusCooledMotor";
+/// Its preset for the thesis's rig.
+const PRESET: &str = "thesis-rig";
+
+/// Parameters that the eight tests are fitted with.
+pub const FITTED: [&str; 6] = [
+    "housing.emissivity",
+    "annulus.leak_area",
+    "annulus.factor_push",
+    "annulus.factor_pull",
+    "fan.turbulence_factor",
+    "fan.tan_spread",
+];
+
+/// The native model, as far as it is there: what it lacks is told and left out, never an error.
+pub struct Native {
+    preset: Result<Preset, String>,
+    missing: Vec<String>,
+}
+
+impl Native {
+    /// Looks for the model's modes and its preset.
+    pub fn find() -> Native {
+        let preset = Preset::load(PRESET).map_err(|e| e.to_string());
+        let missing = match Bench::new(MODEL, None) {
+            Ok(bench) => CASES
+                .iter()
+                .map(|c| c.cooling_mode)
+                .filter(|mode| !bench.knows("cooling_mode", Some(mode)))
+                .map(str::to_owned)
+                .collect(),
+            Err(error) => vec![error.to_string()],
+        };
+        Native { preset, missing }
+    }
+
+    /// Why results are left out, if some are.
+    pub fn absent(&self) -> Option<String> {
+        if !self.missing.is_empty() {
+            let mut modes = self.missing.clone();
+            modes.dedup();
+            return Some(format!("{MODEL} has no cooling_mode {}", modes.join(", ")));
+        }
+        self.preset.as_ref().err().cloned()
+    }
+
+    /// A test as the model is given it; with `calibrated`, by the preset of the rig.
+    fn setup(&self, case: &Case, calibrated: bool) -> Option<Setup> {
+        let preset = if calibrated { Some(self.preset.clone().ok()?) } else { None };
+        if !self.missing.is_empty() {
+            return None;
+        }
+        let mut sets = vec![
+            ("electrical_power".to_owned(), POWER.to_string()),
+            ("cooling_mode".to_owned(), case.cooling_mode.to_owned()),
+            ("ambient_temperature".to_owned(), case.ambient().to_string()),
+        ];
+        if case.cooling_mode != "bare" {
+            sets.push(("fan_command".to_owned(), "1".to_owned()));
+        }
+        sets.extend(case.setting.map(|(name, value)| (name.to_owned(), value.to_string())));
+        Some(Setup { model: MODEL.to_owned(), preset, sets })
+    }
+
+    /// The model's steady state in a test, where it can be computed.
+    ///
+    /// # Errors
+    /// A model that refuses a value or does not settle.
+    pub fn steady(&self, case: &Case, calibrated: bool) -> Result<Option<Steady>, StudyError> {
+        self.setup(case, calibrated).map(|setup| steady(&mut setup.bench()?)).transpose()
+    }
+
+    /// Winding temperature over the outer diameter of a pushed annulus, K; nothing where it cannot be computed.
+    pub fn winding_at(&self, outer_diameter: f64, calibrated: bool) -> Option<f64> {
+        let push = CASES.iter().find(|c| c.cooling_mode == "annulus_push")?;
+        let case = Case { setting: Some(("annulus.outer_diameter", outer_diameter)), ..*push };
+        self.steady(&case, calibrated).ok()??.get("winding_temperature")
+    }
+}
+
+/// The fit of the rig: six parameters to the eight measured winding temperatures, from the declared values on.
+/// Nothing where the model is not there.
+pub fn fit_thesis_rig(native: &Native) -> Option<Result<Problem, StudyError>> {
+    let bench = Bench::new(MODEL, None).ok()?;
+    if !FITTED.iter().all(|name| bench.knows(name, None)) {
+        return None;
+    }
+    let observation = |case: &Case| {
+        let mut setup = native.setup(case, true)?;
+        // What is fitted starts as if nothing were known; what is measured (masses, resistances) stays.
+        for name in FITTED {
+            let row = bench.entry(name).ok()?.row;
+            setup.sets.push((name.to_owned(), row.start.to_string()));
+        }
+        Some(Observation {
+            name: case.name.to_owned(),
+            setup,
+            output: "winding_temperature",
+            measured: case.t_w,
+        })
+    };
+    let observations: Option<Vec<Observation>> = CASES.iter().map(observation).collect();
+    Some(Problem::new(&FITTED, observations?))
+}

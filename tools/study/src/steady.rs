@@ -1,0 +1,255 @@
+//! Thermal steady state at given inputs, and the torque that can be held for ever.
+//!
+//! R_ha = (T_w - T_a)/Q - R_wh, Q the heat that leaves the motor                            (1)
+//! continuous torque: the torque at the current whose steady winding temperature is thermal.T_w_max (2)
+
+use crate::StudyError;
+use crate::bench::Bench;
+use crate::numeric::try_root;
+use describe::Preset;
+use physics::declare::{Causality, Kind, Unit};
+use physics::model::Entry;
+use serde::Serialize;
+
+/// Heat flows below this say nothing about a resistance, W.
+const LEAST_HEAT: f64 = 1e-3;
+/// Relative width of the bracket about the continuous current squared at which the search ends.
+const CURRENT_TOLERANCE: f64 = 1e-8;
+/// Inputs that call for a drive mode: name, item.
+const DRIVES: [(&str, &str); 4] =
+    [("electrical_power", "power"), ("current_command", "current"), ("duty", "pwm"), ("voltage", "voltage")];
+
+/// A model, a preset and values by name: what a study starts from.
+#[derive(Clone, Debug, Default)]
+pub struct Setup {
+    /// Name of the model.
+    pub model: String,
+    /// Start values that differ from the declared ones.
+    pub preset: Option<Preset>,
+    /// Names and values as text, the last one of a name counts.
+    pub sets: Vec<(String, String)>,
+}
+
+impl Setup {
+    /// The bench with all values set, not started.
+    ///
+    /// Modes that are not set follow from the inputs that are, as in the design's section 6: electrical_power
+    /// means drive_mode power, and so on. The shaft turns at imposed_speed, by default 0, unless load_torque
+    /// is set: a free shaft without load has nothing thermal to ask.
+    ///
+    /// # Errors
+    /// One sentence naming what is wrong: model, preset, variable, value, limits.
+    pub fn bench(&self) -> Result<Bench, StudyError> {
+        let mut bench = Bench::new(&self.model, self.preset.as_ref())?;
+        let is_set = |name: &str| self.sets.iter().any(|(n, _)| n == name);
+        let mechanical = if is_set("load_torque") { "free_shaft" } else { "imposed_speed" };
+        if bench.knows("mechanical_mode", Some(mechanical)) {
+            bench.set_text("mechanical_mode", mechanical)?;
+        }
+        let drive =
+            DRIVES.iter().find(|(input, item)| is_set(input) && bench.knows("drive_mode", Some(item)));
+        if let Some((_, item)) = drive {
+            bench.set_text("drive_mode", item)?;
+        }
+        for (name, text) in &self.sets {
+            bench.set_text(name, text)?;
+        }
+        Ok(bench)
+    }
+}
+
+/// A value that a model computed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// Name of the output.
+    pub name: String,
+    /// Value in SI units.
+    pub value: f64,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// A steady state.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Steady {
+    /// All outputs that are no integrals over time.
+    pub outputs: Vec<Value>,
+    /// Housing to ambient, K/W, eq. (1); absent where next to no heat flows or the model has no such parts.
+    #[serde(rename = "R_ha")]
+    pub r_ha: Option<f64>,
+}
+
+impl Steady {
+    /// The value of an output.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.outputs.iter().find(|v| v.name == name).map(|v| v.value)
+    }
+
+    /// The outputs of a unit: `K` temperatures, `W` heat flows and powers.
+    pub fn of_unit(&self, unit: &str) -> impl Iterator<Item = &Value> {
+        self.outputs.iter().filter(move |v| v.unit == unit)
+    }
+}
+
+/// Torque without end.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Continuous {
+    /// Current, A.
+    pub current: f64,
+    /// Torque at the shaft, N.m.
+    pub torque: f64,
+    /// Torque per total mass, N.m/kg.
+    pub torque_density: f64,
+    /// Winding temperature, K: the limit.
+    pub winding_temperature: f64,
+}
+
+/// Runs the bench to its steady state and reads it.
+///
+/// # Errors
+/// No steady state, in one sentence.
+pub fn steady(bench: &mut Bench) -> Result<Steady, StudyError> {
+    bench.steady_state()?;
+    let mut outputs = Vec::new();
+    for entry in &bench.declaration().entries {
+        if entry.row.causality == Causality::Output && entry.row.kind == Kind::Real && !is_integral(entry) {
+            let value = bench.get(&entry.name)?;
+            outputs.push(Value { name: entry.name.clone(), value, unit: entry.row.unit.name() });
+        }
+    }
+    let mut found = Steady { outputs, r_ha: None };
+    if let (Some(t_w), Some(heat)) = (found.get("winding_temperature"), found.get("heat_to_ambient")) {
+        let heat = heat - found.get("loss_drive").unwrap_or(0.0);
+        if heat > LEAST_HEAT && bench.knows("thermal.R_wh", None) {
+            let (t_a, r_wh) = (bench.get("ambient_temperature")?, bench.get("thermal.R_wh")?);
+            found.r_ha = Some((t_w - t_a) / heat - r_wh);
+        }
+    }
+    Ok(found)
+}
+
+/// Energies and angles grow for ever; they are no part of a steady state.
+fn is_integral(entry: &Entry) -> bool {
+    matches!(entry.row.unit, Unit::Joule | Unit::Radian)
+}
+
+/// The torque that the model can hold for ever at its imposed_speed, eq. (2).
+///
+/// The search runs in the square of the current, to which the temperature is nearly proportional; a current
+/// at which the winding runs away is too high.
+///
+/// # Errors
+/// A model without a current to command or a limit; a winding that is too hot without current, or never.
+pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
+    let mut bench = bench.clone();
+    let name = bench.declaration().name;
+    if !bench.knows("drive_mode", Some("current")) || !bench.knows("thermal.T_w_max", None) {
+        return Err(StudyError::new(format!(
+            "{name} has no continuous torque: it needs drive_mode current and thermal.T_w_max"
+        )));
+    }
+    bench.set_text("drive_mode", "current")?;
+    bench.set_text("mechanical_mode", "imposed_speed")?;
+    let limit = bench.get("thermal.T_w_max")?;
+    let greatest = bench.entry("current_command")?.row.max;
+    let at = |square: f64| -> Result<(Bench, f64), StudyError> {
+        let mut copy = bench.clone();
+        copy.set("current_command", square.sqrt())?;
+        copy.steady_state()?;
+        let t_w = copy.get("winding_temperature")?;
+        Ok((copy, t_w - limit))
+    };
+    let excess = |square: f64| match at(square) {
+        Ok((_, excess)) => Ok(excess),
+        Err(StudyError::Unsettled(_)) => Ok(f64::INFINITY),
+        Err(other) => Err(other),
+    };
+    let idle = at(0.0)?.1;
+    if idle >= 0.0 {
+        return Err(StudyError::new(format!(
+            "{name} has no continuous torque: without current the winding is {idle:.1} K above its limit of {limit} K"
+        )));
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    while excess(high)? < 0.0 {
+        (low, high) = (high, 4.0 * high);
+        if high.sqrt() > greatest {
+            return Err(StudyError::new(format!(
+                "{name} has no continuous torque: even {:.0} A keep the winding below its limit of {limit} K",
+                low.sqrt()
+            )));
+        }
+    }
+    let square = try_root(excess, low, high, CURRENT_TOLERANCE * high)?
+        .ok_or_else(|| StudyError::new(format!("{name}: no current brings the winding to {limit} K")))?;
+    let (mut found, _) = at(square)?;
+    Ok(Continuous {
+        current: square.sqrt(),
+        torque: found.get("shaft_torque")?,
+        torque_density: found.get("torque_density")?,
+        winding_temperature: found.get("winding_temperature")?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn setup(sets: &[(&str, &str)]) -> Setup {
+        Setup {
+            model: "AnnulusCooledMotor".into(),
+            preset: Some(Preset::load("maxon-305015").unwrap()),
+            sets: sets.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect(),
+        }
+    }
+
+    /// The thesis's way back: T_w, 10 W and R_wh give 1/G = 1/0.1351 K/W.
+    #[test]
+    fn resistance_to_ambient_comes_back() {
+        let mut bench = setup(&[("electrical_power", "10")]).bench().unwrap();
+        let found = steady(&mut bench).unwrap();
+        assert!((found.r_ha.unwrap() - 1.0 / 0.1351).abs() < 1e-4, "{found:?}");
+        assert!(found.get("energy_electrical").is_none() && found.of_unit("W").count() > 4);
+    }
+
+    /// At stall, by hand (audit, T46): I = sqrt((T_max - T_a)/(R_w (R_wh + 1/G))) with R at 155 degC; the
+    /// torque with the magnet at the housing's temperature.
+    #[test]
+    fn continuous_torque_at_stall_by_hand() {
+        let found = continuous_torque(&setup(&[]).bench().unwrap()).unwrap();
+        let r_hot = 0.386 * (1.0 + 0.0039 * 130.0);
+        let heat: f64 = 130.0 / (0.21 + 1.0 / 0.1351);
+        let current = (heat / r_hot).sqrt();
+        let k_t = 0.0276 * (1.0 - 0.0012 * (130.0 - 0.21 * heat));
+        assert!((found.current / current - 1.0).abs() < 1e-5, "{found:?} instead of {current} A");
+        assert!((found.current - 5.42).abs() < 0.01, "audit, T46: {found:?}");
+        assert!((found.torque / (k_t * current) - 1.0).abs() < 1e-5, "{found:?}");
+        assert!((found.torque_density - found.torque / 0.3).abs() < 1e-9);
+        assert!((found.winding_temperature - 428.15).abs() < 1e-3);
+    }
+
+    /// Better cooling, more torque; friction at speed, less.
+    #[test]
+    fn cooling_raises_and_speed_lowers_the_torque() {
+        let torque = |sets: &[(&str, &str)]| continuous_torque(&setup(sets).bench().unwrap()).unwrap().torque;
+        let still = torque(&[]);
+        assert!(torque(&[("fan_command", "1")]) > 1.3 * still);
+        assert!(torque(&[("imposed_speed", "500")]) < 0.95 * still);
+    }
+
+    #[test]
+    fn a_motor_that_is_too_hot_already_is_refused() {
+        let bench = setup(&[("ambient_temperature", "430")]).bench().unwrap();
+        let error = continuous_torque(&bench).unwrap_err().to_string();
+        assert!(error.contains("without current") && error.contains("428.15"), "{error}");
+    }
+
+    #[test]
+    fn modes_follow_from_inputs() {
+        let mode = |sets: &[(&str, &str)], name: &str| setup(sets).bench().unwrap().get(name).unwrap();
+        assert_eq!(mode(&[("current_command", "1")], "drive_mode"), 3.0);
+        assert_eq!(mode(&[("current_command", "1"), ("drive_mode", "voltage")], "drive_mode"), 1.0);
+        assert_eq!(mode(&[], "mechanical_mode"), 2.0);
+        assert_eq!(mode(&[("load_torque", "0.1")], "mechanical_mode"), 1.0);
+    }
+}
