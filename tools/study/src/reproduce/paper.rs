@@ -111,7 +111,8 @@ pub fn paper() -> Result<Paper, StudyError> {
     let work =
         Parts::of(power.electrical * DURATION, 0.5 * L_A * CURRENT * CURRENT, power.mechanical * DURATION);
     let temperatures = temperatures(&simulated, &work);
-    let rows = rows::rows(&voltage, &power, &work, &temperatures, simulated.as_deref().ok());
+    let mut rows = rows::rows(&voltage, &power, &work, &temperatures, simulated.as_deref().ok());
+    rows.sort_by_key(|row| row.id);
     let misprints = rows.iter().filter(|r| r.verdict == super::Verdict::UnitError).count();
     let conclusion = format!(
         "At full duty {} V = {} V in the resistance + {} V against the counter-electromotive force, {} A and {} W are \
