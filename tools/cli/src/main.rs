@@ -3,6 +3,7 @@
 mod build;
 mod reproduce;
 mod simulate;
+mod study;
 mod validate;
 
 use clap::{Parser, Subcommand};
@@ -24,6 +25,8 @@ enum Command {
     Build(build::Args),
     Validate(validate::Args),
     Simulate(simulate::Args),
+    Steady(study::SteadyArgs),
+    Sweep(study::SweepArgs),
     Reproduce(reproduce::Args),
     #[command(hide = true)]
     Probe(validate::ProbeArgs),
@@ -55,6 +58,8 @@ fn main() -> ExitCode {
         Command::Build(args) => build::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Steady(args) => study::run_steady(&args),
+        Command::Sweep(args) => study::run_sweep(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Probe(args) => validate::probe(&args),
     };

@@ -1,12 +1,12 @@
 //! `motor-fmu reproduce`: the numbers of the two published systems.
 
 use crate::Failure;
+use ::study::reproduce::{Printed, Row, report, significant};
+use ::study::reproduce::{paper::paper, thesis::thesis};
 use clap::ValueEnum;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use study::reproduce::{Printed, Row, report, significant};
-use study::reproduce::{paper::paper, thesis::thesis};
 
 /// A published system.
 #[derive(Clone, Copy, ValueEnum)]

@@ -84,6 +84,11 @@ impl Bench {
         })
     }
 
+    /// Whether the model computes the variable.
+    pub fn is_output(&self, name: &str) -> bool {
+        self.declaration.by_name(name).is_some_and(|e| e.row.causality == Causality::Output)
+    }
+
     /// Sets a parameter or an input, in SI units.
     ///
     /// # Errors

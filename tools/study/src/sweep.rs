@@ -1,1 +1,348 @@
-//! To be written.
+//! Sweeps over a grid of inputs and parameters: one objective at every point, in parallel, and the best point.
+
+use crate::StudyError;
+use crate::bench::Bench;
+use crate::figure::{Axis, Figure};
+use crate::numeric::linspace;
+use crate::steady::{Setup, continuous_torque, steady};
+use physics::declare::Kind;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Points that a sweep may have.
+const MAX_POINTS: usize = 1_000_000;
+
+/// A variable and the values that it takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vary {
+    /// Name of an input or a parameter.
+    pub name: String,
+    /// Its values.
+    pub values: Vec<f64>,
+}
+
+impl Vary {
+    /// From `name=from:to:n`, both ends included.
+    ///
+    /// # Errors
+    /// One sentence naming what is wrong.
+    pub fn parse(text: &str) -> Result<Vary, StudyError> {
+        let wrong = |why: &str| StudyError::new(format!("--vary {text}: {why}; expected name=from:to:n"));
+        let (name, range) = text.split_once('=').ok_or_else(|| wrong("there is no ="))?;
+        let parts: Vec<&str> = range.split(':').collect();
+        let [from, to, n] = parts[..] else { return Err(wrong("there are not three numbers behind =")) };
+        let number = |text: &str| {
+            let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+            value.ok_or_else(|| wrong(&format!("{text} is not a finite number")))
+        };
+        let (from, to) = (number(from)?, number(to)?);
+        let n: usize =
+            n.trim().parse().map_err(|_| wrong(&format!("{n} is not a whole number of points")))?;
+        if !(1..=MAX_POINTS).contains(&n) {
+            return Err(wrong(&format!("{n} points are not within 1 ... {MAX_POINTS}")));
+        }
+        if name.trim().is_empty() {
+            return Err(wrong("there is no name"));
+        }
+        Ok(Vary { name: name.trim().to_owned(), values: linspace(from, to, n) })
+    }
+}
+
+/// What is looked for at every point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Objective {
+    /// Torque without end, N.m: the greatest is best.
+    ContinuousTorque,
+    /// The same per total mass, N.m/kg: the greatest is best.
+    TorqueDensity,
+    /// An output in steady state at the given inputs; of temperatures the least is best, else the greatest.
+    Output(String),
+}
+
+impl Objective {
+    /// From its name.
+    pub fn named(name: &str) -> Objective {
+        match name {
+            "continuous_torque" => Objective::ContinuousTorque,
+            "torque_density" => Objective::TorqueDensity,
+            output => Objective::Output(output.to_owned()),
+        }
+    }
+
+    /// Its name and unit, for a model that has it.
+    fn describe(&self, bench: &Bench) -> Result<(String, &'static str, bool), StudyError> {
+        let of =
+            |name: &str, output: &str| Ok((name.to_owned(), bench.entry(output)?.row.unit.name(), false));
+        match self {
+            Objective::ContinuousTorque => of("continuous_torque", "shaft_torque"),
+            Objective::TorqueDensity => of("torque_density", "torque_density"),
+            Objective::Output(name) => {
+                let entry = bench.entry(name)?;
+                if !bench.is_output(name) {
+                    return Err(StudyError::new(format!("--objective {name} is no output of the model")));
+                }
+                Ok((name.clone(), entry.row.unit.name(), entry.row.unit.name() == "K" && !entry.row.relative))
+            }
+        }
+    }
+
+    fn at(&self, mut bench: Bench) -> Result<f64, StudyError> {
+        match self {
+            Objective::ContinuousTorque => Ok(continuous_torque(&bench)?.torque),
+            Objective::TorqueDensity => Ok(continuous_torque(&bench)?.torque_density),
+            Objective::Output(name) => {
+                steady(&mut bench)?;
+                bench.get(name)
+            }
+        }
+    }
+}
+
+/// A point of the grid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Values of the varied variables, in order.
+    pub values: Vec<f64>,
+    /// The objective, where the model settles.
+    pub objective: Option<f64>,
+    /// Why it has none.
+    pub failure: Option<String>,
+}
+
+/// A finished sweep.
+#[derive(Clone, Debug, Serialize)]
+pub struct Sweep {
+    /// Names of the varied variables.
+    pub varied: Vec<String>,
+    /// Their units.
+    pub units: Vec<&'static str>,
+    /// Name of the objective.
+    pub objective: String,
+    /// Its unit.
+    pub objective_unit: &'static str,
+    /// All points; the last variable runs fastest.
+    pub points: Vec<Point>,
+    /// The best point.
+    pub best: Option<Point>,
+}
+
+/// Runs the sweep; `progress` hears how many points are done, from several threads.
+///
+/// # Errors
+/// No grid, a variable or a value that the model does not take, or no point with a result.
+pub fn sweep(
+    setup: &Setup,
+    vary: &[Vary],
+    objective: &Objective,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Sweep, StudyError> {
+    let bench = setup.bench()?;
+    let (name, unit, least_is_best) = objective.describe(&bench)?;
+    let count = vary.iter().map(|v| v.values.len()).fold(1usize, usize::saturating_mul);
+    if vary.is_empty() || count > MAX_POINTS {
+        return Err(StudyError::new(format!("--vary makes {count} points; 1 ... {MAX_POINTS} are possible")));
+    }
+    check(&bench, vary)?;
+    let done = AtomicUsize::new(0);
+    let points: Vec<Point> = (0..count)
+        .into_par_iter()
+        .map(|k| {
+            let values = grid_point(vary, k);
+            let found = at(setup, vary, &values, objective);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            let failure = found.as_ref().err().map(ToString::to_string);
+            Point { values, objective: found.ok(), failure }
+        })
+        .collect();
+    let better = |a: &f64, b: &f64| if least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
+    let best = points
+        .iter()
+        .filter_map(|p| p.objective.map(|o| (o, p)))
+        .max_by(|a, b| better(&a.0, &b.0))
+        .map(|(_, p)| p.clone());
+    if best.is_none() {
+        let why = points.first().and_then(|p| p.failure.clone()).unwrap_or_default();
+        return Err(StudyError::new(format!("no point of the sweep has a result: {why}")));
+    }
+    Ok(Sweep {
+        varied: vary.iter().map(|v| v.name.clone()).collect(),
+        units: vary
+            .iter()
+            .map(|v| bench.entry(&v.name).map(|e| e.row.unit.name()))
+            .collect::<Result<_, _>>()?,
+        objective: name,
+        objective_unit: unit,
+        points,
+        best,
+    })
+}
+
+/// Both ends of every range are taken by the model, before anything runs.
+fn check(bench: &Bench, vary: &[Vary]) -> Result<(), StudyError> {
+    for (k, v) in vary.iter().enumerate() {
+        if vary[..k].iter().any(|other| other.name == v.name) {
+            return Err(StudyError::new(format!("--vary names {} twice", v.name)));
+        }
+        if !matches!(bench.entry(&v.name)?.row.kind, Kind::Real) {
+            return Err(StudyError::new(format!("--vary {}: it is a choice and no number", v.name)));
+        }
+        for value in [v.values.first(), v.values.last()].into_iter().flatten() {
+            let set = bench.clone().set(&v.name, *value);
+            set.map_err(|e| StudyError::new(format!("--vary {}: {e}", v.name)))?;
+        }
+    }
+    Ok(())
+}
+
+/// The values of point `k`; the last variable runs fastest.
+fn grid_point(vary: &[Vary], k: usize) -> Vec<f64> {
+    let mut rest = k;
+    let mut values: Vec<f64> = vary
+        .iter()
+        .rev()
+        .map(|v| {
+            let value = v.values[rest % v.values.len()];
+            rest /= v.values.len();
+            value
+        })
+        .collect();
+    values.reverse();
+    values
+}
+
+fn at(setup: &Setup, vary: &[Vary], values: &[f64], objective: &Objective) -> Result<f64, StudyError> {
+    let mut setup = setup.clone();
+    setup.sets.extend(vary.iter().zip(values).map(|(v, value)| (v.name.clone(), value.to_string())));
+    objective.at(setup.bench()?)
+}
+
+impl Sweep {
+    /// Header and rows, 17 digits; an objective that there is not is blank.
+    pub fn csv(&self) -> String {
+        let mut text = format!("{},{}\n", self.varied.join(","), self.objective);
+        for point in &self.points {
+            for value in &point.values {
+                text += &format!("{value:.16e},");
+            }
+            text += &point.objective.map_or(String::new(), |o| format!("{o:.16e}"));
+            text.push('\n');
+        }
+        text
+    }
+
+    /// The figure: the objective over the first variable, a line for each value of the second.
+    ///
+    /// # Errors
+    /// More than two variables, or more lines than an eye can tell apart.
+    pub fn figure(&self) -> Result<Figure, StudyError> {
+        const MAX_LINES: usize = 8;
+        let axis = |name: &str, unit: &str| Axis::new(&format!("{name} {}", in_unit(unit)));
+        let mut figure = Figure::new(
+            &format!("{} over {}", self.objective, self.varied.join(" and ")),
+            axis(&self.varied[0], self.units[0]),
+            axis(&self.objective, self.objective_unit),
+        );
+        let mut lines: Vec<(Option<f64>, Vec<(f64, f64)>)> = Vec::new();
+        if self.varied.len() > 2 {
+            return Err(StudyError::new(
+                "--plot takes one or two varied variables; --output takes any number",
+            ));
+        }
+        for point in &self.points {
+            let key = point.values.get(1).copied();
+            let place = (point.values[0], point.objective.unwrap_or(f64::NAN));
+            match lines.iter_mut().find(|(k, _)| *k == key) {
+                Some((_, line)) => line.push(place),
+                None => lines.push((key, vec![place])),
+            }
+        }
+        if lines.len() > MAX_LINES {
+            return Err(StudyError::new(format!(
+                "--plot draws a line for each of the {} values of {}; {MAX_LINES} are possible",
+                lines.len(),
+                self.varied[1]
+            )));
+        }
+        for (key, line) in lines {
+            let label =
+                key.map_or(String::new(), |k| format!("{} = {}", self.varied[1], crate::figure::tick(k, k)));
+            figure = figure.line(&label, line);
+        }
+        Ok(figure)
+    }
+}
+
+/// The unit in words of an axis; a pure number has none.
+fn in_unit(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!("in {unit}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn setup(sets: &[(&str, &str)]) -> Setup {
+        let sets = sets.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
+        Setup { model: "AnnulusCooledMotor".into(), preset: None, sets }
+    }
+
+    fn vary(texts: &[&str]) -> Vec<Vary> {
+        texts.iter().map(|t| Vary::parse(t).unwrap()).collect()
+    }
+
+    /// The grid runs in order, the winding is coldest with most fan and least ambient: by hand at each point.
+    #[test]
+    fn a_grid_of_two() {
+        let grid = vary(&["ambient_temperature=290:300:2", "fan_command=0:1:3"]);
+        let objective = Objective::named("winding_temperature");
+        let found = sweep(&setup(&[("electrical_power", "10")]), &grid, &objective, |_| {}).unwrap();
+        assert_eq!(found.points.len(), 6);
+        assert_eq!(found.points[1].values, [290.0, 0.5]);
+        for point in &found.points {
+            let g = 0.1351 + 0.35 * f64::powf(point.values[1], 0.8);
+            let by_hand = point.values[0] + 10.0 * (0.21 + 1.0 / g);
+            assert!((point.objective.unwrap() - by_hand).abs() < 1e-3, "{point:?} instead of {by_hand}");
+        }
+        assert_eq!(found.best.as_ref().unwrap().values, [290.0, 1.0]);
+        assert_eq!(found.csv().lines().count(), 7);
+        assert!(found.figure().unwrap().svg().contains("fan_command"));
+    }
+
+    #[test]
+    fn runaway_leaves_a_gap_and_not_the_sweep() {
+        let fixed = setup(&[("drive_mode", "current")]);
+        let objective = Objective::named("winding_temperature");
+        let found = sweep(&fixed, &vary(&["current_command=1:20:2"]), &objective, |_| {}).unwrap();
+        assert!(found.points[1].objective.is_none() && found.points[1].failure.is_some());
+        assert_eq!(found.best.as_ref().unwrap().values, [1.0]);
+        assert!(found.csv().ends_with(",\n"));
+    }
+
+    #[test]
+    fn bad_input_is_one_sentence() {
+        for (text, word) in [
+            ("x", "no ="),
+            ("x=1:2", "three numbers"),
+            ("x=1:b:3", "b is not"),
+            ("x=1:2:0", "0 points"),
+            ("x=1:2:2.5", "2.5"),
+            ("=1:2:3", "no name"),
+        ] {
+            let error = Vary::parse(text).unwrap_err().to_string();
+            assert!(error.contains(word) && error.contains("--vary"), "{error}");
+        }
+        let refused = |grid: &[&str], objective: &str| {
+            sweep(&setup(&[]), &vary(grid), &Objective::named(objective), |_| {}).unwrap_err().to_string()
+        };
+        assert!(
+            refused(&["fan_command=0:2:3"], "current")
+                .contains("fan_command = 2 is outside its limits 0 ... 1")
+        );
+        assert!(refused(&["fan_comand=0:1:3"], "current").contains("did you mean fan_command?"));
+        assert!(refused(&["fan_command=0:1:3"], "fan_command").contains("no output"));
+        assert!(refused(&["drive_mode=1:2:2"], "current").contains("choice"));
+        assert!(refused(&["fan_command=0:1:2", "fan_command=0:1:2"], "current").contains("twice"));
+        assert!(refused(&[], "current").contains("--vary"));
+    }
+}

@@ -1,0 +1,180 @@
+//! `motor-fmu steady` and `motor-fmu sweep`: studies with the native models.
+
+use crate::Failure;
+use ::study::reproduce::significant;
+use ::study::steady::{Setup, continuous_torque, steady};
+use ::study::sweep::{Objective, Sweep, Vary, sweep};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// What a study starts from.
+#[derive(clap::Args)]
+pub struct Start {
+    /// Model
+    #[arg(long, value_name = "M", default_value = "AnnulusCooledMotor")]
+    model: String,
+    /// Start values: a built-in preset's name or a TOML file
+    #[arg(long, value_name = "NAME|FILE")]
+    preset: Option<String>,
+    /// Set a parameter or input in SI units; an enumeration by the name of an item. May be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = crate::simulate::setting)]
+    sets: Vec<(String, String)>,
+}
+
+impl Start {
+    fn setup(&self) -> Result<Setup, Failure> {
+        let preset = self.preset.as_deref().map(describe::Preset::load).transpose()?;
+        Ok(Setup { model: self.model.clone(), preset, sets: self.sets.clone() })
+    }
+}
+
+/// Thermal steady state, and the torque that can be held for ever at the winding's limit.
+///
+/// Modes that are not set follow from the inputs: electrical_power means drive_mode power, current_command
+/// current, voltage voltage, duty pwm. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
+#[derive(clap::Args)]
+pub struct SteadyArgs {
+    #[command(flatten)]
+    start: Start,
+    /// Print everything as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `steady`.
+pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
+    let mut bench = args.start.setup()?.bench()?;
+    let continuous = continuous_torque(&bench);
+    let found = steady(&mut bench)?;
+    if args.json {
+        let outputs: serde_json::Map<_, _> =
+            found.outputs.iter().map(|v| (v.name.clone(), json!(v.value))).collect();
+        let result = json!({
+            "model": args.start.model,
+            "steady": outputs,
+            "R_ha": found.r_ha,
+            "continuous": continuous.as_ref().ok(),
+            "no_continuous_torque": continuous.as_ref().err().map(ToString::to_string),
+        });
+        crate::say(&format!("{}\n", serde_json::to_string_pretty(&result)?));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut text = format!("{} in steady state\n", args.start.model);
+    for unit in ["K", "W"] {
+        for v in found.of_unit(unit) {
+            let celsius = if unit == "K" && !v.name.ends_with("margin") {
+                format!("  ({:.2} degC)", v.value - 273.15)
+            } else {
+                String::new()
+            };
+            text += &format!("  {:26} {:>12} {unit}{celsius}\n", v.name, rounded(v.value));
+        }
+    }
+    if let Some(r_ha) = found.r_ha {
+        text += &format!("  {:26} {:>12} K/W\n", "R_ha", significant(r_ha));
+    }
+    text += &match continuous {
+        Ok(c) => format!(
+            "continuous torque {} N.m at {} A, {} N.m/kg, with the winding at {:.2} K\n",
+            significant(c.torque),
+            significant(c.current),
+            significant(c.torque_density),
+            c.winding_temperature
+        ),
+        Err(reason) => format!("{reason}\n"),
+    };
+    crate::say(&text);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Three digits behind the point where that is enough; rounding noise is 0.
+fn rounded(value: f64) -> String {
+    if value.abs() < 1e-9 { "0".to_owned() } else { format!("{value:.3}") }
+}
+
+/// Vary inputs and parameters over a grid and find the best point.
+#[derive(clap::Args)]
+pub struct SweepArgs {
+    #[command(flatten)]
+    start: Start,
+    /// A variable and its values, both ends included. May be repeated
+    #[arg(long = "vary", required = true, value_name = "NAME=FROM:TO:N")]
+    vary: Vec<String>,
+    /// continuous_torque, torque_density (both at the winding's limit), or an output in steady state
+    #[arg(long, value_name = "NAME", default_value = "continuous_torque")]
+    objective: String,
+    /// Write all points as CSV with 17 digits
+    #[arg(long, value_name = "F.csv")]
+    output: Option<PathBuf>,
+    /// Draw the objective over the first variable, a line for each value of the second, as SVG
+    #[arg(long, value_name = "F.svg")]
+    plot: Option<PathBuf>,
+    /// Print everything as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `sweep`.
+pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
+    let vary = args.vary.iter().map(|text| Vary::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
+    let bar = progress_bar(points);
+    let done = |n: usize| bar.set_position(n as u64);
+    let found = sweep(&args.start.setup()?, &vary, &Objective::named(&args.objective), done);
+    bar.finish_and_clear();
+    let found = found?;
+    if let Some(path) = &args.output {
+        write(path, &found.csv())?;
+    }
+    if let Some(path) = &args.plot {
+        write(path, &found.figure()?.svg())?;
+    }
+    crate::say(&if args.json {
+        format!("{}\n", serde_json::to_string_pretty(&found)?)
+    } else {
+        summary(&found)
+    });
+    Ok(ExitCode::SUCCESS)
+}
+
+fn summary(found: &Sweep) -> String {
+    let failed: Vec<&String> = found.points.iter().filter_map(|p| p.failure.as_ref()).collect();
+    let mut text = format!("{} points\n", found.points.len());
+    if let Some(reason) = failed.first() {
+        text += &format!("{} without a result: {reason}\n", failed.len());
+    }
+    if let Some(best) = &found.best {
+        let at = |k: usize| {
+            format!("{} = {} {}", found.varied[k], significant(best.values[k]), plain(found.units[k]))
+        };
+        let places: Vec<String> = (0..found.varied.len()).map(at).collect();
+        let value = best.objective.map_or(String::new(), significant);
+        let places = places.iter().map(|p| p.trim_end()).collect::<Vec<_>>().join(", ");
+        text += &format!("best {} = {value} {} at {places}\n", found.objective, plain(found.objective_unit));
+    }
+    text
+}
+
+/// A pure number is written without its unit.
+fn plain(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|e| Failure::new(format!("{} cannot be written: {e}", path.display())))
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn progress_bar(points: usize) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(points as u64);
+    if let Ok(style) = ProgressStyle::with_template("sweeping {wide_bar} {pos}/{len}, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
