@@ -14,6 +14,7 @@ mod housing_radiation;
 mod interface_temperature;
 mod iron_loss;
 mod load_dependent_friction;
+mod stator_node;
 mod viscous_friction;
 mod windage;
 
@@ -28,6 +29,7 @@ pub use housing_radiation::HousingRadiation;
 pub use interface_temperature::InterfaceTemperature;
 pub use iron_loss::IronLoss;
 pub use load_dependent_friction::LoadDependentFriction;
+pub use stator_node::StatorNode;
 pub use viscous_friction::ViscousFriction;
 pub use windage::Windage;
 
@@ -159,6 +161,7 @@ pub enum Port {
     FanFlow,
     AmbientSensor,
     DriveLoss,
+    HeatCapacity,
 }
 
 macro_rules! effects {
@@ -267,6 +270,8 @@ effects! {
     ambient_drift: AmbientDrift @ "effect.ambient_drift." 1110 at AmbientSensor;
     /// Power lost in the drive.
     drive_loss: DriveLoss @ "effect.drive_loss." 1120 at DriveLoss;
+    /// A stator with a temperature of its own.
+    stator_node: StatorNode @ "effect.stator_node." 1180 at HeatCapacity;
 }
 
 /// Slopes of the ports with respect to their first argument, for Jacobians.

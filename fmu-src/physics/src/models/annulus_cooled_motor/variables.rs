@@ -29,8 +29,16 @@ enumeration! {
 enumeration! {
     /// How heat leaves the housing.
     pub enum CoolingMode {
-        /// Through a conductance that the fan raises.
+        /// Through a conductance that the fan raises; winding and housing are the only nodes.
         Conductance = 1, "conductance";
+        /// Natural convection and radiation in a still room.
+        Bare = 2, "bare";
+        /// A fan that blows across the motor.
+        FanCrossflow = 3, "fan_crossflow";
+        /// A fan that pushes air through a tube around the motor.
+        AnnulusPush = 4, "annulus_push";
+        /// A fan that pulls air through a tube around the motor.
+        AnnulusPull = 5, "annulus_pull";
     }
 }
 
@@ -43,6 +51,8 @@ variables! {
         mechanical_mode: MechanicalMode = Variable::choice(81, 1),
         /// How heat leaves the housing
         cooling_mode: CoolingMode = Variable::choice(82, 1),
+        /// Segments of the housing along its axis (not in cooling_mode conductance)
+        air_segments: f64 = Variable::tunable(84, 8.0, Unit::One, 1.0, 64.0),
     }
 }
 
@@ -63,6 +73,8 @@ variables! {
         fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0),
         /// Temperature of the surroundings as shown; every node starts at the true one
         ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0),
+        /// Pressure of the surrounding air (altitude); without effect in cooling_mode conductance
+        ambient_pressure: f64 = Variable::input(8, 101_325.0, Unit::Pascal, 1e4, 2e5).nominal(1e5),
         /// Electrical power that heats the winding, less what the drive loses (drive_mode power)
         electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, 0.0, 1e6).nominal(10.0),
         /// Further heat set free in the winding
@@ -89,6 +101,12 @@ variables! {
         magnet_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
         /// Temperature of the housing
         housing_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
+        /// Temperature of the air behind the motor; that of the surroundings where none is led past it
+        air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
+        /// Flow of air over the motor; 0 in cooling_mode conductance and bare
+        air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
+        /// Pressure that the fan gives; 0 unless air is led through an annulus
+        air_pressure_drop: f64 = Variable::output(30, Unit::Pascal).nominal(10.0),
         /// Resistance of the winding at its temperature
         winding_resistance: f64 = Variable::output(31, Unit::Ohm),
         /// Torque constant at the magnets' temperature
@@ -113,7 +131,7 @@ variables! {
         winding_margin: f64 = Variable::output(41, Unit::Kelvin).nominal(100.0).difference(),
         /// True while the winding is above its limit
         over_temperature: bool = Variable::flag(42),
-        /// Torque at the shaft per mass of the motor
+        /// Torque at the shaft per mass of the motor, with the fan and the tube where cooling_mode has them
         torque_density: f64 = Variable::output(43, Unit::NewtonMetrePerKilogram),
         /// Voltage at the terminals
         terminal_voltage: f64 = Variable::output(44, Unit::Volt).nominal(48.0),
@@ -138,6 +156,7 @@ impl Inputs {
         imposed_speed: 0.0,
         fan_command: 0.0,
         ambient_temperature: 0.0,
+        ambient_pressure: 0.0,
         electrical_power: 0.0,
         heat_power: 0.0,
     };
