@@ -3,7 +3,9 @@
 mod common;
 use common::motor;
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode, Outputs};
+use physics::models::annulus_cooled_motor::{
+    AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode, Outputs,
+};
 
 const MODES: [CoolingMode; 4] =
     [CoolingMode::Bare, CoolingMode::FanCrossflow, CoolingMode::AnnulusPush, CoolingMode::AnnulusPull];
@@ -50,8 +52,24 @@ fn look() {
         let mut m = stalled(mode);
         let begin = std::time::Instant::now();
         let o = settle(&mut m);
-        println!("{mode:?} {:?} T_w {} out {} flow {} dp {} books {} {} amb {}", begin.elapsed(), o.winding_temperature, o.air_outlet_temperature, o.air_flow_rate, o.air_pressure_drop, o.power_balance_error, o.energy_balance_error, o.heat_to_ambient);
-        println!("  R_ha {} stator {} housing {} rotor {}", (o.winding_temperature-297.9)/10.0-0.21, o.stator_temperature, o.housing_temperature, o.magnet_temperature);
+        println!(
+            "{mode:?} {:?} T_w {} out {} flow {} dp {} books {} {} amb {}",
+            begin.elapsed(),
+            o.winding_temperature,
+            o.air_outlet_temperature,
+            o.air_flow_rate,
+            o.air_pressure_drop,
+            o.power_balance_error,
+            o.energy_balance_error,
+            o.heat_to_ambient
+        );
+        println!(
+            "  R_ha {} stator {} housing {} rotor {}",
+            (o.winding_temperature - 297.9) / 10.0 - 0.21,
+            o.stator_temperature,
+            o.housing_temperature,
+            o.magnet_temperature
+        );
         let mut m = stalled(mode);
         m.start(0.0).unwrap();
         let begin = std::time::Instant::now();

@@ -57,11 +57,16 @@ impl Stabilized {
         Stabilized { stages, w0, w1: d1 / d2 }
     }
 
-    /// The method that is stable for a step of `z` = h times the largest rate, and the largest `z` that any is.
-    pub fn for_stiffness(z: f64) -> (Self, f64) {
-        let limit = |s: f64| 0.65 * (s * s - 1.0);
+    /// The method that is stable for a step of `z` = h times the largest rate, or the one that is for the largest.
+    pub fn for_stiffness(z: f64) -> Self {
         let stages = (z / 0.65 + 1.0).max(0.0).sqrt().ceil();
-        (Self::new(stages.min(MOST_STAGES as f64) as usize), limit(MOST_STAGES as f64))
+        Self::new(stages.min(MOST_STAGES as f64) as usize)
+    }
+
+    /// The largest h times rate for which the method is stable.
+    pub fn stiffness(&self) -> f64 {
+        let s = self.stages as f64;
+        0.65 * (s * s - 1.0)
     }
 
     /// Stages of a step.
@@ -170,8 +175,8 @@ mod tests {
     #[test]
     fn stable_for_the_stiffness_it_was_chosen_for() {
         for z in [1.0, 1.9, 10.0, 300.0, 1600.0] {
-            let (method, limit) = Stabilized::for_stiffness(z);
-            assert!(z < limit && (method.stages() as f64) < 3.0 + (z / 0.6f64).sqrt());
+            let method = Stabilized::for_stiffness(z);
+            assert!(z <= method.stiffness() && (method.stages() as f64) < 3.0 + (z / 0.6f64).sqrt());
             let y = run(method.stages(), 10, 10.0 * z);
             assert!((y - exact(10.0 * z)).abs() < 0.05, "{z}: {y}");
         }

@@ -138,14 +138,13 @@ impl AnnulusCooledMotor {
         let passed = next.passed;
         let passage =
             Passage { winding: passed.temperature[0], stator: passed.temperature[1], friction: passed.aside };
-        let advance = network.advanced(h, &rates, &passage, (ambient.start, ambient.slope));
+        let advance = network.advance(h, (&rates, &inflow), &passage, ambient);
         if advance.error > 1.0 || advance.error.is_nan() {
             let shrink = 0.8 / advance.error.cbrt();
             return Ok(Err(h * if shrink.is_finite() { shrink.clamp(0.1, 0.7) } else { 0.1 }));
         }
-        network.accept(&advance);
-        // A piece that was not cut by the caller tells how long the next may be.
-        network.piece = h * (0.8 / advance.error.cbrt()).clamp(0.3, 4.0);
+        network.accept();
+        network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
         self.state = next;
         self.arrive(time + h, h);

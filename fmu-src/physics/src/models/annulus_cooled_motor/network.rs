@@ -17,7 +17,7 @@ mod cooling;
 
 pub use cooling::{Coefficients, Conditions, Cooling};
 
-use super::{CoolingMode, Inputs, Parameters};
+use super::{CoolingMode, Inputs, Line, Parameters};
 use crate::effects::Effect;
 use crate::solver::stabilized::{MOST, Stabilized, States, error};
 use cooling::Tangent;
@@ -38,6 +38,8 @@ pub struct Body {
     pub segments: usize,
     /// Heat capacities: rotor, tube, one segment, J/K; 0 for a node that is not there.
     pub capacity: [f64; 3],
+    /// Their reciprocals, K/J; 0 for a node that is not there, which then stands still.
+    pub per_joule: [f64; 3],
     /// Heat capacity of the stator, the node beside the winding, J/K.
     pub stator: f64,
     /// From stator to one segment, W/K.
@@ -65,6 +67,7 @@ impl Body {
             return extra.is_on().then(|| Body {
                 segments: 1,
                 capacity: [0.0, 0.0, thermal.C_h],
+                per_joule: [0.0, 0.0, 1.0 / thermal.C_h],
                 stator: extra.C_s,
                 from_stator: 1.0 / extra.R_sh,
                 winding_to_rotor: 0.0,
@@ -80,13 +83,12 @@ impl Body {
             matches!(parameters.choices.cooling_mode, CoolingMode::AnnulusPush | CoolingMode::AnnulusPull);
         let (resistance, capacity) = if extra.is_on() { (extra.R_sh, extra.C_s) } else { (0.0, 0.0) };
         let rest = thermal.C_h - thermal.C_r;
+        let tube = if has_tube { parameters.annulus.capacity() } else { 0.0 };
+        let capacity_of_nodes = [thermal.C_r, tube, rest * (1.0 - thermal.stator_share) / n];
         Some(Body {
             segments: n as usize,
-            capacity: [
-                thermal.C_r,
-                if has_tube { parameters.annulus.capacity() } else { 0.0 },
-                rest * (1.0 - thermal.stator_share) / n,
-            ],
+            capacity: capacity_of_nodes,
+            per_joule: capacity_of_nodes.map(|c| if c > 0.0 { 1.0 / c } else { 0.0 }),
             stator: rest * thermal.stator_share + capacity,
             from_stator: 1.0 / (n * (thermal.R_sh + resistance)),
             winding_to_rotor: thermal.G_wr,
@@ -169,6 +171,10 @@ pub struct Network {
     /// The coefficients in use.
     now: Coefficients,
     method: Stabilized,
+    /// Upper bound of the rates, 1/s.
+    fastest: f64,
+    /// Where the last piece led to.
+    next: States,
     /// Length that the next piece of a step may try, s.
     pub piece: f64,
 }
@@ -183,6 +189,8 @@ impl Network {
             tangent: Tangent::NONE,
             now: Coefficients::NONE,
             method: Stabilized::default(),
+            fastest: 0.0,
+            next: [temperature; MOST],
             piece: 1e-3,
         }
     }
@@ -254,8 +262,11 @@ impl Network {
         };
         if !self.tangent.serves(&at) {
             self.tangent = Tangent::new(&self.cooling, parameters, at);
+            self.tangent.coefficients(&at, self.body.segments, &mut self.now);
+            self.fastest = self.bound();
+        } else {
+            self.tangent.coefficients(&at, self.body.segments, &mut self.now);
         }
-        self.tangent.coefficients(&at, self.body.segments, &mut self.now);
     }
 
     /// The coefficients in use.
@@ -279,8 +290,9 @@ impl Network {
 
     /// The mean heat over a piece of `h` seconds, from the integrals of winding and stator over time and the
     /// friction's energy, with rotor and housing on their lines. With it, what left winding and stator, J.
-    fn mean_inflow(&self, rates: &States, h: f64, winding: f64, stator: f64, friction: f64) -> (Inflow, f64) {
+    fn mean_inflow(&self, rates: &States, h: f64, passed: &Passage) -> (Inflow, f64) {
         let body = &self.body;
+        let &Passage { winding, stator, friction } = passed;
         let to_housing = friction * (1.0 - body.friction_to_rotor) / body.segments as f64;
         let along = |k: usize| h * (self.states[k] + 0.5 * h * rates[k]);
         let mut inflow = Inflow { rotor: 0.0, segment: [0.0; SEGMENTS] };
@@ -300,8 +312,7 @@ impl Network {
         let (body, c) = (&self.body, &self.now);
         let n = body.segments;
         let (rotor, tube) = (y[ROTOR], y[TUBE]);
-        let [rotor_capacity, tube_capacity, capacity] = body.capacity;
-        let per_joule = 1.0 / capacity;
+        let [per_rotor, per_tube, per_joule] = body.per_joule;
         let mut air = ambient + c.inlet_rise;
         let (mut from_rotor, mut to_tube, mut leaving) = (0.0, 0.0, -c.inlet_rise * c.stream);
         let mut before = y[FIRST];
@@ -321,8 +332,8 @@ impl Network {
             before = t;
         }
         let outside = c.tube_to_room * (tube - ambient);
-        out[ROTOR] = if rotor_capacity > 0.0 { (inflow.rotor - from_rotor) / rotor_capacity } else { 0.0 };
-        out[TUBE] = if tube_capacity > 0.0 { (to_tube - outside) / tube_capacity } else { 0.0 };
+        out[ROTOR] = (inflow.rotor - from_rotor) * per_rotor;
+        out[TUBE] = (to_tube - outside) * per_tube;
         out[FIRST + n] = leaving + outside + c.stream * (air - ambient);
     }
 
@@ -358,30 +369,45 @@ impl Network {
         rates[FIRST + self.body.segments]
     }
 
-    /// Advances by a piece of `h` seconds: `rates` those at its start, `passed` what winding and stator did over
-    /// it, ambient on a line. Gives the new network's states and the error of the piece over what it may be.
-    pub fn advanced(&mut self, h: f64, rates: &States, passed: &Passage, ambient: (f64, f64)) -> Advance {
+    /// Advances by a piece of `h` seconds: `rates` those at its start under the heat `begun`, `passed` what winding
+    /// and stator did over it, ambient on a line. [`accept`](Self::accept) takes the outcome.
+    pub fn advance(
+        &mut self,
+        h: f64,
+        (rates, begun): (&States, &Inflow),
+        passed: &Passage,
+        ambient: Line,
+    ) -> Advance {
         let (n, count) = (self.body.segments, self.body.states());
-        let (inflow, left) = self.mean_inflow(rates, h, passed.winding, passed.stator, passed.friction);
-        let (method, longest) = Stabilized::for_stiffness(h * self.fastest());
-        if method.stages() != self.method.stages() {
-            self.method = method;
+        let (inflow, left) = self.mean_inflow(rates, h, passed);
+        let stiffness = h * self.fastest;
+        if stiffness > self.method.stiffness() || self.method.stages() > 2 {
+            self.method = Stabilized::for_stiffness(stiffness);
         }
-        let mut start = self.states;
-        start[FIRST + n] = 0.0;
-        let mut first = [0.0; MOST];
-        let at =
-            |t: f64, y: &States, out: &mut States| self.rates(ambient.0 + ambient.1 * t, &inflow, y, out);
-        at(0.0, &start, &mut first);
-        let end = self.method.step(count, &start, &first, h, at);
-        let mut last = [0.0; MOST];
-        at(h, &end, &mut last);
+        self.states[FIRST + n] = 0.0;
+        // The rates at the start are those of another inflow, in which they are linear.
+        let mut first = *rates;
+        let [rotor, _, segment] = self.body.per_joule;
+        first[ROTOR] += (inflow.rotor - begun.rotor) * rotor;
+        for k in 0..n {
+            first[FIRST + k] += (inflow.segment[k] - begun.segment[k]) * segment;
+        }
+        let at = |t: f64, y: &States, out: &mut States| self.rates(ambient.at(t), &inflow, y, out);
+        let end = self.method.step(count, &self.states, &first, h, at);
         let mut worst = self.miss(rates, &end, h);
-        for k in 0..FIRST + n {
-            worst = worst.max(error(start[k], first[k], end[k], last[k], h).abs());
+        // A bound of the local error, (h lambda)^2 h y'/6, which at steps of milliseconds is far below the estimate's
+        // own rounding; only where it is not is the estimate worth another evaluation.
+        let steepest = first[..FIRST + n].iter().fold(0.0f64, |m, r| m.max(r.abs()));
+        if stiffness * stiffness * h * steepest > 0.1 * TOLERANCE {
+            let mut last = [0.0; MOST];
+            at(h, &end, &mut last);
+            for k in 0..FIRST + n {
+                worst = worst.max(error(self.states[k], first[k], end[k], last[k], h).abs());
+            }
         }
-        let over = if h * self.fastest() > longest { f64::INFINITY } else { worst / TOLERANCE };
-        Advance { states: end, left, to_ambient: end[FIRST + n], error: over }
+        self.next = end;
+        let over = if stiffness > self.method.stiffness() { f64::INFINITY } else { worst / TOLERANCE };
+        Advance { left, to_ambient: end[FIRST + n], error: over }
     }
 
     /// What the stator misses over a piece since the housing did not run along its line, K: a third of the
@@ -397,13 +423,14 @@ impl Network {
         (off * exchange / 3.0).abs()
     }
 
-    /// Takes the states that a piece led to.
-    pub fn accept(&mut self, advance: &Advance) {
-        self.states = advance.states;
+    /// Takes the states that the last piece led to.
+    pub fn accept(&mut self) {
+        let in_use = self.body.states();
+        self.states[..in_use].copy_from_slice(&self.next[..in_use]);
     }
 
     /// Upper bound of the network's rates, 1/s (Gershgorin).
-    fn fastest(&self) -> f64 {
+    fn bound(&self) -> f64 {
         let (body, c) = (&self.body, &self.now);
         let n = body.segments;
         let mut most = 0.0f64;
@@ -458,7 +485,6 @@ pub struct Passage {
 /// Where a piece of a step has led.
 #[derive(Clone, Copy, Debug)]
 pub struct Advance {
-    states: States,
     /// Heat that winding and stator gave to the network, J.
     pub left: f64,
     /// Heat that the network gave to ambient, J.
