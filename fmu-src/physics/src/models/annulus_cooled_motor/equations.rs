@@ -21,6 +21,7 @@
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
 //! `solver/reference.rs`, which takes [`Step::rates`].
 
+mod drive;
 mod outputs;
 mod ports;
 mod system;
@@ -30,6 +31,7 @@ use super::{DriveMode, Inputs, MechanicalMode, Parameters};
 use crate::effects::{Effect, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, State, System};
+use drive::Chopper;
 use nalgebra::SVector;
 use ports::{Acts, Ports};
 
@@ -80,6 +82,10 @@ pub struct Constants {
     lost: f64,
     /// Whether a port may jump at a time of its own.
     pub(super) eventful: bool,
+    /// Torque over that of the data sheet's torque constant, by the commutation.
+    torque_factor: f64,
+    /// Whether a drive that chops loses something on the way.
+    chops: bool,
     /// Whether a network stands beyond the two nodes.
     has_network: bool,
     /// Whether the iron's loss heats the core while all other friction heat goes to the network.
@@ -108,6 +114,8 @@ impl Constants {
             drift: parameters.effects.ambient_sensor(),
             lost: parameters.effects.drive_loss(),
             eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
+            torque_factor: parameters.choices.commutation.torque_factor(),
+            chops: Chopper::acts(parameters),
             has_network: body.is_some(),
             iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
             acts,
@@ -143,8 +151,13 @@ pub struct Step<'a> {
     drive: Line,
     /// True temperature of the surroundings, K.
     ambient: Line,
-    /// What is left of the torque constant, 1 for all.
+    /// Torque over that of the data sheet's constant at the same temperature: commutation, and what is left of the
+    /// magnets.
     strength: f64,
+    /// How far the phases that carry the current are above the mean winding, K.
+    excess: f64,
+    /// The drive, in drive_mode pwm.
+    chopper: Chopper,
     /// Conductance of each node to what surrounds it, where the fan stands still over the step, W/K.
     conductance: PerNode,
     /// Rotor and housing beyond the two nodes, where there is a network.
@@ -169,6 +182,10 @@ pub struct Beyond {
 pub struct Point {
     /// Voltage at the terminals, V.
     pub voltage: f64,
+    /// Power taken in, at the terminals (drive_mode pwm: by the drive) and as heat, W.
+    pub power_in: f64,
+    /// Power lost in the drive, W.
+    pub drive: f64,
     /// Drag torque, N.m.
     pub drag: f64,
     /// Torque given to the load, N.m.
@@ -234,10 +251,26 @@ impl<'a> Step<'a> {
                 start: u.ambient_temperature + drift * time,
                 slope: s.ambient_temperature + drift,
             },
-            strength: if constants.eventful { model.effects.torque_constant(time) } else { 1.0 },
+            strength: constants.torque_factor
+                * if constants.eventful { model.effects.torque_constant(time) } else { 1.0 },
+            excess: 0.0,
+            chopper: Chopper::new(model, constants.chops, inputs),
             conductance,
             beyond: Beyond::default(),
         }
+    }
+
+    /// The same equations with the phases in use this far above the mean winding, K.
+    #[inline]
+    pub fn with_excess(mut self, excess: f64) -> Self {
+        self.excess = excess;
+        self
+    }
+
+    /// Resistance with the mean winding at `t_w`, Ohm.
+    #[inline]
+    fn resistance(&self, t_w: f64) -> f64 {
+        self.model.motor.resistance(t_w + self.excess)
     }
 
     /// The same equations with a network beyond the two nodes.
@@ -340,11 +373,6 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Power lost in the drive at the start of the step, W.
-    pub fn drive_loss(&self) -> f64 {
-        self.drive.start
-    }
-
     /// Energy in the model's stores, J: magnetic and kinetic where they are its own, and heat above 0 K.
     pub fn stored(&self, state: &State<NODES>) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
@@ -365,20 +393,25 @@ impl<'a> Step<'a> {
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
-        let (r, k) = (motor.resistance(t_w), self.torque_constant(t, temperature));
+        let (r, k) = (self.resistance(t_w), self.torque_constant(t, temperature));
         let lost = self.ports().terminal_voltage(i);
         let drag = self.drag(t, x, k);
         let fast = self.fast_rates(t, x, temperature);
-        let voltage = if self.is_voltage_driven() { self.voltage.at(t) } else { r * i + lost + k * w };
+        let bridge = self.bridge(i);
+        let voltage = if self.is_voltage_driven() {
+            self.voltage.at(t) - bridge - self.missed(i)
+        } else {
+            r * i + lost + k * w
+        };
         let shaft_torque = if self.is_free() { self.load.at(t) } else { k * i - drag };
-        let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t));
+        let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t) + bridge * i);
         let insulation = self.ports().winding_housing_resistance(t_w);
         let across = self.model.thermal.winding_to_housing(t_w, t_h) / insulation;
 
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Winding, r * i * i);
         ledger.transfer(Terminals, Winding, lost * i);
-        ledger.transfer(Terminals, Winding, self.heat.at(t));
+        ledger.transfer(Terminals, Winding, self.heat.at(t) + self.ripple_loss(t_w));
         ledger.transfer(Terminals, AirGap, k * w * i);
         let core = self.core();
         ledger.transfer(AirGap, core, self.drag_in_core(w, drag * w));
@@ -399,17 +432,13 @@ impl<'a> Step<'a> {
         let warming = self.network_rates(t, temperature)
             + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
         let to_ambient = self.outflow(t, temperature) + drive;
-        Point { voltage, drag, shaft_torque, fast, warming, to_ambient, ledger }
+        let power_in = voltage * i + self.heat.at(t) + self.ripple_loss(t_w) + drive;
+        Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 
     /// The account of the core.
     fn core(&self) -> Account {
         if self.constants.has_network { Account::Stator } else { Account::Housing }
-    }
-
-    /// Power taken in at one instant: at the terminals and as heat, W.
-    fn power_in(&self, t: f64, point: &Point, x: &Fast) -> f64 {
-        point.voltage * x[0] + self.heat.at(t) + self.drive.at(t)
     }
 
     /// Derivatives of all states, for an integrator that knows nothing of the split.
@@ -420,7 +449,15 @@ impl<'a> Step<'a> {
         let x = Fast::new(y[0], y[1]);
         let temperature = Temperatures::new(y[3], y[4]);
         let p = self.point(t, &x, &temperature);
-        let power = self.power_in(t, &p, &x);
-        [p.fast[0], p.fast[1], y[1], p.warming[0], p.warming[1], power, p.shaft_torque * y[1], p.to_ambient]
+        [
+            p.fast[0],
+            p.fast[1],
+            y[1],
+            p.warming[0],
+            p.warming[1],
+            p.power_in,
+            p.shaft_torque * y[1],
+            p.to_ambient,
+        ]
     }
 }

@@ -5,10 +5,12 @@
 //! was not good enough is cut. At a step of milliseconds, one piece is enough.
 
 use super::network::{Network, Passage};
-use super::{AnnulusCooledMotor, Beyond, Inputs, Line, Parameters, Step};
+use super::{AnnulusCooledMotor, Beyond, DriveMode, Inputs, Line, NODES, Parameters, Step};
+use crate::components::commutation::Commutation;
 use crate::components::conductance::Conductance;
 use crate::effects::{Effect, PerNode};
 use crate::model::Fault;
+use crate::solver::split::State;
 use crate::solver::stabilized::States;
 
 /// A piece shorter than this share of the caller's step is a failure, not an accuracy.
@@ -28,8 +30,11 @@ impl AnnulusCooledMotor {
 
     fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         self.follow_cooling();
-        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, time);
+        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, time)
+            .with_excess(self.excess());
+        let before = self.state;
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
+        self.warm_phases(&before, h);
         self.arrive(time + h, h);
         self.slopes = Inputs::ZERO;
         Ok(())
@@ -109,6 +114,7 @@ impl AnnulusCooledMotor {
     fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Fault> {
         let ambient = self.ambient(time);
         let middle = self.inputs.after(0.5 * h, &self.slopes);
+        let excess = self.excess();
         let Some(network) = &mut self.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, 0.0);
@@ -120,7 +126,8 @@ impl AnnulusCooledMotor {
         let draught = draught(p, middle.fan_command);
         let start = beyond(network, draught, ambient, None);
         let none = PerNode::default();
-        let step = Step::new(p, constants, &self.inputs, &self.slopes, none, time).within(start);
+        let step =
+            Step::new(p, constants, &self.inputs, &self.slopes, none, time).with_excess(excess).within(start);
         let friction = step.drag_beyond(&state.x, &state.temperature);
         let inflow = network.inflow(t_w, t_core, friction);
         let mut rates = network.rates_now(ambient.start, &inflow);
@@ -147,8 +154,43 @@ impl AnnulusCooledMotor {
         network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
         self.state = next;
+        self.warm_phases(&state, h);
         self.arrive(time + h, h);
         Ok(Ok(()))
+    }
+
+    /// Electrical angle of a state, rad.
+    fn electrical_angle(&self, state: &State<NODES>) -> f64 {
+        state.angle * self.parameters.motor.pole_pairs
+    }
+
+    /// How far the phases that carry the current now are above the mean winding, K.
+    #[inline]
+    pub(super) fn excess(&self) -> f64 {
+        let commutation = self.parameters.choices.commutation;
+        if commutation == Commutation::EquivalentDc {
+            return 0.0;
+        }
+        let angle = self.electrical_angle(&self.state);
+        self.phases.in_use(&commutation.shares(angle, angle))
+    }
+
+    /// The phases after `h` seconds that led from one state to the present one.
+    #[inline]
+    fn warm_phases(&mut self, from: &State<NODES>, h: f64) {
+        let p = &self.parameters;
+        if p.choices.commutation == Commutation::EquivalentDc {
+            return;
+        }
+        let (a, b) = (self.electrical_angle(from), self.electrical_angle(&self.state));
+        let shares = p.choices.commutation.shares(a, b);
+        let loss = |s: &State<NODES>| p.motor.resistance(s.temperature[0]) * s.x[0] * s.x[0];
+        let mut heat = 0.5 * (loss(from) + loss(&self.state));
+        if p.choices.drive_mode == DriveMode::Power {
+            let power = self.inputs.electrical_power + 0.5 * h * self.slopes.electrical_power;
+            heat += power * (1.0 - p.effects.drive_loss());
+        }
+        self.phases = self.phases.after(h, heat, &shares, p.thermal.C_w, p.thermal.R_wh);
     }
 
     /// The true ambient temperature over a piece that begins at `time`, K.

@@ -12,6 +12,7 @@ pub use equations::{Beyond, Constants, Line, NODES, Point, STATES, Step, Tempera
 pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
 
 use crate::components::annulus::Annulus;
+use crate::components::commutation::Phases;
 use crate::components::conductance::Conductance;
 use crate::components::fan::Fan;
 use crate::components::housing::Housing;
@@ -95,6 +96,8 @@ pub struct AnnulusCooledMotor {
     /// Energy stored at the start, J.
     stored_at_start: f64,
     split: Split<NODES>,
+    /// How far each phase is above the mean winding.
+    phases: Phases,
     /// The heat beyond winding and stator, where the mode of cooling has any.
     network: Option<Network>,
     /// What is wrong with the parameters taken together.
@@ -134,6 +137,7 @@ impl Default for AnnulusCooledMotor {
             },
             stored_at_start: 0.0,
             split: Split::default(),
+            phases: Phases::default(),
             network: None,
             fault: None,
             outputs_are_stale: true,
@@ -181,7 +185,8 @@ impl AnnulusCooledMotor {
     #[inline]
     fn equations(&self) -> Step<'_> {
         let step =
-            Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, self.time);
+            Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, self.time)
+                .with_excess(self.excess());
         if self.network.is_some() { step.within(self.beyond()) } else { step }
     }
 
@@ -212,7 +217,12 @@ impl AnnulusCooledMotor {
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
             self.follow_cooling();
-            self.outputs = self.equations().outputs(&self.state, self.stored_at_start, self.network.as_ref());
+            self.outputs = self.equations().outputs(
+                &self.state,
+                self.stored_at_start,
+                self.network.as_ref(),
+                &self.phases,
+            );
             self.outputs_are_stale = false;
         }
     }
@@ -283,6 +293,7 @@ impl Model for AnnulusCooledMotor {
             passed: Passed::default(),
         };
         self.split = Split::default();
+        self.phases = Phases::default();
         self.network = None;
         self.follow_parameters();
         self.follow_inputs();
@@ -326,6 +337,7 @@ impl Model for AnnulusCooledMotor {
         out.extend([self.time, self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
+        out.extend(self.phases.above);
         if let Some(network) = &self.network {
             out.extend(network.to_numbers());
         }
@@ -351,6 +363,7 @@ impl Model for AnnulusCooledMotor {
             copy.outputs_are_stale = next()? != 0.0;
             copy.state = State::from_numbers(&mut next)?;
             copy.split = Split::from_numbers(&mut next)?;
+            copy.phases = Phases { above: [next()?, next()?, next()?] };
             copy.network = None;
             copy.follow_parameters();
             if let Some(network) = &mut copy.network {

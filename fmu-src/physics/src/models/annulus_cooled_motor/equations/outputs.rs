@@ -1,6 +1,7 @@
 //! What the model shows of its state, and the check of the books.
 
 use super::{CORE, NODES, Step, WINDING};
+use crate::components::commutation::Phases;
 use crate::effects::Effect;
 use crate::ledger::{Account, Ledger};
 use crate::models::annulus_cooled_motor::network::{Flows, Network};
@@ -22,7 +23,13 @@ struct Outside {
 
 impl Step<'_> {
     /// The outputs at the start of the step.
-    pub fn outputs(&self, state: &State<NODES>, stored_at_start: f64, network: Option<&Network>) -> Outputs {
+    pub fn outputs(
+        &self,
+        state: &State<NODES>,
+        stored_at_start: f64,
+        network: Option<&Network>,
+        phases: &Phases,
+    ) -> Outputs {
         use Account::*;
         let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
@@ -31,7 +38,7 @@ impl Step<'_> {
         let mut p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
         let outside = match network {
-            Some(network) => self.network_books(state, network, &mut p.ledger),
+            Some(network) => self.network_books(state, network, p.drive, &mut p.ledger),
             None => Outside {
                 rotor: t_core,
                 housing: t_core,
@@ -42,22 +49,21 @@ impl Step<'_> {
         };
         let power_balance_error = outside.error
             + p.ledger.error(&[
-                (Terminals, -self.power_in(0.0, &p, x)),
+                (Terminals, -p.power_in),
                 (AirGap, 0.0),
                 (Shaft, p.shaft_torque * w),
                 (Winding, capacity[WINDING] * p.warming[WINDING]),
                 (self.core(), capacity[CORE] * p.warming[CORE]),
             ]);
         let [energy_in, energy_out, energy_heat] = state.energy;
-        let r = model.motor.resistance(t_w);
-        let copper = r * i * i + model.effects.terminal_voltage(i) * i;
-        let (electrical, copper) = match model.choices.drive_mode {
-            DriveMode::Power => {
-                let power = self.inputs.electrical_power;
-                (power, copper + power - self.drive_loss())
-            }
-            _ => (p.voltage * i, copper),
+        let r = self.resistance(t_w);
+        let copper = r * i * i + model.effects.terminal_voltage(i) * i + self.ripple_loss(t_w);
+        let electrical = p.power_in - self.inputs.heat_power;
+        let copper = match model.choices.drive_mode {
+            DriveMode::Power => copper + self.inputs.electrical_power - p.drive,
+            _ => copper,
         };
+        let hottest = t_w + phases.hottest();
         let air = network.map(|n| n.coefficients());
         let stored = self.stored(state) + network.map_or(0.0, Network::stored);
         Outputs {
@@ -72,6 +78,7 @@ impl Step<'_> {
             air_outlet_temperature: outside.flows.outlet,
             air_flow_rate: air.map_or(0.0, |c| c.flow),
             air_pressure_drop: air.map_or(0.0, |c| c.pressure_drop),
+            winding_hot_spot_temperature: hottest,
             winding_resistance: r,
             torque_constant: self.torque_constant(0.0, temperature),
             power_electrical: electrical,
@@ -79,11 +86,11 @@ impl Step<'_> {
             loss_copper: copper,
             loss_iron: self.iron_drag(w) * w,
             loss_friction: p.drag * w,
-            loss_drive: self.drive_loss(),
+            loss_drive: p.drive,
             heat_to_ambient: outside.to_ambient,
             power_balance_error,
-            winding_margin: model.thermal.T_w_max - t_w,
-            over_temperature: t_w > model.thermal.T_w_max,
+            winding_margin: model.thermal.T_w_max - hottest,
+            over_temperature: hottest > model.thermal.T_w_max,
             torque_density: p.shaft_torque / model.mass(),
             terminal_voltage: p.voltage,
             energy_electrical: energy_in,
@@ -94,7 +101,13 @@ impl Step<'_> {
     }
 
     /// Enters the flows of the network, each with both ends, and compares them with its own rates.
-    fn network_books(&self, state: &State<NODES>, network: &Network, ledger: &mut Ledger) -> Outside {
+    fn network_books(
+        &self,
+        state: &State<NODES>,
+        network: &Network,
+        drive: f64,
+        ledger: &mut Ledger,
+    ) -> Outside {
         use Account::*;
         let (x, temperature) = (&state.x, &state.temperature);
         let (t_w, t_core) = (temperature[WINDING], temperature[CORE]);
@@ -122,7 +135,7 @@ impl Step<'_> {
         let inflow = network.inflow(t_w, t_core, friction);
         let rates = network.rates_now(ambient, &inflow);
         let [to_rotor, to_tube, to_housing] = network.stored_rates(&rates);
-        let to_ambient = network.to_ambient(&rates) + leads + self.drive.start;
+        let to_ambient = network.to_ambient(&rates) + leads + drive;
         let error = ledger.error(&[
             (Rotor, to_rotor),
             (Tube, to_tube),

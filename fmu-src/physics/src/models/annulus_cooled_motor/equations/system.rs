@@ -7,12 +7,11 @@ use nalgebra::{Matrix2, SMatrix};
 impl System<NODES> for Step<'_> {
     #[inline(always)]
     fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
-        let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let k = self.torque_constant(t, temperature);
         let di = if self.is_voltage_driven() {
-            let lost = self.ports().terminal_voltage(i);
-            (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - lost - k * w)
+            let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(i);
+            (self.voltage.at(t) - self.resistance(temperature[WINDING]) * i - lost - k * w)
                 * self.constants.inverse_l
         } else {
             self.current.slope
@@ -27,8 +26,9 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
-        let (motor, effects) = (&self.model.motor, self.ports());
-        let r = motor.resistance(temperature[WINDING]) + effects.terminal_voltage_slope(x[0]);
+        let effects = self.ports();
+        let lost = effects.terminal_voltage_slope(x[0]) + self.drive_slope(x[0]);
+        let r = self.resistance(temperature[WINDING]) + lost;
         let k = self.torque_constant(t, temperature);
         let slope = if self.is_free() {
             let load = self.load.at(t);
@@ -87,17 +87,18 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
         let (i, w) = (x[0], x[1]);
-        let motor = &self.model.motor;
-        let volts = motor.resistance(temperature[WINDING]) * i + self.ports().terminal_voltage(i);
+        let t_w = temperature[WINDING];
+        let volts = self.resistance(t_w) * i + self.ports().terminal_voltage(i);
         let drag = self.drag(t, x, self.torque_constant(t, temperature));
-        Temperatures::new(volts * i + self.heat.at(t), self.drag_in_core(w, drag * w))
+        let copper = volts * i + self.ripple_loss(t_w);
+        Temperatures::new(copper + self.heat.at(t), self.drag_in_core(w, drag * w))
     }
 
     /// The energies of one step. All but the friction heat follow from integrals that are exact for the fast
     /// solution; the copper heat of a voltage drive is what the books leave, so they close by construction.
     #[inline]
     fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
-        let (motor, effects) = (&self.model.motor, self.ports());
+        let effects = self.ports();
         let (t, h) = (segment.t, segment.h);
         let [x0, xm, x1] = segment.x;
         let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
@@ -136,13 +137,18 @@ impl System<NODES> for Step<'_> {
             };
             (air_gap, air_gap - friction)
         };
-        let heat = h * self.heat.at(t + 0.5 * h);
-        let drive = h * self.drive.at(t + 0.5 * h);
+        let ripple = [0, 1, 2].map(|n| self.ripple_loss(segment.temperature[n][WINDING]));
+        let heat = h * self.heat.at(t + 0.5 * h) + simpson(ripple[0], ripple[1], ripple[2]);
+        let mut drive = h * self.drive.at(t + 0.5 * h);
         let (copper, electrical) = if self.is_voltage_driven() {
-            let electrical = line(&self.voltage, 0);
-            (electrical - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, electrical)
+            let (bridge, doubt_of_bridge) = against([x0, xm, x1].map(|x| self.bridge(x[0])), 0);
+            let (missed, doubt_of_missed) = against([x0, xm, x1].map(|x| self.missed(x[0])), 0);
+            doubt += doubt_of_bridge + doubt_of_missed;
+            drive += bridge;
+            let supplied = line(&self.voltage, 0) - missed - bridge;
+            (supplied - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, supplied)
         } else {
-            let r = |n: usize| motor.resistance(segment.temperature[n][WINDING]);
+            let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
             let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
             let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
             doubt += doubt_of_drop;
@@ -161,7 +167,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn bends_where_stiff(&self) -> bool {
         // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
-        self.constants.acts.terminal_voltage
+        self.constants.acts.terminal_voltage || self.constants.chops
     }
 
     #[inline]

@@ -113,7 +113,7 @@ impl Coefficients {
     }
 }
 
-/// Coefficients for one set of conditions, with their slope over the temperature of tube and housing.
+/// Coefficients for one set of conditions, with their slope over the housing's temperature.
 #[derive(Clone, Copy, Debug)]
 pub struct Tangent {
     /// Where they hold.
@@ -127,6 +127,8 @@ const RISE: f64 = 1.0;
 /// How far temperatures may move before the coefficients are evaluated anew, K. The error of a tangent is of
 /// second order: at 40 K above ambient natural convection errs by 4e-6 of itself over this way.
 const NEAR: f64 = 0.25;
+/// The same where the surface is at ambient and natural convection bends most, K, and what each kelvin above adds.
+const NEAR_AT_REST: (f64, f64) = (0.02, 0.02);
 
 impl Tangent {
     /// Coefficients that hold nowhere yet.
@@ -137,7 +139,7 @@ impl Tangent {
     pub fn new(cooling: &Cooling, parameters: &Parameters, at: Conditions) -> Tangent {
         let n = cooling.segments;
         let base = cooling.coefficients(parameters, &at);
-        let warmer = Conditions { surface: at.surface + RISE, tube: at.tube + RISE, ..at };
+        let warmer = Conditions { surface: at.surface + RISE, ..at };
         let mut slope = Coefficients::NONE;
         cooling.coefficients(parameters, &warmer).along(&base, -1.0, n, &mut slope);
         Tangent { at, base, slope }
@@ -149,9 +151,10 @@ impl Tangent {
         let at = &self.at;
         at.command == now.command
             && at.pressure == now.pressure
-            && (self.beyond(now)).abs() <= NEAR
+            && self.beyond(now).abs()
+                <= NEAR.min(NEAR_AT_REST.0 + NEAR_AT_REST.1 * (at.surface - at.ambient).abs())
             && (at.ambient - now.ambient).abs() <= NEAR
-            && (at.tube - now.tube).abs() <= 8.0 * NEAR
+            && (at.tube - now.tube).abs() <= NEAR
     }
 
     /// How much further the surface is above ambient than where the tangent was taken, K.
