@@ -4,8 +4,10 @@
 //! there. The model's equations know ports alone, and enter what comes out of them in the ledger with both ends.
 
 mod ambient_drift;
+mod bridge_drop;
 mod contact_drop;
 mod coulomb_friction;
+mod dead_time;
 mod demagnetisation;
 mod drive_loss;
 mod fan_back_pressure;
@@ -14,12 +16,16 @@ mod housing_radiation;
 mod interface_temperature;
 mod iron_loss;
 mod load_dependent_friction;
+mod pwm_ripple;
+mod stator_node;
 mod viscous_friction;
 mod windage;
 
 pub use ambient_drift::AmbientDrift;
+pub use bridge_drop::BridgeDrop;
 pub use contact_drop::ContactDrop;
 pub use coulomb_friction::CoulombFriction;
+pub use dead_time::DeadTime;
 pub use demagnetisation::Demagnetisation;
 pub use drive_loss::DriveLoss;
 pub use fan_back_pressure::FanBackPressure;
@@ -28,6 +34,8 @@ pub use housing_radiation::HousingRadiation;
 pub use interface_temperature::InterfaceTemperature;
 pub use iron_loss::IronLoss;
 pub use load_dependent_friction::LoadDependentFriction;
+pub use pwm_ripple::PwmRipple;
+pub use stator_node::StatorNode;
 pub use viscous_friction::ViscousFriction;
 pub use windage::Windage;
 
@@ -80,6 +88,26 @@ pub trait Effect {
     #[inline]
     fn terminal_voltage<D: Number>(&self, _i: D) -> D {
         D::from(0.0)
+    }
+
+    /// Volts lost in the drive's bridge at current `i`, A (drive_mode pwm): of the sign of `i`. Their power heats the
+    /// surroundings.
+    #[inline]
+    fn bridge_voltage<D: Number>(&self, _i: D) -> D {
+        D::from(0.0)
+    }
+
+    /// Volts that the motor misses at current `i`, A, while the supply of `supply` volts gives as much less
+    /// (drive_mode pwm): of the sign of `i`. No heat.
+    #[inline]
+    fn missed_voltage<D: Number>(&self, _i: D, _supply: f64) -> D {
+        D::from(0.0)
+    }
+
+    /// Mean square of the current's ripple, A2 (drive_mode pwm), which heats the winding.
+    #[inline]
+    fn ripple_square(&self, _duty: f64, _supply: f64, _inductance: f64) -> f64 {
+        0.0
     }
 
     /// Multiplies the torque constant at `time`, s. It steps at [`next_event`](Effect::next_event) and only there.
@@ -159,6 +187,9 @@ pub enum Port {
     FanFlow,
     AmbientSensor,
     DriveLoss,
+    HeatCapacity,
+    Bridge,
+    Ripple,
 }
 
 macro_rules! effects {
@@ -194,6 +225,21 @@ macro_rules! effects {
             #[inline]
             fn terminal_voltage<D: Number>(&self, i: D) -> D {
                 D::from(0.0) $(+ self.$id.terminal_voltage(i))*
+            }
+
+            #[inline]
+            fn bridge_voltage<D: Number>(&self, i: D) -> D {
+                D::from(0.0) $(+ self.$id.bridge_voltage(i))*
+            }
+
+            #[inline]
+            fn missed_voltage<D: Number>(&self, i: D, supply: f64) -> D {
+                D::from(0.0) $(+ self.$id.missed_voltage(i, supply))*
+            }
+
+            #[inline]
+            fn ripple_square(&self, duty: f64, supply: f64, inductance: f64) -> f64 {
+                0.0 $(+ self.$id.ripple_square(duty, supply, inductance))*
             }
 
             #[inline]
@@ -267,6 +313,14 @@ effects! {
     ambient_drift: AmbientDrift @ "effect.ambient_drift." 1110 at AmbientSensor;
     /// Power lost in the drive.
     drive_loss: DriveLoss @ "effect.drive_loss." 1120 at DriveLoss;
+    /// A stator with a temperature of its own.
+    stator_node: StatorNode @ "effect.stator_node." 1180 at HeatCapacity;
+    /// Copper loss of the ripple of a chopped current.
+    pwm_ripple: PwmRipple @ "effect.pwm_ripple." 1200 at Ripple;
+    /// Voltage lost in the drive's bridge.
+    bridge_drop: BridgeDrop @ "effect.bridge_drop." 1210 at Bridge;
+    /// Dead time of the drive's bridge.
+    dead_time: DeadTime @ "effect.dead_time." 1220 at Bridge;
 }
 
 /// Slopes of the ports with respect to their first argument, for Jacobians.
@@ -293,6 +347,12 @@ impl Effects {
     #[inline]
     pub fn housing_to_ambient_slope(&self, t_h: f64, t_a: f64) -> f64 {
         slope(t_h, |t_h| self.housing_to_ambient(t_h, t_a))
+    }
+
+    /// Slope of [`bridge_voltage`](Effect::bridge_voltage) and [`missed_voltage`](Effect::missed_voltage), Ohm.
+    #[inline]
+    pub fn drive_voltage_slope(&self, i: f64, supply: f64) -> f64 {
+        slope(i, |i| self.bridge_voltage(i) + self.missed_voltage(i, supply))
     }
 
     /// Slope of [`terminal_voltage`](Effect::terminal_voltage), Ohm.

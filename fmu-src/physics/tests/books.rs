@@ -181,6 +181,7 @@ fn an_effect_that_is_off_is_not_there() {
             "demagnetisation.fraction",
             "ambient_drift.rate",
             "drive_loss.share",
+            "stator_node.C_s",
         ];
         let declaration = m.declaration();
         for entry in declaration.entries.iter().filter(|e| e.name.starts_with("effect.")) {

@@ -10,7 +10,8 @@ pub struct Acts {
     /// Volts between terminals and winding.
     pub terminal_voltage: bool,
     winding_housing_resistance: bool,
-    housing_to_ambient: bool,
+    /// Heat from the housing that follows no conductance.
+    pub housing_to_ambient: bool,
 }
 
 impl Acts {
