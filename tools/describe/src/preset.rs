@@ -18,8 +18,10 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The presets that come with the tool: name and text.
-const BUILT_IN: &[(&str, &str)] =
-    &[("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml"))];
+const BUILT_IN: &[(&str, &str)] = &[
+    ("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml")),
+    ("thesis-rig", include_str!("../../../examples/presets/thesis-rig.toml")),
+];
 
 /// Start values that differ from the declared ones, by value reference.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -161,6 +161,14 @@ fn conclusion(cases: &[CaseResult]) -> String {
             .map(|c| 100.0 * (f(c) / f(bare) - 1.0))
             .fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p), h.max(p)))
     };
+    let densities = |annulus: bool| {
+        let of_kind = cooled.iter().filter(move |c| c.T_w_as_published_K.is_some() == annulus);
+        of_kind.map(|c| c.torque_density_at_limit)
+    };
+    let worst_fan = densities(false).fold(f64::MAX, f64::min);
+    let best_annulus = densities(true).fold(f64::MIN, f64::max);
+    let fan_alone =
+        if worst_fan > best_annulus { ", and the fan alone beats every annulus tested" } else { "" };
     let (at_5_a, density_at_5_a) = best(&|c| c.torque_density_at_5A);
     let (at_limit, torque) = best(&|c| c.torque_at_limit);
     let (least_torque, most_torque) = range(&|c| c.torque_at_limit);
@@ -169,7 +177,7 @@ fn conclusion(cases: &[CaseResult]) -> String {
         "At the same 5 A the best arrangement is {at_5_a} with {} N.m/kg against {} bare ({:+.1} %), so holding the \
          current hides what cooling is for; at a winding of 155 degC the continuous stall torque rises from {} N.m \
          bare to {} N.m ({at_limit}), over all arrangements by {least_torque:.0} to {most_torque:.0} % and its density \
-         by {least:.0} to {most:.0} %: cooling does improve the motor, and the fan alone beats every annulus tested.",
+         by {least:.0} to {most:.0} %: cooling does improve the motor{fan_alone}.",
         significant(density_at_5_a),
         significant(bare.torque_density_at_5A),
         100.0 * (density_at_5_a / bare.torque_density_at_5A - 1.0),

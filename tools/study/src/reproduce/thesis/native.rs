@@ -19,7 +19,7 @@ pub const FITTED: [&str; 6] = [
     "annulus.factor_push",
     "annulus.factor_pull",
     "fan.turbulence_factor",
-    "fan.tan_spread",
+    "fan.decay",
 ];
 
 /// The native model, as far as it is there: what it lacks is told and left out, never an error.
