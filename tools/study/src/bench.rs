@@ -173,7 +173,16 @@ impl Bench {
             .filter(|e| e.row.causality == Causality::Output && e.row.unit == Unit::Kelvin && !e.row.relative)
     }
 
-    /// Starts the model and runs it with constant inputs until every temperature stands still.
+    /// Starts the model and runs it with constant inputs until it [settles](Bench::settle).
+    ///
+    /// # Errors
+    /// As `settle`, or parameters that contradict each other.
+    pub fn steady_state(&mut self) -> Result<(), StudyError> {
+        self.start()?;
+        self.settle()
+    }
+
+    /// Runs on from the present state with constant inputs until every temperature stands still.
     ///
     /// The stretches grow until each leaves a small share of the distance that the one before has left. From
     /// two changes d1, d2 of a temperature over equal stretches what is still to come follows as that of a
@@ -181,15 +190,15 @@ impl Bench {
     ///
     /// # Errors
     /// The model has no steady state: the winding runs away, or something turns ever faster.
-    pub fn steady_state(&mut self) -> Result<(), StudyError> {
-        self.start()?;
+    pub fn settle(&mut self) -> Result<(), StudyError> {
+        let end = self.time + LONGEST;
         let slots: Vec<_> = self.temperatures().collect();
         let read =
             |bench: &mut Bench| -> Vec<f64> { slots.iter().map(|e| bench.model.get(e.slot)).collect() };
         let mut stretch = FIRST_STRETCH;
         let mut before = read(self);
         let mut changes: Option<Vec<f64>> = None;
-        while self.time < LONGEST {
+        while self.time < end {
             self.step(stretch).map_err(|e| self.unsettled(&e.to_string()))?;
             let now = read(self);
             let change: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();

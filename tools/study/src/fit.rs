@@ -4,20 +4,25 @@
 //! Parameters move in units of their scale: a logarithm where the declaration says so, else the nominal value.
 
 use crate::StudyError;
-use crate::bench::STEADY;
+use crate::bench::{Bench, STEADY};
 use crate::steady::Setup;
 use nalgebra::{DMatrix, DVector};
 use physics::declare::Scale;
 use physics::model::Entry;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::{Mutex, PoisonError};
 
 /// Step of the central differences, in units of the scale: large against the 1e-4 K of a steady state.
 const DIFFERENCE: f64 = 5e-3;
 /// Steps after which a fit ends.
 const MAX_STEPS: usize = 40;
+/// Dampings that are tried for a step.
+const MAX_TRIALS: usize = 6;
+/// Scaled parameters that move by less than this have arrived.
+const STANDS_STILL: f64 = 2e-4;
 /// Relative fall of the sum of squares below which a fit ends.
-const CONVERGED: f64 = 1e-7;
+const CONVERGED: f64 = 1e-5;
 
 /// A steady state that was measured.
 #[derive(Clone, Debug)]
@@ -48,6 +53,8 @@ pub struct Fit {
     pub correlations: Vec<Vec<f64>>,
     #[serde(skip)]
     z: DVector<f64>,
+    #[serde(skip)]
+    jacobian: DMatrix<f64>,
 }
 
 /// A parameter and its estimate.
@@ -75,6 +82,8 @@ pub struct LeftOut {
     pub predicted: f64,
     /// Predicted less measured.
     pub error: f64,
+    /// Parameters that the fit without it leaves on a limit: the others say nothing about them.
+    pub at_limit: Vec<String>,
 }
 
 /// A parameter as the fit moves it.
@@ -104,6 +113,11 @@ impl Axis {
         value.clamp(self.entry.row.min, self.entry.row.max)
     }
 
+    /// Whether a scaled value stands on a limit.
+    fn is_limit(&self, z: f64) -> bool {
+        z <= self.range.0 || z >= self.range.1
+    }
+
     /// Change of the value with the scaled value.
     fn slope(&self, z: f64) -> f64 {
         if self.entry.row.scale == Scale::Log { z.exp() } else { self.scale }
@@ -113,8 +127,27 @@ impl Axis {
 /// The problem: which parameters, which observations.
 pub struct Problem {
     axes: Vec<Axis>,
-    observations: Vec<Observation>,
+    observations: Vec<Observed>,
     start: DVector<f64>,
+}
+
+/// An observation, and the model in its steady state at the start: from there the next one is not far.
+struct Observed {
+    observation: Observation,
+    settled: Mutex<Bench>,
+}
+
+impl Observed {
+    fn new(observation: Observation) -> Result<Observed, StudyError> {
+        let mut bench = observation.setup.bench()?;
+        bench.steady_state()?;
+        Ok(Observed { observation, settled: Mutex::new(bench) })
+    }
+
+    /// A copy of the settled model.
+    fn copy(&self) -> Bench {
+        self.settled.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
 }
 
 impl Problem {
@@ -123,8 +156,10 @@ impl Problem {
     /// # Errors
     /// No observation, or a parameter that the model does not have.
     pub fn new(parameters: &[&str], observations: Vec<Observation>) -> Result<Problem, StudyError> {
+        let observations: Vec<Observed> =
+            observations.into_par_iter().map(Observed::new).collect::<Result<_, _>>()?;
         let mut first = match observations.first() {
-            Some(observation) => observation.setup.bench()?,
+            Some(observed) => observed.copy(),
             None => return Err(StudyError::new("a fit needs at least one observation")),
         };
         let mut axes = Vec::new();
@@ -139,28 +174,28 @@ impl Problem {
     }
 
     /// The model's value for an observation.
-    fn predict(&self, observation: &Observation, z: &DVector<f64>) -> Result<f64, StudyError> {
-        let mut bench = observation.setup.bench()?;
+    fn predict(&self, observed: &Observed, z: &DVector<f64>) -> Result<f64, StudyError> {
+        let mut bench = observed.copy();
         for (axis, z) in self.axes.iter().zip(z) {
             bench.set(&axis.entry.name, axis.outside(*z))?;
         }
-        bench.steady_state()?;
-        bench.get(observation.output)
+        bench.settle()?;
+        bench.get(observed.observation.output)
     }
 
     fn residuals(&self, z: &DVector<f64>, without: Option<usize>) -> Result<DVector<f64>, StudyError> {
-        let kept: Vec<&Observation> = self.kept(without).collect();
+        let kept: Vec<&Observed> = self.kept(without).collect();
         let found: Result<Vec<f64>, StudyError> =
-            kept.par_iter().map(|o| Ok(self.predict(o, z)? - o.measured)).collect();
+            kept.par_iter().map(|o| Ok(self.predict(o, z)? - o.observation.measured)).collect();
         Ok(DVector::from_vec(found?))
     }
 
-    fn kept(&self, without: Option<usize>) -> impl Iterator<Item = &Observation> {
+    fn kept(&self, without: Option<usize>) -> impl Iterator<Item = &Observed> {
         self.observations.iter().enumerate().filter(move |(k, _)| Some(*k) != without).map(|(_, o)| o)
     }
 
     /// Central differences; one-sided where a limit is near.
-    fn jacobian(&self, z: &DVector<f64>, without: Option<usize>) -> Result<DMatrix<f64>, StudyError> {
+    fn jacobian(&self, z: &DVector<f64>) -> Result<DMatrix<f64>, StudyError> {
         let columns: Result<Vec<DVector<f64>>, StudyError> = (0..self.axes.len())
             .into_par_iter()
             .map(|k| {
@@ -168,7 +203,7 @@ impl Problem {
                 let (mut below, mut above) = (z.clone(), z.clone());
                 below[k] = (z[k] - DIFFERENCE).max(least);
                 above[k] = (z[k] + DIFFERENCE).min(greatest);
-                let change = self.residuals(&above, without)? - self.residuals(&below, without)?;
+                let change = self.residuals(&above, None)? - self.residuals(&below, None)?;
                 let column = change / (above[k] - below[k]);
                 // Below what two steady states can resolve there is only their noise, which must not steer.
                 let noise = STEADY / DIFFERENCE * (column.len() as f64).sqrt();
@@ -183,26 +218,43 @@ impl Problem {
     /// # Errors
     /// A model that does not settle at the start.
     pub fn fit(&self) -> Result<Fit, StudyError> {
-        self.fit_from(&self.start, None)
-    }
-
-    fn fit_from(&self, start: &DVector<f64>, without: Option<usize>) -> Result<Fit, StudyError> {
-        let mut z = start.clone();
-        let mut residuals = self.residuals(&z, without)?;
+        let mut z = self.start.clone();
+        let mut residuals = self.residuals(&z, None)?;
+        let mut jacobian = self.jacobian(&z)?;
         let mut damping = 1e-3;
-        let mut jacobian = self.jacobian(&z, without)?;
         for _ in 0..MAX_STEPS {
-            let Some((next, found)) = self.improve(&z, &residuals, &jacobian, &mut damping, without) else {
+            let Some((next, found)) = self.improve(&z, &residuals, &jacobian, &mut damping, None) else {
                 break;
             };
             let fall = 1.0 - found.norm_squared() / residuals.norm_squared().max(f64::MIN_POSITIVE);
             (z, residuals) = (next, found);
-            jacobian = self.jacobian(&z, without)?;
+            jacobian = self.jacobian(&z)?;
             if fall < CONVERGED {
                 break;
             }
         }
-        Ok(self.describe(z, &residuals, &jacobian))
+        Ok(self.describe(z, &residuals, jacobian))
+    }
+
+    /// The parameters that fit all observations but one. The way from the fit of all is short, so that the
+    /// Jacobian of that fit serves for all steps.
+    fn refit(&self, fit: &Fit, without: usize) -> Result<DVector<f64>, StudyError> {
+        let jacobian = fit.jacobian.clone().remove_row(without);
+        let mut z = fit.z.clone();
+        let mut residuals = self.residuals(&z, Some(without))?;
+        let mut damping = 1e-6;
+        for _ in 0..MAX_STEPS {
+            let Some((next, found)) = self.improve(&z, &residuals, &jacobian, &mut damping, Some(without))
+            else {
+                break;
+            };
+            let moved = (&next - &z).norm();
+            (z, residuals) = (next, found);
+            if moved < STANDS_STILL {
+                break;
+            }
+        }
+        Ok(z)
     }
 
     /// A step that lowers the sum of squares, if there is one. A parameter that would leave its range stays on
@@ -215,7 +267,7 @@ impl Problem {
         damping: &mut f64,
         without: Option<usize>,
     ) -> Option<(DVector<f64>, DVector<f64>)> {
-        for _ in 0..12 {
+        for _ in 0..MAX_TRIALS {
             let next = self.step(z, residuals, jacobian, *damping);
             match self.residuals(&next, without) {
                 Ok(found) if found.norm_squared() < residuals.norm_squared() => {
@@ -267,7 +319,7 @@ impl Problem {
         next
     }
 
-    fn describe(&self, z: DVector<f64>, residuals: &DVector<f64>, jacobian: &DMatrix<f64>) -> Fit {
+    fn describe(&self, z: DVector<f64>, residuals: &DVector<f64>, jacobian: DMatrix<f64>) -> Fit {
         let n = self.axes.len();
         let decomposition = jacobian.clone().svd(false, true);
         let mut order: Vec<usize> = (0..decomposition.singular_values.len()).collect();
@@ -301,7 +353,7 @@ impl Problem {
                 name: axis.entry.name.clone(),
                 value: axis.outside(z[k]),
                 deviation: (!blind[k]).then(|| deviation(k) * axis.slope(z[k])),
-                at_limit: z[k] <= axis.range.0 || z[k] >= axis.range.1,
+                at_limit: axis.is_limit(z[k]),
             })
             .collect();
         Fit {
@@ -311,6 +363,7 @@ impl Problem {
             singular_values: order.iter().map(|k| decomposition.singular_values[*k]).collect(),
             correlations: (0..n).map(|i| (0..n).map(|j| correlation(i, j)).collect()).collect(),
             z,
+            jacobian,
         }
     }
 
@@ -322,12 +375,15 @@ impl Problem {
         (0..self.observations.len())
             .into_par_iter()
             .map(|k| {
-                let others = self.fit_from(&fit.z, Some(k))?;
-                let observation = &self.observations[k];
-                let predicted = self.predict(observation, &others.z)?;
+                let observed = &self.observations[k];
+                let observation = &observed.observation;
+                let z = self.refit(fit, k)?;
+                let predicted = self.predict(observed, &z)?;
+                let at_limit = self.axes.iter().zip(&z).filter(|(axis, z)| axis.is_limit(**z));
+                let at_limit = at_limit.map(|(axis, _)| axis.entry.name.clone()).collect();
                 let measured = observation.measured;
                 let case = observation.name.clone();
-                Ok(LeftOut { case, measured, predicted, error: predicted - measured })
+                Ok(LeftOut { case, measured, predicted, error: predicted - measured, at_limit })
             })
             .collect()
     }
@@ -383,6 +439,7 @@ mod tests {
         let error = Problem::new(&["x"], Vec::new()).err().unwrap().to_string();
         assert!(error.contains("at least one"), "{error}");
         let one = problem(&["thermal.R_wh"]).observations;
+        let one = one.into_iter().map(|o| o.observation).collect();
         assert!(Problem::new(&["thermal.R_w"], one).err().unwrap().to_string().contains("thermal.R_wh"));
     }
 }

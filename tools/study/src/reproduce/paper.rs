@@ -4,7 +4,7 @@ mod native;
 pub mod published;
 mod rows;
 
-pub use native::{Run, runs};
+pub use native::{Run, Sample, runs};
 
 use super::{Row, significant};
 use crate::StudyError;

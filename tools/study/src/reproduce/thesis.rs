@@ -1,8 +1,8 @@
 //! The thesis: a motor with a fan and an annulus (chapters 3 to 7, appendices).
 
-mod measured;
+pub mod measured;
 mod native;
-mod projection;
+pub mod projection;
 pub mod published;
 mod rows;
 

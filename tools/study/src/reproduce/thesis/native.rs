@@ -80,6 +80,18 @@ impl Native {
         self.setup(case, calibrated).map(|setup| steady(&mut setup.bench()?)).transpose()
     }
 
+    /// An output of a test over time from the ambient on, at the rig's preset: times, s, and values.
+    pub fn course(&self, case: &Case, output: &str, duration: f64, points: usize) -> Option<Vec<(f64, f64)>> {
+        let mut bench = self.setup(case, true)?.bench().ok()?;
+        bench.start().ok()?;
+        let mut course = vec![(0.0, bench.get(output).ok()?)];
+        for _ in 0..points {
+            bench.step(duration / points as f64).ok()?;
+            course.push((bench.time(), bench.get(output).ok()?));
+        }
+        Some(course)
+    }
+
     /// Winding temperature over the outer diameter of a pushed annulus, K; nothing where it cannot be computed.
     pub fn winding_at(&self, outer_diameter: f64, calibrated: bool) -> Option<f64> {
         let push = CASES.iter().find(|c| c.cooling_mode == "annulus_push")?;

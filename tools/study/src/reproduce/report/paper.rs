@@ -1,0 +1,176 @@
+//! Figures of the paper.
+
+use super::{Content, Page, Plate, page};
+use crate::figure::{Axis, Figure};
+use crate::reproduce::paper::published::{self, DUTIES, Point};
+use crate::reproduce::paper::{Paper, Parts, Run, Sample};
+
+/// The page about the paper.
+pub fn paper(found: &Paper) -> Page {
+    let mut plates = found.simulated.as_deref().map(simulated).unwrap_or_default();
+    plates.push(temperatures(found));
+    plates.push(power(found));
+    page(Content {
+        name: "paper",
+        title: "A brushed gearmotor driven by PWM: the paper recomputed",
+        conclusion: &found.conclusion,
+        absent: found.absent.as_deref(),
+        plates,
+        tables: String::new(),
+        rows: &found.rows,
+    })
+}
+
+fn over_time(run: &Run, f: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
+    run.course.iter().map(|s| (s.time, f(s))).collect()
+}
+
+/// One line a duty.
+fn five(runs: &[Run], title: &str, unit: &str, f: impl Fn(&Sample) -> f64) -> Figure {
+    runs.iter().fold(Figure::new(title, Axis::new("time in s"), Axis::new(unit)), |figure, run| {
+        figure.line(&format!("{} %", run.duty_percent), over_time(run, &f))
+    })
+}
+
+/// The parts of a quantity at full duty.
+fn parts(run: &Run, title: &str, unit: &str, f: impl Fn(&Sample) -> Parts) -> Figure {
+    Figure::new(title, Axis::new("time in s"), Axis::new(unit))
+        .line("total", over_time(run, |s| f(s).total))
+        .line("mechanical", over_time(run, |s| f(s).mechanical))
+        .line("electrical", over_time(run, |s| f(s).electrical))
+        .line("magnetic", over_time(run, |s| f(s).magnetic))
+}
+
+fn simulated(runs: &[Run]) -> Vec<Plate> {
+    let Some(full) = runs.last() else { return Vec::new() };
+    vec![
+        Plate::new(
+            "4a",
+            parts(full, "Figure 4a: power at 100 %", "power in W", |s| s.power),
+            "The mechanical part is friction: no load was on the shaft.",
+        ),
+        Plate::new(
+            "4b",
+            five(runs, "Figure 4b: power", "power in W", |s| s.power.total),
+            "Voltage and current rise in line, so their product does not.",
+        ),
+        Plate::new(
+            "5a",
+            parts(full, "Figure 5a: work at 100 %", "work in J", |s| s.work),
+            "In joules, not in watts and kilowatts.",
+        ),
+        Plate::new(
+            "5b",
+            five(runs, "Figure 5b: work", "work in J", |s| s.work.total),
+            "Up to 900 s, as recorded.",
+        ),
+        Plate::new(
+            "6a",
+            five(runs, "Figure 6a: voltage", "voltage in V", |s| s.voltage.total),
+            "At the motor's terminals, after the bridge.",
+        ),
+        Plate::new(
+            "6b",
+            five(runs, "Figure 6b: current", "current in A", |s| s.current),
+            "Peaks are the start of the rotor.",
+        ),
+        Plate::new(
+            "6c",
+            five(runs, "Figure 6c: winding temperature", "temperature in °C", |s| s.temperature),
+            "Each run from the room's 20 °C; the paper does not say from where its runs start.",
+        ),
+        Plate::new(
+            "6d",
+            five(runs, "Figure 6d: torque at the output shaft", "torque in N·m", |s| s.torque),
+            "The paper's unit, µN·m per percent, is out by a thousand.",
+        ),
+        Plate::new(
+            "7",
+            accuracy(full),
+            "The paper compares eq. (14) with data from which its torque was computed. Against a model that does not use it, the electrical term alone is wrong by the dropped constant as soon as the winding warms.",
+        ),
+        Plate::new(
+            "8",
+            parts(full, "Figure 8: voltage at 100 %", "voltage in V", |s| s.voltage),
+            "In steady state nothing is across the inductance.",
+        ),
+        Plate::new(
+            "9",
+            five(&runs[runs.len() - 1..], "Figure 9: current at 100 %", "current in A", |s| s.current),
+            "The contributions that the paper draws are no currents.",
+        ),
+        Plate::new(
+            "11",
+            five(
+                &runs[runs.len() - 1..],
+                "Figure 11: winding temperature at 100 %",
+                "temperature in °C",
+                |s| s.temperature,
+            ),
+            "Still rising after 900 s: no plateau.",
+        ),
+        Plate::new(
+            "12",
+            five(&runs[runs.len() - 1..], "Figure 12: torque at 100 %", "torque in N·m", |s| s.torque),
+            "Friction at the output shaft.",
+        ),
+    ]
+}
+
+/// Eq. (14) with the temperature of the run, over the run's own voltage.
+fn accuracy(run: &Run) -> Figure {
+    let share = |s: &Sample, right: bool| {
+        let p = Point {
+            v: s.voltage.total,
+            i: s.current,
+            t: s.temperature,
+            torque: s.torque,
+            theta: 0.0,
+            q: s.current * s.time,
+        };
+        let resistance = if right { published::right_resistance(p.t) } else { published::resistance(p.t) };
+        100.0 * (resistance * p.i + s.voltage.mechanical) / s.voltage.total
+    };
+    let later = |right: bool| {
+        run.course.iter().filter(|s| s.time > 1.0).map(|s| (s.time, share(s, right))).collect::<Vec<_>>()
+    };
+    Figure::new(
+        "Figure 7: voltage by the state function over voltage, 100 %",
+        Axis::new("time in s"),
+        Axis::new("share in %"),
+    )
+    .line("as published, R = α R₀ T", later(false))
+    .line("R = R₀ [1 + α (T − 20 °C)]", later(true))
+}
+
+fn temperatures(found: &Paper) -> Plate {
+    let t = &found.temperatures;
+    let (low, high) = t.plateaus_degC;
+    let printed = DUTIES.iter().map(|d| (*d, if *d <= 40.0 { low } else { high })).collect::<Vec<_>>();
+    let line = printed.iter().zip(&t.residuals_K).map(|((d, t), r)| (*d, t - r)).collect::<Vec<_>>();
+    let mut figure = Figure::new(
+        "Figure 10: winding temperature over duty",
+        Axis::new("duty in %"),
+        Axis::new("temperature in °C"),
+    )
+    .points("printed", printed)
+    .points("best line in power", line);
+    if let Some(simulated) = &t.simulated_degC {
+        figure = figure.points(
+            "simulated, 900 s from 20 °C",
+            DUTIES.iter().copied().zip(simulated.iter().copied()).collect(),
+        );
+    }
+    Plate::new("10", figure, t.finding.clone())
+}
+
+fn power(found: &Paper) -> Plate {
+    let points: Vec<(f64, f64)> =
+        DUTIES.iter().copied().zip(found.temperatures.power_W.iter().copied()).collect();
+    let line = crate::numeric::Line::through(&points);
+    let straight = DUTIES.iter().filter_map(|d| Some((*d, line?.at(*d)))).collect();
+    let figure = Figure::new("Power over duty", Axis::new("duty in %"), Axis::new("power in W"))
+        .points("V I of the printed lines", points)
+        .dashed("straight line of least squares", straight);
+    Plate::new("power", figure, "'First-order' for the paper; a parabola by its own voltage and current.")
+}

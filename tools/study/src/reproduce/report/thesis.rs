@@ -1,0 +1,270 @@
+//! Figures and tables of the thesis.
+
+use super::{Content, Page, Plate, page, table};
+use crate::figure::{Axis, Figure};
+use crate::numeric::linspace;
+use crate::reproduce::significant;
+use crate::reproduce::thesis::measured::{FAN_FLOW, MOTOR_DIAMETER, NARROW, T_25, T_REF, WIDE};
+use crate::reproduce::thesis::published::{self, Annulus, RE_SWITCH};
+use crate::reproduce::thesis::{CASES, Case, Native, Thesis, projection};
+use rayon::prelude::*;
+
+/// Uncertainty of a measured winding temperature, K (audit, T58: 0.9 to 1.2).
+const UNCERTAINTY: f64 = 1.2;
+/// Narrowest r* to which the fitted rig may be trusted: its leak was fitted between 0.75 and 0.857.
+const FITTED_FROM: f64 = 0.70;
+
+/// The page about the thesis.
+pub fn thesis(found: &Thesis) -> Page {
+    let native = Native::find();
+    let mut plates = vec![torque_over_temperature()];
+    plates.extend(step_response(&native));
+    plates.push(operating_points());
+    plates.extend(temperature_over_radius(&native));
+    plates.push(reynolds());
+    plates.push(cases(found));
+    plates.push(densities(found));
+    page(Content {
+        name: "thesis",
+        title: "A motor with a fan and an annulus: the thesis recomputed",
+        conclusion: &found.conclusion,
+        absent: found.absent.as_deref(),
+        plates,
+        tables: tables(found),
+        rows: &found.rows,
+    })
+}
+
+fn torque_over_temperature() -> Plate {
+    let line = |f: &dyn Fn(f64) -> f64| {
+        linspace(293.15, 473.15, 91).into_iter().map(|t| (t, f(t))).collect::<Vec<_>>()
+    };
+    let specimen = projection::resistance(T_REF, projection::specimen_resistance(), T_25);
+    let figure = Figure::new(
+        "Figure 3: torque over winding temperature",
+        Axis::new("winding temperature in K"),
+        Axis::new("torque in N·m"),
+    )
+    .line("10 W, eq. (6), 0.386 Ω", line(&|t| projection::torque_at_10_w(t, 0.386)))
+    .line("10 W, the specimen's resistance", line(&|t| projection::torque_at_10_w(t, specimen)))
+    .dashed("5 A", line(&projection::torque_at_5_a))
+    .points("printed torques", CASES.iter().map(|c| (c.t_w, c.torque)).collect());
+    Plate::new(
+        "3",
+        figure,
+        "The printed torques lie on two curves: table 1 on eq. (6), the bare motor and the annuli on 5 A.",
+    )
+}
+
+fn step_response(native: &Native) -> Option<Plate> {
+    let course = native.course(&CASES[0], "winding_resistance", 3.0 * 3600.0, 240)?;
+    let minutes: Vec<(f64, f64)> = course.into_iter().map(|(t, r)| (t / 60.0, r)).collect();
+    let end = minutes.last()?.1;
+    let figure = Figure::new(
+        "Figure 5: response of the bare motor to 10 W",
+        Axis::new("time in min"),
+        Axis::new("winding resistance in Ω"),
+    )
+    .line("native model, rig as fitted", minutes)
+    .points("printed steady value", vec![(180.0, CASES[0].resistance)])
+    .note(1180.0 / 60.0, "1180 s: the data were recorded up to here");
+    Some(Plate::new(
+        "5",
+        figure,
+        format!(
+            "The model settles at {end:.3} Ω; the thesis prints 0.5 Ω, extrapolated from the first 20 minutes."
+        ),
+    ))
+}
+
+fn operating_points() -> Plate {
+    let litres = |flow: f64| 1e3 * flow;
+    let full = FAN_FLOW;
+    let flows = linspace(0.0, full, 81);
+    let fan: Vec<(f64, f64)> = flows.iter().map(|q| (litres(*q), published::fan_pressure(*q))).collect();
+    let mut figure = Figure::new(
+        "Figure 14: fan and annuli",
+        Axis::new("flow in L/s"),
+        Axis::new("pressure in Pa").from_to(0.0, 75.0),
+    )
+    .line("fan, straight between its end points", fan);
+    let mut points = Vec::new();
+    for r_star in [0.5, 0.63, 0.75, 0.857] {
+        let annulus = Annulus::new(r_star);
+        let line = flows.iter().skip(1).map(|q| (litres(*q), annulus.pressure_drop(*q))).collect();
+        figure = figure.line(&format!("r* = {r_star}"), line);
+        points.push((litres(annulus.flow()), published::fan_pressure(annulus.flow())));
+    }
+    Plate::new(
+        "14",
+        figure.points("operating points", points),
+        "By eq. (15) with the K_c and K_e rule in steps.",
+    )
+}
+
+/// The published curve in its branches, interrupted at the jumps.
+fn published_curve(from: f64, to: f64) -> Vec<(f64, f64)> {
+    let mut curve: Vec<(f64, f64)> = Vec::new();
+    let mut turbulent = None;
+    for r in linspace(from, to, 321) {
+        let annulus = Annulus::new(r);
+        let now = annulus.reynolds() >= RE_SWITCH;
+        if turbulent.is_some_and(|before| before != now) {
+            curve.push((r, f64::NAN));
+        }
+        turbulent = Some(now);
+        curve.push((r, annulus.winding_temperature()));
+    }
+    curve
+}
+
+fn native_curve(native: &Native, from: f64, to: f64, calibrated: bool) -> Vec<(f64, f64)> {
+    let all = linspace(from, to, 36)
+        .into_par_iter()
+        .map(|r| Some((r, native.winding_at(MOTOR_DIAMETER / r, calibrated)?)));
+    all.collect::<Option<Vec<_>>>().unwrap_or_default()
+}
+
+fn temperature_over_radius(native: &Native) -> Vec<Plate> {
+    let measured = |mode: &str| {
+        let of_mode = |c: &&Case| c.cooling_mode == mode;
+        CASES.iter().filter(of_mode).filter_map(|c| Some((c.r_star?, c.t_w))).collect::<Vec<_>>()
+    };
+    let bars = vec![UNCERTAINTY; 2];
+    let figure =
+        |title: &str, (from, to): (f64, f64), (low, high): (f64, f64)| {
+            let mut figure = Figure::new(
+                title,
+                Axis::new("r* = r_mot/r_o").from_to(from, to),
+                Axis::new("winding temperature in K").from_to(low, high),
+            )
+            .line("as published", published_curve(from, to));
+            let untuned = native_curve(native, from.max(0.4), to, false);
+            let fitted = native_curve(native, from.max(FITTED_FROM), to.min(0.90), true);
+            if !untuned.is_empty() {
+                figure = figure.line("native model, nothing fitted", untuned);
+            }
+            if !fitted.is_empty() {
+                figure = figure.line("native model, rig as fitted", fitted);
+            }
+            figure
+                .points_with_bars("measured, pushed", measured("annulus_push"), bars.clone())
+                .points_with_bars("measured, pulled", measured("annulus_pull"), bars.clone())
+        };
+    let jumps = published::jumps(RE_SWITCH);
+    let caption = jumps.map_or(String::new(), |(a, b)| {
+        format!("The published curve jumps at r* = {a:.2} and {b:.2}, where Re passes {RE_SWITCH:.0}; its optimum is that of Re alone. Bars: {UNCERTAINTY} K.")
+    });
+    vec![
+        Plate::new(
+            "15",
+            figure("Figure 15: winding temperature over r*, 10 W", (0.2, 0.95), (320.0, 400.0)),
+            caption,
+        ),
+        Plate::new(
+            "17",
+            figure("Figure 17: the same, near the tested annuli", (0.70, 0.90), (325.0, 365.0)),
+            "With nothing fitted the model cools too well: the annuli were starved of air, and the data do not say by what.",
+        ),
+    ]
+}
+
+fn reynolds() -> Plate {
+    let line = linspace(published::R_STAR.0, published::R_STAR.1, 201).into_iter();
+    let (r_star, re) = published::summit();
+    let figure = Figure::new(
+        "Figure 18: Reynolds number over r*",
+        Axis::new("r* = r_mot/r_o"),
+        Axis::new("Re on the hydraulic diameter"),
+    )
+    .line("as published", line.map(|r| (r, Annulus::new(r).reynolds())).collect())
+    .dashed("switch of the law", vec![(published::R_STAR.0, RE_SWITCH), (published::R_STAR.1, RE_SWITCH)])
+    .points("tested annuli", [WIDE, NARROW].map(|r| (r, Annulus::new(r).reynolds())).to_vec())
+    .note(r_star, &format!("r* = {r_star:.3}, Re = {re:.0}"));
+    Plate::new("18", figure, "Laminar, turbulent, laminar: the reason for two jumps.")
+}
+
+const SHORT: [&str; 8] = ["bare", "fan 5", "fan 15", "fan 30", "40 push", "35 push", "40 pull", "35 pull"];
+
+fn cases(found: &Thesis) -> Plate {
+    let of = |f: &dyn Fn(usize) -> Option<f64>, shift: f64| {
+        (0..found.cases.len()).filter_map(|k| Some((k as f64 + shift, f(k)?))).collect::<Vec<_>>()
+    };
+    let c = &found.cases;
+    let bars = vec![UNCERTAINTY; c.len()];
+    let figure = Figure::new(
+        "Winding temperature at 10 W, all tests",
+        Axis::new("distance or diameter in mm, direction of flow"),
+        Axis::new("winding temperature in K"),
+    )
+    .points_with_bars("measured", of(&|k| Some(c[k].T_w_measured_K), 0.0), bars)
+    .points("native model, rig as fitted", of(&|k| c[k].T_w_model_K, 0.12))
+    .points("native model, nothing fitted", of(&|k| c[k].T_w_untuned_K, 0.24))
+    .points("as published", of(&|k| c[k].T_w_as_published_K, -0.12))
+    .categories(&SHORT);
+    let left_out = found.leave_one_out.as_ref().map_or(String::new(), |all| {
+        let errors: Vec<String> = all.iter().map(|l| format!("{} {:+.1} K", l.case, l.error)).collect();
+        format!("Fitted without the test, the model would miss it by: {}.", errors.join(", "))
+    });
+    Plate::new("cases", figure, left_out)
+}
+
+fn densities(found: &Thesis) -> Plate {
+    let of = |f: &dyn Fn(usize) -> f64| (0..found.cases.len()).map(|k| (k as f64, f(k))).collect::<Vec<_>>();
+    let c = &found.cases;
+    let figure = Figure::new(
+        "Torque density, like for like",
+        Axis::new("distance or diameter in mm, direction of flow"),
+        Axis::new("torque density in N·m/kg"),
+    )
+    .points("at 5 A", of(&|k| c[k].torque_density_at_5A))
+    .points("continuous, at a winding of 155 °C", of(&|k| c[k].torque_density_at_limit))
+    .points("as printed", of(&|k| CASES[k].density))
+    .categories(&SHORT);
+    Plate::new("density", figure, "Holding the current hides what cooling is for.")
+}
+
+/// Tables 1 to 3, with what the model says beside them.
+fn tables(found: &Thesis) -> String {
+    let mut html = String::from("<h2>Tables 1 to 3</h2><div class=\"wide\">");
+    let headers = [
+        "case",
+        "where",
+        "#R in Ω",
+        "#T_w in K",
+        "#T_w model",
+        "#T_w untuned",
+        "#T_w as published",
+        "#R_ha in K/W",
+        "#R_ha model",
+        "#torque in N·m",
+        "#mass in kg",
+        "#density",
+        "#density at 5 A",
+        "#torque at 155 °C",
+    ];
+    let rows = CASES.iter().zip(&found.cases).map(|(case, result)| {
+        let number = |v: f64| format!("#{}", significant(v));
+        let maybe = |v: Option<f64>| format!("#{}", v.map_or("–".to_owned(), |v| format!("{v:.1}")));
+        let cells = vec![
+            case.name.to_owned(),
+            case.location.to_owned(),
+            number(case.resistance),
+            format!("#{:.1}", case.t_w),
+            maybe(result.T_w_model_K),
+            maybe(result.T_w_untuned_K),
+            maybe(result.T_w_as_published_K),
+            format!("#{:.2}", case.r_ha),
+            format!("#{}", result.R_ha_model.map_or("–".to_owned(), |v| format!("{v:.2}"))),
+            number(case.torque),
+            number(case.mass),
+            number(case.density),
+            number(result.torque_density_at_5A),
+            number(result.torque_at_limit),
+        ];
+        ("", cells)
+    });
+    html.push_str(&table("tables", &headers, rows));
+    html.push_str("</div>");
+    html
+}
