@@ -219,7 +219,7 @@ fn densities(found: &Thesis) -> Plate {
     )
     .points("at 5 A", of(&|k| c[k].torque_density_at_5A))
     .points("continuous, at a winding of 155 °C", of(&|k| c[k].torque_density_at_limit))
-    .points("as printed", of(&|k| CASES[k].density))
+    .points("as printed", of(&|k| CASES[k].density).into_iter().map(|(x, y)| (x + 0.12, y)).collect())
     .categories(&SHORT);
     Plate::new("density", figure, "Holding the current hides what cooling is for.")
 }
