@@ -70,11 +70,11 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
             } else {
                 String::new()
             };
-            text += &format!("  {:26} {:>12} {unit}{celsius}\n", v.name, rounded(v.value));
+            text += &format!("  {:30} {:>12} {unit}{celsius}\n", v.name, rounded(v.value));
         }
     }
     if let Some(r_ha) = found.r_ha {
-        text += &format!("  {:26} {:>12} K/W\n", "R_ha", significant(r_ha));
+        text += &format!("  {:30} {:>12} K/W\n", "R_ha", significant(r_ha));
     }
     text += &match continuous {
         Ok(c) => format!(
@@ -92,7 +92,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
 
 /// Three digits behind the point where that is enough; rounding noise is 0.
 fn rounded(value: f64) -> String {
-    if value.abs() < 1e-9 { "0".to_owned() } else { format!("{value:.3}") }
+    if value.abs() < 5e-4 { "0".to_owned() } else { format!("{value:.3}") }
 }
 
 /// Vary inputs and parameters over a grid and find the best point.

@@ -285,6 +285,27 @@ mod tests {
         assert!((bench.get("heat_to_ambient").unwrap() - 10.0).abs() < 1e-4);
     }
 
+    /// The claim of a millikelvin, in every way of cooling: a day and a half more moves nothing.
+    #[test]
+    fn steady_means_steady() {
+        let mut bench = Bench::new("AnnulusCooledMotor", Some(&Preset::load("thesis-rig").unwrap())).unwrap();
+        bench.set_text("drive_mode", "power").unwrap();
+        bench.set("electrical_power", 10.0).unwrap();
+        bench.set("fan_command", 1.0).unwrap();
+        for mode in ["conductance", "bare", "fan_crossflow", "annulus_push", "annulus_pull"] {
+            let mut bench = bench.clone();
+            bench.set_text("cooling_mode", mode).unwrap();
+            bench.steady_state().unwrap();
+            for entry in bench.temperatures() {
+                let at_once = bench.get(&entry.name).unwrap();
+                let mut later = bench.clone();
+                later.step(1.5 * 86_400.0).unwrap();
+                let moved = later.get(&entry.name).unwrap() - at_once;
+                assert!(moved.abs() < 1e-3, "{mode}: {} moves by {moved} K", entry.name);
+            }
+        }
+    }
+
     /// 12 A at stall: I^2 R alpha (R_wh + 1/G) = 144 * 0.386 * 0.0039 * 7.61 = 1.65 > 1: every kelvin brings
     /// more heat than it drives out.
     #[test]

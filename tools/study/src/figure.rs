@@ -132,7 +132,8 @@ impl Figure {
         let (places, rows) = self.legend();
         let top = MARGIN.2 + LEGEND.0 * rows as f64;
         let height = SIZE.1 + LEGEND.0 * rows as f64;
-        let x = Scale::new(self.span(&self.x, |p| p.0, false), (MARGIN.0, SIZE.0 - MARGIN.1));
+        let has_line = self.series.iter().any(|s| matches!(s.kind, Kind::Line));
+        let x = Scale::new(self.span(&self.x, |p| p.0, !has_line), (MARGIN.0, SIZE.0 - MARGIN.1));
         let y = Scale::new(self.span(&self.y, |p| p.1, true), (height - MARGIN.3, top));
         let mut out = format!(
             "<svg class=\"f\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" width=\"{}\" \

@@ -152,19 +152,20 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
     bench.set_text("mechanical_mode", "imposed_speed")?;
     let limit = bench.get("thermal.T_w_max")?;
     let greatest = bench.entry("current_command")?.row.max;
-    let at = |square: f64| -> Result<(Bench, f64), StudyError> {
-        let mut copy = bench.clone();
-        copy.set("current_command", square.sqrt())?;
-        copy.steady_state()?;
-        let t_w = copy.get("winding_temperature")?;
-        Ok((copy, t_w - limit))
+    bench.start()?;
+    // Each search starts from the last steady state, which is nearer than the cold motor.
+    let mut settled = bench;
+    let mut excess = |square: f64| -> Result<f64, StudyError> {
+        let mut next = settled.clone();
+        next.set("current_command", square.sqrt())?;
+        match next.settle() {
+            Ok(()) => settled = next,
+            Err(StudyError::Unsettled(_)) if square > 0.0 => return Ok(f64::INFINITY),
+            Err(other) => return Err(other),
+        }
+        Ok(settled.get("winding_temperature")? - limit)
     };
-    let excess = |square: f64| match at(square) {
-        Ok((_, excess)) => Ok(excess),
-        Err(StudyError::Unsettled(_)) => Ok(f64::INFINITY),
-        Err(other) => Err(other),
-    };
-    let idle = at(0.0)?.1;
+    let idle = excess(0.0)?;
     if idle >= 0.0 {
         return Err(StudyError::new(format!(
             "{name} has no continuous torque: without current the winding is {idle:.1} K above its limit of {limit} K"
@@ -180,14 +181,14 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
             )));
         }
     }
-    let square = try_root(excess, low, high, CURRENT_TOLERANCE * high)?
+    let square = try_root(&mut excess, low, high, CURRENT_TOLERANCE * high)?
         .ok_or_else(|| StudyError::new(format!("{name}: no current brings the winding to {limit} K")))?;
-    let (mut found, _) = at(square)?;
+    excess(square)?;
     Ok(Continuous {
         current: square.sqrt(),
-        torque: found.get("shaft_torque")?,
-        torque_density: found.get("torque_density")?,
-        winding_temperature: found.get("winding_temperature")?,
+        torque: settled.get("shaft_torque")?,
+        torque_density: settled.get("torque_density")?,
+        winding_temperature: settled.get("winding_temperature")?,
     })
 }
 

@@ -243,7 +243,8 @@ impl Sweep {
             axis(&self.varied[0], self.units[0]),
             axis(&self.objective, self.objective_unit),
         );
-        let mut lines: Vec<(Option<f64>, Vec<(f64, f64)>)> = Vec::new();
+        type Points = Vec<(f64, f64)>;
+        let mut lines: Vec<(Option<f64>, Points)> = Vec::new();
         if self.varied.len() > 2 {
             return Err(StudyError::new(
                 "--plot takes one or two varied variables; --output takes any number",

@@ -202,6 +202,13 @@ mod tests {
         for words in ["fan-5mm", "0.4141", "0.3937", "+5.2 %", "the fan alone beats"] {
             assert!(thesis.conclusion.contains(words), "{words} in {}", thesis.conclusion);
         }
+        // The rig as fitted is within 0.5 K of every test; with nothing fitted it is not (audit: up to 21 K).
+        for case in &thesis.cases {
+            let miss = |t: Option<f64>| (t.unwrap() - case.T_w_measured_K).abs();
+            assert!(miss(case.T_w_model_K) < 0.5, "{case:?}");
+            assert!((case.R_ha_model.unwrap() - case.R_ha_measured).abs() < 0.06, "{case:?}");
+            assert!(miss(case.T_w_untuned_K) < 22.0, "{case:?}");
+        }
         let json = serde_json::to_value(&thesis).unwrap();
         for key in ["cases", "published", "rows", "conclusion", "leave_one_out", "identifiability"] {
             assert!(json.get(key).is_some(), "{key}");

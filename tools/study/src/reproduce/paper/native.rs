@@ -16,8 +16,6 @@ pub const BOX_CAPACITY: f64 = 95.0;
 /// Step of a run, s, and how many steps make a point of a figure.
 const STEP: f64 = 0.5;
 const STEPS_PER_POINT: usize = 10;
-/// The start, when the winding's inductance and the rotor count: points of figures 4 and 8.
-const FIRST_STEP: f64 = 0.01;
 
 /// A run at one duty.
 #[derive(Clone, Debug, Serialize)]
@@ -88,11 +86,7 @@ fn run(mut bench: Bench, duty: f64) -> Result<Run, StudyError> {
     bench.set("ambient_temperature", T_ROOM + 273.15)?;
     bench.start()?;
     let mut course = Vec::new();
-    while bench.time() < 1.0 - 0.5 * FIRST_STEP {
-        bench.step(FIRST_STEP)?;
-        course.push(sample(&mut bench)?);
-    }
-    let steps = ((DURATION - bench.time()) / STEP).round() as usize;
+    let steps = (DURATION / STEP).round() as usize;
     for k in 1..=steps {
         bench.step(STEP)?;
         if k % STEPS_PER_POINT == 0 || k == steps {

@@ -29,7 +29,7 @@ pub fn rows(
     runs: Option<&[Run]>,
 ) -> Vec<Row> {
     let mut rows = equations();
-    rows.extend(full_duty(voltage, power, work));
+    rows.extend(full_duty(voltage, power, work, runs));
     rows.extend(derivatives());
     rows.extend(machine(voltage, power));
     rows.extend(over_duty(t, runs));
@@ -72,7 +72,10 @@ fn equations() -> Vec<Row> {
     ]
 }
 
-fn full_duty(voltage: &Parts, power: &Parts, work: &Parts) -> Vec<Row> {
+fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>) -> Vec<Row> {
+    let simulated = runs
+        .and_then(|runs| runs.last())
+        .map_or(String::new(), |run| format!("; simulated with a warming winding {:.1} J", run.work.total));
     let q = implied_charge();
     let p = Point {
         v: V_TOTAL,
@@ -126,7 +129,7 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts) -> Vec<Row> {
             .but(
                 UnitError,
                 format!(
-                    "the value is in joules; {:.2} % below the printed power times 900 s, as if the winding had warmed on the way",
+                    "the value is in joules; {:.2} % below the printed power times 900 s, as if the winding had warmed on the way{simulated}",
                     100.0 * (1.0 - 1582.7 / (P_TOTAL * DURATION))
                 ),
             ),

@@ -72,7 +72,7 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
         Plate::new(
             "6b",
             five(runs, "Figure 6b: current", "current in A", |s| s.current),
-            "Peaks are the start of the rotor.",
+            "From 5 s on: the start of the rotor is over.",
         ),
         Plate::new(
             "6c",
@@ -131,9 +131,7 @@ fn accuracy(run: &Run) -> Figure {
         let resistance = if right { published::right_resistance(p.t) } else { published::resistance(p.t) };
         100.0 * (resistance * p.i + s.voltage.mechanical) / s.voltage.total
     };
-    let later = |right: bool| {
-        run.course.iter().filter(|s| s.time > 1.0).map(|s| (s.time, share(s, right))).collect::<Vec<_>>()
-    };
+    let later = |right: bool| run.course.iter().map(|s| (s.time, share(s, right))).collect::<Vec<_>>();
     Figure::new(
         "Figure 7: voltage by the state function over voltage, 100 %",
         Axis::new("time in s"),
