@@ -186,7 +186,7 @@ macro_rules! values {
 }
 
 values!(fmi2GetReal, fmi2SetReal, f64, Type::Real, |x| x, |x| x);
-values!(fmi2GetInteger, fmi2SetInteger, c_int, Type::Enumeration, |x| x as c_int, f64::from);
+values!(fmi2GetInteger, fmi2SetInteger, c_int, Type::Integer, |x| x as c_int, f64::from);
 values!(fmi2GetBoolean, fmi2SetBoolean, Boolean, Type::Boolean, |x| c_int::from(x != 0.0), f64::from);
 values!(fmi2GetString, fmi2SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), |_| f64::NAN);
 

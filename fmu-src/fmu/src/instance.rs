@@ -46,8 +46,8 @@ impl Mode {
 pub enum Type {
     /// FMI 2 Real, FMI 3 Float64.
     Real,
-    /// FMI 2 Integer, FMI 3 Int64: enumerations.
-    Enumeration,
+    /// FMI 2 Integer, FMI 3 Int64: whole numbers and enumerations.
+    Integer,
     /// Boolean.
     Boolean,
     /// A type that no variable has, with its name.
@@ -59,14 +59,14 @@ impl Type {
         match entry.row.kind {
             Kind::Real => Type::Real,
             Kind::Boolean => Type::Boolean,
-            Kind::Enumeration(_) => Type::Enumeration,
+            Kind::Integer | Kind::Enumeration(_) => Type::Integer,
         }
     }
 
     fn words(self) -> &'static str {
         match self {
             Type::Real => "Real (Float64)",
-            Type::Enumeration => "Enumeration",
+            Type::Integer => "Integer (Int64)",
             Type::Boolean => "Boolean",
             Type::Absent(name) => name,
         }

@@ -105,6 +105,7 @@ fn token(name: &str, entries: &[Entry]) -> String {
             r.max,
             match r.kind {
                 Kind::Real => "real".to_string(),
+                Kind::Integer => "integer".to_string(),
                 Kind::Boolean => "boolean".to_string(),
                 Kind::Enumeration(t) => t.items.iter().map(|i| format!("{}={},", i.name, i.value)).collect(),
             }
@@ -135,6 +136,8 @@ pub enum Refusal {
     NotFinite,
     /// Below or above the declared limits.
     OutOfRange,
+    /// A fraction where a whole number is wanted.
+    NotWhole,
     /// No item of the enumeration, or no Boolean.
     NoSuchItem,
     /// The model computes it.
@@ -160,9 +163,10 @@ impl Entry {
             return Err(Refusal::Fixed);
         }
         match row.kind {
-            Kind::Real if !value.is_finite() => Err(Refusal::NotFinite),
-            Kind::Real if value < row.min || value > row.max => Err(Refusal::OutOfRange),
-            Kind::Real => Ok(()),
+            Kind::Real | Kind::Integer if !value.is_finite() => Err(Refusal::NotFinite),
+            Kind::Real | Kind::Integer if value < row.min || value > row.max => Err(Refusal::OutOfRange),
+            Kind::Integer if value.fract() != 0.0 => Err(Refusal::NotWhole),
+            Kind::Real | Kind::Integer => Ok(()),
             Kind::Boolean if value == 0.0 || value == 1.0 => Ok(()),
             Kind::Enumeration(t) if t.items.iter().any(|i| f64::from(i.value) == value) => Ok(()),
             _ => Err(Refusal::NoSuchItem),
@@ -184,6 +188,10 @@ impl Entry {
             ),
             Refusal::OutOfRange => format!(
                 "{name} = {value}{unit} is outside its limits {} ... {}{unit}.",
+                self.row.min, self.row.max
+            ),
+            Refusal::NotWhole => format!(
+                "{name} = {value} is not a whole number; it must lie in {} ... {}.",
                 self.row.min, self.row.max
             ),
             Refusal::NoSuchItem => {
@@ -213,7 +221,7 @@ pub struct Fault(pub String);
 
 /// A model as the FMI layer and the tools see it.
 ///
-/// Values are numbers in SI units; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
+/// Values are numbers in SI units, whole ones for integers; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
 /// values by [`Entry::check`] before it sets them.
 pub trait Model: Send {
     /// The model's table.

@@ -106,9 +106,13 @@ fn note(
         let moves: Vec<f64> = match entry.row.kind {
             Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
             Kind::Boolean => vec![0.0, 1.0],
+            Kind::Integer => vec![entry.row.start - 1.0, entry.row.start + 1.0, entry.row.min, entry.row.max],
             Kind::Real => vec![probe.generic(entry), probe.generic(entry), entry.row.min, entry.row.max],
         };
         for value in moves {
+            if entry.check(value, false).is_err() {
+                continue;
+            }
             let mut model = point();
             model.set(entry.slot, value);
             let Some(after) = read(model) else { continue };

@@ -56,6 +56,7 @@ fn scalar_variable(xml: &mut Xml, entry: &Entry, starts: &StartValues) -> io::Re
     let start = xml::start_attribute(entry, starts);
     element(xml, "ScalarVariable", &xml::variable_attributes(entry), |xml| match entry.row.kind {
         Kind::Real => empty(xml, "Real", &xml::real_attributes(entry, starts)),
+        Kind::Integer => empty(xml, "Integer", &xml::integer_attributes(entry, starts)),
         Kind::Boolean => empty(xml, "Boolean", &start.into_iter().collect()),
         Kind::Enumeration(t) => {
             let declared = ("declaredType", t.name.to_string());

@@ -51,6 +51,10 @@ fn variable(xml: &mut Xml, entry: &Entry, starts: &StartValues) -> io::Result<()
             attributes.extend(xml::real_attributes(entry, starts));
             "Float64"
         }
+        Kind::Integer => {
+            attributes.extend(xml::integer_attributes(entry, starts));
+            "Int64"
+        }
         Kind::Boolean => {
             attributes.extend(start);
             "Boolean"

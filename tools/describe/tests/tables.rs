@@ -1,6 +1,6 @@
 //! What must hold over the whole table of every model.
 
-use describe::{Dependencies, Entry, generated, lock, models};
+use describe::{Dependencies, Entry, StartValues, fmi2, fmi3, generated, lock, markdown, models};
 use physics::declare::{Causality, Kind, Scale};
 use std::collections::HashSet;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn every_variable_is_described_and_within_its_own_limits() {
             Causality::Output => assert!(row.start.is_nan(), "{} is computed and has no start", e.name),
             _ => assert_eq!(e.check(row.start, false), Ok(()), "{} = {}", e.name, row.start),
         }
-        if row.causality != Causality::Output && row.kind == Kind::Real {
+        if row.causality != Causality::Output && matches!(row.kind, Kind::Real | Kind::Integer) {
             assert!(
                 row.min.is_finite() && row.max.is_finite() && row.min < row.max,
                 "{} has no limits",
@@ -89,6 +89,19 @@ fn dependencies_are_the_physics() {
     let limit = ["ambient_temperature", "thermal.T_w_max", "effect.ambient_drift.rate"];
     assert_eq!(on(&found.initial, "over_temperature"), limit);
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
+}
+
+/// A whole number has limits and a start in both standards, and neither unit nor nominal value.
+#[test]
+fn a_whole_number_is_an_integer_in_both_standards() {
+    let (kind, starts) = (&models::ALL[0], StartValues::default());
+    let two = fmi2::model_description(kind, &starts);
+    assert!(two.contains("<Integer min=\"1\" max=\"100\" start=\"2\"/>"), "{two}");
+    let three = fmi3::model_description(kind, &starts);
+    let line = three.lines().find(|l| l.contains("motor.pole_pairs")).unwrap().trim();
+    assert!(line.starts_with("<Int64 ") && line.ends_with("min=\"1\" max=\"100\" start=\"2\"/>"), "{line}");
+    let text = markdown::parameters(kind);
+    assert!(text.contains("| `motor.pole_pairs` |  | 2 | 1 ... 100 | tunable |"), "{text}");
 }
 
 #[test]
