@@ -11,11 +11,16 @@ mod drive_loss;
 mod fan_back_pressure;
 mod forced_convection;
 mod housing_radiation;
+mod housing_sensor_lag;
+mod housing_sensor_offset;
+mod housing_sensor_stem_loss;
 mod interface_temperature;
 mod iron_loss;
 mod load_dependent_friction;
 mod viscous_friction;
 mod windage;
+mod winding_sensor_offset;
+mod winding_sensor_stem_loss;
 
 pub use ambient_drift::AmbientDrift;
 pub use contact_drop::ContactDrop;
@@ -25,11 +30,16 @@ pub use drive_loss::DriveLoss;
 pub use fan_back_pressure::FanBackPressure;
 pub use forced_convection::{CooledNode, Draught, ForcedConvection};
 pub use housing_radiation::HousingRadiation;
+pub use housing_sensor_lag::HousingSensorLag;
+pub use housing_sensor_offset::HousingSensorOffset;
+pub use housing_sensor_stem_loss::HousingSensorStemLoss;
 pub use interface_temperature::InterfaceTemperature;
 pub use iron_loss::IronLoss;
 pub use load_dependent_friction::LoadDependentFriction;
 pub use viscous_friction::ViscousFriction;
 pub use windage::Windage;
+pub use winding_sensor_offset::WindingSensorOffset;
+pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
 use num_dual::{Dual64, DualNum};
 
@@ -124,6 +134,31 @@ pub trait Effect {
         0.0
     }
 
+    /// Time constant with which the sensor of the housing follows, s.
+    #[inline]
+    fn housing_sensor_lag(&self) -> f64 {
+        0.0
+    }
+
+    /// What the sensor of the winding shows at its temperature `t` in surroundings at `t_a`, K.
+    #[inline]
+    fn winding_sensor(&self, t: f64, _t_a: f64) -> f64 {
+        t
+    }
+
+    /// What the sensor of the housing shows at its temperature `t` (that it lags behind) in surroundings at
+    /// `t_a`, K.
+    #[inline]
+    fn housing_sensor(&self, t: f64, _t_a: f64) -> f64 {
+        t
+    }
+
+    /// The part of [`drag_torque`](Effect::drag_torque) that arises in the iron, N.m.
+    #[inline]
+    fn iron_drag(&self, _w: f64) -> f64 {
+        0.0
+    }
+
     /// Share of the input electrical_power that never reaches the winding and heats the surroundings.
     #[inline]
     fn drive_loss(&self) -> f64 {
@@ -158,6 +193,9 @@ pub enum Port {
     HousingToAmbient,
     FanFlow,
     AmbientSensor,
+    HousingSensorLag,
+    WindingSensor,
+    HousingSensor,
     DriveLoss,
 }
 
@@ -233,6 +271,28 @@ macro_rules! effects {
             }
 
             #[inline]
+            fn housing_sensor_lag(&self) -> f64 {
+                0.0 $(+ self.$id.housing_sensor_lag())*
+            }
+
+            #[inline]
+            fn winding_sensor(&self, t: f64, t_a: f64) -> f64 {
+                $(let t = self.$id.winding_sensor(t, t_a);)*
+                t
+            }
+
+            #[inline]
+            fn housing_sensor(&self, t: f64, t_a: f64) -> f64 {
+                $(let t = self.$id.housing_sensor(t, t_a);)*
+                t
+            }
+
+            #[inline]
+            fn iron_drag(&self, w: f64) -> f64 {
+                0.0 $(+ self.$id.iron_drag(w))*
+            }
+
+            #[inline]
             fn drive_loss(&self) -> f64 {
                 0.0 $(+ self.$id.drive_loss())*
             }
@@ -267,6 +327,17 @@ effects! {
     ambient_drift: AmbientDrift @ "effect.ambient_drift." 1110 at AmbientSensor;
     /// Power lost in the drive.
     drive_loss: DriveLoss @ "effect.drive_loss." 1120 at DriveLoss;
+    // A reading passes these in their order: what is lost along the stem is a share of the true rise.
+    /// A sensor of the housing that follows late.
+    housing_sensor_lag: HousingSensorLag @ "effect.housing_sensor_lag." 1130 at HousingSensorLag;
+    /// A sensor of the winding that the air cools.
+    winding_sensor_stem_loss: WindingSensorStemLoss @ "effect.winding_sensor_stem_loss." 1140 at WindingSensor;
+    /// A sensor of the housing that the air cools.
+    housing_sensor_stem_loss: HousingSensorStemLoss @ "effect.housing_sensor_stem_loss." 1150 at HousingSensor;
+    /// A sensor of the winding that shows a constant too much.
+    winding_sensor_offset: WindingSensorOffset @ "effect.winding_sensor_offset." 1160 at WindingSensor;
+    /// A sensor of the housing that shows a constant too much.
+    housing_sensor_offset: HousingSensorOffset @ "effect.housing_sensor_offset." 1170 at HousingSensor;
 }
 
 /// Slopes of the ports with respect to their first argument, for Jacobians.

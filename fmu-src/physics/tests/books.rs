@@ -181,6 +181,11 @@ fn an_effect_that_is_off_is_not_there() {
             "demagnetisation.fraction",
             "ambient_drift.rate",
             "drive_loss.share",
+            "housing_sensor_lag.tau",
+            "winding_sensor_stem_loss.k",
+            "housing_sensor_stem_loss.k",
+            "winding_sensor_offset.offset",
+            "housing_sensor_offset.offset",
         ];
         let declaration = m.declaration();
         for entry in declaration.entries.iter().filter(|e| e.name.starts_with("effect.")) {

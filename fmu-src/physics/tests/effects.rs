@@ -2,7 +2,7 @@
 
 mod common;
 use common::{all_effects, motor};
-use physics::effects::{CooledNode, Draught};
+use physics::effects::{CooledNode, Draught, Effect, Effects, PerNode};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode, Temperatures};
 use physics::solver::split::{Fast, System};
@@ -25,10 +25,16 @@ fn running(speed: f64) -> AnnulusCooledMotor {
     m
 }
 
-/// 10 W of heat for a long time.
-fn heated(prepare: impl Fn(&mut AnnulusCooledMotor)) -> AnnulusCooledMotor {
+/// 10 W of heat.
+fn heating() -> AnnulusCooledMotor {
     let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
     m.inputs.electrical_power = 10.0;
+    m
+}
+
+/// 10 W of heat for a long time.
+fn heated(prepare: impl Fn(&mut AnnulusCooledMotor)) -> AnnulusCooledMotor {
+    let mut m = heating();
     prepare(&mut m);
     m.start(0.0).unwrap();
     for _ in 0..100 {
@@ -159,6 +165,62 @@ fn the_room_runs_away_from_what_is_shown() {
     close(output(&mut m, "housing_temperature"), 298.15 + 40.1 - 0.159_45 / 0.1351, 1e-6);
 }
 
+/// The housing's sensor lags, then loses along its stem, then is off by a constant; nothing else feels it.
+#[test]
+fn the_sensors_show_what_they_show() {
+    let (mut plain, mut sensed) = (heating(), heating());
+    sensed.parameters.effects.housing_sensor_lag.tau = 30.0;
+    sensed.parameters.effects.housing_sensor_stem_loss.k = 0.1;
+    sensed.parameters.effects.housing_sensor_offset.offset = 2.0;
+    sensed.parameters.effects.winding_sensor_stem_loss.k = 0.05;
+    sensed.parameters.effects.winding_sensor_offset.offset = -3.0;
+    sensed.parameters.effects.ambient_drift.rate = 1e-3;
+    plain.parameters.effects.ambient_drift.rate = 1e-3;
+    sensed.start(100.0).unwrap();
+    plain.start(100.0).unwrap();
+    close(output(&mut sensed, "housing_temperature"), 298.25 + 2.0, 1e-12);
+    // The lag by a thousand times as many steps of the trapezoidal rule.
+    let mut lagged = 298.25;
+    for _ in 0..60 {
+        let t_before = output(&mut plain, "housing_temperature");
+        plain.step(plain.time(), 1.0).unwrap();
+        sensed.step(sensed.time(), 1.0).unwrap();
+        let t_after = output(&mut plain, "housing_temperature");
+        for k in 0..1000 {
+            let t = t_before + (t_after - t_before) * (f64::from(k) + 0.5) / 1000.0;
+            lagged += (t - lagged) * 1e-3 / 30.0 / (1.0 + 0.5e-3 / 30.0);
+        }
+    }
+    assert_eq!(plain.state(), sensed.state(), "a sensor changes nothing");
+    let (t_w, t_a) = (output(&mut plain, "winding_temperature"), 298.15 + 0.16);
+    close(output(&mut sensed, "winding_temperature"), t_w - 0.05 * (t_w - t_a) - 3.0, 1e-10);
+    close(output(&mut sensed, "housing_temperature"), lagged - 0.1 * (lagged - t_a) + 2.0, 1e-5);
+    for name in ["winding_margin", "over_temperature", "winding_resistance", "stator_temperature"] {
+        assert_eq!(output(&mut plain, name).to_bits(), output(&mut sensed, name).to_bits(), "{name}");
+    }
+}
+
+/// What the sensor has reached is saved, and a start forgets it.
+#[test]
+fn the_lag_is_part_of_the_state() {
+    let mut m = heating();
+    m.parameters.effects.housing_sensor_lag.tau = 30.0;
+    m.start(0.0).unwrap();
+    let minute = |m: &mut AnnulusCooledMotor| {
+        (0..60).for_each(|_| m.step(m.time(), 1.0).unwrap());
+        output(m, "housing_temperature").to_bits()
+    };
+    let first = minute(&mut m);
+    let mut saved = Vec::new();
+    m.save(&mut saved);
+    let second = minute(&mut m);
+    assert!(m.restore(&saved));
+    assert_eq!(output(&mut m, "housing_temperature").to_bits(), first);
+    assert_eq!(minute(&mut m), second);
+    m.start(0.0).unwrap();
+    assert_eq!(minute(&mut m), first);
+}
+
 /// Step of the runs with an event, s: times and volts on the way are exact in binary.
 const H: f64 = 1.0 / 1024.0;
 
@@ -233,4 +295,51 @@ fn the_matrices_are_the_derivatives() {
         let wanted = step.network_matrix(0.0, &temperature).column(k) * 2e-2;
         assert!((heat - wanted).norm() <= 1e-6 * wanted.norm(), "{heat} {wanted}");
     }
+}
+
+/// The contract's list: every effect has its parameters, in the declaration of the motor, and is neutral at their
+/// start values.
+#[test]
+fn every_effect_of_the_contract_is_declared_and_neutral() {
+    const CONTRACT: &[(&str, &[&str])] = &[
+        ("coulomb_friction", &["tau_c", "w_small"]),
+        ("iron_loss", &["k"]),
+        ("viscous_friction", &["k"]),
+        ("windage", &["k"]),
+        ("load_dependent_friction", &["mu"]),
+        ("contact_drop", &["V_b", "I_small"]),
+        ("housing_radiation", &["k"]),
+        ("forced_convection", &["G", "node"]),
+        ("fan_back_pressure", &["k"]),
+        ("interface_temperature", &["beta"]),
+        ("demagnetisation", &["fraction", "time"]),
+        ("ambient_drift", &["rate"]),
+        ("housing_sensor_lag", &["tau"]),
+        ("winding_sensor_offset", &["offset"]),
+        ("housing_sensor_offset", &["offset"]),
+        ("winding_sensor_stem_loss", &["k"]),
+        ("housing_sensor_stem_loss", &["k"]),
+        ("drive_loss", &["share"]),
+    ];
+    let m = AnnulusCooledMotor::default();
+    for (id, symbols) in CONTRACT {
+        for (k, symbol) in symbols.iter().enumerate() {
+            let name = format!("effect.{id}.{symbol}");
+            let entry = m.declaration().by_name(&name).unwrap_or_else(|| panic!("no {name}"));
+            // The first symbol is the switch.
+            assert!(k > 0 || entry.row.start == 0.0, "{name} starts at {}", entry.row.start);
+        }
+    }
+    let effects = Effects::default();
+    assert!(!effects.is_on());
+    assert_eq!(effects.drag_torque(300.0f64), 0.0);
+    assert_eq!(effects.load_drag(300.0f64, 0.1), 0.0);
+    assert_eq!(effects.terminal_voltage(5.0f64), 0.0);
+    assert_eq!((effects.torque_constant(1e3), effects.next_event(0.0)), (1.0, f64::INFINITY));
+    assert_eq!(effects.winding_housing_resistance(400.0f64), 1.0);
+    assert_eq!(effects.ambient_conductance(1.0), PerNode::default());
+    assert_eq!(effects.housing_to_ambient(400.0f64, 300.0), 0.0);
+    assert_eq!((effects.fan_flow(0.7), effects.ambient_sensor(), effects.drive_loss()), (0.7, 0.0, 0.0));
+    assert_eq!((effects.winding_sensor(400.0, 300.0), effects.housing_sensor(400.0, 300.0)), (400.0, 400.0));
+    assert_eq!((effects.housing_sensor_lag(), effects.iron_drag(300.0)), (0.0, 0.0));
 }

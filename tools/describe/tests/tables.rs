@@ -78,14 +78,18 @@ fn dependencies_are_the_physics() {
         let (_, on) = list.iter().find(|(o, _)| *o == k).unwrap();
         on.iter().map(|k| declaration.entries[*k].name.as_str()).collect()
     };
-    assert_eq!(on(&found.running, "winding_temperature"), [""; 0], "a state depends on no input at once");
+    assert_eq!(on(&found.running, "stator_temperature"), [""; 0], "a state depends on no input at once");
+    // A sensor that the air cools does.
+    assert_eq!(on(&found.running, "winding_temperature"), ["ambient_temperature"]);
     // The last by the drive's own heat (effect drive_loss).
     let cooled = ["fan_command", "ambient_temperature", "electrical_power"];
     assert_eq!(on(&found.running, "heat_to_ambient"), cooled);
     assert_eq!(on(&found.running, "shaft_speed"), ["imposed_speed"]);
     // A run that starts late starts at what a drifting sensor hides.
     let start = ["ambient_temperature", "effect.ambient_drift.rate"];
-    assert_eq!(on(&found.initial, "winding_temperature"), start);
+    assert_eq!(on(&found.initial, "stator_temperature"), start);
+    let shown = [&start[..], &["effect.winding_sensor_offset.offset"]].concat();
+    assert_eq!(on(&found.initial, "winding_temperature"), shown);
     let limit = ["ambient_temperature", "thermal.T_w_max", "effect.ambient_drift.rate"];
     assert_eq!(on(&found.initial, "over_temperature"), limit);
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));

@@ -2,4 +2,5 @@
 
 pub mod conductance;
 pub mod motor;
+pub mod sensor;
 pub mod thermal;

@@ -34,7 +34,7 @@ use ports::{Acts, Ports};
 /// Thermal nodes: winding and housing.
 pub const NODES: usize = 2;
 const WINDING: usize = 0;
-const HOUSING: usize = 1;
+pub(super) const HOUSING: usize = 1;
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
 

@@ -6,11 +6,13 @@
 mod equations;
 mod variables;
 
+use equations::HOUSING;
 pub use equations::{Constants, NODES, Point, STATES, Step, Temperatures};
 pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
 
 use crate::components::conductance::Conductance;
 use crate::components::motor::Motor;
+use crate::components::sensor::lagged;
 use crate::components::thermal::Thermal;
 use crate::effects::{Effect, Effects, IMMINENT, PerNode};
 use crate::groups;
@@ -66,6 +68,8 @@ pub struct AnnulusCooledMotor {
     slopes: Inputs,
     time: f64,
     state: State<NODES>,
+    /// The temperature that the housing's sensor has reached, K.
+    t_sensor: f64,
     /// Energy stored at the start, J.
     stored_at_start: f64,
     split: Split<NODES>,
@@ -101,6 +105,7 @@ impl Default for AnnulusCooledMotor {
                 temperature: Temperatures::zeros(),
                 energy: [0.0; 3],
             },
+            t_sensor: 0.0,
             stored_at_start: 0.0,
             split: Split::default(),
             outputs_are_stale: true,
@@ -150,8 +155,8 @@ impl AnnulusCooledMotor {
 
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
-            let (state, stored_at_start) = (self.state, self.stored_at_start);
-            self.outputs = self.step_equations().outputs(&state, stored_at_start);
+            let (state, t_sensor, stored) = (self.state, self.t_sensor, self.stored_at_start);
+            self.outputs = self.step_equations().outputs(&state, t_sensor, stored);
             self.outputs_are_stale = false;
         }
     }
@@ -175,6 +180,7 @@ impl AnnulusCooledMotor {
     #[inline]
     fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         let conductance = self.conductance();
+        let t_before = self.state.temperature[HOUSING];
         let step =
             Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance, time);
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
@@ -184,6 +190,8 @@ impl AnnulusCooledMotor {
                 stuck.t, time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
             ))
         })?;
+        let (tau, t_after) = (self.parameters.effects.housing_sensor_lag(), self.state.temperature[HOUSING]);
+        self.t_sensor = lagged(self.t_sensor, tau, t_before, t_after, h);
         if self.slopes != Inputs::ZERO {
             self.inputs = self.inputs.after(h, &self.slopes);
             self.slopes = Inputs::ZERO;
@@ -241,6 +249,7 @@ impl Model for AnnulusCooledMotor {
             temperature: Temperatures::repeat(ambient),
             energy: [0.0; 3],
         };
+        self.t_sensor = ambient;
         self.split = Split::default();
         self.follow_parameters();
         self.follow_inputs();
@@ -282,7 +291,12 @@ impl Model for AnnulusCooledMotor {
         out.extend(
             (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
         );
-        out.extend([self.time, self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend([
+            self.time,
+            self.t_sensor,
+            self.stored_at_start,
+            f64::from(u8::from(self.outputs_are_stale)),
+        ]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
     }
@@ -303,6 +317,7 @@ impl Model for AnnulusCooledMotor {
                 declare::Group::set(&mut copy.slopes, row, next()?);
             }
             copy.time = next()?;
+            copy.t_sensor = next()?;
             copy.stored_at_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;
             copy.state = State::from_numbers(&mut next)?;

@@ -81,13 +81,13 @@ variables! {
         shaft_speed: f64 = Variable::output(22, Unit::RadianPerSecond).nominal(1000.0),
         /// Torque that the shaft gives to the load (mechanical_mode imposed_speed: without the rotor's inertia)
         shaft_torque: f64 = Variable::output(23, Unit::NewtonMetre).nominal(0.1),
-        /// Temperature of the winding
+        /// Temperature of the winding as its sensor shows it (effects winding_sensor_*); the true one otherwise
         winding_temperature: f64 = Variable::output(24, Unit::Kelvin).nominal(300.0),
         /// Temperature of the stator; the housing's in cooling_mode conductance
         stator_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
         /// Temperature of the magnets; the housing's in cooling_mode conductance
         magnet_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the housing
+        /// Temperature of the housing as its sensor shows it (effects housing_sensor_*); the true one otherwise
         housing_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
         /// Resistance of the winding at its temperature
         winding_resistance: f64 = Variable::output(31, Unit::Ohm),
@@ -109,9 +109,9 @@ variables! {
         heat_to_ambient: f64 = Variable::output(39, Unit::Watt).nominal(10.0),
         /// Power that the books miss at this instant; zero but for rounding
         power_balance_error: f64 = Variable::output(40, Unit::Watt),
-        /// How far the winding is below its limit
+        /// How far the winding truly is below its limit
         winding_margin: f64 = Variable::output(41, Unit::Kelvin).nominal(100.0).difference(),
-        /// True while the winding is above its limit
+        /// True while the winding truly is above its limit
         over_temperature: bool = Variable::flag(42),
         /// Torque at the shaft per mass of the motor
         torque_density: f64 = Variable::output(43, Unit::NewtonMetrePerKilogram),

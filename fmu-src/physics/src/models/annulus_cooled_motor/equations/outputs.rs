@@ -7,13 +7,14 @@ use crate::models::annulus_cooled_motor::{DriveMode, Outputs};
 use crate::solver::split::{State, System};
 
 impl Step<'_> {
-    /// The outputs at the start of the step.
-    pub fn outputs(&self, state: &State<NODES>, stored_at_start: f64) -> Outputs {
+    /// The outputs at the start of the step; `t_sensor` is the temperature that the housing's sensor has reached.
+    pub fn outputs(&self, state: &State<NODES>, t_sensor: f64, stored_at_start: f64) -> Outputs {
         use Account::*;
         let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
+        let t_a = self.ambient.at(0.0);
         let p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
         let power_balance_error = p.ledger.error(&[
@@ -39,16 +40,16 @@ impl Step<'_> {
             shaft_angle: state.angle,
             shaft_speed: w,
             shaft_torque: p.shaft_torque,
-            winding_temperature: t_w,
+            winding_temperature: model.effects.winding_sensor(t_w, t_a),
             stator_temperature: t_h,
             magnet_temperature: t_h,
-            housing_temperature: t_h,
+            housing_temperature: model.effects.housing_sensor(t_sensor, t_a),
             winding_resistance: r,
             torque_constant: self.torque_constant(temperature),
             power_electrical: electrical,
             power_mechanical: p.shaft_torque * w,
             loss_copper: copper,
-            loss_iron: model.effects.iron_loss.drag_torque(w) * w,
+            loss_iron: model.effects.iron_drag(w) * w,
             loss_friction: p.drag * w,
             loss_drive: self.drive_loss(),
             heat_to_ambient: p.to_ambient,
