@@ -10,6 +10,7 @@ mod demagnetisation;
 mod drive_loss;
 mod fan_back_pressure;
 mod forced_convection;
+mod generic_term;
 mod housing_radiation;
 mod housing_sensor_lag;
 mod housing_sensor_offset;
@@ -29,6 +30,7 @@ pub use demagnetisation::Demagnetisation;
 pub use drive_loss::DriveLoss;
 pub use fan_back_pressure::FanBackPressure;
 pub use forced_convection::{CooledNode, Draught, ForcedConvection};
+pub use generic_term::GenericTerms;
 pub use housing_radiation::HousingRadiation;
 pub use housing_sensor_lag::HousingSensorLag;
 pub use housing_sensor_offset::HousingSensorOffset;
@@ -41,6 +43,7 @@ pub use windage::Windage;
 pub use winding_sensor_offset::WindingSensorOffset;
 pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
+use crate::terms::{Drivers, GenericTerm};
 use num_dual::{Dual64, DualNum};
 
 /// A number, or a number with its derivative: what a port is computed with, so that no slope is written by hand.
@@ -72,6 +75,16 @@ pub trait Effect {
     /// Whether its switch, the parameter that is 0 by default, is on.
     fn is_on(&self) -> bool;
 
+    /// Takes terms that are data in place of those it had; false, and nothing taken, where it carries none or not
+    /// these.
+    fn take_terms(&mut self, _terms: &[GenericTerm]) -> bool {
+        false
+    }
+
+    /// Tells where the motor stands: what follows a driver slowly holds that over a step.
+    #[inline]
+    fn tell(&mut self, _drivers: &Drivers) {}
+
     /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.
     #[inline]
     fn drag_torque<D: Number>(&self, _w: D) -> D {
@@ -92,7 +105,25 @@ pub trait Effect {
         D::from(0.0)
     }
 
-    /// Multiplies the torque constant at `time`, s. It steps at [`next_event`](Effect::next_event) and only there.
+    /// Multiplies the winding's resistance; positive.
+    #[inline]
+    fn winding_resistance(&self) -> f64 {
+        1.0
+    }
+
+    /// Heat set free in the winding beside that of its current, W.
+    #[inline]
+    fn winding_heat(&self) -> f64 {
+        0.0
+    }
+
+    /// Multiplies every heat capacity; positive.
+    #[inline]
+    fn heat_capacity(&self) -> f64 {
+        1.0
+    }
+
+    /// Multiplies the torque constant at `time`, s. Over time alone it steps at [`next_event`](Effect::next_event) and only there.
     #[inline]
     fn torque_constant(&self, _time: f64) -> f64 {
         1.0
@@ -131,6 +162,12 @@ pub trait Effect {
     /// How fast the true ambient temperature leaves the shown one, K/s; they agree at time 0.
     #[inline]
     fn ambient_sensor(&self) -> f64 {
+        0.0
+    }
+
+    /// What the true ambient temperature is above the shown one, beside its drift, K.
+    #[inline]
+    fn ambient_offset(&self) -> f64 {
         0.0
     }
 
@@ -184,9 +221,12 @@ fn slope(x: f64, port: impl Fn(Dual64) -> Dual64) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)] // each is explained where it is a method
 pub enum Port {
+    /// Any of them: what acts there is decided by data.
+    Any,
     DragTorque,
     LoadDrag,
     TerminalVoltage,
+    WindingResistance,
     TorqueConstant,
     WindingHousingResistance,
     AmbientConductance,
@@ -210,13 +250,42 @@ macro_rules! effects {
         impl Effects {
             /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts.
             pub fn acts_at(&self, port: Port) -> bool {
-                false $(|| (port == Port::$port && self.$id.is_on()))*
+                false $(|| (matches!(Port::$port, p if p == port || p == Port::Any) && self.$id.is_on()))*
             }
         }
 
         impl Effect for Effects {
             fn is_on(&self) -> bool {
                 false $(|| self.$id.is_on())*
+            }
+
+            fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
+                false $(| self.$id.take_terms(terms))*
+            }
+
+            #[inline]
+            fn tell(&mut self, drivers: &Drivers) {
+                $(self.$id.tell(drivers);)*
+            }
+
+            #[inline]
+            fn winding_resistance(&self) -> f64 {
+                1.0 $(* self.$id.winding_resistance())*
+            }
+
+            #[inline]
+            fn winding_heat(&self) -> f64 {
+                0.0 $(+ self.$id.winding_heat())*
+            }
+
+            #[inline]
+            fn heat_capacity(&self) -> f64 {
+                1.0 $(* self.$id.heat_capacity())*
+            }
+
+            #[inline]
+            fn ambient_offset(&self) -> f64 {
+                0.0 $(+ self.$id.ambient_offset())*
             }
 
             #[inline]
@@ -338,6 +407,8 @@ effects! {
     winding_sensor_offset: WindingSensorOffset @ "effect.winding_sensor_offset." 1160 at WindingSensor;
     /// A sensor of the housing that shows a constant too much.
     housing_sensor_offset: HousingSensorOffset @ "effect.housing_sensor_offset." 1170 at HousingSensor;
+    /// Terms found in data that are in no list.
+    generic_term: GenericTerms @ "effect.generic_term." 1190 at Any;
 }
 
 /// Slopes of the ports with respect to their first argument, for Jacobians.

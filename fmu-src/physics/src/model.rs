@@ -1,5 +1,6 @@
 //! What every model is to the outside: a declaration, values by slot, and steps.
 
+use crate::terms::GenericTerm;
 use declare::{Causality, Kind, Variability, Variable};
 use std::fmt;
 use std::sync::OnceLock;
@@ -233,6 +234,11 @@ pub trait Model: Send {
     /// The slope of a continuous input over the next step, per second. It holds for that step alone; after it
     /// the input stands where the slope has led it.
     fn set_slope(&mut self, slot: Slot, slope: f64);
+    /// Takes terms that are data (`terms.rs`) in place of those it had, before it starts; false, and nothing
+    /// taken, where it carries none or not as many.
+    fn set_terms(&mut self, _terms: &[GenericTerm]) -> bool {
+        false
+    }
     /// Ends initialization at `time`: checks the parameters together, sets every state.
     fn start(&mut self, time: f64) -> Result<(), Fault>;
     /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes.

@@ -33,7 +33,7 @@ use ports::{Acts, Ports};
 
 /// Thermal nodes: winding and housing.
 pub const NODES: usize = 2;
-const WINDING: usize = 0;
+pub(super) const WINDING: usize = 0;
 pub(super) const HOUSING: usize = 1;
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
@@ -170,7 +170,7 @@ impl<'a> Step<'a> {
             DriveMode::Current => Line { start: u.current_command, slope: s.current_command },
             _ => none,
         };
-        let mut heat = Line { start: u.heat_power, slope: s.heat_power };
+        let mut heat = Line { start: u.heat_power + model.effects.winding_heat(), slope: s.heat_power };
         let mut drive = none;
         if model.choices.drive_mode == DriveMode::Power {
             let lost = constants.lost;
@@ -192,10 +192,10 @@ impl<'a> Step<'a> {
             heat,
             drive,
             ambient: Line {
-                start: u.ambient_temperature + drift * time,
+                start: u.ambient_temperature + drift * time + model.effects.ambient_offset(),
                 slope: s.ambient_temperature + drift,
             },
-            strength: if constants.eventful { model.effects.torque_constant(time) } else { 1.0 },
+            strength: model.effects.torque_constant(time),
             conductance,
         }
     }
@@ -244,6 +244,12 @@ impl<'a> Step<'a> {
         self.model.motor.torque_constant(temperature[HOUSING]) * self.strength
     }
 
+    /// Resistance of the winding, Ohm.
+    #[inline]
+    fn resistance(&self, t_w: f64) -> f64 {
+        self.model.motor.resistance(t_w) * self.ports().winding_resistance()
+    }
+
     /// Heat flows from the nodes to the surroundings, W.
     #[inline]
     fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
@@ -280,7 +286,7 @@ impl<'a> Step<'a> {
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
-        let (r, k) = (motor.resistance(t_w), self.torque_constant(temperature));
+        let (r, k) = (self.resistance(t_w), self.torque_constant(temperature));
         let lost = self.ports().terminal_voltage(i);
         let drag = self.drag(t, x, k);
         let fast = self.fast_rates(t, x, temperature);
@@ -335,12 +341,11 @@ impl<'a> Step<'a> {
 impl System<NODES> for Step<'_> {
     #[inline(always)]
     fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
-        let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let k = self.torque_constant(temperature);
         let di = if self.is_voltage_driven() {
             let lost = self.ports().terminal_voltage(i);
-            (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - lost - k * w)
+            (self.voltage.at(t) - self.resistance(temperature[WINDING]) * i - lost - k * w)
                 * self.constants.inverse_l
         } else {
             self.current.slope
@@ -355,8 +360,8 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
-        let (motor, effects) = (&self.model.motor, self.ports());
-        let r = motor.resistance(temperature[WINDING]) + effects.terminal_voltage_slope(x[0]);
+        let effects = self.ports();
+        let r = self.resistance(temperature[WINDING]) + effects.terminal_voltage_slope(x[0]);
         let k = self.torque_constant(temperature);
         let slope = if self.is_free() {
             let load = self.load.at(t);
@@ -415,8 +420,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
         let (i, w) = (x[0], x[1]);
-        let motor = &self.model.motor;
-        let volts = motor.resistance(temperature[WINDING]) * i + self.ports().terminal_voltage(i);
+        let volts = self.resistance(temperature[WINDING]) * i + self.ports().terminal_voltage(i);
         let drag = self.drag(t, x, self.torque_constant(temperature));
         Temperatures::new(volts * i + self.heat.at(t), drag * w)
     }
@@ -425,7 +429,7 @@ impl System<NODES> for Step<'_> {
     /// solution; the copper heat of a voltage drive is what the books leave, so they close by construction.
     #[inline]
     fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
-        let (motor, effects) = (&self.model.motor, self.ports());
+        let effects = self.ports();
         let (t, h) = (segment.t, segment.h);
         let [x0, xm, x1] = segment.x;
         let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
@@ -461,7 +465,7 @@ impl System<NODES> for Step<'_> {
             let electrical = line(&self.voltage, 0);
             (electrical - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, electrical)
         } else {
-            let r = |n: usize| motor.resistance(segment.temperature[n][WINDING]);
+            let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
             let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
             let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
             doubt += doubt_of_drop;

@@ -6,18 +6,19 @@
 mod equations;
 mod variables;
 
-use equations::HOUSING;
 pub use equations::{Constants, NODES, Point, STATES, Step, Temperatures};
+use equations::{HOUSING, WINDING};
 pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
 
 use crate::components::conductance::Conductance;
 use crate::components::motor::Motor;
 use crate::components::sensor::lagged;
 use crate::components::thermal::Thermal;
-use crate::effects::{Effect, Effects, IMMINENT, PerNode};
+use crate::effects::{Effect, Effects, IMMINENT, PerNode, Port};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
 use crate::solver::split::{Fast, Split, State};
+use crate::terms::{Drivers, GenericTerm};
 
 /// What the motor is made of, and how it is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,6 +71,8 @@ pub struct AnnulusCooledMotor {
     state: State<NODES>,
     /// The temperature that the housing's sensor has reached, K.
     t_sensor: f64,
+    /// Multiplies the heat capacities.
+    capacity_factor: f64,
     /// Energy stored at the start, J.
     stored_at_start: f64,
     split: Split<NODES>,
@@ -106,6 +109,7 @@ impl Default for AnnulusCooledMotor {
                 energy: [0.0; 3],
             },
             t_sensor: 0.0,
+            capacity_factor: 1.0,
             stored_at_start: 0.0,
             split: Split::default(),
             outputs_are_stale: true,
@@ -135,6 +139,7 @@ impl AnnulusCooledMotor {
 
     /// The equations over the next step, with the inputs on their slopes.
     pub fn step_equations(&mut self) -> Step<'_> {
+        self.tell_effects(self.time);
         let conductance = self.conductance();
         Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance, self.time)
     }
@@ -149,12 +154,14 @@ impl AnnulusCooledMotor {
 
     /// Draws the consequences of parameters that were written.
     fn follow_parameters(&mut self) {
-        self.constants = Constants::of(&self.parameters);
+        self.constants = Constants::of(&self.parameters).with_capacity(self.capacity_factor);
         self.fan = (f64::NAN, PerNode::default());
     }
 
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
+            // First, because a capacity that moves moves the books' start.
+            self.tell_effects(self.time);
             let (state, t_sensor, stored) = (self.state, self.t_sensor, self.stored_at_start);
             self.outputs = self.step_equations().outputs(&state, t_sensor, stored);
             self.outputs_are_stale = false;
@@ -176,9 +183,47 @@ impl AnnulusCooledMotor {
         self.outputs_are_stale = true;
     }
 
+    /// Tells the effects that are data where the motor stands at `time`.
+    #[inline]
+    fn tell_effects(&mut self, time: f64) {
+        if self.parameters.effects.acts_at(Port::Any) {
+            self.tell_drivers(time);
+        }
+        let factor = self.parameters.effects.heat_capacity();
+        if factor != self.capacity_factor {
+            let before = self.constants.heat(&self.state.temperature);
+            self.capacity_factor = factor;
+            self.follow_parameters();
+            self.stored_at_start += self.constants.heat(&self.state.temperature) - before;
+        }
+    }
+
+    fn tell_drivers(&mut self, time: f64) {
+        let effects = &mut self.parameters.effects;
+        let (x, temperature) = (&self.state.x, &self.state.temperature);
+        effects.tell(&Drivers {
+            speed: x[1],
+            current: x[0],
+            load_torque: match self.parameters.choices.mechanical_mode {
+                MechanicalMode::FreeShaft => self.inputs.load_torque,
+                // Without its own drags, which may be what is asked for.
+                MechanicalMode::ImposedSpeed => {
+                    self.parameters.motor.torque_constant(temperature[HOUSING]) * x[0]
+                }
+            },
+            winding_temperature: temperature[WINDING],
+            housing_temperature: temperature[HOUSING],
+            ambient_temperature: self.inputs.ambient_temperature + effects.ambient_sensor() * time,
+            fan_command: self.inputs.fan_command,
+            time,
+        });
+        self.fan = (f64::NAN, PerNode::default());
+    }
+
     /// A step without an event in it.
     #[inline]
     fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        self.tell_effects(time);
         let conductance = self.conductance();
         let t_before = self.state.temperature[HOUSING];
         let step =
@@ -227,9 +272,10 @@ impl Model for AnnulusCooledMotor {
         // A parameter that changes on the way changes what the stores hold; the books start anew from there.
         let state = self.state;
         let before = self.step_equations().stored(&state);
+        let stored_at_start = self.stored_at_start;
         let taken = self.set_value(group, slot.row as usize, value);
         self.follow_parameters();
-        self.stored_at_start += self.step_equations().stored(&state) - before;
+        self.stored_at_start = stored_at_start + (self.step_equations().stored(&state) - before);
         self.follow_inputs();
         taken
     }
@@ -240,19 +286,28 @@ impl Model for AnnulusCooledMotor {
         self.outputs_are_stale = true;
     }
 
+    fn set_terms(&mut self, terms: &[GenericTerm]) -> bool {
+        let taken = self.parameters.effects.take_terms(terms);
+        self.follow_parameters();
+        self.outputs_are_stale = true;
+        taken
+    }
+
     fn start(&mut self, time: f64) -> Result<(), Fault> {
         self.time = time;
-        let ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
+        let mut ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
         self.state = State {
             x: Fast::zeros(),
             angle: 0.0,
             temperature: Temperatures::repeat(ambient),
             energy: [0.0; 3],
         };
-        self.t_sensor = ambient;
         self.split = Split::default();
         self.follow_parameters();
         self.follow_inputs();
+        self.tell_effects(time);
+        ambient += self.parameters.effects.ambient_offset();
+        (self.state.temperature, self.t_sensor) = (Temperatures::repeat(ambient), ambient);
         let state = self.state;
         self.stored_at_start = self.step_equations().stored(&state);
         Ok(())
@@ -291,12 +346,8 @@ impl Model for AnnulusCooledMotor {
         out.extend(
             (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
         );
-        out.extend([
-            self.time,
-            self.t_sensor,
-            self.stored_at_start,
-            f64::from(u8::from(self.outputs_are_stale)),
-        ]);
+        out.extend([self.time, self.t_sensor, self.capacity_factor, self.stored_at_start]);
+        out.push(f64::from(u8::from(self.outputs_are_stale)));
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
     }
@@ -318,6 +369,7 @@ impl Model for AnnulusCooledMotor {
             }
             copy.time = next()?;
             copy.t_sensor = next()?;
+            copy.capacity_factor = next()?;
             copy.stored_at_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;
             copy.state = State::from_numbers(&mut next)?;

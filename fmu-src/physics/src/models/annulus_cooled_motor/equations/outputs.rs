@@ -26,7 +26,7 @@ impl Step<'_> {
             (Ambient, p.to_ambient),
         ]);
         let [energy_in, energy_out, energy_heat] = state.energy;
-        let r = model.motor.resistance(t_w);
+        let r = self.resistance(t_w);
         let copper = r * i * i + model.effects.terminal_voltage(i) * i;
         let (electrical, copper) = match model.choices.drive_mode {
             DriveMode::Power => {

@@ -1,6 +1,21 @@
 //! The effects as a step sees them: it passes by the ports where nothing acts.
 
+use super::{Constants, Temperatures};
 use crate::effects::{Effect, Effects, Port};
+
+impl Constants {
+    /// With every heat capacity times `factor`.
+    pub fn with_capacity(mut self, factor: f64) -> Constants {
+        self.capacity *= factor;
+        self.inverse_capacity /= factor;
+        self
+    }
+
+    /// The heat in the nodes above 0 K, J.
+    pub fn heat(&self, temperature: &Temperatures) -> f64 {
+        self.capacity.dot(temperature)
+    }
+}
 
 /// The ports inside a step at which any effect acts.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +24,7 @@ pub struct Acts {
     load_drag: bool,
     /// Volts between terminals and winding.
     pub terminal_voltage: bool,
+    winding_resistance: bool,
     winding_housing_resistance: bool,
     housing_to_ambient: bool,
 }
@@ -20,6 +36,7 @@ impl Acts {
             drag_torque: effects.acts_at(Port::DragTorque),
             load_drag: effects.acts_at(Port::LoadDrag),
             terminal_voltage: effects.acts_at(Port::TerminalVoltage),
+            winding_resistance: effects.acts_at(Port::WindingResistance),
             winding_housing_resistance: effects.acts_at(Port::WindingHousingResistance),
             housing_to_ambient: effects.acts_at(Port::HousingToAmbient),
         }
@@ -60,6 +77,8 @@ impl Ports<'_> {
         terminal_voltage if terminal_voltage (i) else 0.0;
         /// Ohm.
         terminal_voltage_slope if terminal_voltage (i) else 0.0;
+        /// A factor.
+        winding_resistance if winding_resistance () else 1.0;
         /// A factor.
         winding_housing_resistance if winding_housing_resistance (t_w) else 1.0;
         /// 1/K.
