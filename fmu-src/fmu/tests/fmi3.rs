@@ -11,11 +11,16 @@ struct Motor3(*mut c_void);
 
 impl Motor3 {
     fn instantiated(event_mode: u8) -> Motor3 {
+        Motor3::located(event_mode, c"")
+    }
+
+    /// An instance whose archive has its resources in this folder.
+    fn located(event_mode: u8, resources: &CStr) -> Motor3 {
         Motor3(unsafe {
             fmi3InstantiateCoSimulation(
                 c"motor".as_ptr(),
                 token().as_ptr(),
-                null(),
+                resources.as_ptr(),
                 0,
                 0,
                 event_mode,

@@ -1,7 +1,7 @@
 //! `motor-fmu build`: archives of the models.
 
 use crate::Failure;
-use archive::build::{Standard, build, library_path};
+use archive::build::{Contents, Standard, TermsFile, build, library_path};
 use clap::ValueEnum;
 use describe::{ModelType, Preset, models};
 use std::path::PathBuf;
@@ -32,6 +32,9 @@ pub struct Args {
     /// Start values: a built-in preset's name or a TOML file.
     #[arg(long, value_name = "NAME|FILE")]
     preset: Option<String>,
+    /// Terms found in data, to be carried as resources/effects.json.
+    #[arg(long, value_name = "FILE")]
+    effects: Option<PathBuf>,
     /// Folder to write to.
     #[arg(long, value_name = "DIR", default_value = "dist")]
     out: PathBuf,
@@ -40,6 +43,8 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let preset = args.preset.as_deref().map(Preset::load).transpose()?;
+    let effects = args.effects.as_deref().map(TermsFile::load).transpose()?;
+    let contents = Contents { preset: preset.as_ref(), effects: effects.as_ref() };
     let standards = match args.fmi {
         Which::Two => &Standard::ALL[..1],
         Which::Three => &Standard::ALL[1..],
@@ -49,8 +54,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let mut paths = Vec::new();
     for kind in chosen(&args.models, preset.as_ref())? {
         for standard in standards {
-            let path = build(kind, *standard, preset.as_ref(), &library, &args.out)?;
-
+            let path = build(kind, *standard, contents, &library, &args.out)?;
             paths.push(path);
         }
     }

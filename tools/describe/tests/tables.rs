@@ -2,6 +2,7 @@
 
 use describe::{Dependencies, Entry, StartValues, fmi2, fmi3, generated, lock, markdown, models};
 use physics::declare::{Causality, Kind, Scale};
+use physics::terms::{Driver, GenericTerm, Law, Port, Table};
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -72,7 +73,7 @@ fn a_value_set_is_the_value_read() {
 fn dependencies_are_the_physics() {
     let kind = &models::ALL[0];
     let declaration = (kind.declaration)();
-    let found = Dependencies::of(kind);
+    let found = Dependencies::of(kind, &[]);
     let on = |list: &[(usize, Vec<usize>)], output: &str| -> Vec<&str> {
         let k = declaration.entries.iter().position(|e| e.name == output).unwrap();
         let (_, on) = list.iter().find(|(o, _)| *o == k).unwrap();
@@ -95,13 +96,30 @@ fn dependencies_are_the_physics() {
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
 }
 
+/// A term that is data brings its own: a drag that follows the fan makes the torque follow it.
+#[test]
+fn terms_bring_dependencies() {
+    let kind = &models::ALL[0];
+    let entries = &(kind.declaration)().entries;
+    let index = |name: &str| entries.iter().position(|e| e.name == name).unwrap();
+    let driven = |terms: &[GenericTerm]| {
+        let found = Dependencies::of(kind, terms);
+        let (_, on) = found.running.into_iter().find(|(o, _)| *o == index("loss_friction")).unwrap();
+        on.contains(&index("fan_command"))
+    };
+    let (x, y) = ([0.0, 1.0], [0.0, 0.01]);
+    let table = Table::new(Driver::FanCommand, &x, &y).unwrap();
+    assert!(!driven(&[]));
+    assert!(driven(&[GenericTerm { port: Port::DragTorque, law: Law::Table(table) }]));
+}
+
 /// A whole number has limits and a start in both standards, and neither unit nor nominal value.
 #[test]
 fn a_whole_number_is_an_integer_in_both_standards() {
     let (kind, starts) = (&models::ALL[0], StartValues::default());
-    let two = fmi2::model_description(kind, &starts);
+    let two = fmi2::model_description(kind, &starts, &[]);
     assert!(two.contains("<Integer min=\"1\" max=\"100\" start=\"2\"/>"), "{two}");
-    let three = fmi3::model_description(kind, &starts);
+    let three = fmi3::model_description(kind, &starts, &[]);
     let line = three.lines().find(|l| l.contains("motor.pole_pairs")).unwrap().trim();
     assert!(line.starts_with("<Int64 ") && line.ends_with("min=\"1\" max=\"100\" start=\"2\"/>"), "{line}");
     let text = markdown::parameters(kind);
