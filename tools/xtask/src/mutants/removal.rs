@@ -46,7 +46,9 @@ fn try_all(workspace: &Workspace) -> Outcome<usize> {
         if compiles(workspace, copy.root()).is_err() {
             needed.push(*id);
         }
+        // Written after the build, so that cargo takes what it has built for the copy as out of date.
         write(&file, &source)?;
+        write(&path, &list)?;
     }
     if needed.is_empty() {
         Ok(ids.len())
