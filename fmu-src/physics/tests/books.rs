@@ -213,6 +213,7 @@ fn an_effect_that_is_off_is_not_there() {
             "housing_sensor_stem_loss.k",
             "winding_sensor_offset.offset",
             "housing_sensor_offset.offset",
+            "stator_node.C_s",
         ];
         let declaration = m.declaration();
         for entry in declaration.entries.iter().filter(|e| e.name.starts_with("effect.")) {

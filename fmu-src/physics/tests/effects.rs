@@ -4,7 +4,9 @@ mod common;
 use common::{all_effects, motor};
 use physics::effects::{CooledNode, Draught, Effect, Effects, PerNode};
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode, Temperatures};
+use physics::models::annulus_cooled_motor::{
+    AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode, Temperatures,
+};
 use physics::solver::split::{Fast, System};
 use physics::terms::{Driver, Factor, GenericTerm, Law, Port, Product};
 
@@ -313,6 +315,7 @@ fn every_effect_of_the_contract_is_declared_and_neutral() {
         ("forced_convection", &["G", "node"]),
         ("fan_back_pressure", &["k"]),
         ("interface_temperature", &["beta"]),
+        ("stator_node", &["C_s", "R_sh"]),
         ("demagnetisation", &["fraction", "time"]),
         ("ambient_drift", &["rate"]),
         ("housing_sensor_lag", &["tau"]),
@@ -449,4 +452,39 @@ fn a_capacity_may_change_on_the_way() {
         m.step(m.time(), 1.0).unwrap();
         assert_eq!(m.state().temperature, there);
     }
+}
+
+/// With a network beyond the two nodes, too: terms act, the books close, and the sensor follows the housing.
+#[test]
+fn terms_and_sensors_in_a_network() {
+    let make = |port: Port| {
+        let mut m = heating();
+        m.parameters.choices.cooling_mode = CoolingMode::Bare;
+        m.parameters.effects.housing_sensor_lag.tau = 30.0;
+        assert!(m.set_terms(&[term(port, 0.2, Driver::WindingTemperature, 290.0, 10.0, 1.0)]));
+        m
+    };
+    for port in Port::ALL.iter().copied().filter(|port| *port != Port::HousingHeat) {
+        let mut m = make(port);
+        m.start(0.0).unwrap();
+        (0..100).for_each(|_| m.step(m.time(), 1.0).unwrap());
+        let error = output(&mut m, "energy_balance_error");
+        assert!(error.abs() < 1e-6 * output(&mut m, "energy_electrical"), "{port:?}: {error} J");
+        close(output(&mut m, "power_balance_error"), 0.0, 1e-6);
+    }
+    // The lag is tau times the slope, 30 s or more behind nearly a line.
+    let mut m = make(Port::TorqueConstant);
+    m.start(0.0).unwrap();
+    (0..300).for_each(|_| m.step(m.time(), 1.0).unwrap());
+    let shown = output(&mut m, "housing_temperature");
+    m.parameters.effects.housing_sensor_lag.tau = 0.0;
+    m.step(m.time(), 1.0).unwrap();
+    let now = output(&mut m, "housing_temperature");
+    m.step(m.time(), 1.0).unwrap();
+    let slope = output(&mut m, "housing_temperature") - now;
+    assert!(slope > 1e-3);
+    close((now - shown) / slope, 31.0, 2.0);
+    // What the surroundings give to the housing has no place in a network yet: it is refused, not dropped.
+    let fault = make(Port::HousingHeat).start(0.0).unwrap_err().to_string();
+    assert!(fault.contains("housing_heat") && fault.contains("cooling_mode"), "{fault}");
 }

@@ -9,9 +9,9 @@
 //! | winding_resistance, torque_constant | times 1 + y | |
 //! | winding_housing_resistance | times 1 + y | winding_temperature |
 //! | winding_heat | y, W, heats the winding; it counts as taken in, as heat_power does | |
-//! | housing_heat | y, W, heats the housing; the surroundings give it (heat_to_ambient is less by y) | housing_temperature |
+//! | housing_heat | y, W, heats the housing; the surroundings give it (heat_to_ambient is less by y); cooling_mode conductance without stator_node only | housing_temperature |
 //! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing | housing_temperature |
-//! | heat_capacity | every capacity times 1 + y; the books start anew from there | |
+//! | heat_capacity | the capacities of winding and housing (with a network: of winding and stator) times 1 + y; the books start anew from there | |
 //! | fan_flow | the command times 1 + y, not below 0 | fan_command |
 //! | ambient_sensor | the true ambient temperature is y, K, above the shown one | |
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
@@ -135,8 +135,12 @@ impl Effect for GenericTerms {
 
     #[inline]
     fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
-        let at = |port: Port| self.along(port, Driver::HousingTemperature, t_h);
-        at(Port::HousingAmbientConductance) * (t_h - t_a) - at(Port::HousingHeat)
+        self.along(Port::HousingAmbientConductance, Driver::HousingTemperature, t_h) * (t_h - t_a)
+    }
+
+    #[inline]
+    fn housing_heat<D: Number>(&self, t_h: D) -> D {
+        self.along(Port::HousingHeat, Driver::HousingTemperature, t_h)
     }
 
     #[inline]
@@ -199,7 +203,7 @@ mod tests {
         assert!((leak.housing_to_ambient(300.0f64, 280.0) - 2.0).abs() < 1e-13);
         slope_is_derivative(|t| leak.housing_to_ambient(t, 280.0), &[250.0, 340.0], 1e-2, 1e-8);
         let heat = carrying(Port::HousingHeat, 3.0, Driver::FanCommand, 1.0, 0.0);
-        assert_eq!(heat.housing_to_ambient(300.0f64, 280.0), -3.0);
+        assert_eq!(heat.housing_heat(300.0f64), 3.0);
     }
 
     #[test]

@@ -92,6 +92,7 @@ impl Profile {
             imposed_speed: 600.0 * (0.3 * x).sin(),
             fan_command: 0.5 - 0.4 * (0.25 * x).cos(),
             ambient_temperature: 298.15 + 3.0 * (0.1 * x).sin(),
+            ambient_pressure: base.ambient_pressure,
             electrical_power: base.electrical_power * (1.0 + 0.5 * (0.8 * x).sin()),
             heat_power: 2.0 * (0.2 * x).sin(),
         }

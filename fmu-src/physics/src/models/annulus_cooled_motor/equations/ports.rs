@@ -26,7 +26,9 @@ pub struct Acts {
     pub terminal_voltage: bool,
     winding_resistance: bool,
     winding_housing_resistance: bool,
-    housing_to_ambient: bool,
+    /// Heat from the housing that follows no conductance.
+    pub housing_to_ambient: bool,
+    housing_heat: bool,
 }
 
 impl Acts {
@@ -39,6 +41,7 @@ impl Acts {
             winding_resistance: effects.acts_at(Port::WindingResistance),
             winding_housing_resistance: effects.acts_at(Port::WindingHousingResistance),
             housing_to_ambient: effects.acts_at(Port::HousingToAmbient),
+            housing_heat: effects.acts_at(Port::Any),
         }
     }
 }
@@ -85,6 +88,10 @@ impl Ports<'_> {
         winding_housing_resistance_slope if winding_housing_resistance (t_w) else 0.0;
         /// W.
         housing_to_ambient if housing_to_ambient (t_h, t_a) else 0.0;
+        /// W.
+        housing_heat if housing_heat (t_h) else 0.0;
+        /// W/K.
+        housing_heat_slope if housing_heat (t_h) else 0.0;
         /// W/K.
         housing_to_ambient_slope if housing_to_ambient (t_h, t_a) else 0.0;
     }
