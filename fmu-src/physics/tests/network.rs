@@ -154,7 +154,7 @@ impl Reference {
     }
 
     /// Classical Runge-Kutta of fourth order.
-    fn run(&self, m: &AnnulusCooledMotor, y: &mut Vec<f64>, stop: f64, steps: usize) {
+    fn run(&self, m: &AnnulusCooledMotor, y: &mut [f64], stop: f64, steps: usize) {
         let h = stop / steps as f64;
         let along =
             |y: &[f64], f: &[f64], s: f64| -> Vec<f64> { y.iter().zip(f).map(|(y, f)| y + s * f).collect() };

@@ -43,6 +43,8 @@ variables! {
         stall_width: f64 = Variable::tunable(11, 0.1, Unit::One, 1e-3, 1.0),
         /// Density of the air for which the data hold
         density_ref: f64 = Variable::tunable(12, 1.2, Unit::KilogramPerCubicMetre, 0.1, 10.0),
+        /// Exponent of the jet's decay with its section: 0.5 keeps momentum, 1 the flow (swirl)
+        decay: f64 = Variable::tunable(13, 0.5, Unit::One, 0.5, 1.0),
         /// Pressure over pressure_max at 20 % of flow_max
         p_20: f64 = Variable::tunable(20, 0.8, Unit::One, 0.0, 1.0),
         /// Pressure over pressure_max at 40 % of flow_max
@@ -86,7 +88,7 @@ impl Fan {
 
     /// The fan as the source of a jet.
     pub fn jet(&self) -> FanJet {
-        FanJet { bore: self.bore, hub: self.hub, tan_spread: self.tan_spread }
+        FanJet { bore: self.bore, hub: self.hub, tan_spread: self.tan_spread, decay: self.decay }
     }
 
     /// Area of the opening, m2.

@@ -41,6 +41,8 @@ const SENSITIVITY: f64 = 0.004;
 const STALE: f64 = 1e-3;
 /// Rounds in which the two blocks may agree.
 const ROUNDS: usize = 4;
+/// No motor is this hot, K: a solution that comes here has run away, and there is no use in following it.
+const ABSURD: f64 = 1e5;
 /// A step cut below this share of the caller's step is a failure, not an accuracy.
 const LEAST_SHARE: f64 = 1e-9;
 
@@ -351,7 +353,8 @@ impl<const N: usize> Split<N> {
                 },
             };
             let finite = next.x.sum() + next.temperature.sum() + next.angle;
-            return (next, if finite.is_finite() && !error.is_nan() { error } else { f64::INFINITY });
+            let sane = finite.is_finite() && next.temperature.amax() < ABSURD && !error.is_nan();
+            return (next, if sane { error } else { f64::INFINITY });
         }
     }
 }
