@@ -79,13 +79,28 @@ fn indices(declaration: &Declaration, which: impl Fn(&Entry) -> bool) -> Vec<usi
     declaration.entries.iter().enumerate().filter(|(_, e)| which(e)).map(|(k, _)| k).collect()
 }
 
-/// Every combination of the choices' items.
+/// Every combination of the items of those choices that concern the whole model. Choices of one component or
+/// effect, which do not act on one another, take turns: each of their items meets many of the combinations.
 fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize, f64)>> {
-    choices.iter().fold(vec![Vec::new()], |all, &k| {
-        let Kind::Enumeration(t) = declaration.entries[k].row.kind else { return all };
-        let with = |one: &Vec<(usize, f64)>, value: i32| [one.as_slice(), &[(k, f64::from(value))]].concat();
-        all.iter().flat_map(|one| t.items.iter().map(move |i| with(one, i.value))).collect()
-    })
+    let entries = &declaration.entries;
+    let (whole, own): (Vec<usize>, Vec<usize>) =
+        choices.iter().partition(|&&k| !entries[k].name.contains('.'));
+    let items = |k: usize| match entries[k].row.kind {
+        Kind::Enumeration(t) => t.items.iter().map(|i| (k, f64::from(i.value))).collect(),
+        _ => Vec::new(),
+    };
+    let mut all = whole.iter().fold(vec![Vec::new()], |all: Vec<Vec<(usize, f64)>>, &k| {
+        let with = |one: &Vec<(usize, f64)>, item| [one.as_slice(), &[item]].concat();
+        all.iter().flat_map(|one| items(k).into_iter().map(move |item| with(one, item))).collect()
+    });
+    for (turn, &k) in own.iter().enumerate() {
+        let items = items(k);
+        for (n, one) in all.iter_mut().enumerate() {
+            // Different strides, so that two such choices do not keep step with each other.
+            one.push(items[(n / (turn + 1) + turn) % items.len()]);
+        }
+    }
+    all
 }
 
 /// Adds to `found` every output that a move of one of `knowns` moves.

@@ -9,7 +9,7 @@
 //! | winding_resistance, torque_constant | times 1 + y | |
 //! | winding_housing_resistance | times 1 + y | winding_temperature |
 //! | winding_heat | y, W, heats the winding; it counts as taken in, as heat_power does | |
-//! | housing_heat | y, W, heats the housing; the surroundings give it (heat_to_ambient is less by y); cooling_mode conductance without stator_node only | housing_temperature |
+//! | housing_heat | y, W, heats the housing; the surroundings give it (heat_to_ambient is less by y) | housing_temperature |
 //! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing | housing_temperature |
 //! | heat_capacity | the capacities of winding and housing (with a network: of winding and stator) times 1 + y; the books start anew from there | |
 //! | fan_flow | the command times 1 + y, not below 0 | fan_command |

@@ -56,7 +56,7 @@ impl AnnulusCooledMotor {
             self.follow_inputs();
         }
         self.time = time;
-        self.outputs_are_stale = true;
+        self.outdate();
     }
 
     fn stuck(&self, time: f64, after: f64, h: f64) -> Fault {

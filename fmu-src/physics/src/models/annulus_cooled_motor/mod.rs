@@ -10,7 +10,7 @@ mod surroundings;
 mod variables;
 
 pub use equations::{Beyond, Constants, Line, NODES, Point, STATES, Step, Temperatures};
-pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
+pub use variables::{Books, Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
 
 use crate::components::annulus::Annulus;
 use crate::components::commutation::Phases;
@@ -87,6 +87,7 @@ pub struct AnnulusCooledMotor {
     /// What the importer sets.
     pub inputs: Inputs,
     outputs: Outputs,
+    books: Books,
     /// What the motor is made of.
     pub parameters: Parameters,
     constants: Constants,
@@ -109,12 +110,14 @@ pub struct AnnulusCooledMotor {
     /// What is wrong with the parameters taken together.
     fault: Option<String>,
     outputs_are_stale: bool,
+    books_are_stale: bool,
 }
 
 groups! {
     AnnulusCooledMotor {
         "" @ 0 => inputs: Inputs,
         "" @ 0 => outputs: Outputs,
+        "" @ 0 => books: Books,
     } then parameters: Parameters
 }
 
@@ -122,6 +125,8 @@ groups! {
 const INPUTS: usize = 0;
 /// Index of the outputs in the list of groups.
 const OUTPUTS: usize = 1;
+/// Index of the flows of power in the list of groups.
+const BOOKS: usize = 2;
 
 impl Default for AnnulusCooledMotor {
     fn default() -> Self {
@@ -129,6 +134,7 @@ impl Default for AnnulusCooledMotor {
         AnnulusCooledMotor {
             inputs: Inputs::default(),
             outputs: Outputs::default(),
+            books: Books::default(),
             parameters,
             constants: Constants::of(&parameters),
             fan: (f64::NAN, PerNode::default()),
@@ -149,6 +155,7 @@ impl Default for AnnulusCooledMotor {
             network: None,
             fault: None,
             outputs_are_stale: true,
+            books_are_stale: true,
         }
     }
 }
@@ -223,19 +230,24 @@ impl AnnulusCooledMotor {
         };
     }
 
-    fn refresh_outputs(&mut self) {
-        if self.outputs_are_stale {
-            self.tell_effects(self.time);
-            self.follow_cooling();
-            self.outputs = self.equations().outputs(
-                &self.state,
-                self.stored_at_start,
-                self.t_sensor,
-                self.network.as_ref(),
-                &self.phases,
-            );
+    /// Brings the outputs to the state; with `books`, the flows of power as well.
+    fn refresh_outputs(&mut self, books: bool) {
+        self.tell_effects(self.time);
+        self.follow_cooling();
+        let (step, network) = (self.equations(), self.network.as_ref());
+        if books {
+            self.books = step.books(&self.state, self.stored_at_start, network);
+            self.books_are_stale = false;
+        } else {
+            self.outputs = step.outputs(&self.state, self.t_sensor, network, &self.phases);
             self.outputs_are_stale = false;
         }
+    }
+
+    /// The state, an input or a parameter has changed.
+    #[inline]
+    fn outdate(&mut self) {
+        (self.outputs_are_stale, self.books_are_stale) = (true, true);
     }
 
     /// The current and the speed that the inputs dictate replace those of the state.
@@ -250,7 +262,7 @@ impl AnnulusCooledMotor {
             MechanicalMode::FreeShaft => {}
             MechanicalMode::ImposedSpeed => self.state.x[1] = self.inputs.imposed_speed,
         }
-        self.outputs_are_stale = true;
+        self.outdate();
     }
 }
 
@@ -261,8 +273,10 @@ impl Model for AnnulusCooledMotor {
 
     #[inline]
     fn get(&mut self, slot: Slot) -> f64 {
-        if slot.group as usize == OUTPUTS {
-            self.refresh_outputs();
+        match slot.group as usize {
+            OUTPUTS if self.outputs_are_stale => self.refresh_outputs(false),
+            BOOKS if self.books_are_stale => self.refresh_outputs(true),
+            _ => {}
         }
         self.value(slot.group as usize, slot.row as usize)
     }
@@ -270,7 +284,7 @@ impl Model for AnnulusCooledMotor {
     #[inline]
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
-        if group <= OUTPUTS {
+        if group <= BOOKS {
             let taken = self.set_value(group, slot.row as usize, value);
             self.follow_inputs();
             return taken;
@@ -287,13 +301,13 @@ impl Model for AnnulusCooledMotor {
     fn set_slope(&mut self, slot: Slot, slope: f64) {
         debug_assert_eq!(slot.group as usize, INPUTS);
         declare::Group::set(&mut self.slopes, slot.row as usize, slope);
-        self.outputs_are_stale = true;
+        self.outdate();
     }
 
     fn set_terms(&mut self, terms: &[GenericTerm]) -> bool {
         let taken = self.parameters.effects.take_terms(terms);
         self.follow_parameters();
-        self.outputs_are_stale = true;
+        self.outdate();
         taken
     }
 
@@ -322,12 +336,6 @@ impl Model for AnnulusCooledMotor {
         // Anew, because a network starts at the temperature that the state has.
         self.network = None;
         self.follow_parameters();
-        if self.network.is_some() && self.parameters.effects.housing_heat(ambient) != 0.0 {
-            return Err(Fault(
-                "A term at housing_heat needs cooling_mode conductance without a stator of its own."
-                    .to_string(),
-            ));
-        }
         self.stored_at_start = self.stored();
         Ok(())
     }
@@ -366,7 +374,7 @@ impl Model for AnnulusCooledMotor {
             (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
         );
         out.extend([self.time, self.t_sensor, self.capacity_factor]);
-        out.extend([self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend([self.stored_at_start, flag(self.outputs_are_stale), flag(self.books_are_stale)]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
         out.extend(self.phases.above);
@@ -395,6 +403,7 @@ impl Model for AnnulusCooledMotor {
             copy.capacity_factor = next()?;
             copy.stored_at_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;
+            copy.books_are_stale = next()? != 0.0;
             copy.state = State::from_numbers(&mut next)?;
             copy.split = Split::from_numbers(&mut next)?;
             copy.phases = Phases { above: [next()?, next()?, next()?] };
@@ -429,4 +438,8 @@ impl Model for AnnulusCooledMotor {
     fn as_any(&self) -> &dyn std::any::Any {
         self
     }
+}
+
+fn flag(value: bool) -> f64 {
+    f64::from(u8::from(value))
 }

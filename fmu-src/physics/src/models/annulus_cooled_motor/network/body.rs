@@ -51,7 +51,7 @@ impl Body {
                 iron_in_stator: false,
             });
         }
-        let n = parameters.choices.air_segments.clamp(1.0, SEGMENTS as f64);
+        let n = f64::from(parameters.choices.air_segments.clamp(1, SEGMENTS as i32));
         let has_tube =
             matches!(parameters.choices.cooling_mode, CoolingMode::AnnulusPush | CoolingMode::AnnulusPull);
         let rest = thermal.C_h - thermal.C_r;
