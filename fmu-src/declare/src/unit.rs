@@ -69,6 +69,8 @@ units! {
     One = "1" {};
     /// Time.
     Second = "s" { s: 1 };
+    /// Frequency.
+    Hertz = "Hz" { s: -1 };
     /// Electric potential.
     Volt = "V" { kg: 1, m: 2, s: -3, A: -1 };
     /// Electric current.
