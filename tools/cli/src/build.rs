@@ -29,7 +29,7 @@ pub struct Args {
     /// Version of the standard.
     #[arg(long, value_enum, default_value = "both")]
     fmi: Which,
-    /// Start values: a built-in preset's name or a TOML file.
+    /// Start values for the preset's model: a built-in preset's name or a TOML file.
     #[arg(long, value_name = "NAME|FILE")]
     preset: Option<String>,
     /// Folder to write to.
@@ -47,21 +47,22 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     };
     let library = library_path()?;
     let mut paths = Vec::new();
-    for kind in chosen(&args.models, preset.as_ref())? {
+    for kind in chosen(&args.models)? {
+        // A preset belongs to its model. Where all are built, the others keep their own start values; where one is
+        // named that it is not for, it is refused.
+        let fits = |p: &&Preset| !args.models.is_empty() || p.model == (kind.declaration)().name;
+        let preset = preset.as_ref().filter(fits);
         for standard in standards {
-            let path = build(kind, *standard, preset.as_ref(), &library, &args.out)?;
-
-            paths.push(path);
+            paths.push(build(kind, *standard, preset, &library, &args.out)?);
         }
     }
     crate::validate::report(&paths, false)
 }
 
-/// The models that are named; without names those the preset is for, or all.
-fn chosen(names: &[String], preset: Option<&Preset>) -> Result<Vec<&'static ModelType>, Failure> {
+/// The models that are named; without names all.
+fn chosen(names: &[String]) -> Result<Vec<&'static ModelType>, Failure> {
     if names.is_empty() {
-        let fits = |m: &&ModelType| preset.is_none_or(|p| p.model == (m.declaration)().name);
-        return Ok(models::ALL.iter().filter(fits).collect());
+        return Ok(models::ALL.iter().collect());
     }
     let find = |name: &String| {
         models::by_name(name).ok_or_else(|| {
