@@ -207,7 +207,7 @@ fn the_books_close() {
                 m.parameters.drive.decay = decay;
                 m.parameters.effects = effects;
                 m.start(0.0).unwrap();
-                let (mut worst, mut throughput) = (0.0f64, 0.0f64);
+                let (mut worst, mut throughput, mut least) = (0.0f64, 0.0f64, 0.0f64);
                 for k in 0..(2.0 / h) as usize {
                     let t = k as f64 * h;
                     let mut drive = |name: &str, f: &dyn Fn(f64) -> f64| {
@@ -218,15 +218,19 @@ fn the_books_close() {
                     drive("duty", &|t| (7.0 * t).sin());
                     drive("supply_voltage", &|t| 12.0 + 4.0 * (5.0 * t).sin());
                     // Strong enough to drive the motor above its supply, where the bridge rectifies.
-                    drive("load_torque", &|t| 4.0 * (3.0 * t).cos());
+                    drive("load_torque", &|t| 12.0 * (3.0 * t).cos());
                     drive("ambient_temperature", &|t| 293.15 + 5.0 * t);
                     m.step(m.time(), h).unwrap();
                     let error = get(&mut m, "power_balance_error");
                     assert!(error.abs() <= 1e-6, "{decay:?} at {} s: {error} W", m.time());
                     worst = worst.max(get(&mut m, "energy_balance_error").abs());
                     throughput = throughput.max(get(&mut m, "energy_supply").abs());
+                    least = least.min(get(&mut m, "supply_power"));
                 }
-                assert!(throughput > 1.0, "nothing went through");
+                assert!(
+                    throughput > 1.0 && least < -1.0,
+                    "the bridge gives back: {least} W of {throughput} J"
+                );
                 assert!(worst <= 1e-6 * throughput, "{decay:?}: {worst} J of {throughput} J");
             }
         }

@@ -66,7 +66,7 @@ mod tests {
     fn the_efficiency_is_that_of_a_driven_load() {
         let gear = Gear::default();
         assert!((1.0 + gear.load_drag(5.0f64, 1.0) - 1.0 / 0.73).abs() < 1e-12);
-        let back = -1.0 + gear.load_drag(5.0f64, -1.0) * -1.0;
+        let back = -1.0 - gear.load_drag(5.0f64, -1.0);
         assert!((back + (2.0 - 1.0 / 0.73)).abs() < 1e-12, "{back}");
     }
 }

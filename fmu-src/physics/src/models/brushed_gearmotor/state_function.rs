@@ -174,6 +174,22 @@ impl StateFunction {
         (v - parts.electrical - parts.magnetic) * s.current / s.speed
     }
 
+    /// The paper's eq. (22), put right: the change of the current from `a` to the state that has the voltage `v` and
+    /// the other variables of `b`, A. It stays on the branch of `a`.
+    pub fn current_change(&self, a: &Operating, v: f64, b: &Operating) -> Option<f64> {
+        Some(self.current(v, b, self.branch(a))? - a.current)
+    }
+
+    /// The paper's eq. (23), put right: as [`current_change`](Self::current_change), of the temperature, K.
+    pub fn temperature_change(&self, a: &Operating, v: f64, b: &Operating) -> f64 {
+        self.temperature(v, b) - a.temperature
+    }
+
+    /// The paper's eq. (24), put right: as [`current_change`](Self::current_change), of the torque, N.m.
+    pub fn torque_change(&self, a: &Operating, v: f64, b: &Operating) -> f64 {
+        self.torque(v, b) - a.torque
+    }
+
     /// The first derivatives, eq. (4).
     pub fn partials(&self, s: &Operating) -> Partials {
         let per_ampere = s.speed / s.current;

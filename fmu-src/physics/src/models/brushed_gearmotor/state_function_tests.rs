@@ -108,6 +108,24 @@ fn the_contributions_to_a_change_add_up() {
     close(change.by_torque, p.by_torque * 5e-4, 1e-2);
 }
 
+/// Between any two states of a branch each estimate finds the difference that is there.
+#[test]
+fn the_estimates_between_two_states_invert_the_change_of_the_voltage() {
+    for a in states() {
+        for b in states() {
+            let v = MOTOR.voltage(&a).total() + MOTOR.change(&a, &b).total();
+            let found = MOTOR.temperature_change(&a, v, &b);
+            assert!((found - (b.temperature - a.temperature)).abs() < 1e-9, "{found} K");
+            let found = MOTOR.torque_change(&a, v, &b);
+            assert!((found - (b.torque - a.torque)).abs() < 1e-12, "{found} N.m");
+            if MOTOR.branch(&a) == MOTOR.branch(&b) {
+                let found = MOTOR.current_change(&a, v, &b).unwrap();
+                assert!((found - (b.current - a.current)).abs() < 1e-12, "{found} A");
+            }
+        }
+    }
+}
+
 /// The paper's state at 100 %. With q = 0.6 C and theta = q w/I its eq. (14) gives what it prints.
 fn printed() -> PublishedState {
     let charge = 0.6;

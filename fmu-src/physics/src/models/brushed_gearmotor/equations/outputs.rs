@@ -5,7 +5,7 @@ use crate::ledger::Account;
 use crate::models::brushed_gearmotor::Outputs;
 use crate::solver::split::System;
 
-/// What the books start from, J: all stores, and that of the magnetic field.
+/// What the books start from, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Opening {
     /// Energy in all stores.
