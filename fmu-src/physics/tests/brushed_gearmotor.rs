@@ -4,8 +4,11 @@ use declare::Group;
 use physics::components::chopper::Decay;
 use physics::effects::{CooledNode, Effects};
 use physics::model::{Model, Slot};
-use physics::models::brushed_gearmotor::{BrushedGearmotor, Constants, Inputs, STATES, Step};
+use physics::models::brushed_gearmotor::{
+    BrushedGearmotor, Constants, Inputs, NODES, STATES, Step, Temperatures,
+};
 use physics::solver::reference::{Tolerance, integrate};
+use physics::solver::split::{Fast, System};
 
 /// The reference's tolerances.
 const TIGHT: Tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };
@@ -428,6 +431,35 @@ fn a_rollback_is_exact() {
         bits
     };
     assert_eq!(bits(), bits());
+}
+
+/// The matrices that the integrator freezes, with every effect on and both kinds of conduction, against differences.
+#[test]
+fn the_matrices_are_the_derivatives() {
+    for duty in [0.4, 1.0] {
+        let mut m = BrushedGearmotor::default();
+        m.parameters.effects = all_effects();
+        (m.inputs.duty, m.inputs.load_torque) = (duty, 0.05);
+        m.start(0.0).unwrap();
+        let step = m.step_equations();
+        let (x, temperature) = (Fast::new(0.03, 0.6), Temperatures::new(390.0, 340.0, 300.0));
+        for k in 0..2 {
+            let mut by = Fast::zeros();
+            by[k] = 1e-5;
+            let rates = |x: Fast| step.fast_rates(0.0, &x, &temperature);
+            let found = step.fast_matrix(0.0, &x, &temperature).column(k) * 2e-5;
+            let wanted = rates(x + by) - rates(x - by);
+            assert!((found - wanted).norm() <= 1e-6 * wanted.norm(), "{found} {wanted}");
+        }
+        for k in 0..NODES {
+            let mut by = Temperatures::zeros();
+            by[k] = 1e-2;
+            let rates = |t: Temperatures| step.network_rates(0.0, &t);
+            let found = step.network_matrix(0.0, &temperature).column(k) * 2e-2;
+            let wanted = rates(temperature + by) - rates(temperature - by);
+            assert!((found - wanted).norm() <= 1e-6 * wanted.norm(), "{found} {wanted}");
+        }
+    }
 }
 
 /// A parameter tuned on the way puts no energy into the books.
