@@ -135,7 +135,7 @@ def test_the_switched_circuit_runs_up_as_the_average_does(make, duty, decay):
     for _ in speeds[1:]:
         fmu.step(period)
         found.append(fmu.get("shaft_speed")[0])
-    assert np.abs(np.array(found) - speeds).max() <= 5e-3 * max(speeds)
+    assert np.abs(np.array(found) - speeds).max() <= 1e-3 * max(speeds)
 
 
 @pytest.mark.parametrize("duty", [0.25, -0.7, 1.0])
