@@ -114,8 +114,10 @@ fn note(
     settle: impl Fn(&mut Box<dyn Model>) -> bool,
 ) {
     let read = |mut model: Box<dyn Model>| -> Option<Vec<u64>> {
-        settle(&mut model)
-            .then(|| outputs.iter().map(|&o| model.get(declaration.entries[o].slot).to_bits()).collect())
+        let settled = settle(&mut model);
+        // A zero that turns its sign has not moved.
+        let mut bits = |o: &usize| (model.get(declaration.entries[*o].slot) + 0.0).to_bits();
+        settled.then(|| outputs.iter().map(&mut bits).collect())
     };
     let Some(before) = read(point()) else { return };
     for &k in knowns {

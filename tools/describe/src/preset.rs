@@ -18,8 +18,10 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The presets that come with the tool: name and text.
-const BUILT_IN: &[(&str, &str)] =
-    &[("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml"))];
+const BUILT_IN: &[(&str, &str)] = &[
+    ("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml")),
+    ("bdcm-37d", include_str!("../../../examples/presets/bdcm-37d.toml")),
+];
 
 /// Start values that differ from the declared ones, by value reference.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -206,6 +208,17 @@ mod tests {
             let preset = Preset::load(name).unwrap();
             assert_eq!(preset.name, *name);
             assert!(!preset.starts.entries().is_empty());
+        }
+    }
+
+    /// The declared values of the gearmotor are its preset's: nothing is left to drift apart.
+    #[test]
+    fn the_gearmotor_is_declared_as_its_preset() {
+        let preset = Preset::load("bdcm-37d").unwrap();
+        let declaration = (physics::models::by_name("BrushedGearmotor").unwrap().declaration)();
+        for (value_reference, value) in preset.starts.entries() {
+            let entry = declaration.by_reference(value_reference).unwrap();
+            assert_eq!(entry.row.start, value, "{}", entry.name);
         }
     }
 

@@ -123,6 +123,24 @@ fn a_whole_number_is_an_integer_in_both_standards() {
 }
 
 #[test]
+fn the_gearmotor_has_no_fan_and_no_power_input() {
+    let kind = models::by_name("BrushedGearmotor").unwrap();
+    let declaration = (kind.declaration)();
+    let found = Dependencies::of(kind, &[]);
+    let names = |on: &[usize]| on.iter().map(|k| declaration.entries[*k].name.as_str()).collect::<Vec<_>>();
+    for (output, on) in found.running.iter().chain(&found.initial) {
+        let idle =
+            names(on).into_iter().find(|n| n.contains("fan_back_pressure") || n.contains("drive_loss"));
+        assert_eq!(idle, None, "{}", declaration.entries[*output].name);
+    }
+    let voltage = declaration.entries.iter().position(|e| e.name == "voltage").unwrap();
+    let (_, on) = found.running.iter().find(|(o, _)| *o == voltage).unwrap();
+    assert_eq!(names(on), ["duty", "supply_voltage"]);
+    let (_, on) = found.initial.iter().find(|(o, _)| *o == voltage).unwrap();
+    assert!(names(on).contains(&"drive.pwm_frequency"), "discontinuous conduction is among the points");
+}
+
+#[test]
 fn the_generated_files_are_up_to_date() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
     let stale = generated::stale(&folder).unwrap();
