@@ -117,4 +117,20 @@ units! {
     KelvinPerWatt = "K/W" { kg: -1, m: -2, s: 3, K: 1 };
     /// Heat capacity.
     JoulePerKelvin = "J/K" { kg: 1, m: 2, s: -2, K: -1 };
+    /// Specific heat.
+    JoulePerKilogramKelvin = "J/(kg.K)" { m: 2, s: -2, K: -1 };
+    /// Thermal conductivity.
+    WattPerMetreKelvin = "W/(m.K)" { kg: 1, m: 1, s: -3, K: -1 };
+    /// Coefficient of heat transfer.
+    WattPerSquareMetreKelvin = "W/(m2.K)" { kg: 1, s: -3, K: -1 };
+    /// Length.
+    Metre = "m" { m: 1 };
+    /// Area.
+    SquareMetre = "m2" { m: 2 };
+    /// Volume flow.
+    CubicMetrePerSecond = "m3/s" { m: 3, s: -1 };
+    /// Pressure.
+    Pascal = "Pa" { kg: 1, m: -1, s: -2 };
+    /// Density.
+    KilogramPerCubicMetre = "kg/m3" { kg: 1, m: -3 };
 }

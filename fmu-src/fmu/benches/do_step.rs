@@ -6,7 +6,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use libloading::Library;
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, Constants, Inputs, STATES, Step};
+use physics::models::annulus_cooled_motor::{
+    AnnulusCooledMotor, Constants, CoolingMode, Inputs, STATES, Step,
+};
 use physics::solver::reference::{Tolerance, integrate};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::hint::black_box;
@@ -18,6 +20,7 @@ const STEPS: u32 = 1000;
 /// The functions that a master needs.
 struct Fmi2 {
     set: unsafe extern "C" fn(*mut c_void, *const u32, usize, *const f64) -> c_int,
+    choose: unsafe extern "C" fn(*mut c_void, *const u32, usize, *const c_int) -> c_int,
     get: unsafe extern "C" fn(*mut c_void, *const u32, usize, *mut f64) -> c_int,
     step: unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int,
     reset: unsafe extern "C" fn(*mut c_void) -> c_int,
@@ -58,6 +61,7 @@ impl Fmi2 {
             assert!(!instance.is_null(), "{} is of another build", path.display());
             Fmi2 {
                 set: symbol!("fmi2SetReal"),
+                choose: symbol!("fmi2SetInteger"),
                 get: symbol!("fmi2GetReal"),
                 step: symbol!("fmi2DoStep"),
                 reset: symbol!("fmi2Reset"),
@@ -71,8 +75,14 @@ impl Fmi2 {
     }
 
     fn begin(&self, parameters: &[(&str, f64)]) {
+        self.begin_cooled_by(CoolingMode::Conductance, parameters);
+    }
+
+    fn begin_cooled_by(&self, cooling: CoolingMode, parameters: &[(&str, f64)]) {
         unsafe {
             (self.reset)(self.instance);
+            let mode = reference("cooling_mode");
+            assert_eq!((self.choose)(self.instance, &mode, 1, &(cooling as c_int)), 0);
             for (name, value) in parameters {
                 assert_eq!((self.set)(self.instance, &reference(name), 1, value), 0);
             }
@@ -166,5 +176,28 @@ fn hour(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, steps, hour);
+fn hour_in_an_annulus(criterion: &mut Criterion) {
+    let fmu = Fmi2::load();
+    let load = reference("load_torque");
+    let outputs = ["current", "shaft_speed", "winding_temperature"].map(reference);
+    let mut group = criterion.benchmark_group("one hour in an annulus");
+    group.sample_size(10).throughput(Throughput::Elements(3_600_000));
+    group.bench_function("3600 s at 1 ms, load changing, get 3", |b| {
+        b.iter(|| {
+            fmu.begin_cooled_by(CoolingMode::AnnulusPush, &[("voltage", 24.0), ("fan_command", 1.0)]);
+            for k in 0..3_600_000u32 {
+                let mut values = [0.0; 3];
+                unsafe {
+                    (fmu.set)(fmu.instance, &load, 1, &(0.05 + 0.01 * f64::from(k % 1000) / 1000.0));
+                    (fmu.step)(fmu.instance, f64::from(k) * 1e-3, 1e-3, 1);
+                    (fmu.get)(fmu.instance, outputs.as_ptr(), 3, values.as_mut_ptr());
+                }
+                black_box(values);
+            }
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, steps, hour, hour_in_an_annulus);
 criterion_main!(benches);

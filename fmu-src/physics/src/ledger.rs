@@ -22,7 +22,17 @@ pub enum Account {
     AirGap,
     /// Heat in the winding.
     Winding,
-    /// Heat in the housing, with stator and magnets.
+    /// Heat in the stator, where it has a temperature of its own.
+    Stator,
+    /// Heat in the rotor with its magnets, where it has a temperature of its own.
+    Rotor,
+    /// Heat in the tube around the motor.
+    Tube,
+    /// The air that is led past the motor; stores nothing.
+    Air,
+    /// The electrical supply of the fan.
+    Fan,
+    /// Heat in the housing, with stator and magnets where they have no account of their own.
     Housing,
     /// Heat in the box around the motor: its air and walls.
     Enclosure,

@@ -6,6 +6,7 @@
 
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model, ModelType};
+use physics::terms::GenericTerm;
 
 /// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
 const START: f64 = 1e5;
@@ -20,8 +21,8 @@ pub struct Dependencies {
 }
 
 impl Dependencies {
-    /// The structure of a model.
-    pub fn of(kind: &ModelType) -> Dependencies {
+    /// The structure of a model that carries these terms.
+    pub fn of(kind: &ModelType, terms: &[GenericTerm]) -> Dependencies {
         let declaration = (kind.declaration)();
         let outputs = indices(declaration, |e| e.row.causality == Causality::Output);
         let inputs = indices(declaration, |e| e.row.causality == Causality::Input);
@@ -35,6 +36,7 @@ impl Dependencies {
             combinations(declaration, &choices).into_iter().flat_map(|c| [(c.clone(), 1.0), (c, 1e-3)]);
         for (combination, scale) in points {
             let mut model = (kind.new)();
+            model.set_terms(terms);
             // The time of an event stays where it is, so that what the event changes can be seen at the start.
             for &k in knowns.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
                 let entry = &declaration.entries[k];
@@ -108,9 +110,13 @@ fn note(
         let moves: Vec<f64> = match entry.row.kind {
             Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
             Kind::Boolean => vec![0.0, 1.0],
+            Kind::Integer => vec![entry.row.start - 1.0, entry.row.start + 1.0, entry.row.min, entry.row.max],
             Kind::Real => vec![probe.generic(entry), probe.generic(entry), entry.row.min, entry.row.max],
         };
         for value in moves {
+            if entry.check(value, false).is_err() {
+                continue;
+            }
             let mut model = point();
             model.set(entry.slot, value);
             let Some(after) = read(model) else { continue };

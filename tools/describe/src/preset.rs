@@ -236,9 +236,10 @@ mod tests {
     #[test]
     fn values_may_be_numbers_tables_and_names() {
         let text = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\n\"motor.R_ref\" = 1\n\
-                    drive_mode = \"current\"\n\"motor.L\" = { value = 1e-4, unit = \"H\" }\n";
+                    drive_mode = \"current\"\n\"motor.L\" = { value = 1e-4, unit = \"H\" }\n\
+                    \"motor.pole_pairs\" = 7\n";
         let preset = Preset::parse(text, "x.toml").unwrap();
-        assert_eq!(preset.starts.entries(), [(80, 3.0), (100, 1.0), (103, 1e-4)]);
+        assert_eq!(preset.starts.entries(), [(80, 3.0), (100, 1.0), (103, 1e-4), (107, 7.0)]);
     }
 
     #[test]
@@ -251,6 +252,10 @@ mod tests {
             ("\"motor.R_ref\" = { unit = \"Ohm\" }", &["x.toml:5", "no value"]),
             ("\"motor.R_ref\" = \"much\"", &["x.toml:5", "not a number in Ohm"]),
             ("\"motor.R_ref\" = nan", &["x.toml:5", "not a finite number"]),
+            (
+                "\"motor.pole_pairs\" = 1.5",
+                &["x.toml:5", "motor.pole_pairs = 1.5 is not a whole number", "1 ... 100"],
+            ),
             ("drive_mode = \"steam\"", &["x.toml:5", "steam", "voltage, pwm, current, power"]),
             ("current = 1", &["x.toml:5", "computed by the model"]),
             ("\"motor.R_ref\" = ", &["x.toml:5"]),

@@ -172,11 +172,26 @@ impl<'a> FanCurve<'a> {
     /// drives the fan gets that. Bisection, safeguarding a secant: at most 100 steps, no derivative, nothing
     /// allocated.
     pub fn operating_flow(&self, n: f64, rho_ratio: f64, system: impl Fn(f64) -> f64) -> f64 {
+        self.operating_flow_with_leak(n, rho_ratio, |q| (system(q), 0.0))
+    }
+
+    /// As [`operating_flow`](Self::operating_flow), with a part of the fan's flow that does not pass the system:
+    /// `system` gives the pressure that a flow takes, and the flow that leaks away under it, m3/s, rising too.
+    /// The answer is the flow through the system.
+    pub fn operating_flow_with_leak(
+        &self,
+        n: f64,
+        rho_ratio: f64,
+        system: impl Fn(f64) -> (f64, f64),
+    ) -> f64 {
         if n < 1e-6 || rho_ratio <= 0.0 {
             return 0.0;
         }
         let free = self.free_flow() * n.min(1e3);
-        let surplus = |q: f64| self.pressure(q, n, rho_ratio) - system(q);
+        let surplus = |q: f64| {
+            let (taken, leak) = system(q);
+            self.pressure(q + leak, n, rho_ratio) - taken
+        };
         let (mut high, mut f_high) = (free, surplus(free));
         if f_high >= 0.0 {
             return free;

@@ -4,3 +4,4 @@ pub mod phi;
 #[cfg(feature = "reference")]
 pub mod reference;
 pub mod split;
+pub mod stabilized;

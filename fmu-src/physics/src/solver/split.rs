@@ -41,6 +41,8 @@ const SENSITIVITY: f64 = 0.004;
 const STALE: f64 = 1e-3;
 /// Rounds in which the two blocks may agree.
 const ROUNDS: usize = 4;
+/// No motor is this hot, K: a solution that comes here has run away, and there is no use in following it.
+const ABSURD: f64 = 1e5;
 /// A step cut below this share of the caller's step is a failure, not an accuracy.
 const LEAST_SHARE: f64 = 1e-9;
 
@@ -58,8 +60,8 @@ pub trait System<const N: usize> {
     fn capacity(&self) -> &SVector<f64, N>;
     /// Their reciprocals, K/J.
     fn inverse_capacity(&self) -> &SVector<f64, N>;
-    /// Heat flow from the nodes to the surroundings, W.
-    fn ambient_flow(&self, t: f64, temperature: &SVector<f64, N>) -> f64;
+    /// Heat flow from the nodes to whatever surrounds them, W.
+    fn outflow(&self, t: f64, temperature: &SVector<f64, N>) -> f64;
     /// Heat set free in each node at one instant, W.
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> SVector<f64, N>;
     /// Energies over one step, from the fast solution's integrals.
@@ -100,6 +102,8 @@ pub struct Work<const N: usize> {
     pub mechanical: f64,
     /// Heat given to the surroundings without passing a node.
     pub ambient: f64,
+    /// Heat set free beyond the nodes.
+    pub aside: f64,
     /// How far a coarser rule would miss the energies that are not exact.
     pub doubt: f64,
 }
@@ -116,6 +120,25 @@ pub struct State<const N: usize, const E: usize = 3> {
     /// Energy taken in, delivered at the shaft, and given to the surroundings since the start, J; then, as far as
     /// `E` reaches, the heat set free in each node.
     pub energy: [f64; E],
+    /// What the last call to [`Split::advance`] leaves for those who live beside the nodes.
+    pub passed: Passed<N>,
+}
+
+/// What passed over one call to [`Split::advance`]; no part of what the next one depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passed<const N: usize> {
+    /// Integrals of the node temperatures over time, K.s.
+    pub temperature: SVector<f64, N>,
+    /// Heat of the work that no node took, J ([`Work::aside`]).
+    pub aside: f64,
+    /// Heat that left the nodes, J.
+    pub outflow: f64,
+}
+
+impl<const N: usize> Default for Passed<N> {
+    fn default() -> Self {
+        Passed { temperature: SVector::zeros(), aside: 0.0, outflow: 0.0 }
+    }
 }
 
 impl<const N: usize, const E: usize> State<N, E> {
@@ -137,7 +160,7 @@ impl<const N: usize, const E: usize> State<N, E> {
         for joules in &mut energy {
             *joules = next()?;
         }
-        Some(State { x, angle, temperature, energy })
+        Some(State { x, angle, temperature, energy, passed: Passed::default() })
     }
 }
 
@@ -193,6 +216,7 @@ impl<const N: usize> Split<N> {
         h: f64,
     ) -> Result<(), Stuck> {
         let (mut now, mut done, mut trial) = (*state, 0.0, h);
+        now.passed = Passed::default();
         let mut backup = None;
         loop {
             // Close to the end, take all of what is left, so that no sliver remains.
@@ -323,18 +347,29 @@ impl<const N: usize> Split<N> {
             let error = (miss + late + miss_thermal + doubt + SENSITIVITY * bend + unsettled) / TOLERANCE;
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -m.tr_mul(capacity);
-            let rest =
-                |s: f64, temp: &SVector<f64, N>| system.ambient_flow(t + s * h, temp) - share.dot(temp);
-            let ambient = share.dot(&thermal.integral(&temp0, &warming))
+            let rest = |s: f64, temp: &SVector<f64, N>| system.outflow(t + s * h, temp) - share.dot(temp);
+            let over_time = thermal.integral(&temp0, &warming);
+            let outflow = share.dot(&over_time)
                 + h / 6.0 * (rest(0.0, &temp0) + 4.0 * rest(0.5, &tempm) + rest(1.0, &temp1));
-            let gained = [work.electrical, work.mechanical, ambient + work.ambient];
+            let gained = [work.electrical, work.mechanical, outflow + work.ambient];
             let mut energy = state.energy;
             for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(work.heat.iter())) {
                 *sum += gain;
             }
-            let next = State { x: x1, angle: state.angle + segment.integral[1], temperature: end, energy };
+            let next = State {
+                x: x1,
+                angle: state.angle + segment.integral[1],
+                temperature: end,
+                energy,
+                passed: Passed {
+                    temperature: state.passed.temperature + over_time,
+                    aside: state.passed.aside + work.aside,
+                    outflow: state.passed.outflow + outflow,
+                },
+            };
             let finite = next.x.sum() + next.temperature.sum() + next.angle;
-            return (next, if finite.is_finite() && !error.is_nan() { error } else { f64::INFINITY });
+            let sane = finite.is_finite() && next.temperature.amax() < ABSURD && !error.is_nan();
+            return (next, if sane { error } else { f64::INFINITY });
         }
     }
 }

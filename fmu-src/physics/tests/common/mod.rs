@@ -47,6 +47,11 @@ pub fn all_effects() -> Effects {
     effects.demagnetisation.time = 0.25;
     effects.ambient_drift.rate = 0.01;
     effects.drive_loss.share = 0.12;
+    effects.housing_sensor_lag.tau = 20.0;
+    effects.winding_sensor_stem_loss.k = 0.04;
+    effects.housing_sensor_stem_loss.k = 0.06;
+    effects.winding_sensor_offset.offset = 1.2;
+    effects.housing_sensor_offset.offset = -0.8;
     effects
 }
 
@@ -87,6 +92,7 @@ impl Profile {
             imposed_speed: 600.0 * (0.3 * x).sin(),
             fan_command: 0.5 - 0.4 * (0.25 * x).cos(),
             ambient_temperature: 298.15 + 3.0 * (0.1 * x).sin(),
+            ambient_pressure: base.ambient_pressure,
             electrical_power: base.electrical_power * (1.0 + 0.5 * (0.8 * x).sin()),
             heat_power: 2.0 * (0.2 * x).sin(),
         }

@@ -9,11 +9,12 @@ use crate::{
 const ALLOWED: &[(&str, &[&str])] = &[
     ("declare", &[]),
     ("physics", &["declare"]),
-    ("fmu", &["physics"]),
+    ("terms", &["physics"]),
+    ("fmu", &["physics", "terms"]),
     ("describe", &["physics"]),
     ("calibrate", &["physics"]),
     ("cosim", &[]),
-    ("archive", &["describe", "cosim"]),
+    ("archive", &["describe", "cosim", "terms"]),
     ("cli", &["calibrate", "cosim", "archive", "describe"]),
     ("xtask", &[]),
 ];

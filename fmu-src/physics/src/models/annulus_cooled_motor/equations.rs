@@ -6,7 +6,7 @@
 //! imposed speed     w = w_imposed                                                          (4)
 //! copper heat       Q_w = R(T_w) I^2 + V_drop(I) I (+ heat_power; electrical_power in drive_mode power) (5)
 //! friction heat     Q_h = tau_drag w, with tau_drag = tau(w) + c(w, tau_s) tau_s           (6)
-//! temperatures      components/thermal.rs (1), (2) with components/conductance.rs (1)
+//! temperatures      components/thermal.rs (1), (2) with components/conductance.rs (1), or network.rs
 //!
 //! tau_s is the torque handed to the load: tau_load on a free shaft, k_t I - tau_drag on an imposed one.
 //! V_drop, tau and c are the sums over all effects (`effects.rs`).
@@ -21,20 +21,25 @@
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
 //! `solver/reference.rs`, which takes [`Step::rates`].
 
+mod drive;
 mod outputs;
 mod ports;
+mod system;
 
+use super::network::Body;
 use super::{DriveMode, Inputs, MechanicalMode, Parameters};
 use crate::effects::{Effect, PerNode};
 use crate::ledger::{Account, Ledger};
-use crate::solver::split::{Fast, Segment, State, System, Work};
-use nalgebra::{Matrix2, SMatrix, SVector};
+use crate::solver::split::{Fast, State, System};
+use drive::Chopper;
+use nalgebra::SVector;
 use ports::{Acts, Ports};
 
-/// Thermal nodes: winding and housing.
+/// Thermal nodes that a step solves: the winding, and what stands next to it. That is the stator where the model
+/// has a network beyond it (`network.rs`), else the whole housing.
 pub const NODES: usize = 2;
 const WINDING: usize = 0;
-const HOUSING: usize = 1;
+const CORE: usize = 1;
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
 
@@ -42,15 +47,18 @@ pub type Temperatures = SVector<f64, NODES>;
 pub const STATES: usize = 3 + NODES + 3;
 
 /// A value that runs along a line.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    start: f64,
-    slope: f64,
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Line {
+    /// Value at the start of the step.
+    pub start: f64,
+    /// Slope, per second.
+    pub slope: f64,
 }
 
 impl Line {
+    /// The value `t` seconds after the start of the step.
     #[inline]
-    fn at(&self, t: f64) -> f64 {
+    pub fn at(&self, t: f64) -> f64 {
         self.start + self.slope * t
     }
 }
@@ -74,6 +82,14 @@ pub struct Constants {
     lost: f64,
     /// Whether a port may jump at a time of its own.
     pub(super) eventful: bool,
+    /// Torque over that of the data sheet's torque constant, by the commutation.
+    torque_factor: f64,
+    /// Whether a drive that chops loses something on the way.
+    chops: bool,
+    /// Whether a network stands beyond the two nodes.
+    has_network: bool,
+    /// Whether the iron's loss heats the core while all other friction heat goes to the network.
+    iron_in_core: bool,
     /// Where effects act.
     acts: Acts,
 }
@@ -81,9 +97,14 @@ pub struct Constants {
 impl Constants {
     /// The constants of a motor.
     pub fn of(parameters: &Parameters) -> Constants {
+        let body = Body::of(parameters);
         let voltage_driven = matches!(parameters.choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm);
         let free = parameters.choices.mechanical_mode == MechanicalMode::FreeShaft;
-        let capacity = Temperatures::new(parameters.thermal.C_w, parameters.thermal.C_h);
+        let core = body.as_ref().map_or(parameters.thermal.C_h, |b| b.stator);
+        let capacity = Temperatures::new(parameters.thermal.C_w, core);
+        let mut acts = Acts::of(&parameters.effects);
+        // Beyond the core, the network radiates.
+        acts.housing_to_ambient &= body.is_none();
         Constants {
             inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },
             inverse_j: if free { 1.0 / parameters.motor.J } else { 0.0 },
@@ -93,8 +114,19 @@ impl Constants {
             drift: parameters.effects.ambient_sensor(),
             lost: parameters.effects.drive_loss(),
             eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
-            acts: Acts::of(&parameters.effects),
+            torque_factor: parameters.choices.commutation.torque_factor(),
+            chops: Chopper::acts(parameters),
+            has_network: body.is_some(),
+            iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
+            acts,
         }
+    }
+}
+
+impl Constants {
+    /// How fast the true ambient temperature leaves the shown one, K/s.
+    pub(super) fn drift(&self) -> f64 {
+        self.drift
     }
 }
 
@@ -119,10 +151,30 @@ pub struct Step<'a> {
     drive: Line,
     /// True temperature of the surroundings, K.
     ambient: Line,
-    /// What is left of the torque constant, 1 for all.
+    /// Torque over that of the data sheet's constant at the same temperature: commutation, and what is left of the
+    /// magnets.
     strength: f64,
-    /// Conductance to ambient, where the fan stands still over the step, W/K.
+    /// How far the phases that carry the current are above the mean winding, K.
+    excess: f64,
+    /// The drive, in drive_mode pwm.
+    chopper: Chopper,
+    /// Conductance of each node to what surrounds it, where the fan stands still over the step, W/K.
     conductance: PerNode,
+    /// Rotor and housing beyond the two nodes, where there is a network.
+    beyond: Beyond,
+}
+
+/// What winding and core see of a network beyond them, as lines over a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beyond {
+    /// Conductances, W/K: of the winding to rotor and ambient together, of the core to the housing.
+    pub conductance: PerNode,
+    /// Temperature that the winding's conductance leads to, K.
+    pub winding: Line,
+    /// Temperature that the core's conductance leads to, K.
+    pub core: Line,
+    /// Temperature of the magnets, K.
+    pub rotor: Line,
 }
 
 /// All that the equations say at one instant.
@@ -130,6 +182,10 @@ pub struct Step<'a> {
 pub struct Point {
     /// Voltage at the terminals, V.
     pub voltage: f64,
+    /// Power taken in, at the terminals (drive_mode pwm: by the drive) and as heat, W.
+    pub power_in: f64,
+    /// Power lost in the drive, W.
+    pub drive: f64,
     /// Drag torque, N.m.
     pub drag: f64,
     /// Torque given to the load, N.m.
@@ -138,9 +194,9 @@ pub struct Point {
     pub fast: Fast,
     /// Derivatives of the temperatures, K/s.
     pub warming: Temperatures,
-    /// Heat flow to the surroundings, W: from the winding, the housing, and the drive.
+    /// Heat flow to what surrounds winding and core, and from the drive, W.
     pub to_ambient: f64,
-    /// The books.
+    /// The books, but for what flows in and to a network.
     pub ledger: Ledger,
 }
 
@@ -170,7 +226,7 @@ impl<'a> Step<'a> {
             DriveMode::Current => Line { start: u.current_command, slope: s.current_command },
             _ => none,
         };
-        let mut heat = Line { start: u.heat_power, slope: s.heat_power };
+        let mut heat = Line { start: u.heat_power + model.effects.winding_heat(), slope: s.heat_power };
         let mut drive = none;
         if model.choices.drive_mode == DriveMode::Power {
             let lost = constants.lost;
@@ -192,12 +248,36 @@ impl<'a> Step<'a> {
             heat,
             drive,
             ambient: Line {
-                start: u.ambient_temperature + drift * time,
+                start: u.ambient_temperature + drift * time + model.effects.ambient_offset(),
                 slope: s.ambient_temperature + drift,
             },
-            strength: if constants.eventful { model.effects.torque_constant(time) } else { 1.0 },
+            strength: constants.torque_factor * model.effects.torque_constant(time),
+            excess: 0.0,
+            chopper: Chopper::new(model, constants.chops, inputs),
             conductance,
+            beyond: Beyond::default(),
         }
+    }
+
+    /// The same equations with the phases in use this far above the mean winding, K.
+    #[inline]
+    pub fn with_excess(mut self, excess: f64) -> Self {
+        self.excess = excess;
+        self
+    }
+
+    /// Resistance with the mean winding at `t_w`, Ohm.
+    #[inline]
+    fn resistance(&self, t_w: f64) -> f64 {
+        self.model.motor.resistance(t_w + self.excess) * self.ports().winding_resistance()
+    }
+
+    /// The same equations with a network beyond the two nodes.
+    #[inline]
+    pub fn within(mut self, beyond: Beyond) -> Self {
+        self.conductance = beyond.conductance;
+        self.beyond = beyond;
+        self
     }
 
     fn is_free(&self) -> bool {
@@ -231,33 +311,66 @@ impl<'a> Step<'a> {
 
     #[inline]
     fn conductance_at(&self, t: f64) -> PerNode {
-        if self.slopes.fan_command == 0.0 {
+        if self.slopes.fan_command == 0.0 || self.constants.has_network {
             self.conductance
         } else {
             self.model.to_ambient(self.inputs.fan_command + self.slopes.fan_command * t)
         }
     }
 
-    /// Torque constant with the magnets at the housing's temperature.
+    /// Temperature of the magnets, K: the housing's where there is no rotor.
     #[inline]
-    fn torque_constant(&self, temperature: &Temperatures) -> f64 {
-        self.model.motor.torque_constant(temperature[HOUSING]) * self.strength
+    fn magnets(&self, t: f64, temperature: &Temperatures) -> f64 {
+        if self.constants.has_network { self.beyond.rotor.at(t) } else { temperature[CORE] }
     }
 
-    /// Heat flows from the nodes to the surroundings, W.
+    /// Torque constant with the magnets at their temperature.
     #[inline]
-    fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
-        let (conductance, ambient) = (self.conductance_at(t), self.ambient.at(t));
-        PerNode {
-            winding: conductance.winding * (temperature[WINDING] - ambient),
-            housing: conductance.housing * (temperature[HOUSING] - ambient)
-                + self.ports().housing_to_ambient(temperature[HOUSING], ambient),
+    fn torque_constant(&self, t: f64, temperature: &Temperatures) -> f64 {
+        self.model.motor.torque_constant(self.magnets(t, temperature)) * self.strength
+    }
+
+    /// Heat that drag sets free in the core, W, of `drag` watts in all.
+    #[inline]
+    fn drag_in_core(&self, w: f64, drag: f64) -> f64 {
+        if !self.constants.has_network {
+            drag
+        } else if self.constants.iron_in_core {
+            self.iron_drag(w) * w
+        } else {
+            0.0
         }
     }
 
-    /// Power lost in the drive at the start of the step, W.
-    pub fn drive_loss(&self) -> f64 {
-        self.drive.start
+    /// Heat that drag sets free beyond the core at the start of the step, W.
+    pub fn drag_beyond(&self, x: &Fast, temperature: &Temperatures) -> f64 {
+        let drag = self.drag(0.0, x, self.torque_constant(0.0, temperature)) * x[1];
+        drag - self.drag_in_core(x[1], drag)
+    }
+
+    /// Drag of the iron, N.m.
+    #[inline]
+    fn iron_drag(&self, w: f64) -> f64 {
+        self.model.effects.iron_drag(w)
+    }
+
+    /// Heat flows from the nodes to what surrounds them, W.
+    #[inline]
+    fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
+        let conductance = self.conductance_at(t);
+        if self.constants.has_network {
+            return PerNode {
+                winding: conductance.winding * (temperature[WINDING] - self.beyond.winding.at(t)),
+                housing: conductance.housing * (temperature[CORE] - self.beyond.core.at(t)),
+            };
+        }
+        let ambient = self.ambient.at(t);
+        PerNode {
+            winding: conductance.winding * (temperature[WINDING] - ambient),
+            housing: conductance.housing * (temperature[CORE] - ambient)
+                + self.ports().housing_to_ambient(temperature[CORE], ambient)
+                - self.ports().housing_heat(temperature[CORE]),
+        }
     }
 
     /// Energy in the model's stores, J: magnetic and kinetic where they are its own, and heat above 0 K.
@@ -279,23 +392,29 @@ impl<'a> Step<'a> {
         use Account::*;
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
-        let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
-        let (r, k) = (motor.resistance(t_w), self.torque_constant(temperature));
+        let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
+        let (r, k) = (self.resistance(t_w), self.torque_constant(t, temperature));
         let lost = self.ports().terminal_voltage(i);
         let drag = self.drag(t, x, k);
         let fast = self.fast_rates(t, x, temperature);
-        let voltage = if self.is_voltage_driven() { self.voltage.at(t) } else { r * i + lost + k * w };
+        let bridge = self.bridge(i);
+        let voltage = if self.is_voltage_driven() {
+            self.voltage.at(t) - bridge - self.missed(i)
+        } else {
+            r * i + lost + k * w
+        };
         let shaft_torque = if self.is_free() { self.load.at(t) } else { k * i - drag };
-        let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t));
+        let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t) + bridge * i);
         let insulation = self.ports().winding_housing_resistance(t_w);
         let across = self.model.thermal.winding_to_housing(t_w, t_h) / insulation;
 
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Winding, r * i * i);
         ledger.transfer(Terminals, Winding, lost * i);
-        ledger.transfer(Terminals, Winding, self.heat.at(t));
+        ledger.transfer(Terminals, Winding, self.heat.at(t) + self.ripple_loss(t_w));
         ledger.transfer(Terminals, AirGap, k * w * i);
-        ledger.transfer(AirGap, Housing, drag * w);
+        let core = self.core();
+        ledger.transfer(AirGap, core, self.drag_in_core(w, drag * w));
         ledger.transfer(AirGap, Shaft, shaft_torque * w);
         if self.is_voltage_driven() {
             ledger.transfer(Terminals, Magnetic, motor.L * i * fast[0]);
@@ -303,20 +422,23 @@ impl<'a> Step<'a> {
         if self.is_free() {
             ledger.transfer(AirGap, Kinetic, motor.J * w * fast[1]);
         }
-        ledger.transfer(Winding, Housing, across);
-        ledger.transfer(Winding, Ambient, leaving.winding);
-        ledger.transfer(Housing, Ambient, leaving.housing);
+        ledger.transfer(Winding, core, across);
+        if !self.constants.has_network {
+            ledger.transfer(Winding, Ambient, leaving.winding);
+            ledger.transfer(core, Ambient, leaving.housing);
+        }
         ledger.transfer(Terminals, Ambient, drive);
 
         let warming = self.network_rates(t, temperature)
             + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
-        let to_ambient = self.ambient_flow(t, temperature) + drive;
-        Point { voltage, drag, shaft_torque, fast, warming, to_ambient, ledger }
+        let to_ambient = self.outflow(t, temperature) + drive;
+        let power_in = voltage * i + self.heat.at(t) + self.ripple_loss(t_w) + drive;
+        Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 
-    /// Power taken in at one instant: at the terminals and as heat, W.
-    fn power_in(&self, t: f64, point: &Point, x: &Fast) -> f64 {
-        point.voltage * x[0] + self.heat.at(t) + self.drive.at(t)
+    /// The account of the core.
+    fn core(&self) -> Account {
+        if self.constants.has_network { Account::Stator } else { Account::Housing }
     }
 
     /// Derivatives of all states, for an integrator that knows nothing of the split.
@@ -327,163 +449,15 @@ impl<'a> Step<'a> {
         let x = Fast::new(y[0], y[1]);
         let temperature = Temperatures::new(y[3], y[4]);
         let p = self.point(t, &x, &temperature);
-        let power = self.power_in(t, &p, &x);
-        [p.fast[0], p.fast[1], y[1], p.warming[0], p.warming[1], power, p.shaft_torque * y[1], p.to_ambient]
-    }
-}
-
-impl System<NODES> for Step<'_> {
-    #[inline(always)]
-    fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
-        let motor = &self.model.motor;
-        let (i, w) = (x[0], x[1]);
-        let k = self.torque_constant(temperature);
-        let di = if self.is_voltage_driven() {
-            let lost = self.ports().terminal_voltage(i);
-            (self.voltage.at(t) - motor.resistance(temperature[WINDING]) * i - lost - k * w)
-                * self.constants.inverse_l
-        } else {
-            self.current.slope
-        };
-        let dw = if self.is_free() {
-            (k * i - self.drag(t, x, k) - self.load.at(t)) * self.constants.inverse_j
-        } else {
-            self.speed.slope
-        };
-        Fast::new(di, dw)
-    }
-
-    #[inline]
-    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
-        let (motor, effects) = (&self.model.motor, self.ports());
-        let r = motor.resistance(temperature[WINDING]) + effects.terminal_voltage_slope(x[0]);
-        let k = self.torque_constant(temperature);
-        let slope = if self.is_free() {
-            let load = self.load.at(t);
-            effects.drag_torque_slope(x[1]) + effects.load_drag_slope(x[1], load) * load
-        } else {
-            0.0
-        };
-        let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
-        Matrix2::new(-r * l, -k * l, k * j, -slope * j)
-    }
-
-    #[inline]
-    fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
-        let conducts = self.constants.across * self.ports().winding_housing_conductance(temperature[WINDING]);
-        let across = conducts * (temperature[WINDING] - temperature[HOUSING]);
-        let leaving = self.leaving(t, temperature);
-        let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
-        gain.component_mul(&self.constants.inverse_capacity)
-    }
-
-    #[inline]
-    fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
-        let effects = self.ports();
-        let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
-        // What crosses from winding to housing grows with T_w by `hot` and falls with T_h by `cold`.
-        let share = effects.winding_housing_conductance(t_w);
-        let cold = self.constants.across * share;
-        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
-        let conductance = self.conductance_at(t);
-        let from_housing = conductance.housing + effects.housing_to_ambient_slope(t_h, self.ambient.at(t));
-        let per_kelvin = self.constants.inverse_capacity;
-        Matrix2::new(
-            (-hot - conductance.winding) * per_kelvin[WINDING],
-            cold * per_kelvin[WINDING],
-            hot * per_kelvin[HOUSING],
-            (-cold - from_housing) * per_kelvin[HOUSING],
-        )
-    }
-
-    #[inline]
-    fn capacity(&self) -> &Temperatures {
-        &self.constants.capacity
-    }
-
-    #[inline]
-    fn inverse_capacity(&self) -> &Temperatures {
-        &self.constants.inverse_capacity
-    }
-
-    #[inline]
-    fn ambient_flow(&self, t: f64, temperature: &Temperatures) -> f64 {
-        let leaving = self.leaving(t, temperature);
-        leaving.winding + leaving.housing
-    }
-
-    #[inline]
-    fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
-        let (i, w) = (x[0], x[1]);
-        let motor = &self.model.motor;
-        let volts = motor.resistance(temperature[WINDING]) * i + self.ports().terminal_voltage(i);
-        let drag = self.drag(t, x, self.torque_constant(temperature));
-        Temperatures::new(volts * i + self.heat.at(t), drag * w)
-    }
-
-    /// The energies of one step. All but the friction heat follow from integrals that are exact for the fast
-    /// solution; the copper heat of a voltage drive is what the books leave, so they close by construction.
-    #[inline]
-    fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
-        let (motor, effects) = (&self.model.motor, self.ports());
-        let (t, h) = (segment.t, segment.h);
-        let [x0, xm, x1] = segment.x;
-        let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
-        // A line times the solution: value at the step's start by the integral, slope by the moment.
-        let line = |l: &Line, k: usize| l.at(t) * segment.integral[k] + l.slope * segment.moment[k];
-        let k_t = |n: usize| self.torque_constant(&segment.temperature[n]);
-
-        // The integral of f times current or speed: the value at the end times their exact integral, and what f
-        // differs from it by Simpson's rule; with it, how far the trapezoidal rule would miss.
-        let against = |f: [f64; 3], k: usize| {
-            let beyond = |n: usize| (f[n] - f[2]) * segment.x[n][k];
-            let start = beyond(0);
-            let extra = simpson(start, beyond(1), 0.0);
-            (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * start).abs())
-        };
-        let drag = |n: usize, at: f64| self.drag(at, &segment.x[n], k_t(n));
-        let (friction, mut doubt) = against([drag(0, t), drag(1, t + 0.5 * h), drag(2, t + h)], 1);
-        let (air_gap, mechanical) = if self.is_free() {
-            let load = line(&self.load, 1);
-            (self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction, load)
-        } else {
-            let air_gap = if self.is_voltage_driven() {
-                // The magnets' temperature moves by microkelvins over a step; its middle stands for it.
-                k_t(1) * line(&self.speed, 0)
-            } else {
-                simpson(k_t(0) * x0[0] * x0[1], k_t(1) * xm[0] * xm[1], k_t(2) * x1[0] * x1[1])
-            };
-            (air_gap, air_gap - friction)
-        };
-        let heat = h * self.heat.at(t + 0.5 * h);
-        let drive = h * self.drive.at(t + 0.5 * h);
-        let (copper, electrical) = if self.is_voltage_driven() {
-            let electrical = line(&self.voltage, 0);
-            (electrical - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, electrical)
-        } else {
-            let r = |n: usize| motor.resistance(segment.temperature[n][WINDING]);
-            let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
-            let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
-            doubt += doubt_of_drop;
-            (copper + drop, copper + drop + air_gap)
-        };
-        Work {
-            heat: Temperatures::new(copper + heat, friction),
-            electrical: electrical + heat + drive,
-            mechanical,
-            ambient: drive,
-            doubt,
-        }
-    }
-
-    #[inline]
-    fn bends_where_stiff(&self) -> bool {
-        // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
-        self.constants.acts.terminal_voltage
-    }
-
-    #[inline]
-    fn wants_moment(&self) -> bool {
-        self.voltage.slope != 0.0 || self.load.slope != 0.0 || self.speed.slope != 0.0
+        [
+            p.fast[0],
+            p.fast[1],
+            y[1],
+            p.warming[0],
+            p.warming[1],
+            p.power_in,
+            p.shaft_torque * y[1],
+            p.to_ambient,
+        ]
     }
 }

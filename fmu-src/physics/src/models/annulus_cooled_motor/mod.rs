@@ -4,18 +4,27 @@
 //! runs: it owns parameters, inputs and state, and hands the equations to the integrator.
 
 mod equations;
+mod march;
+pub mod network;
+mod surroundings;
 mod variables;
 
-pub use equations::{Constants, NODES, Point, STATES, Step, Temperatures};
+pub use equations::{Beyond, Constants, Line, NODES, Point, STATES, Step, Temperatures};
 pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
 
+use crate::components::annulus::Annulus;
+use crate::components::commutation::Phases;
 use crate::components::conductance::Conductance;
+use crate::components::fan::Fan;
+use crate::components::housing::Housing;
 use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
 use crate::effects::{Effect, Effects, IMMINENT, PerNode};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
-use crate::solver::split::{Fast, Split, State};
+use crate::solver::split::{Fast, Passed, Split, State};
+use crate::terms::GenericTerm;
+use network::{Body, Network};
 
 /// What the motor is made of, and how it is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,6 +37,12 @@ pub struct Parameters {
     pub thermal: Thermal,
     /// Cooling by a conductance.
     pub conductance: Conductance,
+    /// Size and surface of the motor.
+    pub housing: Housing,
+    /// The fan.
+    pub fan: Fan,
+    /// The tube around the motor.
+    pub annulus: Annulus,
     /// Effects, each off by default.
     pub effects: Effects,
 }
@@ -38,10 +53,24 @@ groups! {
         "motor." @ 100 => motor: Motor,
         "thermal." @ 200 => thermal: Thermal,
         "conductance." @ 300 => conductance: Conductance,
+        "housing." @ 400 => housing: Housing,
+        "fan." @ 500 => fan: Fan,
+        "annulus." @ 600 => annulus: Annulus,
     } then effects: Effects
 }
 
 impl Parameters {
+    /// Mass of the motor, with the fan and the tube where the mode of cooling has them, kg.
+    pub fn mass(&self) -> f64 {
+        let (fan, tube) = (self.fan.mass, self.annulus.mass);
+        self.motor.mass
+            + match self.choices.cooling_mode {
+                CoolingMode::Conductance | CoolingMode::Bare => 0.0,
+                CoolingMode::FanCrossflow => fan,
+                CoolingMode::AnnulusPush | CoolingMode::AnnulusPull => fan + tube,
+            }
+    }
+
     /// Conductances to ambient at the fan command `n`, W/K.
     #[inline]
     pub fn to_ambient(&self, n: f64) -> PerNode {
@@ -66,9 +95,19 @@ pub struct AnnulusCooledMotor {
     slopes: Inputs,
     time: f64,
     state: State<NODES>,
+    /// The temperature that the housing's sensor has reached, K.
+    t_sensor: f64,
+    /// Multiplies the heat capacities of [`Constants`].
+    capacity_factor: f64,
     /// Energy stored at the start, J.
     stored_at_start: f64,
     split: Split<NODES>,
+    /// How far each phase is above the mean winding.
+    phases: Phases,
+    /// The heat beyond winding and stator, where the mode of cooling has any.
+    network: Option<Network>,
+    /// What is wrong with the parameters taken together.
+    fault: Option<String>,
     outputs_are_stale: bool,
 }
 
@@ -100,9 +139,15 @@ impl Default for AnnulusCooledMotor {
                 angle: 0.0,
                 temperature: Temperatures::zeros(),
                 energy: [0.0; 3],
+                passed: Passed::default(),
             },
+            t_sensor: 0.0,
+            capacity_factor: 1.0,
             stored_at_start: 0.0,
             split: Split::default(),
+            phases: Phases::default(),
+            network: None,
+            fault: None,
             outputs_are_stale: true,
         }
     }
@@ -130,28 +175,65 @@ impl AnnulusCooledMotor {
 
     /// The equations over the next step, with the inputs on their slopes.
     pub fn step_equations(&mut self) -> Step<'_> {
-        let conductance = self.conductance();
-        Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance, self.time)
+        self.tell_effects(self.time);
+        self.follow_cooling();
+        self.equations()
     }
 
+    /// Brings what the model keeps of the cooling to the inputs.
     #[inline]
-    fn conductance(&mut self) -> PerNode {
-        if self.fan.0 != self.inputs.fan_command {
+    fn follow_cooling(&mut self) {
+        if self.network.is_some() {
+            self.bring_network_to_inputs();
+        } else if self.fan.0 != self.inputs.fan_command {
             self.fan = (self.inputs.fan_command, self.parameters.to_ambient(self.inputs.fan_command));
         }
-        self.fan.1
+    }
+
+    /// The equations with the cooling as it is kept.
+    #[inline]
+    fn equations(&self) -> Step<'_> {
+        let step =
+            Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, self.time)
+                .with_excess(self.excess());
+        if self.network.is_some() { step.within(self.beyond()) } else { step }
+    }
+
+    /// Energy in all stores, J.
+    fn stored(&self) -> f64 {
+        let state = self.state;
+        let beyond = self.network.as_ref().map_or(0.0, Network::stored);
+        self.equations().stored(&state) + beyond
     }
 
     /// Draws the consequences of parameters that were written.
     fn follow_parameters(&mut self) {
-        self.constants = Constants::of(&self.parameters);
+        self.constants = Constants::of(&self.parameters).with_capacity(self.capacity_factor);
         self.fan = (f64::NAN, PerNode::default());
+        self.fault = Body::fault(&self.parameters);
+        let body = Body::of(&self.parameters);
+        self.network = match (self.network.take(), body) {
+            (Some(mut network), Some(body)) if network.body.segments == body.segments => {
+                network.follow(&self.parameters, body);
+                Some(network)
+            }
+            // A network that comes anew stands at the temperature of what it grows from.
+            (_, Some(body)) => Some(Network::new(&self.parameters, body, self.state.temperature[1])),
+            (_, None) => None,
+        };
     }
 
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
-            let (state, stored_at_start) = (self.state, self.stored_at_start);
-            self.outputs = self.step_equations().outputs(&state, stored_at_start);
+            self.tell_effects(self.time);
+            self.follow_cooling();
+            self.outputs = self.equations().outputs(
+                &self.state,
+                self.stored_at_start,
+                self.t_sensor,
+                self.network.as_ref(),
+                &self.phases,
+            );
             self.outputs_are_stale = false;
         }
     }
@@ -169,29 +251,6 @@ impl AnnulusCooledMotor {
             MechanicalMode::ImposedSpeed => self.state.x[1] = self.inputs.imposed_speed,
         }
         self.outputs_are_stale = true;
-    }
-
-    /// A step without an event in it.
-    #[inline]
-    fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        let conductance = self.conductance();
-        let step =
-            Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, conductance, time);
-        self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
-            Fault(format!(
-                "The motor's equations have no solution {} s after {} s even with steps of {} s \
-                 (current {} A, speed {} rad/s, winding {} K).",
-                stuck.t, time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
-            ))
-        })?;
-        if self.slopes != Inputs::ZERO {
-            self.inputs = self.inputs.after(h, &self.slopes);
-            self.slopes = Inputs::ZERO;
-            self.follow_inputs();
-        }
-        self.time = time + h;
-        self.outputs_are_stale = true;
-        Ok(())
     }
 }
 
@@ -217,11 +276,10 @@ impl Model for AnnulusCooledMotor {
             return taken;
         }
         // A parameter that changes on the way changes what the stores hold; the books start anew from there.
-        let state = self.state;
-        let before = self.step_equations().stored(&state);
+        let before = self.stored();
         let taken = self.set_value(group, slot.row as usize, value);
         self.follow_parameters();
-        self.stored_at_start += self.step_equations().stored(&state) - before;
+        self.stored_at_start += self.stored() - before;
         self.follow_inputs();
         taken
     }
@@ -232,20 +290,45 @@ impl Model for AnnulusCooledMotor {
         self.outputs_are_stale = true;
     }
 
+    fn set_terms(&mut self, terms: &[GenericTerm]) -> bool {
+        let taken = self.parameters.effects.take_terms(terms);
+        self.follow_parameters();
+        self.outputs_are_stale = true;
+        taken
+    }
+
     fn start(&mut self, time: f64) -> Result<(), Fault> {
+        if let Some(fault) = Body::fault(&self.parameters) {
+            return Err(Fault(fault));
+        }
         self.time = time;
-        let ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
+        let mut ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
         self.state = State {
             x: Fast::zeros(),
             angle: 0.0,
             temperature: Temperatures::repeat(ambient),
             energy: [0.0; 3],
+            passed: Passed::default(),
         };
         self.split = Split::default();
+        self.phases = Phases::default();
+        self.network = None;
         self.follow_parameters();
         self.follow_inputs();
-        let state = self.state;
-        self.stored_at_start = self.step_equations().stored(&state);
+        self.tell_effects(time);
+        ambient += self.parameters.effects.ambient_offset();
+        self.state.temperature = Temperatures::repeat(ambient);
+        self.t_sensor = ambient;
+        // Anew, because a network starts at the temperature that the state has.
+        self.network = None;
+        self.follow_parameters();
+        if self.network.is_some() && self.parameters.effects.housing_heat(ambient) != 0.0 {
+            return Err(Fault(
+                "A term at housing_heat needs cooling_mode conductance without a stator of its own."
+                    .to_string(),
+            ));
+        }
+        self.stored_at_start = self.stored();
         Ok(())
     }
 
@@ -282,9 +365,14 @@ impl Model for AnnulusCooledMotor {
         out.extend(
             (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
         );
-        out.extend([self.time, self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend([self.time, self.t_sensor, self.capacity_factor]);
+        out.extend([self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
+        out.extend(self.phases.above);
+        if let Some(network) = &self.network {
+            out.extend(network.to_numbers());
+        }
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {
@@ -303,15 +391,22 @@ impl Model for AnnulusCooledMotor {
                 declare::Group::set(&mut copy.slopes, row, next()?);
             }
             copy.time = next()?;
+            copy.t_sensor = next()?;
+            copy.capacity_factor = next()?;
             copy.stored_at_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;
             copy.state = State::from_numbers(&mut next)?;
             copy.split = Split::from_numbers(&mut next)?;
+            copy.phases = Phases { above: [next()?, next()?, next()?] };
+            copy.network = None;
+            copy.follow_parameters();
+            if let Some(network) = &mut copy.network {
+                network.take_numbers(&copy.parameters, &mut next)?;
+            }
             next().is_none().then_some(())
         };
         let complete = read().is_some();
         if complete {
-            copy.follow_parameters();
             *self = copy;
         }
         complete

@@ -1,5 +1,6 @@
 //! Inputs, outputs and choices of the motor. Parameters stand with their components.
 
+use crate::components::commutation::Commutation;
 use declare::{Group, Unit, Variable, enumeration, variables};
 
 enumeration! {
@@ -29,8 +30,16 @@ enumeration! {
 enumeration! {
     /// How heat leaves the housing.
     pub enum CoolingMode {
-        /// Through a conductance that the fan raises.
+        /// Through a conductance that the fan raises; winding and housing are the only nodes.
         Conductance = 1, "conductance";
+        /// Natural convection and radiation in a still room.
+        Bare = 2, "bare";
+        /// A fan that blows across the motor.
+        FanCrossflow = 3, "fan_crossflow";
+        /// A fan that pushes air through a tube around the motor.
+        AnnulusPush = 4, "annulus_push";
+        /// A fan that pulls air through a tube around the motor.
+        AnnulusPull = 5, "annulus_pull";
     }
 }
 
@@ -43,6 +52,10 @@ variables! {
         mechanical_mode: MechanicalMode = Variable::choice(81, 1),
         /// How heat leaves the housing
         cooling_mode: CoolingMode = Variable::choice(82, 1),
+        /// How current is given to the phases
+        commutation: Commutation = Variable::choice(83, 1),
+        /// Segments of the housing along its axis (not in cooling_mode conductance)
+        air_segments: f64 = Variable::tunable(84, 8.0, Unit::One, 1.0, 64.0),
     }
 }
 
@@ -63,6 +76,8 @@ variables! {
         fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0),
         /// Temperature of the surroundings as shown; every node starts at the true one
         ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0),
+        /// Pressure of the surrounding air (altitude); without effect in cooling_mode conductance
+        ambient_pressure: f64 = Variable::input(8, 101_325.0, Unit::Pascal, 1e4, 2e5).nominal(1e5),
         /// Electrical power that heats the winding, less what the drive loses (drive_mode power)
         electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, 0.0, 1e6).nominal(10.0),
         /// Further heat set free in the winding
@@ -81,39 +96,45 @@ variables! {
         shaft_speed: f64 = Variable::output(22, Unit::RadianPerSecond).nominal(1000.0),
         /// Torque that the shaft gives to the load (mechanical_mode imposed_speed: without the rotor's inertia)
         shaft_torque: f64 = Variable::output(23, Unit::NewtonMetre).nominal(0.1),
-        /// Temperature of the winding
+        /// Temperature of the winding as its sensor shows it (effects winding_sensor_*); the true one otherwise
         winding_temperature: f64 = Variable::output(24, Unit::Kelvin).nominal(300.0),
         /// Temperature of the stator; the housing's in cooling_mode conductance
         stator_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
         /// Temperature of the magnets; the housing's in cooling_mode conductance
         magnet_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the housing
+        /// Temperature of the housing as its sensor shows it (effects housing_sensor_*); the true one otherwise
         housing_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
+        /// Temperature of the air behind the motor; that of the surroundings where none is led past it
+        air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
+        /// Flow of air over the motor; 0 in cooling_mode conductance and bare
+        air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
+        /// Pressure that the fan gives; 0 unless air is led through an annulus
+        air_pressure_drop: f64 = Variable::output(30, Unit::Pascal).nominal(10.0),
         /// Resistance of the winding at its temperature
         winding_resistance: f64 = Variable::output(31, Unit::Ohm),
         /// Torque constant at the magnets' temperature
         torque_constant: f64 = Variable::output(32, Unit::NewtonMetrePerAmpere).nominal(0.03),
-        /// Power taken at the terminals
+        /// Power taken at the terminals (drive_mode pwm: from the supply of the drive, with its losses)
         power_electrical: f64 = Variable::output(33, Unit::Watt).nominal(10.0),
         /// Power given to the load
         power_mechanical: f64 = Variable::output(34, Unit::Watt).nominal(10.0),
-        /// Heat set free in the winding by its current: copper, and what contacts lose
+        /// Heat set free in the winding by its current: copper with ripple, and what contacts lose
         loss_copper: f64 = Variable::output(35, Unit::Watt).nominal(10.0),
         /// Share of loss_friction that is lost in the iron
         loss_iron: f64 = Variable::output(36, Unit::Watt).nominal(10.0),
         /// Power of all drags, which heats the housing
         loss_friction: f64 = Variable::output(37, Unit::Watt).nominal(10.0),
-        /// Power lost in the drive, which heats the surroundings (drive_mode power)
+        /// Power lost in the drive, which heats the surroundings (drive_mode power or pwm)
         loss_drive: f64 = Variable::output(38, Unit::Watt).nominal(10.0),
         /// Heat flow to the surroundings, that of the drive included
         heat_to_ambient: f64 = Variable::output(39, Unit::Watt).nominal(10.0),
         /// Power that the books miss at this instant; zero but for rounding
         power_balance_error: f64 = Variable::output(40, Unit::Watt),
-        /// How far the winding is below its limit
+        /// How far the hottest phase of the winding truly is below its limit
         winding_margin: f64 = Variable::output(41, Unit::Kelvin).nominal(100.0).difference(),
-        /// True while the winding is above its limit
+        /// True while the hottest phase of the winding truly is above its limit
         over_temperature: bool = Variable::flag(42),
-        /// Torque at the shaft per mass of the motor
+        /// Torque at the shaft per mass of the motor, with the fan and the tube where cooling_mode has them
         torque_density: f64 = Variable::output(43, Unit::NewtonMetrePerKilogram),
         /// Voltage at the terminals
         terminal_voltage: f64 = Variable::output(44, Unit::Volt).nominal(48.0),
@@ -123,6 +144,9 @@ variables! {
         energy_mechanical: f64 = Variable::output(46, Unit::Joule).nominal(1000.0),
         /// Heat given to the surroundings since the start
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
+        /// Temperature of the hottest phase, which differs from the mean winding at stall (commutation block or
+        /// sinusoidal)
+        winding_hot_spot_temperature: f64 = Variable::output(49, Unit::Kelvin).nominal(300.0),
         /// Energy taken in, less given out, less stored, since the start; zero but for rounding
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
     }
@@ -138,6 +162,7 @@ impl Inputs {
         imposed_speed: 0.0,
         fan_command: 0.0,
         ambient_temperature: 0.0,
+        ambient_pressure: 0.0,
         electrical_power: 0.0,
         heat_power: 0.0,
     };

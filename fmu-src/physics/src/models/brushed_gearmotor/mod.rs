@@ -18,7 +18,7 @@ use crate::components::gear::Gear;
 use crate::effects::{Effect, Effects, IMMINENT};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
-use crate::solver::split::{Fast, Split};
+use crate::solver::split::{Fast, Passed, Split};
 
 /// What the gearmotor is made of, and how it is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,6 +80,7 @@ fn at_rest(temperature: f64) -> State {
         angle: 0.0,
         temperature: Temperatures::repeat(temperature),
         energy: [0.0; ENERGIES],
+        passed: Passed::default(),
     }
 }
 

@@ -1,69 +1,147 @@
 //! What the model shows of its state, and the check of the books.
 
-use super::{HOUSING, NODES, Step, WINDING};
+use super::{CORE, NODES, Step, WINDING};
+use crate::components::commutation::Phases;
 use crate::effects::Effect;
-use crate::ledger::Account;
+use crate::ledger::{Account, Ledger};
+use crate::models::annulus_cooled_motor::network::{Flows, Network};
 use crate::models::annulus_cooled_motor::{DriveMode, Outputs};
 use crate::solver::split::{State, System};
 
+/// What is to be shown of the heat beyond winding and core.
+struct Outside {
+    /// Temperature of the magnets, K.
+    rotor: f64,
+    /// Heat flow to the surroundings, W.
+    to_ambient: f64,
+    flows: Flows,
+    /// Power that the books of the network miss, W.
+    error: f64,
+}
+
 impl Step<'_> {
-    /// The outputs at the start of the step.
-    pub fn outputs(&self, state: &State<NODES>, stored_at_start: f64) -> Outputs {
+    /// The outputs at the start of the step; `t_sensor` is the temperature that the housing's sensor has reached.
+    pub fn outputs(
+        &self,
+        state: &State<NODES>,
+        stored_at_start: f64,
+        t_sensor: f64,
+        network: Option<&Network>,
+        phases: &Phases,
+    ) -> Outputs {
         use Account::*;
         let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
         let (i, w) = (x[0], x[1]);
-        let (t_w, t_h) = (temperature[WINDING], temperature[HOUSING]);
-        let p = self.point(0.0, x, temperature);
+        let (t_w, t_core) = (temperature[WINDING], temperature[CORE]);
+        let mut p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
-        let power_balance_error = p.ledger.error(&[
-            (Terminals, -self.power_in(0.0, &p, x)),
-            (AirGap, 0.0),
-            (Shaft, p.shaft_torque * w),
-            (Winding, capacity[WINDING] * p.warming[WINDING]),
-            (Housing, capacity[HOUSING] * p.warming[HOUSING]),
-            (Ambient, p.to_ambient),
-        ]);
-        let [energy_in, energy_out, energy_heat] = state.energy;
-        let r = model.motor.resistance(t_w);
-        let copper = r * i * i + model.effects.terminal_voltage(i) * i;
-        let (electrical, copper) = match model.choices.drive_mode {
-            DriveMode::Power => {
-                let power = self.inputs.electrical_power;
-                (power, copper + power - self.drive_loss())
-            }
-            _ => (p.voltage * i, copper),
+        let outside = match network {
+            Some(network) => self.network_books(state, network, p.drive, &mut p.ledger),
+            None => Outside {
+                rotor: t_core,
+                to_ambient: p.to_ambient,
+                flows: Flows { outlet: self.ambient.start, ..Flows::default() },
+                error: p.ledger.error(&[(Ambient, p.to_ambient)]),
+            },
         };
+        let power_balance_error = outside.error
+            + p.ledger.error(&[
+                (Terminals, -p.power_in),
+                (AirGap, 0.0),
+                (Shaft, p.shaft_torque * w),
+                (Winding, capacity[WINDING] * p.warming[WINDING]),
+                (self.core(), capacity[CORE] * p.warming[CORE]),
+            ]);
+        let [energy_in, energy_out, energy_heat] = state.energy;
+        let r = self.resistance(t_w);
+        let copper = r * i * i + model.effects.terminal_voltage(i) * i + self.ripple_loss(t_w);
+        let electrical = p.power_in - self.inputs.heat_power - model.effects.winding_heat();
+        let copper = match model.choices.drive_mode {
+            DriveMode::Power => copper + self.inputs.electrical_power - p.drive,
+            _ => copper,
+        };
+        let hottest = t_w + phases.hottest();
+        let air = network.map(|n| n.coefficients());
+        let stored = self.stored(state) + network.map_or(0.0, Network::stored);
         Outputs {
             current: i,
             shaft_angle: state.angle,
             shaft_speed: w,
             shaft_torque: p.shaft_torque,
-            winding_temperature: t_w,
-            stator_temperature: t_h,
-            magnet_temperature: t_h,
-            housing_temperature: t_h,
+            winding_temperature: model.effects.winding_sensor(t_w, self.ambient.start),
+            stator_temperature: t_core,
+            magnet_temperature: outside.rotor,
+            housing_temperature: model.effects.housing_sensor(t_sensor, self.ambient.start),
+            air_outlet_temperature: outside.flows.outlet,
+            air_flow_rate: air.map_or(0.0, |c| c.flow),
+            air_pressure_drop: air.map_or(0.0, |c| c.pressure_drop),
+            winding_hot_spot_temperature: hottest,
             winding_resistance: r,
-            torque_constant: self.torque_constant(temperature),
+            torque_constant: self.torque_constant(0.0, temperature),
             power_electrical: electrical,
             power_mechanical: p.shaft_torque * w,
             loss_copper: copper,
-            loss_iron: model.effects.iron_loss.drag_torque(w) * w,
+            loss_iron: self.iron_drag(w) * w,
             loss_friction: p.drag * w,
-            loss_drive: self.drive_loss(),
-            heat_to_ambient: p.to_ambient,
+            loss_drive: p.drive,
+            heat_to_ambient: outside.to_ambient,
             power_balance_error,
-            winding_margin: model.thermal.T_w_max - t_w,
-            over_temperature: t_w > model.thermal.T_w_max,
-            torque_density: p.shaft_torque / model.motor.mass,
+            winding_margin: model.thermal.T_w_max - hottest,
+            over_temperature: hottest > model.thermal.T_w_max,
+            torque_density: p.shaft_torque / model.mass(),
             terminal_voltage: p.voltage,
             energy_electrical: energy_in,
             energy_mechanical: energy_out,
             energy_heat_to_ambient: energy_heat,
-            energy_balance_error: energy_in
-                - energy_out
-                - energy_heat
-                - (self.stored(state) - stored_at_start),
+            energy_balance_error: energy_in - energy_out - energy_heat - (stored - stored_at_start),
         }
+    }
+
+    /// Enters the flows of the network, each with both ends, and compares them with its own rates.
+    fn network_books(
+        &self,
+        state: &State<NODES>,
+        network: &Network,
+        drive: f64,
+        ledger: &mut Ledger,
+    ) -> Outside {
+        use Account::*;
+        let (x, temperature) = (&state.x, &state.temperature);
+        let (t_w, t_core) = (temperature[WINDING], temperature[CORE]);
+        let (ambient, body) = (self.ambient.start, &network.body);
+        let friction = self.drag_beyond(x, temperature);
+        let flows = network.flows(ambient);
+        let (rotor, housing) = (network.rotor_temperature(), network.housing_temperature());
+        let from_winding = self.beyond.conductance.winding - body.winding_to_rotor;
+        let leads = from_winding * (t_w - ambient);
+
+        ledger.transfer(AirGap, Rotor, friction * body.friction_to_rotor);
+        ledger.transfer(AirGap, Housing, friction * (1.0 - body.friction_to_rotor));
+        ledger.transfer(Winding, Rotor, body.winding_to_rotor * (t_w - rotor));
+        ledger.transfer(Winding, Ambient, leads);
+        ledger.transfer(Stator, Housing, body.segments as f64 * body.from_stator * (t_core - housing));
+        ledger.transfer(Rotor, Housing, flows.rotor_to_housing);
+        ledger.transfer(Housing, Ambient, flows.housing_to_room);
+        ledger.transfer(Housing, Air, flows.housing_to_air);
+        ledger.transfer(Housing, Tube, flows.housing_to_tube);
+        ledger.transfer(Tube, Air, flows.tube_to_air);
+        ledger.transfer(Tube, Ambient, flows.tube_to_room);
+        ledger.transfer(Fan, Air, flows.fan_to_air);
+        ledger.transfer(Air, Ambient, flows.air_to_room);
+
+        let inflow = network.inflow(t_w, t_core, friction);
+        let rates = network.rates_now(ambient, &inflow);
+        let [to_rotor, to_tube, to_housing] = network.stored_rates(&rates);
+        let to_ambient = network.to_ambient(&rates) + leads + drive;
+        let error = ledger.error(&[
+            (Rotor, to_rotor),
+            (Tube, to_tube),
+            (Housing, to_housing),
+            (Air, 0.0),
+            (Fan, -network.coefficients().fan_power),
+            (Ambient, to_ambient + network.coefficients().fan_power),
+        ]);
+        Outside { rotor, to_ambient, flows, error }
     }
 }

@@ -1,6 +1,7 @@
 //! What the model shows of its state, and the check of the books.
 
 use super::{BOX, HOUSING, State, Step, WINDING};
+use crate::effects::Effect;
 use crate::ledger::Account;
 use crate::models::brushed_gearmotor::Outputs;
 use crate::solver::split::System;
@@ -49,7 +50,7 @@ impl Step<'_> {
         use Account::*;
         let (x, temperature) = (&state.x, &state.temperature);
         let (i, w) = (x[0], x[1]);
-        let t_w = temperature[WINDING];
+        let (t_w, effects) = (temperature[WINDING], &self.model.effects);
         let p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
         let shaft_torque = self.load.at(0.0);
@@ -74,8 +75,8 @@ impl Step<'_> {
             shaft_angle: state.angle,
             shaft_speed: w,
             shaft_torque,
-            winding_temperature: t_w,
-            housing_temperature: temperature[HOUSING],
+            winding_temperature: effects.winding_sensor(t_w, temperature[BOX]),
+            housing_temperature: effects.housing_sensor(temperature[HOUSING], temperature[BOX]),
             box_temperature: temperature[BOX],
             voltage_electrical,
             voltage_magnetic,

@@ -88,7 +88,7 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline]
-    fn ambient_flow(&self, t: f64, temperature: &Temperatures) -> f64 {
+    fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
         self.flows(t, temperature)[3]
     }
 
@@ -145,6 +145,7 @@ impl System<NODES> for Step<'_> {
             electrical,
             mechanical: load,
             ambient: drive,
+            aside: 0.0,
             doubt: doubt_friction + doubt_terminals + doubt_supply + doubt_ripple,
         }
     }

@@ -1,0 +1,217 @@
+//! The gap between the motor and a tube around it, and what its air takes to pass.
+//!
+//! pushed: p(Q) = rho u^2/2 [1 - sigma^2 + K_c(sigma)] + friction                            (1)
+//! pulled: p(Q) = rho u^2/2 [K_c(0) + K_e(sigma)] + friction                                 (2)
+//! leak:   Q_leak = A_leak sqrt(2 p/rho)                                                     (3)
+//!
+//! sigma is the section of the gap over the fan's opening. Pushed, the air leaves into the room with its dynamic
+//! head (K_e(0) = 1 takes all of it); pulled, it comes from the room (sigma = 0) and the fan's static pressure
+//! is counted from the total pressure before it. Friction and K_c as `correlations/annulus_friction.rs` and
+//! `correlations/entrance_exit.rs` say; K_c is that of a uniform profile, since the developing friction holds
+//! the profile's momentum. A gap wider than the opening has sigma = 1: no contraction.
+//! *Assumes* a smooth concentric gap as long as the shorter of tube and motor; a leak as an orifice with the
+//! area A_leak between fan and gap, its contraction in the area.
+//! *Neglects* the wake of the hub, tabs that hold the tube, the tube beyond the motor.
+//! *Sign*: p > 0 against the fan. *Range*: D_motor < D_tube; that of the correlations.
+//! *Source*: Kays and London, Compact Heat Exchangers, ch. 2 and 5, with the exit of (1), (2) corrected
+//! (`seeds` audit T35); masses from the thesis, tables 1 to 3; ABS: c_p 1400 J/(kg.K), emissivity 0.9
+//! (typical of plastics); the wall's loss outside, about 8 W/(m2.K), is natural convection and radiation of a
+//! plastic tube in a room through its own 2 mm.
+
+use super::housing::Housing;
+use crate::correlations::annulus_friction as friction;
+use crate::correlations::annulus_heat_transfer::{Entry, HeatedAnnulus, Wall};
+use crate::correlations::entrance_exit::{contraction, expansion, momentum_ratio};
+use crate::media::air::Air;
+use declare::{Unit, Variable, variables};
+use std::f64::consts::{FRAC_PI_4, PI};
+
+variables! {
+    /// Data of the tube around the motor.
+    pub struct Annulus {
+        /// Inner diameter of the tube, outer diameter of the gap
+        outer_diameter: f64 = Variable::tunable(0, 0.040, Unit::Metre, 1e-3, 2.0).log(),
+        /// Length of the tube over the motor
+        length: f64 = Variable::tunable(1, 0.064, Unit::Metre, 1e-3, 2.0).log(),
+        /// Mass of the tube
+        mass: f64 = Variable::tunable(2, 0.0155, Unit::Kilogram, 1e-5, 100.0).log(),
+        /// Specific heat of the tube (ABS)
+        specific_heat: f64 = Variable::tunable(3, 1400.0, Unit::JoulePerKilogramKelvin, 100.0, 1e4),
+        /// Area of the leak between fan and gap; 0 for none
+        leak_area: f64 = Variable::tunable(4, 0.0, Unit::SquareMetre, 0.0, 1.0).nominal(1e-3),
+        /// Factor on the heat transfer in the gap when the fan pushes
+        factor_push: f64 = Variable::tunable(5, 1.0, Unit::One, 0.1, 10.0).log(),
+        /// Factor on the heat transfer in the gap when the fan pulls
+        factor_pull: f64 = Variable::tunable(6, 1.0, Unit::One, 0.1, 10.0).log(),
+        /// Emissivity of the tube's inside
+        emissivity: f64 = Variable::tunable(7, 0.9, Unit::One, 0.0, 1.0),
+        /// Coefficient of heat transfer from the tube to the room; 0 for a tube insulated outside
+        U_outside: f64 = Variable::tunable(8, 8.0, Unit::WattPerSquareMetreKelvin, 0.0, 1e3),
+    }
+}
+
+/// Which way the fan moves the air.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draught {
+    /// From the fan into the gap.
+    Push,
+    /// From the gap into the fan.
+    Pull,
+}
+
+/// A gap with all that follows from its size.
+#[derive(Clone, Copy, Debug)]
+pub struct Gap {
+    /// Section, m2.
+    pub section: f64,
+    /// Hydraulic diameter, m.
+    pub d_h: f64,
+    /// Length with the motor inside, m.
+    pub length: f64,
+    /// Inner surface of the tube along that length, m2.
+    pub wall_area: f64,
+    /// Heat transfer from the motor's surface.
+    pub heated: HeatedAnnulus,
+    ratio: f64,
+    /// Section over the fan's opening, at most 1.
+    sigma: f64,
+    /// Losses of the entrance and exit that do not depend on the flow.
+    fixed_loss: f64,
+    leak_area: f64,
+    draught: Draught,
+}
+
+impl Gap {
+    /// The gap between a motor and a tube before a fan with the given opening, m2.
+    pub fn new(annulus: &Annulus, housing: &Housing, opening: f64, draught: Draught) -> Gap {
+        let (d_i, d_o) = (housing.diameter, annulus.outer_diameter.max(1.001 * housing.diameter));
+        let length = annulus.length.min(housing.length);
+        let section = FRAC_PI_4 * (d_o - d_i) * (d_o + d_i);
+        let ratio = d_i / d_o;
+        let sigma = (section / opening).min(1.0);
+        let fixed_loss = match draught {
+            Draught::Push => 1.0 - sigma * sigma + contraction(sigma, 1.0),
+            Draught::Pull => contraction(0.0, 1.0),
+        };
+        Gap {
+            section,
+            d_h: d_o - d_i,
+            length,
+            wall_area: PI * d_o * length,
+            heated: HeatedAnnulus::new(ratio, Wall::UniformTemperature, Entry::Developing),
+            ratio,
+            sigma,
+            fixed_loss,
+            leak_area: annulus.leak_area,
+            draught,
+        }
+    }
+
+    /// Reynolds number on the hydraulic diameter at the mass flow `m` in kg/s.
+    pub fn reynolds(&self, m: f64, air: &Air) -> f64 {
+        (m * self.d_h / (self.section * air.mu)).abs()
+    }
+
+    /// Pressure that the mass flow `m` in kg/s takes, eq. (1) or (2), Pa.
+    pub fn pressure(&self, m: f64, air: &Air) -> f64 {
+        let u = m / (air.rho * self.section);
+        let re = self.reynolds(m, air);
+        let loss = match self.draught {
+            Draught::Push => self.fixed_loss,
+            Draught::Pull => self.fixed_loss + expansion(self.sigma, momentum_ratio(re)),
+        };
+        let f_re = friction::f_re(re, self.ratio, self.length / self.d_h);
+        0.5 * air.rho * u * u * loss + friction::pressure_drop(f_re, air.mu, u, self.length, self.d_h)
+    }
+
+    /// Flow that passes by the leak at the pressure `p` in Pa in air of the density `rho`, eq. (3), m3/s.
+    pub fn leak(&self, p: f64, rho: f64) -> f64 {
+        self.leak_area * (2.0 * p.max(0.0) / rho).sqrt()
+    }
+}
+
+impl Annulus {
+    /// Heat capacity of the tube, J/K.
+    pub fn capacity(&self) -> f64 {
+        self.mass * self.specific_heat
+    }
+
+    /// Factor on the heat transfer for a direction of the fan.
+    pub fn factor(&self, draught: Draught) -> f64 {
+        match draught {
+            Draught::Push => self.factor_push,
+            Draught::Pull => self.factor_pull,
+        }
+    }
+
+    /// What is wrong with the data taken together, in one sentence.
+    pub fn fault(&self, housing: &Housing) -> Option<String> {
+        (self.outer_diameter <= housing.diameter).then(|| {
+            format!(
+                "annulus.outer_diameter = {} m does not pass the motor: it must be above housing.diameter = {} m \
+                 (r* below 1).",
+                self.outer_diameter, housing.diameter
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gap(d_o: f64, draught: Draught) -> Gap {
+        let annulus = Annulus { outer_diameter: d_o, ..Annulus::default() };
+        Gap::new(&annulus, &Housing::default(), FRAC_PI_4 * 0.038 * 0.038, draught)
+    }
+
+    /// The thesis's 40 mm tube: section pi/4 (40^2 - 30^2) = 549.8 mm2, D_h = 10 mm.
+    #[test]
+    fn size_of_the_gap_of_the_thesis() {
+        let g = gap(0.040, Draught::Push);
+        assert!((g.section - 549.78e-6).abs() < 1e-8 && (g.d_h - 0.010).abs() < 1e-15);
+    }
+
+    /// A gap of still air takes no pressure; more flow takes more; pulling costs more than pushing, since the
+    /// air enters from a room and not from a duct.
+    #[test]
+    fn pressure_rises_from_zero() {
+        let air = Air::at(300.0, 101_325.0);
+        let (push, pull) = (gap(0.040, Draught::Push), gap(0.040, Draught::Pull));
+        assert_eq!(push.pressure(0.0, &air), 0.0);
+        let mut last = 0.0;
+        for k in 1..50 {
+            let m = 1e-4 * f64::from(k);
+            let p = push.pressure(m, &air);
+            assert!(p > last, "{m}: {p} after {last}");
+            assert!(pull.pressure(m, &air) > 0.0);
+            last = p;
+        }
+    }
+
+    /// Where the gap becomes wider than the fan's opening, nothing jumps.
+    #[test]
+    fn no_jump_where_the_gap_outgrows_the_fan() {
+        let air = Air::at(300.0, 101_325.0);
+        let d = (0.030f64.powi(2) + 0.038f64.powi(2)).sqrt();
+        for draught in [Draught::Push, Draught::Pull] {
+            let p = |d: f64| gap(d, draught).pressure(3e-3, &air);
+            assert!((p(d * (1.0 + 1e-7)) / p(d * (1.0 - 1e-7)) - 1.0).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_tube_that_does_not_pass_the_motor_is_named() {
+        let annulus = Annulus { outer_diameter: 0.030, ..Annulus::default() };
+        assert!(annulus.fault(&Housing::default()).unwrap().contains("annulus.outer_diameter = 0.03 m"));
+        assert_eq!(Annulus::default().fault(&Housing::default()), None);
+    }
+
+    #[test]
+    fn a_leak_is_an_orifice() {
+        let annulus = Annulus { leak_area: 1e-3, ..Annulus::default() };
+        let g = Gap::new(&annulus, &Housing::default(), 1e-3, Draught::Push);
+        assert!((g.leak(60.0, 1.2) - 1e-2).abs() < 1e-15);
+        assert_eq!(g.leak(-1.0, 1.2), 0.0);
+    }
+}

@@ -1,0 +1,178 @@
+//! The equations as the integrator takes them: rates and their slopes, and the energies of a step.
+
+use super::{CORE, Line, NODES, Step, Temperatures, WINDING};
+use crate::solver::split::{Fast, Segment, System, Work};
+use nalgebra::{Matrix2, SMatrix};
+
+impl System<NODES> for Step<'_> {
+    #[inline(always)]
+    fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
+        let (i, w) = (x[0], x[1]);
+        let k = self.torque_constant(t, temperature);
+        let di = if self.is_voltage_driven() {
+            let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(i);
+            (self.voltage.at(t) - self.resistance(temperature[WINDING]) * i - lost - k * w)
+                * self.constants.inverse_l
+        } else {
+            self.current.slope
+        };
+        let dw = if self.is_free() {
+            (k * i - self.drag(t, x, k) - self.load.at(t)) * self.constants.inverse_j
+        } else {
+            self.speed.slope
+        };
+        Fast::new(di, dw)
+    }
+
+    #[inline]
+    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
+        let effects = self.ports();
+        let lost = effects.terminal_voltage_slope(x[0]) + self.drive_slope(x[0]);
+        let r = self.resistance(temperature[WINDING]) + lost;
+        let k = self.torque_constant(t, temperature);
+        let slope = if self.is_free() {
+            let load = self.load.at(t);
+            effects.drag_torque_slope(x[1]) + effects.load_drag_slope(x[1], load) * load
+        } else {
+            0.0
+        };
+        let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
+        Matrix2::new(-r * l, -k * l, k * j, -slope * j)
+    }
+
+    #[inline]
+    fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
+        let conducts = self.constants.across * self.ports().winding_housing_conductance(temperature[WINDING]);
+        let across = conducts * (temperature[WINDING] - temperature[CORE]);
+        let leaving = self.leaving(t, temperature);
+        let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
+        gain.component_mul(&self.constants.inverse_capacity)
+    }
+
+    #[inline]
+    fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
+        let effects = self.ports();
+        let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
+        // What crosses from winding to housing grows with T_w by `hot` and falls with T_h by `cold`.
+        let share = effects.winding_housing_conductance(t_w);
+        let cold = self.constants.across * share;
+        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
+        let conductance = self.conductance_at(t);
+        let from_housing = conductance.housing + effects.housing_to_ambient_slope(t_h, self.ambient.at(t))
+            - effects.housing_heat_slope(t_h);
+        let per_kelvin = self.constants.inverse_capacity;
+        Matrix2::new(
+            (-hot - conductance.winding) * per_kelvin[WINDING],
+            cold * per_kelvin[WINDING],
+            hot * per_kelvin[CORE],
+            (-cold - from_housing) * per_kelvin[CORE],
+        )
+    }
+
+    #[inline]
+    fn capacity(&self) -> &Temperatures {
+        &self.constants.capacity
+    }
+
+    #[inline]
+    fn inverse_capacity(&self) -> &Temperatures {
+        &self.constants.inverse_capacity
+    }
+
+    #[inline]
+    fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
+        let leaving = self.leaving(t, temperature);
+        leaving.winding + leaving.housing
+    }
+
+    #[inline]
+    fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
+        let (i, w) = (x[0], x[1]);
+        let t_w = temperature[WINDING];
+        let volts = self.resistance(t_w) * i + self.ports().terminal_voltage(i);
+        let drag = self.drag(t, x, self.torque_constant(t, temperature));
+        let copper = volts * i + self.ripple_loss(t_w);
+        Temperatures::new(copper + self.heat.at(t), self.drag_in_core(w, drag * w))
+    }
+
+    /// The energies of one step. All but the friction heat follow from integrals that are exact for the fast
+    /// solution; the copper heat of a voltage drive is what the books leave, so they close by construction.
+    #[inline]
+    fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
+        let effects = self.ports();
+        let (t, h) = (segment.t, segment.h);
+        let [x0, xm, x1] = segment.x;
+        let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
+        // A line times the solution: value at the step's start by the integral, slope by the moment.
+        let line = |l: &Line, k: usize| l.at(t) * segment.integral[k] + l.slope * segment.moment[k];
+        let at = [t, t + 0.5 * h, t + h];
+        let k_t = |n: usize| self.torque_constant(at[n], &segment.temperature[n]);
+
+        // The integral of f times current or speed: the value at the end times their exact integral, and what f
+        // differs from it by Simpson's rule; with it, how far the trapezoidal rule would miss.
+        let against = |f: [f64; 3], k: usize| {
+            let beyond = |n: usize| (f[n] - f[2]) * segment.x[n][k];
+            let start = beyond(0);
+            let extra = simpson(start, beyond(1), 0.0);
+            (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * start).abs())
+        };
+        let drag = |n: usize| self.drag(at[n], &segment.x[n], k_t(n));
+        let (friction, mut doubt) = against([drag(0), drag(1), drag(2)], 1);
+        let mut in_core = friction;
+        if self.constants.has_network {
+            let iron =
+                |n: usize| if self.constants.iron_in_core { self.iron_drag(segment.x[n][1]) } else { 0.0 };
+            let doubt_of_iron;
+            (in_core, doubt_of_iron) = against([iron(0), iron(1), iron(2)], 1);
+            doubt += doubt_of_iron;
+        }
+        let (air_gap, mechanical) = if self.is_free() {
+            let load = line(&self.load, 1);
+            (self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction, load)
+        } else {
+            let air_gap = if self.is_voltage_driven() {
+                // The magnets' temperature moves by microkelvins over a step; its middle stands for it.
+                k_t(1) * line(&self.speed, 0)
+            } else {
+                simpson(k_t(0) * x0[0] * x0[1], k_t(1) * xm[0] * xm[1], k_t(2) * x1[0] * x1[1])
+            };
+            (air_gap, air_gap - friction)
+        };
+        let ripple = [0, 1, 2].map(|n| self.ripple_loss(segment.temperature[n][WINDING]));
+        let heat = h * self.heat.at(t + 0.5 * h) + simpson(ripple[0], ripple[1], ripple[2]);
+        let mut drive = h * self.drive.at(t + 0.5 * h);
+        let (copper, electrical) = if self.is_voltage_driven() {
+            let (bridge, doubt_of_bridge) = against([x0, xm, x1].map(|x| self.bridge(x[0])), 0);
+            let (missed, doubt_of_missed) = against([x0, xm, x1].map(|x| self.missed(x[0])), 0);
+            doubt += doubt_of_bridge + doubt_of_missed;
+            drive += bridge;
+            let supplied = line(&self.voltage, 0) - missed - bridge;
+            (supplied - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, supplied)
+        } else {
+            let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
+            let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
+            let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
+            doubt += doubt_of_drop;
+            (copper + drop, copper + drop + air_gap)
+        };
+        Work {
+            heat: Temperatures::new(copper + heat, in_core),
+            aside: friction - in_core,
+            electrical: electrical + heat + drive,
+            mechanical,
+            ambient: drive,
+            doubt,
+        }
+    }
+
+    #[inline]
+    fn bends_where_stiff(&self) -> bool {
+        // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
+        self.constants.acts.terminal_voltage || self.constants.chops
+    }
+
+    #[inline]
+    fn wants_moment(&self) -> bool {
+        self.voltage.slope != 0.0 || self.load.slope != 0.0 || self.speed.slope != 0.0
+    }
+}

@@ -1,0 +1,254 @@
+//! How the motor goes from one communication point to the next.
+//!
+//! Without a network, one call to the integrator. With one, the step is taken in pieces: winding and stator see
+//! rotor and housing run along a line, the network then takes the heat that they gave, and a piece whose line
+//! was not good enough is cut. At a step of milliseconds, one piece is enough.
+
+use super::network::{Network, Passage};
+use super::{AnnulusCooledMotor, Beyond, DriveMode, Inputs, Line, NODES, Parameters, Step};
+use crate::components::commutation::Commutation;
+use crate::components::conductance::Conductance;
+use crate::effects::{Effect, PerNode};
+use crate::model::Fault;
+use crate::solver::split::State;
+use crate::solver::stabilized::States;
+
+/// A piece shorter than this share of the caller's step is a failure, not an accuracy.
+const LEAST_SHARE: f64 = 1e-9;
+/// How far inputs that the cooling follows in steps may move within a piece: command 1, ambient K, pressure Pa.
+const MOVE: [f64; 3] = [0.02, 0.25, 500.0];
+
+impl AnnulusCooledMotor {
+    /// A step without an event in it.
+    #[inline]
+    pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        if let Some(fault) = &self.fault {
+            return Err(Fault(fault.clone()));
+        }
+        self.tell_effects(time);
+        let before = self.housing_temperature();
+        if self.network.is_some() {
+            self.advance_in_pieces(time, h)?;
+        } else {
+            self.advance_two_nodes(time, h)?;
+        }
+        self.follow_sensor(before, h);
+        Ok(())
+    }
+
+    fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        self.follow_cooling();
+        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, time)
+            .with_excess(self.excess());
+        let before = self.state;
+        self.split.advance(&step, &mut self.state, h).map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
+        self.warm_phases(&before, h);
+        self.arrive(time + h, h);
+        self.slopes = Inputs::ZERO;
+        Ok(())
+    }
+
+    /// Inputs, time and outputs follow where the state has come to, `h` seconds on.
+    #[inline]
+    fn arrive(&mut self, time: f64, h: f64) {
+        if self.slopes != Inputs::ZERO {
+            self.inputs = self.inputs.after(h, &self.slopes);
+            self.follow_inputs();
+        }
+        self.time = time;
+        self.outputs_are_stale = true;
+    }
+
+    fn stuck(&self, time: f64, after: f64, h: f64) -> Fault {
+        Fault(format!(
+            "The motor's equations have no solution {after} s after {time} s even with steps of {h} s \
+             (current {} A, speed {} rad/s, winding {} K).",
+            self.state.x[0], self.state.x[1], self.state.temperature[0]
+        ))
+    }
+
+    fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        let longest = h.min(self.longest_piece());
+        let mut trial = self.network.as_ref().map_or(h, |n| n.piece).min(longest);
+        if trial >= h {
+            // The common case, without a copy to go back to: a piece that is refused changes nothing.
+            match self.piece(time, h)? {
+                Ok(()) => {
+                    self.slopes = Inputs::ZERO;
+                    return Ok(());
+                }
+                Err(shorter) => trial = shorter,
+            }
+        }
+        let before = self.clone();
+        let mut done = 0.0;
+        while done < h {
+            let rest = h - done;
+            let piece = if trial >= rest * (1.0 - 1e-9) { rest } else { trial.min(0.5 * rest) };
+            if piece < LEAST_SHARE * h {
+                let fault = self.stuck(time, done, piece);
+                *self = before;
+                return Err(fault);
+            }
+            match self.piece(time + done, piece) {
+                Ok(Ok(())) => {
+                    done += piece;
+                    trial = self.network.as_ref().map_or(h, |n| n.piece).min(longest);
+                    if piece == rest {
+                        break;
+                    }
+                }
+                Ok(Err(shorter)) => trial = shorter,
+                Err(fault) => {
+                    *self = before;
+                    return Err(fault);
+                }
+            }
+        }
+        self.time = time + h;
+        self.slopes = Inputs::ZERO;
+        Ok(())
+    }
+
+    /// The longest piece over which the inputs that the cooling follows may be taken at their middle, s.
+    fn longest_piece(&self) -> f64 {
+        let s = &self.slopes;
+        let slopes = [s.fan_command, s.ambient_temperature, s.ambient_pressure];
+        let times = slopes.iter().zip(MOVE).map(|(slope, way)| way / slope.abs());
+        times.fold(f64::INFINITY, f64::min)
+    }
+
+    /// One piece of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
+    fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Fault> {
+        let ambient = self.ambient(time);
+        let middle = self.inputs.after(0.5 * h, &self.slopes);
+        let excess = self.excess();
+        let Some(network) = &mut self.network else { return Ok(Ok(())) };
+        let at_middle = ambient.at(0.5 * h);
+        network.refresh(&self.parameters, &middle, at_middle, 0.0);
+
+        // Heat that friction sets free in the network as the piece begins.
+        let (state, split) = (self.state, &mut self.split);
+        let (t_w, t_core) = (state.temperature[0], state.temperature[1]);
+        let (p, constants) = (&self.parameters, &self.constants);
+        let draught = draught(p, middle.fan_command);
+        let start = beyond(network, draught, ambient, None);
+        let none = PerNode::default();
+        let step =
+            Step::new(p, constants, &self.inputs, &self.slopes, none, time).with_excess(excess).within(start);
+        let friction = step.drag_beyond(&state.x, &state.temperature);
+        let inflow = network.inflow(t_w, t_core, friction);
+        let mut rates = network.rates_now(ambient.start, &inflow);
+        let ahead = 0.5 * h * network.housing_rate(&rates);
+        if ahead.abs() > 1e-4 {
+            network.refresh(p, &middle, at_middle, ahead);
+            rates = network.rates_now(ambient.start, &inflow);
+        }
+
+        let step = step.within(beyond(network, draught, ambient, Some(&rates)));
+        let mut next = state;
+        if let Err(stuck) = split.advance(&step, &mut next, h) {
+            return Err(self.stuck(time, stuck.t, stuck.h));
+        }
+        let passed = next.passed;
+        let passage =
+            Passage { winding: passed.temperature[0], stator: passed.temperature[1], friction: passed.aside };
+        let advance = network.advance(h, (&rates, &inflow), &passage, ambient);
+        if advance.error > 1.0 || advance.error.is_nan() {
+            let shrink = 0.8 / advance.error.cbrt();
+            return Ok(Err(h * if shrink.is_finite() { shrink.clamp(0.1, 0.7) } else { 0.1 }));
+        }
+        network.accept();
+        network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
+        next.energy[2] += advance.to_ambient - advance.left;
+        self.state = next;
+        self.warm_phases(&state, h);
+        self.arrive(time + h, h);
+        Ok(Ok(()))
+    }
+
+    /// Electrical angle of a state, rad.
+    fn electrical_angle(&self, state: &State<NODES>) -> f64 {
+        state.angle * f64::from(self.parameters.motor.pole_pairs)
+    }
+
+    /// How far the phases that carry the current now are above the mean winding, K.
+    #[inline]
+    pub(super) fn excess(&self) -> f64 {
+        let commutation = self.parameters.choices.commutation;
+        if commutation == Commutation::EquivalentDc {
+            return 0.0;
+        }
+        let angle = self.electrical_angle(&self.state);
+        self.phases.in_use(&commutation.shares(angle, angle))
+    }
+
+    /// The phases after `h` seconds that led from one state to the present one.
+    #[inline]
+    fn warm_phases(&mut self, from: &State<NODES>, h: f64) {
+        let p = &self.parameters;
+        if p.choices.commutation == Commutation::EquivalentDc {
+            return;
+        }
+        let (a, b) = (self.electrical_angle(from), self.electrical_angle(&self.state));
+        let shares = p.choices.commutation.shares(a, b);
+        let loss = |s: &State<NODES>| p.motor.resistance(s.temperature[0]) * s.x[0] * s.x[0];
+        let mut heat = 0.5 * (loss(from) + loss(&self.state));
+        if p.choices.drive_mode == DriveMode::Power {
+            let power = self.inputs.electrical_power + 0.5 * h * self.slopes.electrical_power;
+            heat += power * (1.0 - p.effects.drive_loss());
+        }
+        self.phases = self.phases.after(h, heat, &shares, p.thermal.C_w, p.thermal.R_wh);
+    }
+
+    /// The true ambient temperature over a piece that begins at `time`, K.
+    fn ambient(&self, time: f64) -> Line {
+        let drift = self.constants.drift();
+        Line {
+            start: self.inputs.ambient_temperature + drift * time + self.parameters.effects.ambient_offset(),
+            slope: self.slopes.ambient_temperature + drift,
+        }
+    }
+
+    /// Lets the coefficients of the network belong to the inputs of this instant.
+    pub(super) fn bring_network_to_inputs(&mut self) {
+        let ambient = self.ambient(self.time).start;
+        if let Some(network) = &mut self.network {
+            network.refresh(&self.parameters, &self.inputs, ambient, 0.0);
+        }
+    }
+
+    /// What winding and core see of the network at this instant.
+    pub(super) fn beyond(&self) -> Beyond {
+        let Some(network) = &self.network else { return Beyond::default() };
+        let draught = draught(&self.parameters, self.inputs.fan_command);
+        beyond(network, draught, self.ambient(self.time), None)
+    }
+}
+
+/// Conductances that effects add, W/K.
+fn draught(parameters: &Parameters, command: f64) -> PerNode {
+    let effects = &parameters.effects;
+    effects.ambient_conductance(Conductance::share(effects.fan_flow(command)))
+}
+
+/// What winding and core see of a network.
+fn beyond(network: &Network, draught: PerNode, ambient: Line, rates: Option<&States>) -> Beyond {
+    let body = &network.body;
+    let line = |start: f64, rate: fn(&Network, &States) -> f64| Line {
+        start,
+        slope: rates.map_or(0.0, |rates| rate(network, rates)),
+    };
+    let rotor = line(network.rotor_temperature(), Network::rotor_rate);
+    let core = line(network.housing_temperature(), Network::housing_rate);
+    let (to_rotor, to_ambient) = (body.winding_to_rotor, body.leads + draught.winding);
+    let sum = to_rotor + to_ambient;
+    let share = if sum > 0.0 { to_rotor / sum } else { 0.0 };
+    let mix = |a: f64, b: f64| share * a + (1.0 - share) * b;
+    Beyond {
+        conductance: PerNode { winding: sum, housing: body.from_stator * body.segments as f64 },
+        winding: Line { start: mix(rotor.start, ambient.start), slope: mix(rotor.slope, ambient.slope) },
+        core,
+        rotor,
+    }
+}

@@ -1,0 +1,428 @@
+//! Heat beyond winding and stator: rotor, housing in segments along the axis, and the tube around them.
+//!
+//! ```text
+//! C_r dT_r/dt = G_wr (T_w - T_r) + Q_r - sum_i G_rh/n (T_r - T_i)                          (1)
+//! C_i dT_i/dt = (T_s - T_i)/(n R_sh) + G_rh/n (T_r - T_i) + Q_h/n + G_x (T_{i-1} - 2 T_i + T_{i+1})
+//!               - direct_i (T_i - T_a) - q_air,i - G_tube (T_i - T_t)                      (2)
+//! C_t dT_t/dt = sum_i [G_tube (T_i - T_t) - q_air,t,i] - G_out (T_t - T_a)                 (3)
+//! ```
+//! T_w and T_s are winding and stator, the two nodes of `equations.rs`; q_air as `network/cooling.rs` says, with
+//! the air of one segment passing to the next. Each stands still as a node where its mode has no use for it.
+//!
+//! The two nodes see rotor and housing run along a line through a piece of a step, and the network takes the
+//! very heat that left them on the way, so no joule is lost between the two; that piece is cut until the line
+//! is good enough ([`Network::miss`]). The network itself is solved by `solver/stabilized.rs`.
+
+mod body;
+mod cooling;
+
+pub use body::Body;
+pub use cooling::{Coefficients, Conditions, Cooling};
+
+use super::{Inputs, Line, Parameters};
+use crate::solver::stabilized::{MOST, Stabilized, States, error};
+use cooling::Tangent;
+
+/// Most segments of the housing.
+pub const SEGMENTS: usize = 64;
+const ROTOR: usize = 0;
+const TUBE: usize = 1;
+const FIRST: usize = 2;
+
+/// Error of a temperature that a piece of a step may have, K.
+const TOLERANCE: f64 = 1e-6;
+
+/// Heat that comes into the network, W.
+#[derive(Clone, Copy, Debug)]
+pub struct Inflow {
+    rotor: f64,
+    segment: [f64; SEGMENTS],
+}
+
+/// Every flow of the network at one instant, W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flows {
+    /// From the rotor to the housing.
+    pub rotor_to_housing: f64,
+    /// From the housing to the room.
+    pub housing_to_room: f64,
+    /// From the housing to the passing air.
+    pub housing_to_air: f64,
+    /// From the housing to the tube, by radiation.
+    pub housing_to_tube: f64,
+    /// From the tube to the passing air.
+    pub tube_to_air: f64,
+    /// From the tube to the room.
+    pub tube_to_room: f64,
+    /// From the fan to the passing air.
+    pub fan_to_air: f64,
+    /// What the air carries away.
+    pub air_to_room: f64,
+    /// Temperature at which the air leaves, K.
+    pub outlet: f64,
+}
+
+/// The network of one motor with its temperatures.
+#[derive(Clone, Debug)]
+pub struct Network {
+    /// What it is made of.
+    pub body: Body,
+    cooling: Cooling,
+    /// Rotor, tube, segments, and energy given to ambient over the last piece.
+    states: States,
+    tangent: Tangent,
+    /// The coefficients in use.
+    now: Coefficients,
+    method: Stabilized,
+    /// Upper bound of the rates, 1/s.
+    fastest: f64,
+    /// Where the last piece led to.
+    next: States,
+    /// Length that the next piece of a step may try, s.
+    pub piece: f64,
+}
+
+impl Network {
+    /// The network at one temperature.
+    pub fn new(parameters: &Parameters, body: Body, temperature: f64) -> Network {
+        Network {
+            body,
+            cooling: Cooling::new(parameters, body.segments),
+            states: [temperature; MOST],
+            tangent: Tangent::NONE,
+            now: Coefficients::NONE,
+            method: Stabilized::default(),
+            fastest: 0.0,
+            next: [temperature; MOST],
+            piece: 1e-3,
+        }
+    }
+
+    /// Draws the consequences of parameters that were written. The number of segments must not have changed.
+    pub fn follow(&mut self, parameters: &Parameters, body: Body) {
+        self.body = body;
+        self.cooling = Cooling::new(parameters, body.segments);
+        self.tangent = Tangent::NONE;
+    }
+
+    fn housing(&self) -> &[f64] {
+        &self.states[FIRST..FIRST + self.body.segments]
+    }
+
+    /// Mean temperature of the housing, K.
+    pub fn housing_temperature(&self) -> f64 {
+        mean(self.housing())
+    }
+
+    /// Temperature of the rotor with its magnets; that of the housing where there is no such node, K.
+    pub fn rotor_temperature(&self) -> f64 {
+        if self.body.has(ROTOR) { self.states[ROTOR] } else { self.housing_temperature() }
+    }
+
+    /// Energy stored in the network above 0 K, J.
+    pub fn stored(&self) -> f64 {
+        let [rotor, tube, segment] = self.body.capacity;
+        rotor * self.states[ROTOR] + tube * self.states[TUBE] + segment * self.housing().iter().sum::<f64>()
+    }
+
+    /// Temperatures and what the next step depends on.
+    pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        let at = self.tangent.at;
+        let conditions = [at.surface, at.tube, at.ambient, at.pressure, at.command, self.piece];
+        self.states[..FIRST + self.body.segments].iter().copied().chain(conditions)
+    }
+
+    /// Takes back what [`to_numbers`](Self::to_numbers) gave; `None` where the numbers run out.
+    pub fn take_numbers(
+        &mut self,
+        parameters: &Parameters,
+        next: &mut impl FnMut() -> Option<f64>,
+    ) -> Option<()> {
+        for state in &mut self.states[..FIRST + self.body.segments] {
+            *state = next()?;
+        }
+        let at = Conditions {
+            surface: next()?,
+            tube: next()?,
+            ambient: next()?,
+            pressure: next()?,
+            command: next()?,
+        };
+        self.piece = next()?;
+        self.tangent =
+            if at.surface.is_nan() { Tangent::NONE } else { Tangent::new(&self.cooling, parameters, at) };
+        Some(())
+    }
+
+    /// Brings the coefficients to the inputs, with the housing `ahead` kelvin warmer than it is.
+    pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: f64) {
+        let at = Conditions {
+            surface: self.housing_temperature() + ahead,
+            tube: self.states[TUBE],
+            ambient,
+            pressure: inputs.ambient_pressure,
+            command: inputs.fan_command,
+        };
+        if !self.tangent.serves(&at) {
+            self.tangent = Tangent::new(&self.cooling, parameters, at);
+            self.tangent.coefficients(&at, self.body.segments, &mut self.now);
+            self.fastest = self.bound();
+        } else {
+            self.tangent.coefficients(&at, self.body.segments, &mut self.now);
+        }
+    }
+
+    /// Lets the next [`refresh`](Network::refresh) compute the coefficients anew.
+    pub fn forget(&mut self) {
+        self.tangent = Tangent::NONE;
+    }
+
+    /// The coefficients in use.
+    pub fn coefficients(&self) -> &Coefficients {
+        &self.now
+    }
+
+    /// The heat that comes in at one instant from winding and stator at their temperatures, and `friction` watts.
+    pub fn inflow(&self, winding: f64, stator: f64, friction: f64) -> Inflow {
+        let body = &self.body;
+        let n = body.segments;
+        let to_housing = friction * (1.0 - body.friction_to_rotor) / n as f64;
+        let mut segment = [0.0; SEGMENTS];
+        for (q, t) in segment.iter_mut().zip(self.housing()) {
+            *q = body.from_stator * (stator - t) + to_housing;
+        }
+        let rotor =
+            body.winding_to_rotor * (winding - self.states[ROTOR]) + friction * body.friction_to_rotor;
+        Inflow { rotor, segment }
+    }
+
+    /// The mean heat over a piece of `h` seconds, from the integrals of winding and stator over time and the
+    /// friction's energy, with rotor and housing on their lines. With it, what left winding and stator, J.
+    fn mean_inflow(&self, rates: &States, h: f64, passed: &Passage) -> (Inflow, f64) {
+        let body = &self.body;
+        let &Passage { winding, stator, friction } = passed;
+        let to_housing = friction * (1.0 - body.friction_to_rotor) / body.segments as f64;
+        let along = |k: usize| h * (self.states[k] + 0.5 * h * rates[k]);
+        let mut inflow = Inflow { rotor: 0.0, segment: [0.0; SEGMENTS] };
+        let from_winding = body.winding_to_rotor * (winding - along(ROTOR));
+        let mut left = from_winding;
+        inflow.rotor = (from_winding + friction * body.friction_to_rotor) / h;
+        for k in 0..body.segments {
+            let q = body.from_stator * (stator - along(FIRST + k));
+            left += q;
+            inflow.segment[k] = (q + to_housing) / h;
+        }
+        (inflow, left)
+    }
+
+    /// Derivatives of all states, eqs. (1) to (3), K/s, and the heat flow to ambient, W.
+    fn rates(&self, ambient: f64, inflow: &Inflow, y: &States, out: &mut States) {
+        let (body, c) = (&self.body, &self.now);
+        let n = body.segments;
+        let (rotor, tube) = (y[ROTOR], y[TUBE]);
+        let [per_rotor, per_tube, per_joule] = body.per_joule;
+        let mut air = ambient + c.inlet_rise;
+        let (mut from_rotor, mut to_tube, mut leaving) = (0.0, 0.0, -c.inlet_rise * c.stream);
+        let mut before = y[FIRST];
+        for k in 0..n {
+            let t = y[FIRST + k];
+            let after = if k + 1 < n { y[FIRST + k + 1] } else { t };
+            let from = body.from_rotor * (rotor - t);
+            let direct = c.direct[k] * (t - ambient);
+            let radiated = c.to_tube * (t - tube);
+            let along = body.axial * (before - 2.0 * t + after);
+            let Passing { segment, tube: from_tube, air: next } = passing(c, k, t, tube, air);
+            air = next;
+            from_rotor += from;
+            to_tube += radiated - from_tube;
+            leaving += direct;
+            out[FIRST + k] = (inflow.segment[k] + from + along - direct - radiated - segment) * per_joule;
+            before = t;
+        }
+        let outside = c.tube_to_room * (tube - ambient);
+        out[ROTOR] = (inflow.rotor - from_rotor) * per_rotor;
+        out[TUBE] = (to_tube - outside) * per_tube;
+        out[FIRST + n] = leaving + outside + c.stream * (air - ambient);
+    }
+
+    /// Derivatives at the present temperatures, K/s.
+    pub fn rates_now(&self, ambient: f64, inflow: &Inflow) -> States {
+        let mut out = [0.0; MOST];
+        self.rates(ambient, inflow, &self.states, &mut out);
+        out
+    }
+
+    /// Mean over the segments of what [`rates_now`](Self::rates_now) gave for them.
+    pub fn housing_rate(&self, rates: &States) -> f64 {
+        mean(&rates[FIRST..FIRST + self.body.segments])
+    }
+
+    /// The rotor's share of what [`rates_now`](Self::rates_now) gave; the housing's where there is no rotor.
+    pub fn rotor_rate(&self, rates: &States) -> f64 {
+        if self.body.has(ROTOR) { rates[ROTOR] } else { self.housing_rate(rates) }
+    }
+
+    /// Energy that all nodes take at these rates, W: rotor, tube, housing.
+    pub fn stored_rates(&self, rates: &States) -> [f64; 3] {
+        let [rotor, tube, segment] = self.body.capacity;
+        [
+            rotor * rates[ROTOR],
+            tube * rates[TUBE],
+            segment * self.body.segments as f64 * self.housing_rate(rates),
+        ]
+    }
+
+    /// Heat flow to ambient at the rates that [`rates_now`](Self::rates_now) gave, without the fan's power, W.
+    pub fn to_ambient(&self, rates: &States) -> f64 {
+        rates[FIRST + self.body.segments]
+    }
+
+    /// Advances by a piece of `h` seconds: `rates` those at its start under the heat `begun`, `passed` what winding
+    /// and stator did over it, ambient on a line. [`accept`](Self::accept) takes the outcome.
+    pub fn advance(
+        &mut self,
+        h: f64,
+        (rates, begun): (&States, &Inflow),
+        passed: &Passage,
+        ambient: Line,
+    ) -> Advance {
+        let (n, count) = (self.body.segments, self.body.states());
+        let (inflow, left) = self.mean_inflow(rates, h, passed);
+        let stiffness = h * self.fastest;
+        if stiffness > self.method.stiffness() || self.method.stages() > 2 {
+            self.method = Stabilized::for_stiffness(stiffness);
+        }
+        self.states[FIRST + n] = 0.0;
+        // The rates at the start are those of another inflow, in which they are linear.
+        let mut first = *rates;
+        let [rotor, _, segment] = self.body.per_joule;
+        first[ROTOR] += (inflow.rotor - begun.rotor) * rotor;
+        for k in 0..n {
+            first[FIRST + k] += (inflow.segment[k] - begun.segment[k]) * segment;
+        }
+        let at = |t: f64, y: &States, out: &mut States| self.rates(ambient.at(t), &inflow, y, out);
+        let end = self.method.step(count, &self.states, &first, h, at);
+        let mut worst = self.miss(rates, &end, h);
+        // A bound of the local error, (h lambda)^2 h y'/6, which at steps of milliseconds is far below the estimate's
+        // own rounding; only where it is not is the estimate worth another evaluation.
+        let steepest = first[..FIRST + n].iter().fold(0.0f64, |m, r| m.max(r.abs()));
+        if stiffness * stiffness * h * steepest > 0.1 * TOLERANCE {
+            let mut last = [0.0; MOST];
+            at(h, &end, &mut last);
+            for k in 0..FIRST + n {
+                worst = worst.max(error(self.states[k], first[k], end[k], last[k], h).abs());
+            }
+        }
+        self.next = end;
+        let over = if stiffness > self.method.stiffness() { f64::INFINITY } else { worst / TOLERANCE };
+        Advance { left, to_ambient: end[FIRST + n], error: over }
+    }
+
+    /// What the stator misses over a piece since the housing did not run along its line, K: a third of the
+    /// difference at the end, for a parabola, times the share of its heat that the stator exchanges.
+    fn miss(&self, rates: &States, end: &States, h: f64) -> f64 {
+        let n = self.body.segments;
+        let line = self.housing_temperature() + h * self.housing_rate(rates);
+        let off = mean(&end[FIRST..FIRST + n]) - line;
+        let exchange = h
+            * self.body.from_stator
+            * n as f64
+            * (1.0 / self.body.stator + 1.0 / (n as f64 * self.body.capacity[2]));
+        (off * exchange / 3.0).abs()
+    }
+
+    /// Takes the states that the last piece led to.
+    pub fn accept(&mut self) {
+        let in_use = self.body.states();
+        self.states[..in_use].copy_from_slice(&self.next[..in_use]);
+    }
+
+    /// Upper bound of the network's rates, 1/s (Gershgorin).
+    fn bound(&self) -> f64 {
+        let (body, c) = (&self.body, &self.now);
+        let n = body.segments;
+        let mut most = 0.0f64;
+        for k in 0..n {
+            let flows = c.direct[k] + c.films[k] + c.to_tube + body.from_rotor;
+            most = most.max(flows);
+        }
+        let segment = (2.0 * most + 4.0 * body.axial) / body.capacity[2];
+        let of =
+            |conductance: f64, capacity: f64| if capacity > 0.0 { 2.0 * conductance / capacity } else { 0.0 };
+        let tube: f64 = c.films[..n].iter().sum::<f64>() + n as f64 * c.to_tube + c.tube_to_room;
+        let rotor = n as f64 * body.from_rotor + body.winding_to_rotor;
+        segment.max(of(tube, body.capacity[TUBE])).max(of(rotor, body.capacity[ROTOR]))
+    }
+
+    /// Every flow at the present temperatures, for the books and the outputs.
+    pub fn flows(&self, ambient: f64) -> Flows {
+        let (body, c, y) = (&self.body, &self.now, &self.states);
+        let (rotor, tube) = (y[ROTOR], y[TUBE]);
+        let mut flows = Flows {
+            tube_to_room: c.tube_to_room * (tube - ambient),
+            fan_to_air: c.inlet_rise * c.stream,
+            ..Flows::default()
+        };
+        let mut air = ambient + c.inlet_rise;
+        for (k, &t) in self.housing().iter().enumerate() {
+            flows.rotor_to_housing += body.from_rotor * (rotor - t);
+            flows.housing_to_room += c.direct[k] * (t - ambient);
+            flows.housing_to_tube += c.to_tube * (t - tube);
+            let p = passing(c, k, t, tube, air);
+            flows.housing_to_air += p.segment;
+            flows.tube_to_air += p.tube;
+            air = p.air;
+        }
+        flows.air_to_room = c.stream * (air - ambient);
+        flows.outlet = air;
+        flows
+    }
+}
+
+/// What winding and stator did over a piece of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    /// Integral of the winding's temperature, K.s.
+    pub winding: f64,
+    /// Integral of the stator's temperature, K.s.
+    pub stator: f64,
+    /// Friction heat, J.
+    pub friction: f64,
+}
+
+/// Where a piece of a step has led.
+#[derive(Clone, Copy, Debug)]
+pub struct Advance {
+    /// Heat that winding and stator gave to the network, J.
+    pub left: f64,
+    /// Heat that the network gave to ambient, J.
+    pub to_ambient: f64,
+    /// Error over what is allowed.
+    pub error: f64,
+}
+
+/// What one segment and its stretch of tube give to the passing air, W, and the air behind them, K.
+struct Passing {
+    segment: f64,
+    tube: f64,
+    air: f64,
+}
+
+/// Eq. (2) of `network/cooling.rs`.
+#[inline]
+fn passing(c: &Coefficients, k: usize, t: f64, tube: f64, air: f64) -> Passing {
+    let (share, films) = (c.share[k], c.films[k]);
+    let wall = tube + share * (t - tube);
+    let taken = c.take[k] * (wall - air);
+    let carried = c.stream * taken;
+    Passing {
+        segment: share * (films * (t - wall) + carried),
+        tube: (1.0 - share) * (films * (tube - wall) + carried),
+        air: air + taken,
+    }
+}
+
+#[inline]
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}

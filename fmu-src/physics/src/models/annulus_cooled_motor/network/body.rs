@@ -1,0 +1,103 @@
+//! What the network beyond winding and stator is made of.
+
+use super::{FIRST, SEGMENTS};
+use crate::effects::Effect;
+use crate::models::annulus_cooled_motor::{CoolingMode, Parameters};
+
+/// What the network is made of, from the parameters alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// Segments of the housing.
+    pub segments: usize,
+    /// Heat capacities: rotor, tube, one segment, J/K; 0 for a node that is not there.
+    pub capacity: [f64; 3],
+    /// Their reciprocals, K/J; 0 for a node that is not there, which then stands still.
+    pub per_joule: [f64; 3],
+    /// Heat capacity of the stator, the node beside the winding, J/K.
+    pub stator: f64,
+    /// From stator to one segment, W/K.
+    pub from_stator: f64,
+    /// From winding to rotor, W/K.
+    pub winding_to_rotor: f64,
+    /// From rotor to one segment, W/K.
+    pub from_rotor: f64,
+    /// Between neighbouring segments, W/K.
+    pub axial: f64,
+    /// From the winding along its leads to ambient, W/K.
+    pub leads: f64,
+    /// Share of friction heat that goes to the rotor.
+    pub friction_to_rotor: f64,
+    /// Whether heat of the iron is set free in the stator; else it goes with the friction.
+    pub iron_in_stator: bool,
+}
+
+impl Body {
+    /// The network that these parameters ask for; `None` for two nodes alone.
+    pub fn of(parameters: &Parameters) -> Option<Body> {
+        let (thermal, (resistance, capacity)) = (&parameters.thermal, parameters.effects.stator());
+        if parameters.choices.cooling_mode == CoolingMode::Conductance {
+            // Winding and stator, with the housing as the one segment beyond.
+            return (capacity > 0.0).then(|| Body {
+                segments: 1,
+                capacity: [0.0, 0.0, thermal.C_h],
+                per_joule: [0.0, 0.0, 1.0 / thermal.C_h],
+                stator: capacity,
+                from_stator: 1.0 / resistance,
+                winding_to_rotor: 0.0,
+                from_rotor: 0.0,
+                axial: 0.0,
+                leads: 0.0,
+                friction_to_rotor: 0.0,
+                iron_in_stator: false,
+            });
+        }
+        let n = parameters.choices.air_segments.clamp(1.0, SEGMENTS as f64);
+        let has_tube =
+            matches!(parameters.choices.cooling_mode, CoolingMode::AnnulusPush | CoolingMode::AnnulusPull);
+        let rest = thermal.C_h - thermal.C_r;
+        let tube = if has_tube { parameters.annulus.capacity() } else { 0.0 };
+        let capacity_of_nodes = [thermal.C_r, tube, rest * (1.0 - thermal.stator_share) / n];
+        Some(Body {
+            segments: n as usize,
+            capacity: capacity_of_nodes,
+            per_joule: capacity_of_nodes.map(|c| if c > 0.0 { 1.0 / c } else { 0.0 }),
+            stator: rest * thermal.stator_share + capacity,
+            from_stator: 1.0 / (n * (thermal.R_sh + resistance)),
+            winding_to_rotor: thermal.G_wr,
+            from_rotor: thermal.G_rh / n,
+            axial: parameters.housing.axial_conductance(n as usize),
+            leads: thermal.G_leads,
+            friction_to_rotor: thermal.friction_to_rotor,
+            iron_in_stator: true,
+        })
+    }
+
+    /// What is wrong with the parameters taken together, in one sentence.
+    pub fn fault(parameters: &Parameters) -> Option<String> {
+        let (p, mode) = (parameters, parameters.choices.cooling_mode);
+        if mode == CoolingMode::Conductance {
+            return None;
+        }
+        if p.thermal.C_r >= p.thermal.C_h {
+            return Some(format!(
+                "thermal.C_r = {} J/K is a part of thermal.C_h = {} J/K and must be below it.",
+                p.thermal.C_r, p.thermal.C_h
+            ));
+        }
+        if mode == CoolingMode::Bare {
+            return None;
+        }
+        let tube = || p.annulus.fault(&p.housing);
+        p.fan.fault().or_else(|| if mode == CoolingMode::FanCrossflow { None } else { tube() })
+    }
+
+    /// Temperatures and the energy given to ambient, as many as are in use.
+    pub(super) fn states(&self) -> usize {
+        FIRST + self.segments + 1
+    }
+
+    /// Whether a node is there.
+    pub(super) fn has(&self, node: usize) -> bool {
+        self.capacity[node] > 0.0
+    }
+}
