@@ -52,11 +52,11 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let library = library_path()?;
     let mut paths = Vec::new();
     for kind in chosen(&args.models)? {
-        // A preset belongs to its model, terms to one that takes them. Where all are built, the others go without;
-        // where one is named that they are not for, they are refused.
+        // A preset belongs to its model, and not every model takes terms. Where all are built, the others are built
+        // without; where one is named that they are not for, they are refused.
         let named = !args.models.is_empty();
         let fits = |p: &&Preset| named || p.model == (kind.declaration)().name;
-        let takes = |_: &&TermsFile| named || (kind.new)().set_terms(&[]);
+        let takes = |f: &&TermsFile| named || f.terms().map_or(true, |terms| (kind.new)().set_terms(&terms));
         let contents =
             Contents { preset: preset.as_ref().filter(fits), effects: effects.as_ref().filter(takes) };
         for standard in standards {

@@ -123,14 +123,23 @@ fn a_whole_number_is_an_integer_in_both_standards() {
 }
 
 #[test]
-fn the_gearmotor_has_no_fan_and_no_power_input() {
+fn the_gearmotor_has_no_fan_no_power_input_and_a_bridge_of_its_own() {
+    const IDLE: [&str; 8] = [
+        "fan_back_pressure",
+        "drive_loss",
+        "pwm_ripple",
+        "bridge_drop",
+        "dead_time",
+        "stator_node",
+        "housing_sensor_lag",
+        "generic_term",
+    ];
     let kind = models::by_name("BrushedGearmotor").unwrap();
     let declaration = (kind.declaration)();
     let found = Dependencies::of(kind, &[]);
     let names = |on: &[usize]| on.iter().map(|k| declaration.entries[*k].name.as_str()).collect::<Vec<_>>();
     for (output, on) in found.running.iter().chain(&found.initial) {
-        let idle =
-            names(on).into_iter().find(|n| n.contains("fan_back_pressure") || n.contains("drive_loss"));
+        let idle = names(on).into_iter().find(|name| IDLE.iter().any(|idle| name.contains(idle)));
         assert_eq!(idle, None, "{}", declaration.entries[*output].name);
     }
     let voltage = declaration.entries.iter().position(|e| e.name == "voltage").unwrap();

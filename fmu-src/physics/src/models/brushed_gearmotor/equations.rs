@@ -15,10 +15,10 @@
 //!
 //! *Effects* act as everywhere, with this meaning: drags at the output shaft; the contacts' drop at the mean
 //! current, all through the cycle; what leaves winding or housing for "ambient" (radiation, forced convection)
-//! reaches the box. There is no fan (its command is 0) and no input electrical_power, so `fan_back_pressure`,
-//! a `forced_convection` that follows the fan, and `drive_loss` do nothing; nor do the effects of a drive that this
-//! model has itself (`bridge_drop`, `dead_time`, `pwm_ripple`), `stator_node`, and `housing_sensor_lag`. The offsets
-//! and stem losses of the sensors show in winding_temperature and housing_temperature.
+//! reaches the box, whose temperature sensors of winding and housing see as their surroundings. There is no fan (its
+//! command is 0) and no input electrical_power, so `fan_back_pressure`, a `forced_convection` that follows the fan, and
+//! `drive_loss` do nothing; nor do `pwm_ripple`, `bridge_drop` and `dead_time`, whose place the bridge's own cycle takes.
+//! `stator_node` and `housing_sensor_lag` have no node and no state here, and `generic_term` is not taken.
 //!
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
 //! `solver/reference.rs`, which takes [`Step::rates`].

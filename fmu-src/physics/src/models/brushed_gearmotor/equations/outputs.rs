@@ -50,7 +50,7 @@ impl Step<'_> {
         use Account::*;
         let (x, temperature) = (&state.x, &state.temperature);
         let (i, w) = (x[0], x[1]);
-        let t_w = temperature[WINDING];
+        let (t_w, effects) = (temperature[WINDING], &self.model.effects);
         let p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
         let shaft_torque = self.load.at(0.0);
@@ -68,7 +68,7 @@ impl Step<'_> {
         let work_mechanical = gained.kinetic + energy_shaft + friction;
         let [voltage_electrical, voltage_magnetic, voltage_mechanical] = p.voltages;
         let [power_electrical, power_magnetic, power_mechanical] = p.powers;
-        let (effects, ambient) = (&self.model.effects, self.ambient.at(0.0));
+        let effects = &self.model.effects;
         let voltage_total = p.voltages.iter().sum();
         Outputs {
             voltage: voltage_total,
@@ -76,8 +76,8 @@ impl Step<'_> {
             shaft_angle: state.angle,
             shaft_speed: w,
             shaft_torque,
-            winding_temperature: effects.winding_sensor(t_w, ambient),
-            housing_temperature: effects.housing_sensor(temperature[HOUSING], ambient),
+            winding_temperature: effects.winding_sensor(t_w, temperature[BOX]),
+            housing_temperature: effects.housing_sensor(temperature[HOUSING], temperature[BOX]),
             box_temperature: temperature[BOX],
             voltage_electrical,
             voltage_magnetic,

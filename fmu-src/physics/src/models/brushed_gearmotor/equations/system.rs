@@ -146,6 +146,7 @@ impl System<NODES> for Step<'_> {
             electrical,
             mechanical: load,
             ambient: drive,
+            aside: 0.0,
             doubt: doubt_friction + doubt_terminals + doubt_supply + doubt_ripple,
         }
     }
