@@ -44,10 +44,12 @@ class LogLine(NamedTuple):
 
 
 class FmuError(RuntimeError):
-    """A call that the FMU refused: its name, the status it returned, and the log lines that came with it."""
+    """A call that the FMU refused: its name, the status it returned, and the log lines that came with it.
 
-    def __init__(self, call: FMICallException, lines: list[LogLine]):
-        self.function, self.status, self.lines = call.function, call.status, lines
+    An instance that is not made has neither name nor status, for fmpy tells neither."""
+
+    def __init__(self, call: Exception, lines: list[LogLine]):
+        self.function, self.status, self.lines = getattr(call, "function", None), getattr(call, "status", None), lines
         super().__init__(f"{call} {' '.join(line.text for line in lines)}".strip())
 
 
@@ -112,13 +114,14 @@ class Instance:
             unzipDirectory=archive.folder,
             instanceName=name,
         )
-        if archive.version == "2.0":
+        two = archive.version == "2.0"
+        self.slave = FMU2Slave(**arguments) if two else FMU3Slave(**arguments)
+        if two:
             _fmi2_logger.sinks[name.encode()] = self.lines
-            self.slave = FMU2Slave(**arguments)
-            self.slave.instantiate(callbacks=_fmi2_logger.callbacks, loggingOn=True)
-        else:
-            self.slave = FMU3Slave(**arguments)
-            self.slave.instantiate(loggingOn=True, logMessage=self._log3)
+        try:
+            self.slave.instantiate(loggingOn=True, **({"callbacks": _fmi2_logger.callbacks} if two else {"logMessage": self._log3}))
+        except Exception as error:
+            raise FmuError(error, self.lines) from None
 
     def _log3(self, _environment, status, category, message):
         self.lines.append(LogLine(status, (category or b"").decode(), (message or b"").decode()))

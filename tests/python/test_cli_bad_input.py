@@ -49,6 +49,11 @@ def test_unknown_item(simulate):
     one_sentence(simulate("--set", "drive_mode=steam"), CANNOT, "drive_mode", "steam", "current")
 
 
+def test_preset_of_another_model(motor_fmu, tmp_path):
+    done = motor_fmu("build", "AnnulusCooledMotor", "--preset", "bdcm-37d", "--out", tmp_path)
+    one_sentence(done, CANNOT, "bdcm-37d", "BrushedGearmotor", "AnnulusCooledMotor")
+
+
 def test_missing_archive(motor_fmu, tmp_path):
     one_sentence(motor_fmu("simulate", tmp_path / "none.fmu"), CANNOT, "none.fmu")
 

@@ -40,6 +40,8 @@ pub enum Scale {
 pub enum Kind {
     /// 64-bit floating point.
     Real,
+    /// A whole number.
+    Integer,
     /// True or false.
     Boolean,
     /// One of named choices.
@@ -65,6 +67,17 @@ impl Scalar for f64 {
     #[inline(always)]
     fn from_f64(value: f64) -> Option<f64> {
         Some(value)
+    }
+}
+
+impl Scalar for i32 {
+    const KIND: Kind = Kind::Integer;
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+    fn from_f64(value: f64) -> Option<i32> {
+        // The cast saturates and drops fractions and NaN; what comes back unchanged was a whole number that fits.
+        (f64::from(value as i32) == value).then_some(value as i32)
     }
 }
 
@@ -160,6 +173,18 @@ impl Variable {
         )
     }
 
+    /// A whole number that holds for the whole run.
+    pub const fn count(value_reference: u32, start: i32, min: i32, max: i32) -> Variable {
+        let mut row = Variable::tunable_count(value_reference, start, min, max);
+        row.variability = Variability::Fixed;
+        row
+    }
+
+    /// A whole number that may be changed between steps.
+    pub const fn tunable_count(value_reference: u32, start: i32, min: i32, max: i32) -> Variable {
+        Variable::tunable(value_reference, start as f64, Unit::One, min as f64, max as f64)
+    }
+
     /// An input, continuous between communication points where the importer gives slopes.
     pub const fn input(value_reference: u32, start: f64, unit: Unit, min: f64, max: f64) -> Variable {
         Variable::new(value_reference, Causality::Input, Variability::Continuous, unit, start, min, max)
@@ -227,4 +252,21 @@ pub trait Group {
     /// # Panics
     /// Where the table has no such row.
     fn set(&mut self, index: usize, value: f64) -> bool;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_whole_number_takes_whole_numbers_only() {
+        assert_eq!(i32::from_f64(7.0), Some(7));
+        assert_eq!(i32::from_f64(-3.0), Some(-3));
+        for no in [0.5, f64::NAN, f64::INFINITY, 3e9] {
+            assert_eq!(i32::from_f64(no), None, "{no}");
+        }
+        let (fixed, tunable) = (Variable::count(1, 4, 1, 8), Variable::tunable_count(1, 4, 1, 8));
+        assert_eq!((fixed.variability, tunable.variability), (Variability::Fixed, Variability::Tunable));
+        assert_eq!((fixed.start, fixed.min, fixed.max), (4.0, 1.0, 8.0));
+    }
 }

@@ -4,6 +4,7 @@ use crate::instance::Instance;
 use crate::logger::{Log, Sink, Status};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 /// Why a call is not done.
 #[derive(Debug)]
@@ -70,6 +71,10 @@ pub struct Wanted {
     pub name: *const c_char,
     /// GUID or instantiation token.
     pub token: *const c_char,
+    /// Where the archive's resources are; NULL where they are not wanted.
+    pub resources: *const c_char,
+    /// Reads that text.
+    pub locate: fn(&str) -> Option<PathBuf>,
     /// Where messages are to go.
     pub sink: Sink,
     /// Whether events are told too.
@@ -84,7 +89,8 @@ pub struct Wanted {
 /// The texts are NULL or end in zero.
 pub unsafe fn hand_out(wanted: Wanted) -> *mut c_void {
     // SAFETY: by contract.
-    let (name, token) = unsafe { (text(wanted.name).unwrap_or_default(), text(wanted.token)) };
+    let (name, token, resources) =
+        unsafe { (text(wanted.name).unwrap_or_default(), text(wanted.token), text(wanted.resources)) };
     let made = catch_unwind(AssertUnwindSafe(|| {
         if name.is_empty() {
             return Err(Refused::error("the instance name is missing."));
@@ -92,7 +98,8 @@ pub unsafe fn hand_out(wanted: Wanted) -> *mut c_void {
         if let Some(sentence) = wanted.beyond {
             return Err(Refused::error(sentence));
         }
-        Instance::new(token.as_deref(), Log::new(wanted.sink, &name, wanted.logging_on))
+        let resources = resources.as_deref().and_then(wanted.locate);
+        Instance::new(token.as_deref(), resources.as_deref(), Log::new(wanted.sink, &name, wanted.logging_on))
     }));
     let refused = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),

@@ -9,6 +9,7 @@ use crate::boundary::{
 use crate::instance::Type;
 use crate::life_cycle;
 use crate::logger::{Logger2, Sink, Status};
+use crate::resources::of_uri;
 use crate::saved_handle::{self, deserialize, free, save, serialize, serialized_size};
 use std::ffi::{c_char, c_int, c_void};
 
@@ -100,7 +101,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     name: *const c_char,
     interface: c_int,
     guid: *const c_char,
-    _resources: *const c_char,
+    resources: *const c_char,
     functions: *const CallbackFunctions,
     _visible: Boolean,
     logging_on: Boolean,
@@ -115,7 +116,16 @@ pub unsafe extern "C" fn fmi2Instantiate(
         let beyond = (interface != CO_SIMULATION)
             .then(|| format!("the interface type {interface} is not in this FMU; 1, Co-Simulation, is."));
         let logging_on = logging_on != 0;
-        hand_out(Wanted { function: "fmi2Instantiate", name, token: guid, sink, logging_on, beyond })
+        hand_out(Wanted {
+            function: "fmi2Instantiate",
+            name,
+            token: guid,
+            resources,
+            locate: of_uri,
+            sink,
+            logging_on,
+            beyond,
+        })
     }
 }
 
@@ -186,7 +196,7 @@ macro_rules! values {
 }
 
 values!(fmi2GetReal, fmi2SetReal, f64, Type::Real, |x| x, |x| x);
-values!(fmi2GetInteger, fmi2SetInteger, c_int, Type::Enumeration, |x| x as c_int, f64::from);
+values!(fmi2GetInteger, fmi2SetInteger, c_int, Type::Integer, |x| x as c_int, f64::from);
 values!(fmi2GetBoolean, fmi2SetBoolean, Boolean, Type::Boolean, |x| c_int::from(x != 0.0), f64::from);
 values!(fmi2GetString, fmi2SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), |_| f64::NAN);
 

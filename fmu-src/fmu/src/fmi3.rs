@@ -13,6 +13,7 @@ pub use values::*;
 use crate::boundary::{Wanted, enter, hand_out, place, set_logging, take_back, write};
 use crate::life_cycle;
 use crate::logger::{Logger3, Sink, Status};
+use crate::resources::of_path;
 use crate::saved_handle;
 use std::ffi::{c_char, c_void};
 
@@ -51,7 +52,7 @@ fn sink(log_message: Option<Logger3>, environment: *mut c_void) -> Sink {
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     name: *const c_char,
     token: *const c_char,
-    _resources: *const c_char,
+    resources: *const c_char,
     _visible: Boolean,
     logging_on: Boolean,
     event_mode_used: Boolean,
@@ -72,7 +73,16 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let (sink, logging_on) = (sink(log_message, environment), logging_on != 0);
     let beyond = beyond.map(str::to_string);
     unsafe {
-        hand_out(Wanted { function: "fmi3InstantiateCoSimulation", name, token, sink, logging_on, beyond })
+        hand_out(Wanted {
+            function: "fmi3InstantiateCoSimulation",
+            name,
+            token,
+            resources,
+            locate: of_path,
+            sink,
+            logging_on,
+            beyond,
+        })
     }
 }
 

@@ -5,6 +5,8 @@ use crate::logger::{CATEGORIES, Log};
 use crate::saved::Saved;
 use physics::declare::Kind;
 use physics::model::{Entry, Model, ModelType, Refusal, TIME};
+use physics::terms::GenericTerm;
+use std::path::Path;
 
 /// Where an instance is in its life cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +48,8 @@ impl Mode {
 pub enum Type {
     /// FMI 2 Real, FMI 3 Float64.
     Real,
-    /// FMI 2 Integer, FMI 3 Int64: enumerations.
-    Enumeration,
+    /// FMI 2 Integer, FMI 3 Int64: whole numbers and enumerations.
+    Integer,
     /// Boolean.
     Boolean,
     /// A type that no variable has, with its name.
@@ -59,14 +61,14 @@ impl Type {
         match entry.row.kind {
             Kind::Real => Type::Real,
             Kind::Boolean => Type::Boolean,
-            Kind::Enumeration(_) => Type::Enumeration,
+            Kind::Integer | Kind::Enumeration(_) => Type::Integer,
         }
     }
 
     fn words(self) -> &'static str {
         match self {
             Type::Real => "Real (Float64)",
-            Type::Enumeration => "Enumeration",
+            Type::Integer => "Integer (Int64)",
             Type::Boolean => "Boolean",
             Type::Absent(name) => name,
         }
@@ -77,6 +79,8 @@ impl Type {
 pub struct Instance {
     kind: &'static ModelType,
     model: Box<dyn Model>,
+    /// The terms of the archive.
+    terms: Vec<GenericTerm>,
     mode: Mode,
     /// Start and stop time, s; the stop is infinite where it was not announced.
     window: (f64, f64),
@@ -87,8 +91,8 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// The instance of the model with this token.
-    pub fn new(token: Option<&str>, log: Log) -> Outcome<Instance> {
+    /// The instance of the model with this token, with the terms in its archive's resources.
+    pub fn new(token: Option<&str>, resources: Option<&Path>, log: Log) -> Outcome<Instance> {
         let Some(kind) = token.and_then(physics::models::by_token) else {
             let known: Vec<String> = physics::models::ALL
                 .iter()
@@ -101,9 +105,18 @@ impl Instance {
                 known.join(", ")
             )));
         };
-        let model = crate::new_model(kind);
+        let terms = resources.map_or(Ok(Vec::new()), terms::of_resources);
+        let terms = terms.map_err(|error| Refused::error(format!("{error}.")))?;
+        let Some(model) = crate::new_model(kind, &terms) else {
+            return Err(Refused::error(format!(
+                "{} does not take the {} terms of {}.",
+                (kind.declaration)().name,
+                terms.len(),
+                terms::FILE_NAME
+            )));
+        };
         let window = (0.0, f64::INFINITY);
-        Ok(Instance { kind, model, mode: Mode::Instantiated, window, unsettled: true, log })
+        Ok(Instance { kind, model, terms, mode: Mode::Instantiated, window, unsettled: true, log })
     }
 
     fn require(&self, allowed: &[Mode]) -> Outcome {
@@ -176,7 +189,8 @@ impl Instance {
 
     /// Any -> instantiated, as new: start values, time and integrator.
     pub fn reset(&mut self) -> Outcome {
-        self.model = crate::new_model(self.kind);
+        self.model = crate::new_model(self.kind, &self.terms)
+            .ok_or_else(|| Refused::error("the model no longer takes the terms that it has taken."))?;
         self.mode = Mode::Instantiated;
         self.window = (0.0, f64::INFINITY);
         self.unsettled = true;

@@ -18,22 +18,27 @@ pub mod fmi2;
 pub mod fmi3;
 pub mod instance;
 pub mod logger;
+pub mod resources;
 pub mod saved;
 pub mod saved_handle;
 
 use physics::model::{Model, ModelType};
 use physics::start_values;
+use physics::terms::GenericTerm;
 
 /// The start values that the archive's builder has written into this library.
 #[used]
 static START_VALUES: [u8; start_values::SIZE] = start_values::empty();
 
-/// A model at the archive's start values.
-pub(crate) fn new_model(kind: &ModelType) -> Box<dyn Model> {
+/// A model at the archive's start values that carries these terms; `None` where it takes none such.
+pub(crate) fn new_model(kind: &ModelType, terms: &[GenericTerm]) -> Option<Box<dyn Model>> {
     // SAFETY: the address is that of a live static. The read is volatile because the bytes in the file need not
     // be those the compiler saw.
     let block = unsafe { std::ptr::read_volatile(&START_VALUES) };
     let mut model = (kind.new)();
+    if !terms.is_empty() && !model.set_terms(terms) {
+        return None;
+    }
     let declaration = model.declaration();
     for (value_reference, value) in start_values::entries(&block) {
         // The builder has checked the values; what does not fit this model is not for it.
@@ -43,5 +48,5 @@ pub(crate) fn new_model(kind: &ModelType) -> Box<dyn Model> {
             model.set(entry.slot, value);
         }
     }
-    model
+    Some(model)
 }

@@ -88,6 +88,12 @@ fn refused_calls_say_why_and_change_nothing() {
         &["voltage", "Real"],
     );
     unchanged_by(
+        "count",
+        |m| unsafe { fmi2SetInteger(m.0, &vr("motor.pole_pairs"), 1, &101) },
+        Status::Discard,
+        &["motor.pole_pairs = 101 is", "1 ... 100."],
+    );
+    unchanged_by(
         "null",
         |m| unsafe { fmi2GetReal(m.0, null(), 3, null_mut()) },
         Status::Error,
@@ -113,6 +119,33 @@ fn refused_calls_say_why_and_change_nothing() {
     );
     unchanged_by("again", |m| unsafe { fmi2EnterInitializationMode(m.0) }, Status::Error, &["step mode"]);
     unchanged_by("me", |m| unsafe { fmi2SetTime(m.0, 1.0) }, Status::Error, &["Co-Simulation"]);
+}
+
+/// A tunable whole number goes through Integer, also as part of a serialized state.
+#[test]
+fn a_whole_number_is_set_read_and_serialized() {
+    let reference = vr("motor.pole_pairs");
+    let get = |motor: &Motor2| {
+        let mut n = 0;
+        assert_eq!(unsafe { fmi2GetInteger(motor.0, &reference, 1, &mut n) }, Status::Ok);
+        n
+    };
+    let motor = Motor2::initialized("pairs");
+    assert_eq!(get(&motor), 2);
+    assert_eq!(unsafe { fmi2SetInteger(motor.0, &reference, 1, &11) }, Status::Ok);
+    assert_eq!(get(&motor), 11);
+    let (mut state, mut size) = (null_mut(), 0);
+    let other = Motor2::initialized("others");
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(motor.0, &mut state), Status::Ok);
+        assert_eq!(fmi2SerializedFMUstateSize(motor.0, state, &mut size), Status::Ok);
+        let mut bytes = vec![0; size];
+        assert_eq!(fmi2SerializeFMUstate(motor.0, state, bytes.as_mut_ptr(), size), Status::Ok);
+        assert_eq!(fmi2DeSerializeFMUstate(other.0, bytes.as_ptr(), size, &mut state), Status::Ok);
+        assert_eq!(fmi2SetFMUstate(other.0, state), Status::Ok);
+        assert_eq!(fmi2FreeFMUstate(other.0, &mut state), Status::Ok);
+    }
+    assert_eq!(get(&other), 11);
 }
 
 /// One bad value in a list refuses the whole list.

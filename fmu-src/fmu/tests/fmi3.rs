@@ -11,11 +11,16 @@ struct Motor3(*mut c_void);
 
 impl Motor3 {
     fn instantiated(event_mode: u8) -> Motor3 {
+        Motor3::located(event_mode, c"")
+    }
+
+    /// An instance whose archive has its resources in this folder.
+    fn located(event_mode: u8, resources: &CStr) -> Motor3 {
         Motor3(unsafe {
             fmi3InstantiateCoSimulation(
                 c"motor".as_ptr(),
                 token().as_ptr(),
-                null(),
+                resources.as_ptr(),
                 0,
                 0,
                 event_mode,
@@ -101,6 +106,35 @@ fn types_have_their_own_functions() {
             Status::Ok,
             "nothing asked, nothing wrong"
         );
+    }
+}
+
+/// Int64 carries whole numbers; the limits hold, and rollback takes them back.
+#[test]
+fn a_whole_number_is_set_read_and_restored() {
+    let motor = Motor3::instantiated(0);
+    motor.initialize();
+    let reference = vr("motor.pole_pairs");
+    let set = |n: i64| unsafe { fmi3SetInt64(motor.0, &reference, 1, &n, 1) };
+    let get = || {
+        let mut n = 0;
+        assert_eq!(unsafe { fmi3GetInt64(motor.0, &reference, 1, &mut n, 1) }, Status::Ok);
+        n
+    };
+    assert_eq!(get(), 2);
+    unsafe {
+        let mut state = null_mut();
+        assert_eq!(fmi3GetFMUState(motor.0, &mut state), Status::Ok);
+        assert_eq!(set(7), Status::Ok, "tunable: also between steps");
+        assert_eq!(get(), 7);
+        assert_eq!(set(0), Status::Discard);
+        assert_eq!(set(i64::MAX), Status::Discard);
+        assert_eq!(get(), 7);
+        assert_eq!(fmi3SetFMUState(motor.0, state), Status::Ok);
+        assert_eq!(get(), 2);
+        assert_eq!(fmi3FreeFMUState(motor.0, &mut state), Status::Ok);
+        assert_eq!(fmi3SetFloat64(motor.0, &reference, 1, &3.0, 1), Status::Error, "another type");
+        assert_eq!(fmi3SetInt32(motor.0, &reference, 1, &3, 1), Status::Error, "another type");
     }
 }
 

@@ -12,14 +12,21 @@ mod demagnetisation;
 mod drive_loss;
 mod fan_back_pressure;
 mod forced_convection;
+mod generic_term;
 mod housing_radiation;
+mod housing_sensor_lag;
+mod housing_sensor_offset;
+mod housing_sensor_stem_loss;
 mod interface_temperature;
 mod iron_loss;
 mod load_dependent_friction;
+mod ports;
 mod pwm_ripple;
 mod stator_node;
 mod viscous_friction;
 mod windage;
+mod winding_sensor_offset;
+mod winding_sensor_stem_loss;
 
 pub use ambient_drift::AmbientDrift;
 pub use bridge_drop::BridgeDrop;
@@ -30,7 +37,11 @@ pub use demagnetisation::Demagnetisation;
 pub use drive_loss::DriveLoss;
 pub use fan_back_pressure::FanBackPressure;
 pub use forced_convection::{CooledNode, Draught, ForcedConvection};
+pub use generic_term::GenericTerms;
 pub use housing_radiation::HousingRadiation;
+pub use housing_sensor_lag::HousingSensorLag;
+pub use housing_sensor_offset::HousingSensorOffset;
+pub use housing_sensor_stem_loss::HousingSensorStemLoss;
 pub use interface_temperature::InterfaceTemperature;
 pub use iron_loss::IronLoss;
 pub use load_dependent_friction::LoadDependentFriction;
@@ -38,8 +49,12 @@ pub use pwm_ripple::PwmRipple;
 pub use stator_node::StatorNode;
 pub use viscous_friction::ViscousFriction;
 pub use windage::Windage;
+pub use winding_sensor_offset::WindingSensorOffset;
+pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
+use crate::terms::{Drivers, GenericTerm};
 use num_dual::{Dual64, DualNum};
+pub use ports::{Effect, Port};
 
 /// A number, or a number with its derivative: what a port is computed with, so that no slope is written by hand.
 pub trait Number: DualNum<Primitive = f64> + Copy {}
@@ -65,100 +80,6 @@ impl std::ops::Add for PerNode {
     }
 }
 
-/// What an effect may do, port by port. A port that an effect does not touch stays neutral.
-pub trait Effect {
-    /// Whether its switch, the parameter that is 0 by default, is on.
-    fn is_on(&self) -> bool;
-
-    /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.
-    #[inline]
-    fn drag_torque<D: Number>(&self, _w: D) -> D {
-        D::from(0.0)
-    }
-
-    /// A torque against the motion for each newton metre that the shaft hands to its load: of the sign of `w`
-    /// times that of the load's torque, which is about `tau`, N.m. Its power heats the housing.
-    #[inline]
-    fn load_drag<D: Number>(&self, _w: D, _tau: f64) -> D {
-        D::from(0.0)
-    }
-
-    /// Volts lost between the terminals and the winding at current `i`, A: of the sign of `i`. Their power heats
-    /// the winding.
-    #[inline]
-    fn terminal_voltage<D: Number>(&self, _i: D) -> D {
-        D::from(0.0)
-    }
-
-    /// Volts lost in the drive's bridge at current `i`, A (drive_mode pwm): of the sign of `i`. Their power heats the
-    /// surroundings.
-    #[inline]
-    fn bridge_voltage<D: Number>(&self, _i: D) -> D {
-        D::from(0.0)
-    }
-
-    /// Volts that the motor misses at current `i`, A, while the supply of `supply` volts gives as much less
-    /// (drive_mode pwm): of the sign of `i`. No heat.
-    #[inline]
-    fn missed_voltage<D: Number>(&self, _i: D, _supply: f64) -> D {
-        D::from(0.0)
-    }
-
-    /// Mean square of the current's ripple, A2 (drive_mode pwm), which heats the winding.
-    #[inline]
-    fn ripple_square(&self, _duty: f64, _supply: f64, _inductance: f64) -> f64 {
-        0.0
-    }
-
-    /// Multiplies the torque constant at `time`, s. It steps at [`next_event`](Effect::next_event) and only there.
-    #[inline]
-    fn torque_constant(&self, _time: f64) -> f64 {
-        1.0
-    }
-
-    /// The first time after `time` at which a port jumps, s; infinite where none does.
-    #[inline]
-    fn next_event(&self, _time: f64) -> f64 {
-        f64::INFINITY
-    }
-
-    /// Multiplies the thermal resistance from winding to housing with the winding at `t_w`, K; positive.
-    #[inline]
-    fn winding_housing_resistance<D: Number>(&self, _t_w: D) -> D {
-        D::from(1.0)
-    }
-
-    /// Further conductances to ambient, W/K, at the fan's `flow`, 0 to 1.
-    #[inline]
-    fn ambient_conductance(&self, _flow: f64) -> PerNode {
-        PerNode::default()
-    }
-
-    /// Heat flow from the housing at `t_h`, K, to the surroundings at `t_a` that follows no conductance, W.
-    #[inline]
-    fn housing_to_ambient<D: Number>(&self, _t_h: D, _t_a: f64) -> D {
-        D::from(0.0)
-    }
-
-    /// The command that the fan really follows when it is given `n`, 0 to 1.
-    #[inline]
-    fn fan_flow(&self, n: f64) -> f64 {
-        n
-    }
-
-    /// How fast the true ambient temperature leaves the shown one, K/s; they agree at time 0.
-    #[inline]
-    fn ambient_sensor(&self) -> f64 {
-        0.0
-    }
-
-    /// Share of the input electrical_power that never reaches the winding and heats the surroundings.
-    #[inline]
-    fn drive_loss(&self) -> f64 {
-        0.0
-    }
-}
-
 /// The sign of `x` with a smooth passage through zero of width `small`: tanh(x / small), saturated where a double
 /// no longer sees the difference (and where a dual number's tanh would overflow).
 #[inline]
@@ -173,25 +94,6 @@ fn slope(x: f64, port: impl Fn(Dual64) -> Dual64) -> f64 {
     port(Dual64::from(x).derivative()).eps
 }
 
-/// Where an effect acts: the methods of [`Effect`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // each is explained where it is a method
-pub enum Port {
-    DragTorque,
-    LoadDrag,
-    TerminalVoltage,
-    TorqueConstant,
-    WindingHousingResistance,
-    AmbientConductance,
-    HousingToAmbient,
-    FanFlow,
-    AmbientSensor,
-    DriveLoss,
-    HeatCapacity,
-    Bridge,
-    Ripple,
-}
-
 macro_rules! effects {
     ($($(#[doc = $doc:literal])* $id:ident : $type:ident @ $prefix:literal $base:literal at $port:ident;)*) => {
         /// All effects of a model with their parameters.
@@ -203,13 +105,42 @@ macro_rules! effects {
         impl Effects {
             /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts.
             pub fn acts_at(&self, port: Port) -> bool {
-                false $(|| (port == Port::$port && self.$id.is_on()))*
+                false $(|| (matches!(Port::$port, p if p == port || p == Port::Any) && self.$id.is_on()))*
             }
         }
 
         impl Effect for Effects {
             fn is_on(&self) -> bool {
                 false $(|| self.$id.is_on())*
+            }
+
+            fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
+                false $(| self.$id.take_terms(terms))*
+            }
+
+            #[inline]
+            fn tell(&mut self, drivers: &Drivers) {
+                $(self.$id.tell(drivers);)*
+            }
+
+            #[inline]
+            fn winding_resistance(&self) -> f64 {
+                1.0 $(* self.$id.winding_resistance())*
+            }
+
+            #[inline]
+            fn winding_heat(&self) -> f64 {
+                0.0 $(+ self.$id.winding_heat())*
+            }
+
+            #[inline]
+            fn heat_capacity(&self) -> f64 {
+                1.0 $(* self.$id.heat_capacity())*
+            }
+
+            #[inline]
+            fn ambient_offset(&self) -> f64 {
+                0.0 $(+ self.$id.ambient_offset())*
             }
 
             #[inline]
@@ -268,6 +199,18 @@ macro_rules! effects {
             }
 
             #[inline]
+            fn housing_heat<D: Number>(&self, t_h: D) -> D {
+                D::from(0.0) $(+ self.$id.housing_heat(t_h))*
+            }
+
+            #[inline]
+            fn stator(&self) -> (f64, f64) {
+                let both = (0.0, 0.0);
+                $(let (r, c) = self.$id.stator(); let both = (both.0 + r, both.1 + c);)*
+                both
+            }
+
+            #[inline]
             fn fan_flow(&self, n: f64) -> f64 {
                 $(let n = self.$id.fan_flow(n);)*
                 n
@@ -276,6 +219,28 @@ macro_rules! effects {
             #[inline]
             fn ambient_sensor(&self) -> f64 {
                 0.0 $(+ self.$id.ambient_sensor())*
+            }
+
+            #[inline]
+            fn housing_sensor_lag(&self) -> f64 {
+                0.0 $(+ self.$id.housing_sensor_lag())*
+            }
+
+            #[inline]
+            fn winding_sensor(&self, t: f64, t_a: f64) -> f64 {
+                $(let t = self.$id.winding_sensor(t, t_a);)*
+                t
+            }
+
+            #[inline]
+            fn housing_sensor(&self, t: f64, t_a: f64) -> f64 {
+                $(let t = self.$id.housing_sensor(t, t_a);)*
+                t
+            }
+
+            #[inline]
+            fn iron_drag(&self, w: f64) -> f64 {
+                0.0 $(+ self.$id.iron_drag(w))*
             }
 
             #[inline]
@@ -321,6 +286,19 @@ effects! {
     bridge_drop: BridgeDrop @ "effect.bridge_drop." 1210 at Bridge;
     /// Dead time of the drive's bridge.
     dead_time: DeadTime @ "effect.dead_time." 1220 at Bridge;
+    // A reading passes these in their order: what is lost along the stem is a share of the true rise.
+    /// A sensor of the housing that follows late.
+    housing_sensor_lag: HousingSensorLag @ "effect.housing_sensor_lag." 1130 at HousingSensorLag;
+    /// A sensor of the winding that the air cools.
+    winding_sensor_stem_loss: WindingSensorStemLoss @ "effect.winding_sensor_stem_loss." 1140 at WindingSensor;
+    /// A sensor of the housing that the air cools.
+    housing_sensor_stem_loss: HousingSensorStemLoss @ "effect.housing_sensor_stem_loss." 1150 at HousingSensor;
+    /// A sensor of the winding that shows a constant too much.
+    winding_sensor_offset: WindingSensorOffset @ "effect.winding_sensor_offset." 1160 at WindingSensor;
+    /// A sensor of the housing that shows a constant too much.
+    housing_sensor_offset: HousingSensorOffset @ "effect.housing_sensor_offset." 1170 at HousingSensor;
+    /// Terms found in data that are in no list.
+    generic_term: GenericTerms @ "effect.generic_term." 1190 at Any;
 }
 
 /// Slopes of the ports with respect to their first argument, for Jacobians.
@@ -353,6 +331,12 @@ impl Effects {
     #[inline]
     pub fn drive_voltage_slope(&self, i: f64, supply: f64) -> f64 {
         slope(i, |i| self.bridge_voltage(i) + self.missed_voltage(i, supply))
+    }
+
+    /// Slope of [`housing_heat`](Effect::housing_heat), W/K.
+    #[inline]
+    pub fn housing_heat_slope(&self, t_h: f64) -> f64 {
+        slope(t_h, |t_h| self.housing_heat(t_h))
     }
 
     /// Slope of [`terminal_voltage`](Effect::terminal_voltage), Ohm.

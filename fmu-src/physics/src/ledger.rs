@@ -34,9 +34,11 @@ pub enum Account {
     Fan,
     /// Heat in the housing, with stator and magnets where they have no account of their own.
     Housing,
+    /// Heat in the box around the motor: its air and walls.
+    Enclosure,
 }
 
-const ACCOUNTS: usize = Account::Housing as usize + 1;
+const ACCOUNTS: usize = Account::Enclosure as usize + 1;
 
 /// Flows at one instant, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

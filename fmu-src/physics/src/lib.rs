@@ -12,5 +12,6 @@ pub mod model;
 pub mod models;
 pub mod solver;
 pub mod start_values;
+pub mod terms;
 
 pub use declare;

@@ -1,5 +1,6 @@
 //! What every model is to the outside: a declaration, values by slot, and steps.
 
+use crate::terms::GenericTerm;
 use declare::{Causality, Kind, Variability, Variable};
 use std::fmt;
 use std::sync::OnceLock;
@@ -105,6 +106,7 @@ fn token(name: &str, entries: &[Entry]) -> String {
             r.max,
             match r.kind {
                 Kind::Real => "real".to_string(),
+                Kind::Integer => "integer".to_string(),
                 Kind::Boolean => "boolean".to_string(),
                 Kind::Enumeration(t) => t.items.iter().map(|i| format!("{}={},", i.name, i.value)).collect(),
             }
@@ -135,6 +137,8 @@ pub enum Refusal {
     NotFinite,
     /// Below or above the declared limits.
     OutOfRange,
+    /// A fraction where a whole number is wanted.
+    NotWhole,
     /// No item of the enumeration, or no Boolean.
     NoSuchItem,
     /// The model computes it.
@@ -160,9 +164,10 @@ impl Entry {
             return Err(Refusal::Fixed);
         }
         match row.kind {
-            Kind::Real if !value.is_finite() => Err(Refusal::NotFinite),
-            Kind::Real if value < row.min || value > row.max => Err(Refusal::OutOfRange),
-            Kind::Real => Ok(()),
+            Kind::Real | Kind::Integer if !value.is_finite() => Err(Refusal::NotFinite),
+            Kind::Real | Kind::Integer if value < row.min || value > row.max => Err(Refusal::OutOfRange),
+            Kind::Integer if value.fract() != 0.0 => Err(Refusal::NotWhole),
+            Kind::Real | Kind::Integer => Ok(()),
             Kind::Boolean if value == 0.0 || value == 1.0 => Ok(()),
             Kind::Enumeration(t) if t.items.iter().any(|i| f64::from(i.value) == value) => Ok(()),
             _ => Err(Refusal::NoSuchItem),
@@ -184,6 +189,10 @@ impl Entry {
             ),
             Refusal::OutOfRange => format!(
                 "{name} = {value}{unit} is outside its limits {} ... {}{unit}.",
+                self.row.min, self.row.max
+            ),
+            Refusal::NotWhole => format!(
+                "{name} = {value} is not a whole number; it must lie in {} ... {}.",
                 self.row.min, self.row.max
             ),
             Refusal::NoSuchItem => {
@@ -213,7 +222,7 @@ pub struct Fault(pub String);
 
 /// A model as the FMI layer and the tools see it.
 ///
-/// Values are numbers in SI units; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
+/// Values are numbers in SI units, whole ones for integers; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
 /// values by [`Entry::check`] before it sets them.
 pub trait Model: Send {
     /// The model's table.
@@ -225,6 +234,11 @@ pub trait Model: Send {
     /// The slope of a continuous input over the next step, per second. It holds for that step alone; after it
     /// the input stands where the slope has led it.
     fn set_slope(&mut self, slot: Slot, slope: f64);
+    /// Takes terms that are data (`terms.rs`) in place of those it had, before it starts; false, and nothing
+    /// taken, where it carries none or not as many.
+    fn set_terms(&mut self, _terms: &[GenericTerm]) -> bool {
+        false
+    }
     /// Ends initialization at `time`: checks the parameters together, sets every state.
     fn start(&mut self, time: f64) -> Result<(), Fault>;
     /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes.

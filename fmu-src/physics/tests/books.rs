@@ -3,9 +3,10 @@
 mod common;
 use common::{all_effects, friction, motor};
 use physics::declare::Kind;
-use physics::effects::Effects;
+use physics::effects::{Effect, Effects};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
+use physics::terms::{Driver, Factor, GenericTerm, Law, MOST_TERMS, Port, Product};
 
 const DRIVES: [DriveMode; 4] = [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power];
 const COUPLINGS: [MechanicalMode; 2] = [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed];
@@ -21,11 +22,35 @@ fn input(m: &mut AnnulusCooledMotor, name: &str, value: f64, slope: f64) {
     m.set_slope(slot, slope);
 }
 
-/// Friction alone, and every effect.
-fn cases() -> [Effects; 2] {
+/// Friction alone, every effect, and terms at every port.
+fn cases() -> Vec<Effects> {
     let mut rubbing = Effects { coulomb_friction: friction(0.00983), ..Effects::default() };
     rubbing.viscous_friction.k = 3e-6;
-    [rubbing, all_effects()]
+    let with_terms = Port::ALL.chunks(MOST_TERMS).map(|ports| {
+        let terms: Vec<GenericTerm> = ports.iter().map(|port| moving_term(*port)).collect();
+        let mut effects = rubbing;
+        assert!(effects.take_terms(&terms));
+        effects
+    });
+    [rubbing, all_effects()].into_iter().chain(with_terms).collect()
+}
+
+/// A term that moves with temperature, current and speed, of a size that its port bears.
+fn moving_term(port: Port) -> GenericTerm {
+    let factor = |driver: Driver, offset: f64, reference: f64| {
+        Some(Factor { driver, offset, reference, exponent: 0.7 })
+    };
+    let factors = [
+        factor(Driver::HousingTemperature, 250.0, 50.0),
+        factor(Driver::Current, -20.0, 20.0),
+        factor(Driver::Speed, 0.0, 1000.0),
+    ];
+    let coefficient = match port {
+        Port::DragTorque => 5e-3,
+        Port::WindingHeat | Port::HousingHeat => 5.0,
+        _ => 0.2,
+    };
+    GenericTerm { port, law: Law::Product(Product { coefficient, factors }) }
 }
 
 /// A second of everything at once: volts, amperes, load, fan and room on ramps, reversing under friction.
@@ -78,7 +103,9 @@ fn the_power_balance_closes_at_every_instant() {
 fn the_energy_books_close_over_a_run() {
     for drive in DRIVES {
         for coupling in COUPLINGS {
-            for (slopes, effects) in [true, false].into_iter().flat_map(|s| cases().map(|e| (s, e))) {
+            for (slopes, effects) in
+                [true, false].into_iter().flat_map(|s| cases().into_iter().map(move |e| (s, e)))
+            {
                 let (mut worst, mut throughput) = (0.0f64, 0.0f64);
                 run(drive, coupling, effects, slopes, |m| {
                     worst = worst.max(output(m, "energy_balance_error").abs());
@@ -181,6 +208,11 @@ fn an_effect_that_is_off_is_not_there() {
             "demagnetisation.fraction",
             "ambient_drift.rate",
             "drive_loss.share",
+            "housing_sensor_lag.tau",
+            "winding_sensor_stem_loss.k",
+            "housing_sensor_stem_loss.k",
+            "winding_sensor_offset.offset",
+            "housing_sensor_offset.offset",
             "stator_node.C_s",
         ];
         let declaration = m.declaration();

@@ -2,10 +2,13 @@
 
 mod common;
 use common::{all_effects, motor};
-use physics::effects::{CooledNode, Draught};
+use physics::effects::{CooledNode, Draught, Effect, Effects, PerNode};
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode, Temperatures};
+use physics::models::annulus_cooled_motor::{
+    AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode, Temperatures,
+};
 use physics::solver::split::{Fast, System};
+use physics::terms::{Driver, Factor, GenericTerm, Law, Port, Product};
 
 fn output(m: &mut AnnulusCooledMotor, name: &str) -> f64 {
     let slot = m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot;
@@ -25,10 +28,16 @@ fn running(speed: f64) -> AnnulusCooledMotor {
     m
 }
 
-/// 10 W of heat for a long time.
-fn heated(prepare: impl Fn(&mut AnnulusCooledMotor)) -> AnnulusCooledMotor {
+/// 10 W of heat.
+fn heating() -> AnnulusCooledMotor {
     let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
     m.inputs.electrical_power = 10.0;
+    m
+}
+
+/// 10 W of heat for a long time.
+fn heated(prepare: impl Fn(&mut AnnulusCooledMotor)) -> AnnulusCooledMotor {
+    let mut m = heating();
     prepare(&mut m);
     m.start(0.0).unwrap();
     for _ in 0..100 {
@@ -159,6 +168,62 @@ fn the_room_runs_away_from_what_is_shown() {
     close(output(&mut m, "housing_temperature"), 298.15 + 40.1 - 0.159_45 / 0.1351, 1e-6);
 }
 
+/// The housing's sensor lags, then loses along its stem, then is off by a constant; nothing else feels it.
+#[test]
+fn the_sensors_show_what_they_show() {
+    let (mut plain, mut sensed) = (heating(), heating());
+    sensed.parameters.effects.housing_sensor_lag.tau = 30.0;
+    sensed.parameters.effects.housing_sensor_stem_loss.k = 0.1;
+    sensed.parameters.effects.housing_sensor_offset.offset = 2.0;
+    sensed.parameters.effects.winding_sensor_stem_loss.k = 0.05;
+    sensed.parameters.effects.winding_sensor_offset.offset = -3.0;
+    sensed.parameters.effects.ambient_drift.rate = 1e-3;
+    plain.parameters.effects.ambient_drift.rate = 1e-3;
+    sensed.start(100.0).unwrap();
+    plain.start(100.0).unwrap();
+    close(output(&mut sensed, "housing_temperature"), 298.25 + 2.0, 1e-12);
+    // The lag by a thousand times as many steps of the trapezoidal rule.
+    let mut lagged = 298.25;
+    for _ in 0..60 {
+        let t_before = output(&mut plain, "housing_temperature");
+        plain.step(plain.time(), 1.0).unwrap();
+        sensed.step(sensed.time(), 1.0).unwrap();
+        let t_after = output(&mut plain, "housing_temperature");
+        for k in 0..1000 {
+            let t = t_before + (t_after - t_before) * (f64::from(k) + 0.5) / 1000.0;
+            lagged += (t - lagged) * 1e-3 / 30.0 / (1.0 + 0.5e-3 / 30.0);
+        }
+    }
+    assert_eq!(plain.state(), sensed.state(), "a sensor changes nothing");
+    let (t_w, t_a) = (output(&mut plain, "winding_temperature"), 298.15 + 0.16);
+    close(output(&mut sensed, "winding_temperature"), t_w - 0.05 * (t_w - t_a) - 3.0, 1e-10);
+    close(output(&mut sensed, "housing_temperature"), lagged - 0.1 * (lagged - t_a) + 2.0, 1e-5);
+    for name in ["winding_margin", "over_temperature", "winding_resistance", "stator_temperature"] {
+        assert_eq!(output(&mut plain, name).to_bits(), output(&mut sensed, name).to_bits(), "{name}");
+    }
+}
+
+/// What the sensor has reached is saved, and a start forgets it.
+#[test]
+fn the_lag_is_part_of_the_state() {
+    let mut m = heating();
+    m.parameters.effects.housing_sensor_lag.tau = 30.0;
+    m.start(0.0).unwrap();
+    let minute = |m: &mut AnnulusCooledMotor| {
+        (0..60).for_each(|_| m.step(m.time(), 1.0).unwrap());
+        output(m, "housing_temperature").to_bits()
+    };
+    let first = minute(&mut m);
+    let mut saved = Vec::new();
+    m.save(&mut saved);
+    let second = minute(&mut m);
+    assert!(m.restore(&saved));
+    assert_eq!(output(&mut m, "housing_temperature").to_bits(), first);
+    assert_eq!(minute(&mut m), second);
+    m.start(0.0).unwrap();
+    assert_eq!(minute(&mut m), first);
+}
+
 /// Step of the runs with an event, s: times and volts on the way are exact in binary.
 const H: f64 = 1.0 / 1024.0;
 
@@ -233,4 +298,190 @@ fn the_matrices_are_the_derivatives() {
         let wanted = step.network_matrix(0.0, &temperature).column(k) * 2e-2;
         assert!((heat - wanted).norm() <= 1e-6 * wanted.norm(), "{heat} {wanted}");
     }
+}
+
+/// The contract's list: every effect has its parameters, in the declaration of the motor, and is neutral at their
+/// start values.
+#[test]
+fn every_effect_of_the_contract_is_declared_and_neutral() {
+    const CONTRACT: &[(&str, &[&str])] = &[
+        ("coulomb_friction", &["tau_c", "w_small"]),
+        ("iron_loss", &["k"]),
+        ("viscous_friction", &["k"]),
+        ("windage", &["k"]),
+        ("load_dependent_friction", &["mu"]),
+        ("contact_drop", &["V_b", "I_small"]),
+        ("housing_radiation", &["k"]),
+        ("forced_convection", &["G", "node"]),
+        ("fan_back_pressure", &["k"]),
+        ("interface_temperature", &["beta"]),
+        ("stator_node", &["C_s", "R_sh"]),
+        ("demagnetisation", &["fraction", "time"]),
+        ("ambient_drift", &["rate"]),
+        ("housing_sensor_lag", &["tau"]),
+        ("winding_sensor_offset", &["offset"]),
+        ("housing_sensor_offset", &["offset"]),
+        ("winding_sensor_stem_loss", &["k"]),
+        ("housing_sensor_stem_loss", &["k"]),
+        ("drive_loss", &["share"]),
+    ];
+    let m = AnnulusCooledMotor::default();
+    for (id, symbols) in CONTRACT {
+        for (k, symbol) in symbols.iter().enumerate() {
+            let name = format!("effect.{id}.{symbol}");
+            let entry = m.declaration().by_name(&name).unwrap_or_else(|| panic!("no {name}"));
+            // The first symbol is the switch.
+            assert!(k > 0 || entry.row.start == 0.0, "{name} starts at {}", entry.row.start);
+        }
+    }
+    let effects = Effects::default();
+    assert!(!effects.is_on());
+    assert_eq!(effects.drag_torque(300.0f64), 0.0);
+    assert_eq!(effects.load_drag(300.0f64, 0.1), 0.0);
+    assert_eq!(effects.terminal_voltage(5.0f64), 0.0);
+    assert_eq!((effects.torque_constant(1e3), effects.next_event(0.0)), (1.0, f64::INFINITY));
+    assert_eq!(effects.winding_housing_resistance(400.0f64), 1.0);
+    assert_eq!(effects.ambient_conductance(1.0), PerNode::default());
+    assert_eq!(effects.housing_to_ambient(400.0f64, 300.0), 0.0);
+    assert_eq!((effects.fan_flow(0.7), effects.ambient_sensor(), effects.drive_loss()), (0.7, 0.0, 0.0));
+    assert_eq!((effects.winding_sensor(400.0, 300.0), effects.housing_sensor(400.0, 300.0)), (400.0, 400.0));
+    assert_eq!((effects.housing_sensor_lag(), effects.iron_drag(300.0)), (0.0, 0.0));
+}
+
+/// A term: a coefficient times |(driver - offset) / reference|^exponent.
+fn term(
+    port: Port,
+    coefficient: f64,
+    driver: Driver,
+    offset: f64,
+    reference: f64,
+    exponent: f64,
+) -> GenericTerm {
+    let factor = Factor { driver, offset, reference, exponent };
+    GenericTerm { port, law: Law::Product(Product { coefficient, factors: [Some(factor), None, None] }) }
+}
+
+/// What a term does at each port, by hand: 5 A at 500 rad/s with R = 0.386 Ohm and k_t = 27.6 mN.m/A at 25 degC.
+#[test]
+fn terms_act_at_their_ports() {
+    let with = |term: GenericTerm| {
+        let mut m = running(500.0);
+        assert!(m.set_terms(&[term]));
+        m.start(0.0).unwrap();
+        m
+    };
+    // 4 mN.m at 500 rad/s, as the fourth root of the speed.
+    let mut m = with(term(Port::DragTorque, 4e-3, Driver::Speed, 0.0, 500.0, 0.25));
+    close(output(&mut m, "loss_friction"), 2.0, 1e-12);
+    close(output(&mut m, "shaft_torque"), 5.0 * 0.0276 - 4e-3, 1e-15);
+    let mut m = with(term(Port::TerminalVoltage, 0.2, Driver::Current, 0.0, 2.5, 2.0));
+    close(output(&mut m, "terminal_voltage"), 5.0 * 0.386 + 0.8 + 500.0 * 0.0276, 1e-12);
+    let mut m = with(term(Port::WindingResistance, 0.25, Driver::Speed, 0.0, 250.0, 2.0));
+    close(output(&mut m, "winding_resistance"), 2.0 * 0.386, 1e-12);
+    close(output(&mut m, "loss_copper"), 25.0 * 2.0 * 0.386, 1e-11);
+    let mut m = with(term(Port::TorqueConstant, -0.1, Driver::Current, 0.0, 5.0, 1.0));
+    close(output(&mut m, "torque_constant"), 0.9 * 0.0276, 1e-15);
+    let mut m = with(term(Port::AmbientSensor, 2.0, Driver::Speed, 0.0, 500.0, 1.0));
+    close(output(&mut m, "stator_temperature"), 300.15, 1e-12);
+    let mut m = with(term(Port::WindingSensor, 1.5, Driver::LoadTorque, 0.0, 0.138, 1.0));
+    close(output(&mut m, "winding_temperature"), 299.65, 1e-12);
+    close(output(&mut m, "stator_temperature"), 298.15, 1e-12);
+    let mut m = with(term(Port::HousingSensor, -1.5, Driver::WindingTemperature, 290.15, 8.0, 1.0));
+    close(output(&mut m, "housing_temperature"), 296.65, 1e-12);
+}
+
+/// In balance at 10 W: what leaves is what comes in, and each term is where it says.
+#[test]
+fn terms_act_on_the_heat() {
+    let with = |terms: &[GenericTerm]| {
+        heated(|m| {
+            m.inputs.fan_command = 0.5;
+            assert!(m.set_terms(terms));
+        })
+    };
+    let g = 0.1351 + 0.35 * 0.5f64.powf(0.8);
+    let rise = |m: &mut AnnulusCooledMotor, node: &str| output(m, node) - 298.15;
+    let mut m = with(&[term(Port::WindingHeat, 2.0, Driver::FanCommand, 0.0, 0.5, 1.0)]);
+    close(rise(&mut m, "housing_temperature"), 12.0 / g, 1e-6);
+    close(rise(&mut m, "winding_temperature"), 12.0 / g + 12.0 * 0.21, 1e-6);
+    let mut m = with(&[term(Port::HousingHeat, 2.0, Driver::FanCommand, 0.0, 0.5, 1.0)]);
+    close(rise(&mut m, "housing_temperature"), 12.0 / g, 1e-6);
+    close(rise(&mut m, "winding_temperature"), 12.0 / g + 2.1, 1e-6);
+    close(output(&mut m, "heat_to_ambient"), 10.0, 1e-7);
+    let mut m =
+        with(&[term(Port::HousingAmbientConductance, 0.1, Driver::HousingTemperature, 298.15, 10.0, 0.25)]);
+    let h = rise(&mut m, "housing_temperature");
+    close((g + 0.1 * (h / 10.0).powf(0.25)) * h, 10.0, 1e-6);
+    let mut m =
+        with(&[term(Port::WindingHousingResistance, 0.1, Driver::WindingTemperature, 298.15, 10.0, 1.0)]);
+    let (w, h) = (rise(&mut m, "winding_temperature"), rise(&mut m, "housing_temperature"));
+    close(w - h, 2.1 * (1.0 + 0.1 * w / 10.0), 1e-6);
+    let mut m = with(&[term(Port::FanFlow, -0.5, Driver::FanCommand, 0.0, 1.0, 1.0)]);
+    close(rise(&mut m, "housing_temperature") * (0.1351 + 0.35 * 0.375f64.powf(0.8)), 10.0, 1e-6);
+    // Off by their gain.
+    let mut m = with(&[term(Port::WindingHeat, 2.0, Driver::FanCommand, 0.0, 0.5, 1.0)]);
+    let gain = m.declaration().by_name("effect.generic_term.gain").unwrap().slot;
+    assert!(m.set(gain, 0.0));
+    (0..100).for_each(|_| m.step(m.time(), 1000.0).unwrap());
+    close(rise(&mut m, "housing_temperature"), 10.0 / g, 1e-6);
+}
+
+/// Twice the capacity warms half as fast; as the gain goes up and down the books close, and rollback is exact.
+#[test]
+fn a_capacity_may_change_on_the_way() {
+    let mut m = heating();
+    assert!(m.set_terms(&[term(Port::HeatCapacity, 1.0, Driver::FanCommand, 0.0, 1.0, 0.0)]));
+    let mut plain = heating();
+    plain.parameters.thermal.C_w *= 2.0;
+    plain.parameters.thermal.C_h *= 2.0;
+    for m in [&mut m, &mut plain] {
+        m.start(0.0).unwrap();
+        (0..100).for_each(|_| m.step(m.time(), 1.0).unwrap());
+    }
+    close(m.state().temperature[0], plain.state().temperature[0], 1e-12);
+    let gain = m.declaration().by_name("effect.generic_term.gain").unwrap().slot;
+    for value in [0.5, 0.0, 1.0] {
+        assert!(m.set(gain, value));
+        m.step(m.time(), 1.0).unwrap();
+        close(output(&mut m, "energy_balance_error"), 0.0, 1e-6);
+        let mut saved = Vec::new();
+        m.save(&mut saved);
+        m.step(m.time(), 1.0).unwrap();
+        let there = m.state().temperature;
+        assert!(m.restore(&saved));
+        m.step(m.time(), 1.0).unwrap();
+        assert_eq!(m.state().temperature, there);
+    }
+}
+
+/// With a network beyond the two nodes, too: terms act, the books close, and the sensor follows the housing.
+#[test]
+fn terms_and_sensors_in_a_network() {
+    let make = |port: Port| {
+        let mut m = heating();
+        m.parameters.choices.cooling_mode = CoolingMode::Bare;
+        m.parameters.effects.housing_sensor_lag.tau = 30.0;
+        assert!(m.set_terms(&[term(port, 0.2, Driver::WindingTemperature, 290.0, 10.0, 1.0)]));
+        m
+    };
+    for port in Port::ALL.iter().copied() {
+        let mut m = make(port);
+        m.start(0.0).unwrap();
+        (0..100).for_each(|_| m.step(m.time(), 1.0).unwrap());
+        let error = output(&mut m, "energy_balance_error");
+        assert!(error.abs() < 1e-6 * output(&mut m, "energy_electrical"), "{port:?}: {error} J");
+        close(output(&mut m, "power_balance_error"), 0.0, 1e-6);
+    }
+    // The lag is tau times the slope, 30 s or more behind nearly a line.
+    let mut m = make(Port::TorqueConstant);
+    m.start(0.0).unwrap();
+    (0..300).for_each(|_| m.step(m.time(), 1.0).unwrap());
+    let shown = output(&mut m, "housing_temperature");
+    m.parameters.effects.housing_sensor_lag.tau = 0.0;
+    m.step(m.time(), 1.0).unwrap();
+    let now = output(&mut m, "housing_temperature");
+    m.step(m.time(), 1.0).unwrap();
+    let slope = output(&mut m, "housing_temperature") - now;
+    assert!(slope > 1e-3);
+    close((now - shown) / slope, 31.0, 2.0);
 }

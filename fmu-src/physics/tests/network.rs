@@ -7,7 +7,7 @@ use physics::components::commutation::Commutation;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::network::{Body, Conditions, Cooling, Network};
 use physics::models::annulus_cooled_motor::{
-    AnnulusCooledMotor, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs,
+    AnnulusCooledMotor, Books, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs,
 };
 
 const MODES: [CoolingMode; 4] =
@@ -23,16 +23,31 @@ fn stalled(mode: CoolingMode) -> AnnulusCooledMotor {
     m
 }
 
-fn outputs(m: &mut AnnulusCooledMotor) -> Outputs {
-    let mut outputs = Outputs::default();
-    for row in 0..Outputs::TABLE.len() {
-        let value = m.get(Slot { group: 1, row: row as u16 });
-        outputs.set(row, value);
-    }
-    outputs
+/// What the model shows: of its state, and of its flows of power.
+struct Shown {
+    state: Outputs,
+    books: Books,
 }
 
-fn run(m: &mut AnnulusCooledMotor, stop: f64, h: f64) -> Outputs {
+impl std::ops::Deref for Shown {
+    type Target = Outputs;
+    fn deref(&self) -> &Outputs {
+        &self.state
+    }
+}
+
+fn outputs(m: &mut AnnulusCooledMotor) -> Shown {
+    let mut shown = Shown { state: Outputs::default(), books: Books::default() };
+    for row in 0..Outputs::TABLE.len() {
+        shown.state.set(row, m.get(Slot { group: 1, row: row as u16 }));
+    }
+    for row in 0..Books::TABLE.len() {
+        shown.books.set(row, m.get(Slot { group: 2, row: row as u16 }));
+    }
+    shown
+}
+
+fn run(m: &mut AnnulusCooledMotor, stop: f64, h: f64) -> Shown {
     m.start(0.0).unwrap();
     for k in 0..(stop / h).round() as i32 {
         m.step(h * f64::from(k), h).unwrap();
@@ -75,9 +90,9 @@ fn the_books_close_in_every_mode() {
                     drive(&mut m, "load_torque", 0.02 * (6.0 * t).sin(), 0.12 * (6.0 * t).cos());
                     m.step(t, h).unwrap();
                     let o = outputs(&mut m);
-                    worst = worst.max(o.power_balance_error.abs());
-                    through = through.max(o.energy_electrical.abs());
-                    let off = o.energy_balance_error.abs();
+                    worst = worst.max(o.books.power_balance_error.abs());
+                    through = through.max(o.books.energy_electrical.abs());
+                    let off = o.books.energy_balance_error.abs();
                     assert!(
                         off <= 1e-6 * through.max(1.0),
                         "{mode:?} {drive_mode:?} {mechanical:?}: {off} J"
@@ -154,7 +169,7 @@ impl Reference {
     }
 
     /// Classical Runge-Kutta of fourth order.
-    fn run(&self, m: &AnnulusCooledMotor, y: &mut Vec<f64>, stop: f64, steps: usize) {
+    fn run(&self, m: &AnnulusCooledMotor, y: &mut [f64], stop: f64, steps: usize) {
         let h = stop / steps as f64;
         let along =
             |y: &[f64], f: &[f64], s: f64| -> Vec<f64> { y.iter().zip(f).map(|(y, f)| y + s * f).collect() };
@@ -215,13 +230,13 @@ fn a_stator_node_agrees_with_the_equations_written_out() {
 #[test]
 fn eight_segments_are_enough() {
     for mode in MODES {
-        let settled = |segments: f64| {
+        let settled = |segments: i32| {
             let mut m = stalled(mode);
             m.parameters.choices.air_segments = segments;
             let o = run(&mut m, 15_000.0, 500.0);
-            (o.winding_temperature, o.air_outlet_temperature)
+            (o.winding_temperature, o.books.air_outlet_temperature)
         };
-        let (fine, eight, one) = (settled(64.0), settled(8.0), settled(1.0));
+        let (fine, eight, one) = (settled(64), settled(8), settled(1));
         assert!((eight.0 - fine.0).abs() <= 0.2, "{mode:?}: {eight:?} {fine:?}");
         assert!((one.0 - fine.0).abs() <= 0.5, "{mode:?}: {one:?} {fine:?}");
         assert!((eight.1 - fine.1).abs() <= 0.05, "{mode:?}: {eight:?} {fine:?}");
@@ -287,8 +302,8 @@ fn directions_are_those_of_nature() {
         run(&mut m, 100.0, 1.0)
     };
     let pushed = inlet(CoolingMode::AnnulusPush);
-    assert!(pushed.air_outlet_temperature > 298.1 && pushed.winding_temperature > 297.91);
-    assert_eq!(inlet(CoolingMode::AnnulusPull).air_outlet_temperature, 297.9);
+    assert!(pushed.books.air_outlet_temperature > 298.1 && pushed.winding_temperature > 297.91);
+    assert_eq!(inlet(CoolingMode::AnnulusPull).books.air_outlet_temperature, 297.9);
 }
 
 /// A hot spot at stall, none while the rotor turns; the pair's own resistance counts.
@@ -325,11 +340,14 @@ fn a_chopped_supply_loses_what_its_effects_say() {
     let i = o.current;
     assert!((o.terminal_voltage - (6.0 - 1.5 - 0.1 * i - 0.48)).abs() < 1e-9);
     assert!((o.current * o.winding_resistance - o.terminal_voltage).abs() < 1e-3);
-    assert!((o.loss_drive - (1.5 + 0.1 * i) * i).abs() < 1e-9);
+    assert!((o.books.loss_drive - (1.5 + 0.1 * i) * i).abs() < 1e-9);
     let ripple: f64 = 24.0 * 0.25 * 0.75 / (65.3e-6 * 5e4);
     let copper = o.winding_resistance * (i * i + ripple * ripple / 12.0);
-    assert!((o.loss_copper - copper).abs() < 1e-9);
-    assert!(o.power_balance_error.abs() < 1e-6 && o.energy_balance_error.abs() < 1e-6 * o.energy_electrical);
+    assert!((o.books.loss_copper - copper).abs() < 1e-9);
+    assert!(
+        o.books.power_balance_error.abs() < 1e-6
+            && o.books.energy_balance_error.abs() < 1e-6 * o.books.energy_electrical
+    );
 }
 
 /// Parameters that cannot be together are named when the model starts, or at the next step.

@@ -1,10 +1,11 @@
 //! Packs a model into an FMU archive, the same bytes at every run.
 
 use crate::documentation;
-use describe::{ModelType, Preset, StartValues, fmi2, fmi3, start_values};
+use describe::{GenericTerm, ModelType, Preset, StartValues, fmi2, fmi3, start_values};
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
+pub use terms::{TermsError, TermsFile};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -85,6 +86,15 @@ pub enum BuildError {
         /// The model that was asked for.
         model: &'static str,
     },
+    /// Terms that do not hold.
+    #[error(transparent)]
+    Terms(#[from] TermsError),
+    /// Terms for a model that carries none.
+    #[error("{model} carries no terms, so it has no use for {}", terms::FILE_NAME)]
+    NoTerms {
+        /// The model.
+        model: &'static str,
+    },
     /// A file that cannot be written.
     #[error("{path} cannot be written: {source}")]
     Write {
@@ -104,29 +114,42 @@ pub fn library_path() -> Result<PathBuf, BuildError> {
     }
 }
 
+/// What is built into an archive beside the model.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Contents<'a> {
+    /// Start values.
+    pub preset: Option<&'a Preset>,
+    /// Terms that are data.
+    pub effects: Option<&'a TermsFile>,
+}
+
 /// Writes `<out>/<standard>/<Model>.fmu` and gives its path.
 pub fn build(
     kind: &ModelType,
     standard: Standard,
-    preset: Option<&Preset>,
+    contents: Contents<'_>,
     library: &Path,
     out: &Path,
 ) -> Result<PathBuf, BuildError> {
     let name = (kind.declaration)().name;
-    if let Some(preset) = preset.filter(|p| p.model != name) {
+    if let Some(preset) = contents.preset.filter(|p| p.model != name) {
         return Err(BuildError::Preset {
             preset: preset.name.clone(),
             of: preset.model.clone(),
             model: name,
         });
     }
-    let starts = preset.map(|p| p.starts.clone()).unwrap_or_default();
+    let starts = contents.preset.map(|p| p.starts.clone()).unwrap_or_default();
+    let terms = contents.effects.map_or(Ok(Vec::new()), TermsFile::terms)?;
+    if !terms.is_empty() && !(kind.new)().set_terms(&terms) {
+        return Err(BuildError::NoTerms { model: name });
+    }
     let read = fs::read(library);
     let mut binary = read.map_err(|source| BuildError::Library { path: library.to_path_buf(), source })?;
     start_values::patch(&mut binary, &starts.entries())
         .map_err(|source| BuildError::Patch { path: library.to_path_buf(), source })?;
     let path = out.join(standard.folder()).join(format!("{name}.fmu"));
-    let bytes = pack(&entries(kind, standard, &starts, preset, binary));
+    let bytes = pack(&entries(kind, standard, &starts, contents, &terms, binary));
     let written = bytes.and_then(|bytes| {
         fs::create_dir_all(path.parent().unwrap_or(out))?;
         fs::write(&path, bytes)
@@ -146,7 +169,8 @@ fn entries(
     kind: &ModelType,
     standard: Standard,
     starts: &StartValues,
-    preset: Option<&Preset>,
+    contents: Contents<'_>,
+    terms: &[GenericTerm],
     binary: Vec<u8>,
 ) -> Vec<File> {
     let name = (kind.declaration)().name;
@@ -156,17 +180,19 @@ fn entries(
         executable: false,
     };
     let (description, platform, license) = match standard {
-        Standard::Fmi2 => (fmi2::model_description(kind, starts), HERE.fmi2, "licenses/license.txt"),
+        Standard::Fmi2 => (fmi2::model_description(kind, starts, terms), HERE.fmi2, "licenses/license.txt"),
         Standard::Fmi3 => {
-            (fmi3::model_description(kind, starts), HERE.tuple, "documentation/licenses/license.txt")
+            (fmi3::model_description(kind, starts, terms), HERE.tuple, "documentation/licenses/license.txt")
         }
     };
-    vec![
+    let mut files = vec![
         plain("modelDescription.xml", description),
         File { name: format!("binaries/{platform}/{name}.{}", HERE.ending), bytes: binary, executable: true },
-        plain("documentation/index.html", documentation::page(kind, starts, preset)),
+        plain("documentation/index.html", documentation::page(kind, starts, contents.preset)),
         plain(license, include_str!("../../../LICENSE").to_string()),
-    ]
+    ];
+    files.extend(contents.effects.map(|file| plain(&format!("resources/{}", terms::FILE_NAME), file.text())));
+    files
 }
 
 /// The archive's bytes: entries in the given order, no dates, fixed permissions.
@@ -205,7 +231,8 @@ mod tests {
         for standard in Standard::ALL {
             let make = |out: &str| {
                 let path =
-                    build(&models::ALL[0], standard, None, &library, &folder.path().join(out)).unwrap();
+                    build(&models::ALL[0], standard, Contents::default(), &library, &folder.path().join(out))
+                        .unwrap();
                 fs::read(path).unwrap()
             };
             assert_eq!(make("a"), make("b"));
@@ -217,7 +244,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let library = library(folder.path());
         let preset = Preset::load("maxon-305015").unwrap();
-        let path = build(&models::ALL[0], Standard::Fmi2, Some(&preset), &library, folder.path()).unwrap();
+        let contents = Contents { preset: Some(&preset), ..Contents::default() };
+        let path = build(&models::ALL[0], Standard::Fmi2, contents, &library, folder.path()).unwrap();
         let mut zip = zip::ZipArchive::new(fs::File::open(path).unwrap()).unwrap();
         let mut read = |name: &str| {
             let mut bytes = Vec::new();
@@ -232,13 +260,32 @@ mod tests {
     }
 
     #[test]
+    fn effects_are_packed_and_checked() {
+        let folder = tempfile::tempdir().unwrap();
+        let library = library(folder.path());
+        let term = r#"{"port": "drag_torque", "coefficient": 1e-3}"#;
+        let text = |terms: &str| format!(r#"{{"format": "motor-fmu effects 1", "terms": [{terms}]}}"#);
+        let mut file = TermsFile::parse(&text(term), "x.json").unwrap();
+        let make = |file: &TermsFile| {
+            let contents = Contents { effects: Some(file), ..Contents::default() };
+            build(&models::ALL[0], Standard::Fmi3, contents, &library, folder.path())
+        };
+        let mut zip = zip::ZipArchive::new(fs::File::open(make(&file).unwrap()).unwrap()).unwrap();
+        let mut packed = String::new();
+        zip.by_name("resources/effects.json").unwrap().read_to_string(&mut packed).unwrap();
+        assert_eq!(TermsFile::parse(&packed, "resources").unwrap(), file);
+        file.terms[0].port = "nowhere".to_string();
+        assert!(make(&file).unwrap_err().to_string().contains("nowhere"));
+    }
+
+    #[test]
     fn a_preset_for_another_model_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let mut preset = Preset::load("maxon-305015").unwrap();
         preset.model = "Other".to_string();
         let library = library(folder.path());
-        let error =
-            build(&models::ALL[0], Standard::Fmi2, Some(&preset), &library, folder.path()).unwrap_err();
+        let contents = Contents { preset: Some(&preset), ..Contents::default() };
+        let error = build(&models::ALL[0], Standard::Fmi2, contents, &library, folder.path()).unwrap_err();
         assert_eq!(error.to_string(), "preset maxon-305015 is for Other and not for AnnulusCooledMotor");
     }
 
@@ -246,8 +293,9 @@ mod tests {
     fn a_missing_library_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("nothing.so");
-        let error =
-            build(&models::ALL[0], Standard::Fmi3, None, &missing, folder.path()).unwrap_err().to_string();
+        let error = build(&models::ALL[0], Standard::Fmi3, Contents::default(), &missing, folder.path())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("nothing.so") && error.contains("cargo build --release"), "{error}");
     }
 }

@@ -1,7 +1,7 @@
 //! `motor-fmu build`: archives of the models.
 
 use crate::Failure;
-use archive::build::{Standard, build, library_path};
+use archive::build::{Contents, Standard, TermsFile, build, library_path};
 use clap::ValueEnum;
 use describe::{ModelType, Preset, models};
 use std::path::PathBuf;
@@ -29,9 +29,12 @@ pub struct Args {
     /// Version of the standard.
     #[arg(long, value_enum, default_value = "both")]
     fmi: Which,
-    /// Start values: a built-in preset's name or a TOML file.
+    /// Start values for the preset's model: a built-in preset's name or a TOML file.
     #[arg(long, value_name = "NAME|FILE")]
     preset: Option<String>,
+    /// Terms found in data, to be carried as resources/effects.json.
+    #[arg(long, value_name = "FILE")]
+    effects: Option<PathBuf>,
     /// Folder to write to.
     #[arg(long, value_name = "DIR", default_value = "dist")]
     out: PathBuf,
@@ -40,6 +43,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let preset = args.preset.as_deref().map(Preset::load).transpose()?;
+    let effects = args.effects.as_deref().map(TermsFile::load).transpose()?;
     let standards = match args.fmi {
         Which::Two => &Standard::ALL[..1],
         Which::Three => &Standard::ALL[1..],
@@ -47,21 +51,25 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     };
     let library = library_path()?;
     let mut paths = Vec::new();
-    for kind in chosen(&args.models, preset.as_ref())? {
+    for kind in chosen(&args.models)? {
+        // A preset belongs to its model, and not every model takes terms. Where all are built, the others are built
+        // without; where one is named that they are not for, they are refused.
+        let named = !args.models.is_empty();
+        let fits = |p: &&Preset| named || p.model == (kind.declaration)().name;
+        let takes = |f: &&TermsFile| named || f.terms().map_or(true, |terms| (kind.new)().set_terms(&terms));
+        let contents =
+            Contents { preset: preset.as_ref().filter(fits), effects: effects.as_ref().filter(takes) };
         for standard in standards {
-            let path = build(kind, *standard, preset.as_ref(), &library, &args.out)?;
-
-            paths.push(path);
+            paths.push(build(kind, *standard, contents, &library, &args.out)?);
         }
     }
     crate::validate::report(&paths, false)
 }
 
-/// The models that are named; without names those the preset is for, or all.
-fn chosen(names: &[String], preset: Option<&Preset>) -> Result<Vec<&'static ModelType>, Failure> {
+/// The models that are named; without names all.
+fn chosen(names: &[String]) -> Result<Vec<&'static ModelType>, Failure> {
     if names.is_empty() {
-        let fits = |m: &&ModelType| preset.is_none_or(|p| p.model == (m.declaration)().name);
-        return Ok(models::ALL.iter().filter(fits).collect());
+        return Ok(models::ALL.iter().collect());
     }
     let find = |name: &String| {
         models::by_name(name).ok_or_else(|| {

@@ -6,6 +6,7 @@
 
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model, ModelType};
+use physics::terms::GenericTerm;
 
 /// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
 const START: f64 = 1e5;
@@ -20,8 +21,8 @@ pub struct Dependencies {
 }
 
 impl Dependencies {
-    /// The structure of a model.
-    pub fn of(kind: &ModelType) -> Dependencies {
+    /// The structure of a model that carries these terms.
+    pub fn of(kind: &ModelType, terms: &[GenericTerm]) -> Dependencies {
         let declaration = (kind.declaration)();
         let outputs = indices(declaration, |e| e.row.causality == Causality::Output);
         let inputs = indices(declaration, |e| e.row.causality == Causality::Input);
@@ -35,6 +36,7 @@ impl Dependencies {
             combinations(declaration, &choices).into_iter().flat_map(|c| [(c.clone(), 1.0), (c, 1e-3)]);
         for (combination, scale) in points {
             let mut model = (kind.new)();
+            model.set_terms(terms);
             // The time of an event stays where it is, so that what the event changes can be seen at the start.
             for &k in knowns.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
                 let entry = &declaration.entries[k];
@@ -77,13 +79,28 @@ fn indices(declaration: &Declaration, which: impl Fn(&Entry) -> bool) -> Vec<usi
     declaration.entries.iter().enumerate().filter(|(_, e)| which(e)).map(|(k, _)| k).collect()
 }
 
-/// Every combination of the choices' items.
+/// Every combination of the items of those choices that concern the whole model. Choices of one component or
+/// effect, which do not act on one another, take turns: each of their items meets many of the combinations.
 fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize, f64)>> {
-    choices.iter().fold(vec![Vec::new()], |all, &k| {
-        let Kind::Enumeration(t) = declaration.entries[k].row.kind else { return all };
-        let with = |one: &Vec<(usize, f64)>, value: i32| [one.as_slice(), &[(k, f64::from(value))]].concat();
-        all.iter().flat_map(|one| t.items.iter().map(move |i| with(one, i.value))).collect()
-    })
+    let entries = &declaration.entries;
+    let (whole, own): (Vec<usize>, Vec<usize>) =
+        choices.iter().partition(|&&k| !entries[k].name.contains('.'));
+    let items = |k: usize| match entries[k].row.kind {
+        Kind::Enumeration(t) => t.items.iter().map(|i| (k, f64::from(i.value))).collect(),
+        _ => Vec::new(),
+    };
+    let mut all = whole.iter().fold(vec![Vec::new()], |all: Vec<Vec<(usize, f64)>>, &k| {
+        let with = |one: &Vec<(usize, f64)>, item| [one.as_slice(), &[item]].concat();
+        all.iter().flat_map(|one| items(k).into_iter().map(move |item| with(one, item))).collect()
+    });
+    for (turn, &k) in own.iter().enumerate() {
+        let items = items(k);
+        for (n, one) in all.iter_mut().enumerate() {
+            // Different strides, so that two such choices do not keep step with each other.
+            one.push(items[(n / (turn + 1) + turn) % items.len()]);
+        }
+    }
+    all
 }
 
 /// Adds to `found` every output that a move of one of `knowns` moves.
@@ -97,8 +114,10 @@ fn note(
     settle: impl Fn(&mut Box<dyn Model>) -> bool,
 ) {
     let read = |mut model: Box<dyn Model>| -> Option<Vec<u64>> {
-        settle(&mut model)
-            .then(|| outputs.iter().map(|&o| model.get(declaration.entries[o].slot).to_bits()).collect())
+        let settled = settle(&mut model);
+        // A zero that turns its sign has not moved.
+        let mut bits = |o: &usize| (model.get(declaration.entries[*o].slot) + 0.0).to_bits();
+        settled.then(|| outputs.iter().map(&mut bits).collect())
     };
     let Some(before) = read(point()) else { return };
     for &k in knowns {
@@ -106,9 +125,13 @@ fn note(
         let moves: Vec<f64> = match entry.row.kind {
             Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
             Kind::Boolean => vec![0.0, 1.0],
+            Kind::Integer => vec![entry.row.start - 1.0, entry.row.start + 1.0, entry.row.min, entry.row.max],
             Kind::Real => vec![probe.generic(entry), probe.generic(entry), entry.row.min, entry.row.max],
         };
         for value in moves {
+            if entry.check(value, false).is_err() {
+                continue;
+            }
             let mut model = point();
             model.set(entry.slot, value);
             let Some(after) = read(model) else { continue };

@@ -5,6 +5,7 @@ use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
 use physics::declare::Kind;
 use physics::model::{Entry, ModelType};
+use physics::terms::GenericTerm;
 use std::io;
 
 const CAN: &[&str] = &[
@@ -15,8 +16,8 @@ const CAN: &[&str] = &[
     "canSerializeFMUstate",
 ];
 
-/// The text of modelDescription.xml.
-pub fn model_description(kind: &ModelType, starts: &StartValues) -> String {
+/// The text of modelDescription.xml of an archive with these start values and terms.
+pub fn model_description(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> String {
     let declaration = (kind.declaration)();
     let mut root = xml::root("2.0", "guid", declaration);
     root.push(("numberOfEventIndicators", "0".to_string()));
@@ -34,7 +35,7 @@ pub fn model_description(kind: &ModelType, starts: &StartValues) -> String {
             declaration.entries.iter().try_for_each(|entry| scalar_variable(xml, entry, starts))
         })?;
         element(xml, "ModelStructure", &vec![], |xml| {
-            let found = Dependencies::of(kind);
+            let found = Dependencies::of(kind, terms);
             // Time is variable 1, and the entries follow in order.
             let unknown = |xml: &mut Xml, (output, on): &(usize, Vec<usize>)| {
                 let dependencies = list(on.iter().map(|k| *k as u64 + 2));
@@ -56,6 +57,7 @@ fn scalar_variable(xml: &mut Xml, entry: &Entry, starts: &StartValues) -> io::Re
     let start = xml::start_attribute(entry, starts);
     element(xml, "ScalarVariable", &xml::variable_attributes(entry), |xml| match entry.row.kind {
         Kind::Real => empty(xml, "Real", &xml::real_attributes(entry, starts)),
+        Kind::Integer => empty(xml, "Integer", &xml::integer_attributes(entry, starts)),
         Kind::Boolean => empty(xml, "Boolean", &start.into_iter().collect()),
         Kind::Enumeration(t) => {
             let declared = ("declaredType", t.name.to_string());

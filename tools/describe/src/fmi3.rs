@@ -5,13 +5,14 @@ use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
 use physics::declare::Kind;
 use physics::model::{Entry, ModelType};
+use physics::terms::GenericTerm;
 use std::io;
 
 const CAN: &[&str] =
     &["canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"];
 
-/// The text of modelDescription.xml.
-pub fn model_description(kind: &ModelType, starts: &StartValues) -> String {
+/// The text of modelDescription.xml of an archive with these start values and terms.
+pub fn model_description(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> String {
     let declaration = (kind.declaration)();
     xml::document("fmiModelDescription", &xml::root("3.0", "instantiationToken", declaration), |xml| {
         empty(xml, "CoSimulation", &xml::interface(declaration, CAN))?;
@@ -27,7 +28,7 @@ pub fn model_description(kind: &ModelType, starts: &StartValues) -> String {
             declaration.entries.iter().try_for_each(|entry| variable(xml, entry, starts))
         })?;
         element(xml, "ModelStructure", &vec![], |xml| {
-            let found = Dependencies::of(kind);
+            let found = Dependencies::of(kind, terms);
             let reference = |k: usize| u64::from(declaration.entries[k].value_reference);
             for (name, unknowns) in [("Output", &found.running), ("InitialUnknown", &found.initial)] {
                 for (output, on) in unknowns {
@@ -50,6 +51,10 @@ fn variable(xml: &mut Xml, entry: &Entry, starts: &StartValues) -> io::Result<()
         Kind::Real => {
             attributes.extend(xml::real_attributes(entry, starts));
             "Float64"
+        }
+        Kind::Integer => {
+            attributes.extend(xml::integer_attributes(entry, starts));
+            "Int64"
         }
         Kind::Boolean => {
             attributes.extend(start);

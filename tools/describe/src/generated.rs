@@ -28,8 +28,8 @@ pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
     let starts = StartValues::default();
     for kind in physics::models::ALL {
         let home = folder.join((kind.declaration)().name);
-        files.push((home.join("fmi2.xml"), fmi2::model_description(kind, &starts)));
-        files.push((home.join("fmi3.xml"), fmi3::model_description(kind, &starts)));
+        files.push((home.join("fmi2.xml"), fmi2::model_description(kind, &starts, &[])));
+        files.push((home.join("fmi3.xml"), fmi3::model_description(kind, &starts, &[])));
         files.push((home.join("parameters.md"), markdown::parameters(kind)));
     }
     let declarations: Vec<_> = physics::models::ALL.iter().map(|m| (m.declaration)()).collect();

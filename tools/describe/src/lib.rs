@@ -15,6 +15,7 @@ mod xml;
 
 pub use dependencies::Dependencies;
 pub use physics::model::{Declaration, Entry, ModelType};
+pub use physics::terms::GenericTerm;
 pub use physics::{models, start_values};
 pub use preset::{Preset, StartValues};
 

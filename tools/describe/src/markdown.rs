@@ -45,8 +45,8 @@ fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
     let limits = match row.kind {
         Kind::Enumeration(t) => t.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", "),
         Kind::Boolean => "true, false".to_string(),
-        Kind::Real if row.min.is_finite() => format!("{} ... {}", row.min, row.max),
-        Kind::Real => String::new(),
+        Kind::Real | Kind::Integer if row.min.is_finite() => format!("{} ... {}", row.min, row.max),
+        Kind::Real | Kind::Integer => String::new(),
     };
     let unit = if row.kind == Kind::Real { row.unit.name().to_string() } else { String::new() };
     let changes = format!("{:?}", row.variability).to_lowercase();

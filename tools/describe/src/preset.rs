@@ -21,6 +21,7 @@ use toml::de::{DeTable, DeValue};
 const BUILT_IN: &[(&str, &str)] = &[
     ("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml")),
     ("thesis-rig", include_str!("../../../examples/presets/thesis-rig.toml")),
+    ("bdcm-37d", include_str!("../../../examples/presets/bdcm-37d.toml")),
 ];
 
 /// Start values that differ from the declared ones, by value reference.
@@ -211,6 +212,17 @@ mod tests {
         }
     }
 
+    /// The declared values of the gearmotor are its preset's: nothing is left to drift apart.
+    #[test]
+    fn the_gearmotor_is_declared_as_its_preset() {
+        let preset = Preset::load("bdcm-37d").unwrap();
+        let declaration = (physics::models::by_name("BrushedGearmotor").unwrap().declaration)();
+        for (value_reference, value) in preset.starts.entries() {
+            let entry = declaration.by_reference(value_reference).unwrap();
+            assert_eq!(entry.row.start, value, "{}", entry.name);
+        }
+    }
+
     /// tau_c = k_t I_0 of the datasheet: 27.6 mN.m/A * 0.356 A.
     #[test]
     fn a_preset_changes_the_start_values_it_names() {
@@ -225,9 +237,10 @@ mod tests {
     #[test]
     fn values_may_be_numbers_tables_and_names() {
         let text = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\n\"motor.R_ref\" = 1\n\
-                    drive_mode = \"current\"\n\"motor.L\" = { value = 1e-4, unit = \"H\" }\n";
+                    drive_mode = \"current\"\n\"motor.L\" = { value = 1e-4, unit = \"H\" }\n\
+                    \"motor.pole_pairs\" = 7\n";
         let preset = Preset::parse(text, "x.toml").unwrap();
-        assert_eq!(preset.starts.entries(), [(80, 3.0), (100, 1.0), (103, 1e-4)]);
+        assert_eq!(preset.starts.entries(), [(80, 3.0), (100, 1.0), (103, 1e-4), (107, 7.0)]);
     }
 
     #[test]
@@ -240,6 +253,10 @@ mod tests {
             ("\"motor.R_ref\" = { unit = \"Ohm\" }", &["x.toml:5", "no value"]),
             ("\"motor.R_ref\" = \"much\"", &["x.toml:5", "not a number in Ohm"]),
             ("\"motor.R_ref\" = nan", &["x.toml:5", "not a finite number"]),
+            (
+                "\"motor.pole_pairs\" = 1.5",
+                &["x.toml:5", "motor.pole_pairs = 1.5 is not a whole number", "1 ... 100"],
+            ),
             ("drive_mode = \"steam\"", &["x.toml:5", "steam", "voltage, pwm, current, power"]),
             ("current = 1", &["x.toml:5", "computed by the model"]),
             ("\"motor.R_ref\" = ", &["x.toml:5"]),

@@ -115,7 +115,7 @@ pub(crate) fn start_attribute(entry: &Entry, starts: &StartValues) -> Option<(&'
     let text = match entry.row.kind {
         _ if entry.row.causality == Causality::Output => return None,
         Kind::Boolean => (start != 0.0).to_string(),
-        Kind::Real | Kind::Enumeration(_) => number(start),
+        Kind::Real | Kind::Integer | Kind::Enumeration(_) => number(start),
     };
     Some(("start", text))
 }
@@ -194,14 +194,21 @@ pub(crate) fn real_attributes(entry: &Entry, starts: &StartValues) -> Attributes
     if row.relative {
         attributes.push(("relativeQuantity", "true".to_string()));
     }
-    for (name, limit) in [("min", row.min), ("max", row.max)] {
-        if limit.is_finite() {
-            attributes.push((name, number(limit)));
-        }
-    }
+    attributes.extend(limit_attributes(entry));
     attributes.push(("nominal", number(row.nominal)));
     attributes.extend(start_attribute(entry, starts));
     attributes
+}
+
+/// The attributes of a whole number: limits and start.
+pub(crate) fn integer_attributes(entry: &Entry, starts: &StartValues) -> Attributes {
+    limit_attributes(entry).chain(start_attribute(entry, starts)).collect()
+}
+
+/// The limits that there are.
+fn limit_attributes(entry: &Entry) -> impl Iterator<Item = (&'static str, String)> {
+    let limits = [("min", entry.row.min), ("max", entry.row.max)];
+    limits.into_iter().filter(|(_, limit)| limit.is_finite()).map(|(name, limit)| (name, number(limit)))
 }
 
 /// Causality, variability and, where it is to be stated, `initial`.

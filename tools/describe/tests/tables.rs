@@ -2,6 +2,7 @@
 
 use describe::{Dependencies, Entry, generated, lock, models};
 use physics::declare::{Causality, Kind, Scale};
+use physics::terms::{Driver, GenericTerm, Law, Port, Table};
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -31,7 +32,7 @@ fn every_variable_is_described_and_within_its_own_limits() {
             Causality::Output => assert!(row.start.is_nan(), "{} is computed and has no start", e.name),
             _ => assert_eq!(e.check(row.start, false), Ok(()), "{} = {}", e.name, row.start),
         }
-        if row.causality != Causality::Output && row.kind == Kind::Real {
+        if row.causality != Causality::Output && matches!(row.kind, Kind::Real | Kind::Integer) {
             assert!(
                 row.min.is_finite() && row.max.is_finite() && row.min < row.max,
                 "{} has no limits",
@@ -72,23 +73,80 @@ fn a_value_set_is_the_value_read() {
 fn dependencies_are_the_physics() {
     let kind = &models::ALL[0];
     let declaration = (kind.declaration)();
-    let found = Dependencies::of(kind);
+    let found = Dependencies::of(kind, &[]);
     let on = |list: &[(usize, Vec<usize>)], output: &str| -> Vec<&str> {
         let k = declaration.entries.iter().position(|e| e.name == output).unwrap();
         let (_, on) = list.iter().find(|(o, _)| *o == k).unwrap();
         on.iter().map(|k| declaration.entries[*k].name.as_str()).collect()
     };
-    assert_eq!(on(&found.running, "winding_temperature"), [""; 0], "a state depends on no input at once");
+    assert_eq!(on(&found.running, "stator_temperature"), [""; 0], "a state depends on no input at once");
+    // A sensor that the air cools does.
+    assert_eq!(on(&found.running, "winding_temperature"), ["ambient_temperature"]);
     // The last by the drive's own heat (effect drive_loss).
-    let cooled = ["fan_command", "ambient_temperature", "electrical_power"];
+    let cooled = ["fan_command", "ambient_temperature", "ambient_pressure", "electrical_power"];
     assert_eq!(on(&found.running, "heat_to_ambient"), cooled);
     assert_eq!(on(&found.running, "shaft_speed"), ["imposed_speed"]);
+    assert!(!on(&found.running, "loss_friction").contains(&"fan_command"));
     // A run that starts late starts at what a drifting sensor hides.
     let start = ["ambient_temperature", "effect.ambient_drift.rate"];
-    assert_eq!(on(&found.initial, "winding_temperature"), start);
+    assert_eq!(on(&found.initial, "stator_temperature"), start);
+    let shown = [&start[..], &["effect.winding_sensor_offset.offset"]].concat();
+    assert_eq!(on(&found.initial, "winding_temperature"), shown);
     let limit = ["ambient_temperature", "thermal.T_w_max", "effect.ambient_drift.rate"];
     assert_eq!(on(&found.initial, "over_temperature"), limit);
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
+}
+
+/// A term that is data brings its own: a drag that follows the fan makes the torque follow it.
+#[test]
+fn terms_bring_dependencies() {
+    let kind = &models::ALL[0];
+    let entries = &(kind.declaration)().entries;
+    let index = |name: &str| entries.iter().position(|e| e.name == name).unwrap();
+    let (x, y) = ([0.0, 1.0], [0.0, 0.01]);
+    let table = Table::new(Driver::FanCommand, &x, &y).unwrap();
+    let found = Dependencies::of(kind, &[GenericTerm { port: Port::DragTorque, law: Law::Table(table) }]);
+    let (_, on) = found.running.iter().find(|(o, _)| *o == index("loss_friction")).unwrap();
+    assert!(on.contains(&index("fan_command")));
+}
+
+/// A whole number has limits and a start in both standards, and neither unit nor nominal value.
+#[test]
+fn a_whole_number_is_an_integer_in_both_standards() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description/AnnulusCooledMotor");
+    let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
+    assert!(read("fmi2.xml").contains("<Integer min=\"1\" max=\"100\" start=\"2\"/>"));
+    let three = read("fmi3.xml");
+    let line = three.lines().find(|l| l.contains("motor.pole_pairs")).unwrap().trim();
+    assert!(line.starts_with("<Int64 ") && line.ends_with("min=\"1\" max=\"100\" start=\"2\"/>"), "{line}");
+    assert!(read("parameters.md").contains("| `motor.pole_pairs` |  | 2 | 1 ... 100 | tunable |"));
+}
+
+#[test]
+fn the_gearmotor_has_no_fan_no_power_input_and_a_bridge_of_its_own() {
+    const IDLE: [&str; 8] = [
+        "fan_back_pressure",
+        "drive_loss",
+        "pwm_ripple",
+        "bridge_drop",
+        "dead_time",
+        "stator_node",
+        "housing_sensor_lag",
+        "generic_term",
+    ];
+    let kind = models::by_name("BrushedGearmotor").unwrap();
+    let declaration = (kind.declaration)();
+    let found = Dependencies::of(kind, &[]);
+    let names = |on: &[usize]| on.iter().map(|k| declaration.entries[*k].name.as_str()).collect::<Vec<_>>();
+    for (output, on) in found.running.iter().chain(&found.initial) {
+        let idle = names(on).into_iter().find(|name| IDLE.iter().any(|idle| name.contains(idle)));
+        assert_eq!(idle, None, "{}", declaration.entries[*output].name);
+    }
+    let voltage = declaration.entries.iter().position(|e| e.name == "voltage").unwrap();
+    let (_, on) = found.running.iter().find(|(o, _)| *o == voltage).unwrap();
+    assert_eq!(names(on), ["duty", "supply_voltage"]);
+    let (_, on) = found.initial.iter().find(|(o, _)| *o == voltage).unwrap();
+    assert!(names(on).contains(&"drive.pwm_frequency"), "discontinuous conduction is among the points");
 }
 
 #[test]

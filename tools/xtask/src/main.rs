@@ -23,11 +23,12 @@ type Command = (&'static str, &'static str, fn(&Workspace, &[String]) -> Outcome
 /// In the order in which a newcomer needs them.
 const COMMANDS: &[Command] = &[
     ("demo", "build and validate the FMUs, walk for 20 minutes, write dist/index.html", demo::run),
-    ("test", "every check there is: tidy, Rust, FMUs, Python, mutants", test::run),
+    ("test", "every check there is: tidy, Rust, FMUs, Python, removals, mutants", test::run),
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
     ("describe", "write model-description/ anew (with --check: compare only)", describe::run),
     ("bench", "benchmarks; further arguments go to criterion", bench::run),
     ("mutants", "break the physics by hand and see the tests fail; arguments name mutants", mutants::run),
+    ("removals", "take each effect out in turn and see the physics compile", mutants::removal::run),
 ];
 
 fn main() -> ExitCode {

@@ -5,6 +5,7 @@
 //! exactly once (else it breaks something other than it says).
 
 mod copy;
+pub mod removal;
 mod table;
 
 use crate::{
@@ -67,7 +68,7 @@ fn try_all(workspace: &Workspace, names: &[String]) -> Outcome<(usize, Vec<Strin
         let source = read(&workspace.root.join(mutant.file))?;
         mutated(mutant, &source)?;
     }
-    let copy = Copy::of(workspace)?;
+    let copy = Copy::of(workspace, "mutants")?;
     shell::stage("mutants: the unbroken copy must pass");
     match test(workspace, copy.root())? {
         Ending::Success => {}

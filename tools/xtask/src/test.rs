@@ -45,6 +45,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
         Ok(mut command) => shell::run_keeping(&mut command, is_pytest_closing),
         Err(sentence) => (Vec::new(), Err(sentence)),
     });
+    summary.stage("removals", || mutants::removal::summary(workspace));
     summary.stage("mutants", || mutants::summary(workspace, &[]));
 
     shell::stage("summary");

@@ -3,6 +3,7 @@
 use super::{Boolean, InstanceHandle};
 use crate::boundary::{Refused, Wanted, enter, hand_out};
 use crate::logger::{Logger3, Status};
+use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
 
 /// Functions that refuse with one sentence.
@@ -28,7 +29,18 @@ unsafe fn refuse_to_make(
     let beyond = Some(format!("{interface} is not in this FMU; Co-Simulation is."));
     let sink = super::sink(log_message, environment);
     // SAFETY: as the crate's documentation says.
-    unsafe { hand_out(Wanted { function, name, token: std::ptr::null(), sink, logging_on: false, beyond }) }
+    unsafe {
+        hand_out(Wanted {
+            function,
+            name,
+            token: std::ptr::null(),
+            resources: std::ptr::null(),
+            locate: of_path,
+            sink,
+            logging_on: false,
+            beyond,
+        })
+    }
 }
 
 /// Makes an instance for Model Exchange.

@@ -1,4 +1,4 @@
-//! FMI 3.0 getters and setters. Float64, Int64 (enumerations) and Boolean have variables, the
+//! FMI 3.0 getters and setters. Float64, Int64 (whole numbers and enumerations) and Boolean have variables, the
 //! other types have none and say so.
 
 use super::{Boolean, InstanceHandle};
@@ -56,7 +56,7 @@ fn none<T>(_: T) -> f64 {
 
 values! {
     fmi3GetFloat64, fmi3SetFloat64, f64, Type::Real, |x| x, |x| x;
-    fmi3GetInt64, fmi3SetInt64, i64, Type::Enumeration, |x| x as i64, |x| x as f64;
+    fmi3GetInt64, fmi3SetInt64, i64, Type::Integer, |x| x as i64, |x| x as f64;
     fmi3GetBoolean, fmi3SetBoolean, Boolean, Type::Boolean, |x| u8::from(x != 0.0), |x| f64::from(u8::from(x != 0));
     fmi3GetFloat32, fmi3SetFloat32, f32, Type::Absent("Float32"), |_| 0.0, none;
     fmi3GetInt8, fmi3SetInt8, i8, Type::Absent("Int8"), |_| 0, none;

@@ -50,6 +50,11 @@ pub struct Motor2(pub Component);
 
 impl Motor2 {
     pub fn instantiated(name: &str) -> Motor2 {
+        Motor2::located(name, None).unwrap()
+    }
+
+    /// An instance whose archive has its resources at this URI; `None` where the library makes none.
+    pub fn located(name: &str, resources: Option<&str>) -> Option<Motor2> {
         // SAFETY: the same function with the arguments that the library really passes.
         let logger = unsafe {
             std::mem::transmute::<*const c_void, motor_fmu::logger::Logger2>(logger as *const c_void)
@@ -62,9 +67,10 @@ impl Motor2 {
             environment: null_mut(),
         };
         let name = CString::new(name).unwrap();
-        let c = unsafe { fmi2Instantiate(name.as_ptr(), 1, token().as_ptr(), null(), &functions, 0, 0) };
-        assert!(!c.is_null());
-        Motor2(c)
+        let resources = resources.map(|uri| CString::new(uri).unwrap());
+        let resources = resources.as_ref().map_or(null(), |uri| uri.as_ptr());
+        let c = unsafe { fmi2Instantiate(name.as_ptr(), 1, token().as_ptr(), resources, &functions, 0, 0) };
+        (!c.is_null()).then_some(Motor2(c))
     }
 
     pub fn initialized(name: &str) -> Motor2 {

@@ -31,7 +31,7 @@ variables! {
         /// Moment of inertia of the rotor
         J: f64 = Variable::tunable(6, 33.3e-7, Unit::KilogramSquareMetre, 1e-10, 10.0).log(),
         /// Pole pairs: electrical over mechanical angle
-        pole_pairs: f64 = Variable::tunable(7, 2.0, Unit::One, 1.0, 100.0),
+        pole_pairs: i32 = Variable::tunable_count(7, 2, 1, 100),
         /// Mass of the motor
         mass: f64 = Variable::tunable(8, 0.3, Unit::Kilogram, 1e-4, 1e3).log(),
     }

@@ -35,6 +35,11 @@ impl Effect for IronLoss {
         }
         w * self.k / (w * w + self.w_small * self.w_small).sqrt().sqrt()
     }
+
+    #[inline]
+    fn iron_drag(&self, w: f64) -> f64 {
+        self.drag_torque(w)
+    }
 }
 
 #[cfg(test)]
@@ -65,6 +70,7 @@ mod tests {
         assert_eq!(IRON.drag_torque(0.0), 0.0);
         assert_eq!(IRON.drag_torque(-30.0), -IRON.drag_torque(30.0f64));
         assert_eq!(IronLoss::default().drag_torque(1e4f64).to_bits(), 0);
+        assert_eq!(IRON.iron_drag(30.0), IRON.drag_torque(30.0f64));
     }
 
     #[test]

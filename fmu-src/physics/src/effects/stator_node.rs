@@ -26,6 +26,11 @@ impl Effect for StatorNode {
     fn is_on(&self) -> bool {
         self.R_sh > 0.0 && self.C_s > 0.0
     }
+
+    #[inline]
+    fn stator(&self) -> (f64, f64) {
+        if self.is_on() { (self.R_sh, self.C_s) } else { (0.0, 0.0) }
+    }
 }
 
 #[cfg(test)]
@@ -36,6 +41,7 @@ mod tests {
     fn off_unless_it_has_both() {
         assert!(!StatorNode::default().is_on());
         assert!(!StatorNode { R_sh: 0.1, C_s: 0.0 }.is_on());
-        assert!(StatorNode { R_sh: 0.1, C_s: 50.0 }.is_on());
+        assert_eq!(StatorNode { R_sh: 0.1, C_s: 0.0 }.stator(), (0.0, 0.0));
+        assert_eq!(StatorNode { R_sh: 0.1, C_s: 50.0 }.stator(), (0.1, 50.0));
     }
 }

@@ -1,12 +1,14 @@
 //! The models, one folder each.
 
 pub mod annulus_cooled_motor;
+pub mod brushed_gearmotor;
 
 use crate::model::ModelType;
 use annulus_cooled_motor::AnnulusCooledMotor;
+use brushed_gearmotor::BrushedGearmotor;
 
 /// Every model of the project: one line each.
-pub const ALL: &[ModelType] = &[AnnulusCooledMotor::TYPE];
+pub const ALL: &[ModelType] = &[AnnulusCooledMotor::TYPE, BrushedGearmotor::TYPE];
 
 /// The model of this name.
 pub fn by_name(name: &str) -> Option<&'static ModelType> {

@@ -108,17 +108,18 @@ pub struct Work<const N: usize> {
     pub doubt: f64,
 }
 
-/// What the integrator carries from step to step.
+/// What the integrator carries from step to step. `E` is how many energies are counted, at least three.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<const N: usize> {
+pub struct State<const N: usize, const E: usize = 3> {
     /// Current, A, and speed, rad/s.
     pub x: Fast,
     /// Shaft angle, rad.
     pub angle: f64,
     /// Node temperatures, K.
     pub temperature: SVector<f64, N>,
-    /// Energy taken in, delivered at the shaft, and given to the surroundings since the start, J.
-    pub energy: [f64; 3],
+    /// Energy taken in, delivered at the shaft, and given to the surroundings since the start, J; then, as far as
+    /// `E` reaches, the heat set free in each node.
+    pub energy: [f64; E],
     /// What the last call to [`Split::advance`] leaves for those who live beside the nodes.
     pub passed: Passed<N>,
 }
@@ -140,7 +141,7 @@ impl<const N: usize> Default for Passed<N> {
     }
 }
 
-impl<const N: usize> State<N> {
+impl<const N: usize, const E: usize> State<N, E> {
     /// The state as numbers, for a saved instance.
     pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
         let fast = [self.x[0], self.x[1], self.angle];
@@ -155,7 +156,10 @@ impl<const N: usize> State<N> {
         for node in temperature.iter_mut() {
             *node = next()?;
         }
-        let energy = [next()?, next()?, next()?];
+        let mut energy = [0.0; E];
+        for joules in &mut energy {
+            *joules = next()?;
+        }
         Some(State { x, angle, temperature, energy, passed: Passed::default() })
     }
 }
@@ -205,7 +209,12 @@ impl<const N: usize> Split<N> {
     }
 
     /// Advances `state` by `h` seconds, in as many steps as the error asks for; on failure nothing changes.
-    pub fn advance(&mut self, system: &impl System<N>, state: &mut State<N>, h: f64) -> Result<(), Stuck> {
+    pub fn advance<const E: usize>(
+        &mut self,
+        system: &impl System<N>,
+        state: &mut State<N, E>,
+        h: f64,
+    ) -> Result<(), Stuck> {
         let (mut now, mut done, mut trial) = (*state, 0.0, h);
         now.passed = Passed::default();
         let mut backup = None;
@@ -234,7 +243,12 @@ impl<const N: usize> Split<N> {
     }
 
     /// One step without error control, for studies of the method's order.
-    pub fn single_step(&mut self, system: &impl System<N>, state: &State<N>, h: f64) -> State<N> {
+    pub fn single_step<const E: usize>(
+        &mut self,
+        system: &impl System<N>,
+        state: &State<N, E>,
+        h: f64,
+    ) -> State<N, E> {
         self.step(system, state, 0.0, h, &mut None).0
     }
 
@@ -254,14 +268,14 @@ impl<const N: usize> Split<N> {
     }
 
     /// One step of length `h` from `t`: the new state and the error in units of the tolerance.
-    fn step(
+    fn step<const E: usize>(
         &mut self,
         system: &impl System<N>,
-        state: &State<N>,
+        state: &State<N, E>,
         t: f64,
         h: f64,
         backup: &mut Option<Self>,
-    ) -> (State<N>, f64) {
+    ) -> (State<N, E>, f64) {
         let (x0, temp0) = (state.x, state.temperature);
         self.renew(system.fast_matrix(t, &x0, &temp0), system.network_matrix(t, &temp0), h, backup);
         let (fast, thermal) = (&self.fast, &self.thermal);
@@ -337,21 +351,18 @@ impl<const N: usize> Split<N> {
             let over_time = thermal.integral(&temp0, &warming);
             let outflow = share.dot(&over_time)
                 + h / 6.0 * (rest(0.0, &temp0) + 4.0 * rest(0.5, &tempm) + rest(1.0, &temp1));
-            let next = State {
-                x: x1,
-                angle: state.angle + segment.integral[1],
-                temperature: end,
-                energy: [
-                    state.energy[0] + work.electrical,
-                    state.energy[1] + work.mechanical,
-                    state.energy[2] + outflow + work.ambient,
-                ],
-                passed: Passed {
-                    temperature: state.passed.temperature + over_time,
-                    aside: state.passed.aside + work.aside,
-                    outflow: state.passed.outflow + outflow,
-                },
+            let gained = [work.electrical, work.mechanical, outflow + work.ambient];
+            let mut energy = state.energy;
+            for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(work.heat.iter())) {
+                *sum += gain;
+            }
+            let passed = Passed {
+                temperature: state.passed.temperature + over_time,
+                aside: state.passed.aside + work.aside,
+                outflow: state.passed.outflow + outflow,
             };
+            let angle = state.angle + segment.integral[1];
+            let next = State { x: x1, angle, temperature: end, energy, passed };
             let finite = next.x.sum() + next.temperature.sum() + next.angle;
             let sane = finite.is_finite() && next.temperature.amax() < ABSURD && !error.is_nan();
             return (next, if sane { error } else { f64::INFINITY });

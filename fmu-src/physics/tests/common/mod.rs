@@ -47,6 +47,11 @@ pub fn all_effects() -> Effects {
     effects.demagnetisation.time = 0.25;
     effects.ambient_drift.rate = 0.01;
     effects.drive_loss.share = 0.12;
+    effects.housing_sensor_lag.tau = 20.0;
+    effects.winding_sensor_stem_loss.k = 0.04;
+    effects.housing_sensor_stem_loss.k = 0.06;
+    effects.winding_sensor_offset.offset = 1.2;
+    effects.housing_sensor_offset.offset = -0.8;
     effects
 }
 

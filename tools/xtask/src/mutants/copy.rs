@@ -12,9 +12,9 @@ pub struct Copy {
 }
 
 impl Copy {
-    /// Copies the workspace into its target folder.
-    pub fn of(workspace: &Workspace) -> Outcome<Self> {
-        let root = workspace.target.join("mutants");
+    /// Copies the workspace into a folder of this name in its target folder.
+    pub fn of(workspace: &Workspace, name: &str) -> Outcome<Self> {
+        let root = workspace.target.join(name);
         if root.exists() {
             std::fs::remove_dir_all(&root)
                 .map_err(|e| format!("{} cannot be removed: {e}", root.display()))?;

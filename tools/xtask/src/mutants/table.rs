@@ -8,6 +8,8 @@ const NETWORK: &str = "fmu-src/physics/src/models/annulus_cooled_motor/network.r
 const MOTOR: &str = "fmu-src/physics/src/components/motor.rs";
 const THERMAL: &str = "fmu-src/physics/src/components/thermal.rs";
 const CONDUCTANCE: &str = "fmu-src/physics/src/components/conductance.rs";
+const SENSOR: &str = "fmu-src/physics/src/components/sensor.rs";
+const HOUSING_STEM: &str = "fmu-src/physics/src/effects/housing_sensor_stem_loss.rs";
 
 /// All of them.
 pub const MUTANTS: &[Mutant] = &[
@@ -87,6 +89,27 @@ pub const MUTANTS: &[Mutant] = &[
         text: "(self.magnetic(x1[0]) - self.magnetic(x0[0]))",
         replacement: "0.0 * (self.magnetic(x1[0]) - self.magnetic(x0[0]))",
         breaks: "the energy in the inductance is booked as copper heat",
+    },
+    Mutant {
+        name: "hasty-sensor",
+        file: SENSOR,
+        text: "(to - from) / h * (h - tau * e)",
+        replacement: "(to - from) / h * h",
+        breaks: "the sensor follows a ramp without a lag",
+    },
+    Mutant {
+        name: "warm-stem",
+        file: HOUSING_STEM,
+        text: "t - self.k * (t - t_a)",
+        replacement: "t + self.k * (t - t_a)",
+        breaks: "a sensor that the air cools shows too much",
+    },
+    Mutant {
+        name: "generic-heat-sign",
+        file: EQUATIONS,
+        text: "- self.ports().housing_heat(temperature[CORE])",
+        replacement: "+ self.ports().housing_heat(temperature[CORE])",
+        breaks: "a term that heats the housing cools it",
     },
     Mutant {
         name: "air-does-not-warm",

@@ -177,6 +177,23 @@ pub struct Beyond {
     pub rotor: Line,
 }
 
+/// Volts and torques at one instant.
+#[derive(Clone, Copy, Debug)]
+struct Ends {
+    /// Voltage at the terminals, V.
+    voltage: f64,
+    /// Torque given to the load, N.m.
+    shaft_torque: f64,
+    /// Drag torque, N.m.
+    drag: f64,
+    /// Voltage lost in the drive's bridge, V.
+    bridge: f64,
+    /// Resistance, Ohm.
+    r: f64,
+    /// Torque constant, N.m/A.
+    k: f64,
+}
+
 /// All that the equations say at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
@@ -226,7 +243,7 @@ impl<'a> Step<'a> {
             DriveMode::Current => Line { start: u.current_command, slope: s.current_command },
             _ => none,
         };
-        let mut heat = Line { start: u.heat_power, slope: s.heat_power };
+        let mut heat = Line { start: u.heat_power + model.effects.winding_heat(), slope: s.heat_power };
         let mut drive = none;
         if model.choices.drive_mode == DriveMode::Power {
             let lost = constants.lost;
@@ -248,11 +265,10 @@ impl<'a> Step<'a> {
             heat,
             drive,
             ambient: Line {
-                start: u.ambient_temperature + drift * time,
+                start: u.ambient_temperature + drift * time + model.effects.ambient_offset(),
                 slope: s.ambient_temperature + drift,
             },
-            strength: constants.torque_factor
-                * if constants.eventful { model.effects.torque_constant(time) } else { 1.0 },
+            strength: constants.torque_factor * model.effects.torque_constant(time),
             excess: 0.0,
             chopper: Chopper::new(model, constants.chops, inputs),
             conductance,
@@ -270,7 +286,7 @@ impl<'a> Step<'a> {
     /// Resistance with the mean winding at `t_w`, Ohm.
     #[inline]
     fn resistance(&self, t_w: f64) -> f64 {
-        self.model.motor.resistance(t_w + self.excess)
+        self.model.motor.resistance(t_w + self.excess) * self.ports().winding_resistance()
     }
 
     /// The same equations with a network beyond the two nodes.
@@ -352,7 +368,7 @@ impl<'a> Step<'a> {
     /// Drag of the iron, N.m.
     #[inline]
     fn iron_drag(&self, w: f64) -> f64 {
-        self.model.effects.iron_loss.drag_torque(w)
+        self.model.effects.iron_drag(w)
     }
 
     /// Heat flows from the nodes to what surrounds them, W.
@@ -369,7 +385,8 @@ impl<'a> Step<'a> {
         PerNode {
             winding: conductance.winding * (temperature[WINDING] - ambient),
             housing: conductance.housing * (temperature[CORE] - ambient)
-                + self.ports().housing_to_ambient(temperature[CORE], ambient),
+                + self.ports().housing_to_ambient(temperature[CORE], ambient)
+                - self.ports().housing_heat(temperature[CORE]),
         }
     }
 
@@ -387,23 +404,30 @@ impl<'a> Step<'a> {
         if self.is_free() { 0.5 * self.model.motor.J * w * w } else { 0.0 }
     }
 
+    /// Volts and torques at one instant.
+    #[inline]
+    fn ends(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Ends {
+        let (i, w) = (x[0], x[1]);
+        let (r, k) = (self.resistance(temperature[WINDING]), self.torque_constant(t, temperature));
+        let (drag, bridge) = (self.drag(t, x, k), self.bridge(i));
+        let voltage = if self.is_voltage_driven() {
+            self.voltage.at(t) - bridge - self.missed(i)
+        } else {
+            r * i + self.ports().terminal_voltage(i) + k * w
+        };
+        let shaft_torque = if self.is_free() { self.load.at(t) } else { k * i - drag };
+        Ends { voltage, shaft_torque, drag, bridge, r, k }
+    }
+
     /// Everything at one instant.
     pub fn point(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Point {
         use Account::*;
         let motor = &self.model.motor;
         let (i, w) = (x[0], x[1]);
         let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
-        let (r, k) = (self.resistance(t_w), self.torque_constant(t, temperature));
+        let Ends { voltage, shaft_torque, drag, bridge, r, k } = self.ends(t, x, temperature);
         let lost = self.ports().terminal_voltage(i);
-        let drag = self.drag(t, x, k);
         let fast = self.fast_rates(t, x, temperature);
-        let bridge = self.bridge(i);
-        let voltage = if self.is_voltage_driven() {
-            self.voltage.at(t) - bridge - self.missed(i)
-        } else {
-            r * i + lost + k * w
-        };
-        let shaft_torque = if self.is_free() { self.load.at(t) } else { k * i - drag };
         let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t) + bridge * i);
         let insulation = self.ports().winding_housing_resistance(t_w);
         let across = self.model.thermal.winding_to_housing(t_w, t_h) / insulation;

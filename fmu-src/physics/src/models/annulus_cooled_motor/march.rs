@@ -25,7 +25,15 @@ impl AnnulusCooledMotor {
         if let Some(fault) = &self.fault {
             return Err(Fault(fault.clone()));
         }
-        if self.network.is_some() { self.advance_in_pieces(time, h) } else { self.advance_two_nodes(time, h) }
+        self.tell_effects(time);
+        let before = self.housing_temperature();
+        if self.network.is_some() {
+            self.advance_in_pieces(time, h)?;
+        } else {
+            self.advance_two_nodes(time, h)?;
+        }
+        self.follow_sensor(before, h);
+        Ok(())
     }
 
     fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Fault> {
@@ -48,7 +56,7 @@ impl AnnulusCooledMotor {
             self.follow_inputs();
         }
         self.time = time;
-        self.outputs_are_stale = true;
+        self.outdate();
     }
 
     fn stuck(&self, time: f64, after: f64, h: f64) -> Fault {
@@ -161,7 +169,7 @@ impl AnnulusCooledMotor {
 
     /// Electrical angle of a state, rad.
     fn electrical_angle(&self, state: &State<NODES>) -> f64 {
-        state.angle * self.parameters.motor.pole_pairs
+        state.angle * f64::from(self.parameters.motor.pole_pairs)
     }
 
     /// How far the phases that carry the current now are above the mean winding, K.
@@ -197,7 +205,7 @@ impl AnnulusCooledMotor {
     fn ambient(&self, time: f64) -> Line {
         let drift = self.constants.drift();
         Line {
-            start: self.inputs.ambient_temperature + drift * time,
+            start: self.inputs.ambient_temperature + drift * time + self.parameters.effects.ambient_offset(),
             slope: self.slopes.ambient_temperature + drift,
         }
     }

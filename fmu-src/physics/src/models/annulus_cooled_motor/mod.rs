@@ -6,10 +6,11 @@
 mod equations;
 mod march;
 pub mod network;
+mod surroundings;
 mod variables;
 
 pub use equations::{Beyond, Constants, Line, NODES, Point, STATES, Step, Temperatures};
-pub use variables::{Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
+pub use variables::{Books, Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
 
 use crate::components::annulus::Annulus;
 use crate::components::commutation::Phases;
@@ -22,6 +23,7 @@ use crate::effects::{Effect, Effects, IMMINENT, PerNode};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
 use crate::solver::split::{Fast, Passed, Split, State};
+use crate::terms::GenericTerm;
 use network::{Body, Network};
 
 /// What the motor is made of, and how it is used.
@@ -85,6 +87,7 @@ pub struct AnnulusCooledMotor {
     /// What the importer sets.
     pub inputs: Inputs,
     outputs: Outputs,
+    books: Books,
     /// What the motor is made of.
     pub parameters: Parameters,
     constants: Constants,
@@ -93,6 +96,10 @@ pub struct AnnulusCooledMotor {
     slopes: Inputs,
     time: f64,
     state: State<NODES>,
+    /// The temperature that the housing's sensor has reached, K.
+    t_sensor: f64,
+    /// Multiplies the heat capacities of [`Constants`].
+    capacity_factor: f64,
     /// Energy stored at the start, J.
     stored_at_start: f64,
     split: Split<NODES>,
@@ -103,12 +110,14 @@ pub struct AnnulusCooledMotor {
     /// What is wrong with the parameters taken together.
     fault: Option<String>,
     outputs_are_stale: bool,
+    books_are_stale: bool,
 }
 
 groups! {
     AnnulusCooledMotor {
         "" @ 0 => inputs: Inputs,
         "" @ 0 => outputs: Outputs,
+        "" @ 0 => books: Books,
     } then parameters: Parameters
 }
 
@@ -116,6 +125,8 @@ groups! {
 const INPUTS: usize = 0;
 /// Index of the outputs in the list of groups.
 const OUTPUTS: usize = 1;
+/// Index of the flows of power in the list of groups.
+const BOOKS: usize = 2;
 
 impl Default for AnnulusCooledMotor {
     fn default() -> Self {
@@ -123,6 +134,7 @@ impl Default for AnnulusCooledMotor {
         AnnulusCooledMotor {
             inputs: Inputs::default(),
             outputs: Outputs::default(),
+            books: Books::default(),
             parameters,
             constants: Constants::of(&parameters),
             fan: (f64::NAN, PerNode::default()),
@@ -135,12 +147,15 @@ impl Default for AnnulusCooledMotor {
                 energy: [0.0; 3],
                 passed: Passed::default(),
             },
+            t_sensor: 0.0,
+            capacity_factor: 1.0,
             stored_at_start: 0.0,
             split: Split::default(),
             phases: Phases::default(),
             network: None,
             fault: None,
             outputs_are_stale: true,
+            books_are_stale: true,
         }
     }
 }
@@ -167,6 +182,7 @@ impl AnnulusCooledMotor {
 
     /// The equations over the next step, with the inputs on their slopes.
     pub fn step_equations(&mut self) -> Step<'_> {
+        self.tell_effects(self.time);
         self.follow_cooling();
         self.equations()
     }
@@ -199,7 +215,7 @@ impl AnnulusCooledMotor {
 
     /// Draws the consequences of parameters that were written.
     fn follow_parameters(&mut self) {
-        self.constants = Constants::of(&self.parameters);
+        self.constants = Constants::of(&self.parameters).with_capacity(self.capacity_factor);
         self.fan = (f64::NAN, PerNode::default());
         self.fault = Body::fault(&self.parameters);
         let body = Body::of(&self.parameters);
@@ -214,17 +230,24 @@ impl AnnulusCooledMotor {
         };
     }
 
-    fn refresh_outputs(&mut self) {
-        if self.outputs_are_stale {
-            self.follow_cooling();
-            self.outputs = self.equations().outputs(
-                &self.state,
-                self.stored_at_start,
-                self.network.as_ref(),
-                &self.phases,
-            );
+    /// Brings the outputs to the state; with `books`, the flows of power as well.
+    fn refresh_outputs(&mut self, books: bool) {
+        self.tell_effects(self.time);
+        self.follow_cooling();
+        let (step, network) = (self.equations(), self.network.as_ref());
+        if books {
+            self.books = step.books(&self.state, self.stored_at_start, network);
+            self.books_are_stale = false;
+        } else {
+            self.outputs = step.outputs(&self.state, self.t_sensor, network, &self.phases);
             self.outputs_are_stale = false;
         }
+    }
+
+    /// The state, an input or a parameter has changed.
+    #[inline]
+    fn outdate(&mut self) {
+        (self.outputs_are_stale, self.books_are_stale) = (true, true);
     }
 
     /// The current and the speed that the inputs dictate replace those of the state.
@@ -239,7 +262,7 @@ impl AnnulusCooledMotor {
             MechanicalMode::FreeShaft => {}
             MechanicalMode::ImposedSpeed => self.state.x[1] = self.inputs.imposed_speed,
         }
-        self.outputs_are_stale = true;
+        self.outdate();
     }
 }
 
@@ -250,8 +273,10 @@ impl Model for AnnulusCooledMotor {
 
     #[inline]
     fn get(&mut self, slot: Slot) -> f64 {
-        if slot.group as usize == OUTPUTS {
-            self.refresh_outputs();
+        match slot.group as usize {
+            OUTPUTS if self.outputs_are_stale => self.refresh_outputs(false),
+            BOOKS if self.books_are_stale => self.refresh_outputs(true),
+            _ => {}
         }
         self.value(slot.group as usize, slot.row as usize)
     }
@@ -259,7 +284,7 @@ impl Model for AnnulusCooledMotor {
     #[inline]
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
-        if group <= OUTPUTS {
+        if group <= BOOKS {
             let taken = self.set_value(group, slot.row as usize, value);
             self.follow_inputs();
             return taken;
@@ -276,7 +301,14 @@ impl Model for AnnulusCooledMotor {
     fn set_slope(&mut self, slot: Slot, slope: f64) {
         debug_assert_eq!(slot.group as usize, INPUTS);
         declare::Group::set(&mut self.slopes, slot.row as usize, slope);
-        self.outputs_are_stale = true;
+        self.outdate();
+    }
+
+    fn set_terms(&mut self, terms: &[GenericTerm]) -> bool {
+        let taken = self.parameters.effects.take_terms(terms);
+        self.follow_parameters();
+        self.outdate();
+        taken
     }
 
     fn start(&mut self, time: f64) -> Result<(), Fault> {
@@ -284,7 +316,7 @@ impl Model for AnnulusCooledMotor {
             return Err(Fault(fault));
         }
         self.time = time;
-        let ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
+        let mut ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
         self.state = State {
             x: Fast::zeros(),
             angle: 0.0,
@@ -297,6 +329,13 @@ impl Model for AnnulusCooledMotor {
         self.network = None;
         self.follow_parameters();
         self.follow_inputs();
+        self.tell_effects(time);
+        ambient += self.parameters.effects.ambient_offset();
+        self.state.temperature = Temperatures::repeat(ambient);
+        self.t_sensor = ambient;
+        // Anew, because a network starts at the temperature that the state has.
+        self.network = None;
+        self.follow_parameters();
         self.stored_at_start = self.stored();
         Ok(())
     }
@@ -334,7 +373,8 @@ impl Model for AnnulusCooledMotor {
         out.extend(
             (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
         );
-        out.extend([self.time, self.stored_at_start, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend([self.time, self.t_sensor, self.capacity_factor]);
+        out.extend([self.stored_at_start, flag(self.outputs_are_stale), flag(self.books_are_stale)]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
         out.extend(self.phases.above);
@@ -359,8 +399,11 @@ impl Model for AnnulusCooledMotor {
                 declare::Group::set(&mut copy.slopes, row, next()?);
             }
             copy.time = next()?;
+            copy.t_sensor = next()?;
+            copy.capacity_factor = next()?;
             copy.stored_at_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;
+            copy.books_are_stale = next()? != 0.0;
             copy.state = State::from_numbers(&mut next)?;
             copy.split = Split::from_numbers(&mut next)?;
             copy.phases = Phases { above: [next()?, next()?, next()?] };
@@ -395,4 +438,8 @@ impl Model for AnnulusCooledMotor {
     fn as_any(&self) -> &dyn std::any::Any {
         self
     }
+}
+
+fn flag(value: bool) -> f64 {
+    f64::from(u8::from(value))
 }

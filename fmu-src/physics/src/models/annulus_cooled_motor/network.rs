@@ -20,6 +20,7 @@ pub use body::Body;
 pub use cooling::{Coefficients, Conditions, Cooling};
 
 use super::{Inputs, Line, Parameters};
+use crate::effects::Effect;
 use crate::solver::stabilized::{MOST, Stabilized, States, error};
 use cooling::Tangent;
 
@@ -73,6 +74,8 @@ pub struct Network {
     tangent: Tangent,
     /// The coefficients in use.
     now: Coefficients,
+    /// Heat that the surroundings set free in the housing (effects at housing_heat), W.
+    from_outside: f64,
     method: Stabilized,
     /// Upper bound of the rates, 1/s.
     fastest: f64,
@@ -91,6 +94,7 @@ impl Network {
             states: [temperature; MOST],
             tangent: Tangent::NONE,
             now: Coefficients::NONE,
+            from_outside: 0.0,
             method: Stabilized::default(),
             fastest: 0.0,
             next: [temperature; MOST],
@@ -163,6 +167,7 @@ impl Network {
             pressure: inputs.ambient_pressure,
             command: inputs.fan_command,
         };
+        self.from_outside = parameters.effects.housing_heat(at.surface);
         if !self.tangent.serves(&at) {
             self.tangent = Tangent::new(&self.cooling, parameters, at);
             self.tangent.coefficients(&at, self.body.segments, &mut self.now);
@@ -170,6 +175,11 @@ impl Network {
         } else {
             self.tangent.coefficients(&at, self.body.segments, &mut self.now);
         }
+    }
+
+    /// Lets the next [`refresh`](Network::refresh) compute the coefficients anew.
+    pub fn forget(&mut self) {
+        self.tangent = Tangent::NONE;
     }
 
     /// The coefficients in use.
@@ -217,7 +227,9 @@ impl Network {
         let (rotor, tube) = (y[ROTOR], y[TUBE]);
         let [per_rotor, per_tube, per_joule] = body.per_joule;
         let mut air = ambient + c.inlet_rise;
-        let (mut from_rotor, mut to_tube, mut leaving) = (0.0, 0.0, -c.inlet_rise * c.stream);
+        let from_outside = self.from_outside / n as f64;
+        let (mut from_rotor, mut to_tube) = (0.0, 0.0);
+        let mut leaving = -c.inlet_rise * c.stream - self.from_outside;
         let mut before = y[FIRST];
         for k in 0..n {
             let t = y[FIRST + k];
@@ -231,7 +243,8 @@ impl Network {
             from_rotor += from;
             to_tube += radiated - from_tube;
             leaving += direct;
-            out[FIRST + k] = (inflow.segment[k] + from + along - direct - radiated - segment) * per_joule;
+            let gain = inflow.segment[k] + from_outside + from + along;
+            out[FIRST + k] = (gain - direct - radiated - segment) * per_joule;
             before = t;
         }
         let outside = c.tube_to_room * (tube - ambient);
@@ -356,6 +369,7 @@ impl Network {
         let mut flows = Flows {
             tube_to_room: c.tube_to_room * (tube - ambient),
             fan_to_air: c.inlet_rise * c.stream,
+            housing_to_room: -self.from_outside,
             ..Flows::default()
         };
         let mut air = ambient + c.inlet_rise;

@@ -55,7 +55,7 @@ variables! {
         /// How current is given to the phases
         commutation: Commutation = Variable::choice(83, 1),
         /// Segments of the housing along its axis (not in cooling_mode conductance)
-        air_segments: f64 = Variable::tunable(84, 8.0, Unit::One, 1.0, 64.0),
+        air_segments: i32 = Variable::count(84, 8, 1, 64),
     }
 }
 
@@ -86,7 +86,7 @@ variables! {
 }
 
 variables! {
-    /// What the model computes.
+    /// What the model shows of its state.
     pub struct Outputs {
         /// Current in the winding
         current: f64 = Variable::output(20, Unit::Ampere).nominal(5.0),
@@ -96,16 +96,14 @@ variables! {
         shaft_speed: f64 = Variable::output(22, Unit::RadianPerSecond).nominal(1000.0),
         /// Torque that the shaft gives to the load (mechanical_mode imposed_speed: without the rotor's inertia)
         shaft_torque: f64 = Variable::output(23, Unit::NewtonMetre).nominal(0.1),
-        /// Temperature of the winding
+        /// Temperature of the winding as its sensor shows it (effects winding_sensor_*); the true one otherwise
         winding_temperature: f64 = Variable::output(24, Unit::Kelvin).nominal(300.0),
         /// Temperature of the stator; the housing's in cooling_mode conductance
         stator_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
         /// Temperature of the magnets; the housing's in cooling_mode conductance
         magnet_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the housing
+        /// Temperature of the housing as its sensor shows it (effects housing_sensor_*); the true one otherwise
         housing_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the air behind the motor; that of the surroundings where none is led past it
-        air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
         /// Flow of air over the motor; 0 in cooling_mode conductance and bare
         air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
         /// Pressure that the fan gives; 0 unless air is led through an annulus
@@ -114,6 +112,26 @@ variables! {
         winding_resistance: f64 = Variable::output(31, Unit::Ohm),
         /// Torque constant at the magnets' temperature
         torque_constant: f64 = Variable::output(32, Unit::NewtonMetrePerAmpere).nominal(0.03),
+        /// How far the hottest phase of the winding truly is below its limit
+        winding_margin: f64 = Variable::output(41, Unit::Kelvin).nominal(100.0).difference(),
+        /// True while the hottest phase of the winding truly is above its limit
+        over_temperature: bool = Variable::flag(42),
+        /// Torque at the shaft per mass of the motor, with the fan and the tube where cooling_mode has them
+        torque_density: f64 = Variable::output(43, Unit::NewtonMetrePerKilogram),
+        /// Voltage at the terminals
+        terminal_voltage: f64 = Variable::output(44, Unit::Volt).nominal(48.0),
+        /// Temperature of the hottest phase, which differs from the mean winding at stall (commutation block or
+        /// sinusoidal)
+        winding_hot_spot_temperature: f64 = Variable::output(49, Unit::Kelvin).nominal(300.0),
+    }
+}
+
+variables! {
+    /// What the model shows of its flows of power, and the check of its books. It costs as much as a step, so that
+    /// it is computed only where it is read.
+    pub struct Books {
+        /// Temperature of the air behind the motor; that of the surroundings where none is led past it
+        air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
         /// Power taken at the terminals (drive_mode pwm: from the supply of the drive, with its losses)
         power_electrical: f64 = Variable::output(33, Unit::Watt).nominal(10.0),
         /// Power given to the load
@@ -130,23 +148,12 @@ variables! {
         heat_to_ambient: f64 = Variable::output(39, Unit::Watt).nominal(10.0),
         /// Power that the books miss at this instant; zero but for rounding
         power_balance_error: f64 = Variable::output(40, Unit::Watt),
-        /// How far the hottest phase of the winding is below its limit
-        winding_margin: f64 = Variable::output(41, Unit::Kelvin).nominal(100.0).difference(),
-        /// True while the hottest phase of the winding is above its limit
-        over_temperature: bool = Variable::flag(42),
-        /// Torque at the shaft per mass of the motor, with the fan and the tube where cooling_mode has them
-        torque_density: f64 = Variable::output(43, Unit::NewtonMetrePerKilogram),
-        /// Voltage at the terminals
-        terminal_voltage: f64 = Variable::output(44, Unit::Volt).nominal(48.0),
         /// Energy taken in since the start: at the terminals, and as heat_power
         energy_electrical: f64 = Variable::output(45, Unit::Joule).nominal(1000.0),
         /// Energy given to the load since the start
         energy_mechanical: f64 = Variable::output(46, Unit::Joule).nominal(1000.0),
         /// Heat given to the surroundings since the start
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
-        /// Temperature of the hottest phase, which differs from the mean winding at stall (commutation block or
-        /// sinusoidal)
-        winding_hot_spot_temperature: f64 = Variable::output(49, Unit::Kelvin).nominal(300.0),
         /// Energy taken in, less given out, less stored, since the start; zero but for rounding
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
     }

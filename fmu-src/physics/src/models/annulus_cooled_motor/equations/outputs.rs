@@ -1,49 +1,72 @@
 //! What the model shows of its state, and the check of the books.
 
-use super::{CORE, NODES, Step, WINDING};
+use super::{CORE, Ends, NODES, Step, WINDING};
 use crate::components::commutation::Phases;
 use crate::effects::Effect;
 use crate::ledger::{Account, Ledger};
-use crate::models::annulus_cooled_motor::network::{Flows, Network};
-use crate::models::annulus_cooled_motor::{DriveMode, Outputs};
+use crate::models::annulus_cooled_motor::network::Network;
+use crate::models::annulus_cooled_motor::{Books, DriveMode, Outputs};
 use crate::solver::split::{State, System};
 
 /// What is to be shown of the heat beyond winding and core.
 struct Outside {
-    /// Temperature of the magnets, K.
-    rotor: f64,
-    /// Temperature of the housing, K.
-    housing: f64,
     /// Heat flow to the surroundings, W.
     to_ambient: f64,
-    flows: Flows,
+    /// Temperature at which the air leaves the motor, K.
+    outlet: f64,
     /// Power that the books of the network miss, W.
     error: f64,
 }
 
 impl Step<'_> {
-    /// The outputs at the start of the step.
+    /// The outputs at the start of the step; `t_sensor` is the temperature that the housing's sensor has reached.
     pub fn outputs(
         &self,
         state: &State<NODES>,
-        stored_at_start: f64,
+        t_sensor: f64,
         network: Option<&Network>,
         phases: &Phases,
     ) -> Outputs {
+        let (model, ambient) = (self.model, self.ambient.start);
+        let (x, temperature) = (&state.x, &state.temperature);
+        let t_w = temperature[WINDING];
+        let Ends { voltage, shaft_torque, k, r, .. } = self.ends(0.0, x, temperature);
+        let hottest = t_w + phases.hottest();
+        let air = network.map(|n| n.coefficients());
+        Outputs {
+            current: x[0],
+            shaft_angle: state.angle,
+            shaft_speed: x[1],
+            shaft_torque,
+            winding_temperature: model.effects.winding_sensor(t_w, ambient),
+            stator_temperature: temperature[CORE],
+            magnet_temperature: self.magnets(0.0, temperature),
+            housing_temperature: model.effects.housing_sensor(t_sensor, ambient),
+            air_flow_rate: air.map_or(0.0, |c| c.flow),
+            air_pressure_drop: air.map_or(0.0, |c| c.pressure_drop),
+            winding_resistance: r,
+            torque_constant: k,
+            winding_margin: model.thermal.T_w_max - hottest,
+            over_temperature: hottest > model.thermal.T_w_max,
+            torque_density: shaft_torque / model.mass(),
+            terminal_voltage: voltage,
+            winding_hot_spot_temperature: hottest,
+        }
+    }
+
+    /// The flows of power at the start of the step, and what the books miss.
+    pub fn books(&self, state: &State<NODES>, stored_at_start: f64, network: Option<&Network>) -> Books {
         use Account::*;
         let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
-        let (i, w) = (x[0], x[1]);
-        let (t_w, t_core) = (temperature[WINDING], temperature[CORE]);
+        let (i, w, t_w) = (x[0], x[1], temperature[WINDING]);
         let mut p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
         let outside = match network {
             Some(network) => self.network_books(state, network, p.drive, &mut p.ledger),
             None => Outside {
-                rotor: t_core,
-                housing: t_core,
                 to_ambient: p.to_ambient,
-                flows: Flows { outlet: self.ambient.start, ..Flows::default() },
+                outlet: self.ambient.start,
                 error: p.ledger.error(&[(Ambient, p.to_ambient)]),
             },
         };
@@ -58,30 +81,14 @@ impl Step<'_> {
         let [energy_in, energy_out, energy_heat] = state.energy;
         let r = self.resistance(t_w);
         let copper = r * i * i + model.effects.terminal_voltage(i) * i + self.ripple_loss(t_w);
-        let electrical = p.power_in - self.inputs.heat_power;
         let copper = match model.choices.drive_mode {
             DriveMode::Power => copper + self.inputs.electrical_power - p.drive,
             _ => copper,
         };
-        let hottest = t_w + phases.hottest();
-        let air = network.map(|n| n.coefficients());
         let stored = self.stored(state) + network.map_or(0.0, Network::stored);
-        Outputs {
-            current: i,
-            shaft_angle: state.angle,
-            shaft_speed: w,
-            shaft_torque: p.shaft_torque,
-            winding_temperature: t_w,
-            stator_temperature: t_core,
-            magnet_temperature: outside.rotor,
-            housing_temperature: outside.housing,
-            air_outlet_temperature: outside.flows.outlet,
-            air_flow_rate: air.map_or(0.0, |c| c.flow),
-            air_pressure_drop: air.map_or(0.0, |c| c.pressure_drop),
-            winding_hot_spot_temperature: hottest,
-            winding_resistance: r,
-            torque_constant: self.torque_constant(0.0, temperature),
-            power_electrical: electrical,
+        Books {
+            air_outlet_temperature: outside.outlet,
+            power_electrical: p.power_in - self.inputs.heat_power - model.effects.winding_heat(),
             power_mechanical: p.shaft_torque * w,
             loss_copper: copper,
             loss_iron: self.iron_drag(w) * w,
@@ -89,10 +96,6 @@ impl Step<'_> {
             loss_drive: p.drive,
             heat_to_ambient: outside.to_ambient,
             power_balance_error,
-            winding_margin: model.thermal.T_w_max - hottest,
-            over_temperature: hottest > model.thermal.T_w_max,
-            torque_density: p.shaft_torque / model.mass(),
-            terminal_voltage: p.voltage,
             energy_electrical: energy_in,
             energy_mechanical: energy_out,
             energy_heat_to_ambient: energy_heat,
@@ -144,6 +147,6 @@ impl Step<'_> {
             (Fan, -network.coefficients().fan_power),
             (Ambient, to_ambient + network.coefficients().fan_power),
         ]);
-        Outside { rotor, housing, to_ambient, flows, error }
+        Outside { to_ambient, outlet: flows.outlet, error }
     }
 }

@@ -1,6 +1,21 @@
 //! The effects as a step sees them: it passes by the ports where nothing acts.
 
+use super::{Constants, Temperatures};
 use crate::effects::{Effect, Effects, Port};
+
+impl Constants {
+    /// With every heat capacity times `factor`.
+    pub fn with_capacity(mut self, factor: f64) -> Constants {
+        self.capacity *= factor;
+        self.inverse_capacity /= factor;
+        self
+    }
+
+    /// The heat in the nodes above 0 K, J.
+    pub fn heat(&self, temperature: &Temperatures) -> f64 {
+        self.capacity.dot(temperature)
+    }
+}
 
 /// The ports inside a step at which any effect acts.
 #[derive(Clone, Copy, Debug)]
@@ -9,9 +24,11 @@ pub struct Acts {
     load_drag: bool,
     /// Volts between terminals and winding.
     pub terminal_voltage: bool,
+    winding_resistance: bool,
     winding_housing_resistance: bool,
     /// Heat from the housing that follows no conductance.
     pub housing_to_ambient: bool,
+    housing_heat: bool,
 }
 
 impl Acts {
@@ -21,8 +38,10 @@ impl Acts {
             drag_torque: effects.acts_at(Port::DragTorque),
             load_drag: effects.acts_at(Port::LoadDrag),
             terminal_voltage: effects.acts_at(Port::TerminalVoltage),
+            winding_resistance: effects.acts_at(Port::WindingResistance),
             winding_housing_resistance: effects.acts_at(Port::WindingHousingResistance),
             housing_to_ambient: effects.acts_at(Port::HousingToAmbient),
+            housing_heat: effects.acts_at(Port::Any),
         }
     }
 }
@@ -62,11 +81,17 @@ impl Ports<'_> {
         /// Ohm.
         terminal_voltage_slope if terminal_voltage (i) else 0.0;
         /// A factor.
+        winding_resistance if winding_resistance () else 1.0;
+        /// A factor.
         winding_housing_resistance if winding_housing_resistance (t_w) else 1.0;
         /// 1/K.
         winding_housing_resistance_slope if winding_housing_resistance (t_w) else 0.0;
         /// W.
         housing_to_ambient if housing_to_ambient (t_h, t_a) else 0.0;
+        /// W.
+        housing_heat if housing_heat (t_h) else 0.0;
+        /// W/K.
+        housing_heat_slope if housing_heat (t_h) else 0.0;
         /// W/K.
         housing_to_ambient_slope if housing_to_ambient (t_h, t_a) else 0.0;
     }

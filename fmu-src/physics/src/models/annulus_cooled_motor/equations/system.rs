@@ -58,7 +58,8 @@ impl System<NODES> for Step<'_> {
         let cold = self.constants.across * share;
         let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
         let conductance = self.conductance_at(t);
-        let from_housing = conductance.housing + effects.housing_to_ambient_slope(t_h, self.ambient.at(t));
+        let from_housing = conductance.housing + effects.housing_to_ambient_slope(t_h, self.ambient.at(t))
+            - effects.housing_heat_slope(t_h);
         let per_kelvin = self.constants.inverse_capacity;
         Matrix2::new(
             (-hot - conductance.winding) * per_kelvin[WINDING],

@@ -34,15 +34,15 @@ pub struct Body {
 impl Body {
     /// The network that these parameters ask for; `None` for two nodes alone.
     pub fn of(parameters: &Parameters) -> Option<Body> {
-        let (thermal, extra) = (&parameters.thermal, &parameters.effects.stator_node);
+        let (thermal, (resistance, capacity)) = (&parameters.thermal, parameters.effects.stator());
         if parameters.choices.cooling_mode == CoolingMode::Conductance {
             // Winding and stator, with the housing as the one segment beyond.
-            return extra.is_on().then(|| Body {
+            return (capacity > 0.0).then(|| Body {
                 segments: 1,
                 capacity: [0.0, 0.0, thermal.C_h],
                 per_joule: [0.0, 0.0, 1.0 / thermal.C_h],
-                stator: extra.C_s,
-                from_stator: 1.0 / extra.R_sh,
+                stator: capacity,
+                from_stator: 1.0 / resistance,
                 winding_to_rotor: 0.0,
                 from_rotor: 0.0,
                 axial: 0.0,
@@ -51,10 +51,9 @@ impl Body {
                 iron_in_stator: false,
             });
         }
-        let n = parameters.choices.air_segments.clamp(1.0, SEGMENTS as f64);
+        let n = f64::from(parameters.choices.air_segments.clamp(1, SEGMENTS as i32));
         let has_tube =
             matches!(parameters.choices.cooling_mode, CoolingMode::AnnulusPush | CoolingMode::AnnulusPull);
-        let (resistance, capacity) = if extra.is_on() { (extra.R_sh, extra.C_s) } else { (0.0, 0.0) };
         let rest = thermal.C_h - thermal.C_r;
         let tube = if has_tube { parameters.annulus.capacity() } else { 0.0 };
         let capacity_of_nodes = [thermal.C_r, tube, rest * (1.0 - thermal.stator_share) / n];

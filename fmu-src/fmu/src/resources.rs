@@ -1,0 +1,72 @@
+//! Where an archive's resources are, as importers say it.
+
+use std::path::PathBuf;
+
+/// The folder of an FMI 2 `fmuResourceLocation`, a URI of the scheme `file`; a plain path is taken as well, because
+/// importers pass it. Nothing for an empty text or another scheme.
+pub fn of_uri(uri: &str) -> Option<PathBuf> {
+    let Some(rest) = strip_scheme(uri) else {
+        return if uri.contains("://") { None } else { of_path(uri) };
+    };
+    // file:///path, file://host/path or file:/path: the path begins at the slash after the host.
+    let path = match rest.strip_prefix("//") {
+        Some(with_host) => &with_host[with_host.find('/')?..],
+        None => rest,
+    };
+    let path = decoded(path);
+    // On Windows the drive comes after the slash: /C:/folder.
+    let bytes = path.as_bytes();
+    let drive = bytes.len() > 2 && bytes[0] == b'/' && bytes[1].is_ascii_alphabetic() && bytes[2] == b':';
+    of_path(if drive { &path[1..] } else { &path })
+}
+
+/// The folder of an FMI 3 `resourcePath`. Nothing for an empty text.
+pub fn of_path(path: &str) -> Option<PathBuf> {
+    (!path.is_empty()).then(|| PathBuf::from(path))
+}
+
+/// What follows the scheme, whose case does not count.
+fn strip_scheme(uri: &str) -> Option<&str> {
+    let (scheme, rest) = uri.split_once(':')?;
+    scheme.eq_ignore_ascii_case("file").then_some(rest)
+}
+
+/// The text with each %xx replaced by its byte; what is no such triple stays.
+fn decoded(text: &str) -> String {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&first, tail)) = rest.split_first() {
+        let byte = tail
+            .get(..2)
+            .filter(|_| first == b'%')
+            .and_then(|digits| std::str::from_utf8(digits).ok())
+            .and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        bytes.push(byte.unwrap_or(first));
+        rest = if byte.is_some() { &tail[2..] } else { tail };
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_way_to_say_where() {
+        for (uri, path) in [
+            ("file:///tmp/a%20b/resources", "/tmp/a b/resources"),
+            ("file:/tmp/resources/", "/tmp/resources/"),
+            ("FILE://localhost/tmp/%C3%BC", "/tmp/\u{fc}"),
+            ("file:///C:/fmu/resources", "C:/fmu/resources"),
+            ("/tmp/100%/x", "/tmp/100%/x"),
+            ("C:\\fmu\\resources", "C:\\fmu\\resources"),
+            ("file:///tmp/50%25/%zz/%2", "/tmp/50%/%zz/%2"),
+        ] {
+            assert_eq!(of_uri(uri), Some(PathBuf::from(path)), "{uri}");
+        }
+        for nothing in ["", "http://host/resources", "file:", "file://", "file://host"] {
+            assert_eq!(of_uri(nothing), None, "{nothing}");
+        }
+        assert_eq!((of_path(""), of_path("/r/")), (None, Some(PathBuf::from("/r/"))));
+    }
+}

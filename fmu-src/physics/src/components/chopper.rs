@@ -1,0 +1,201 @@
+//! An H-bridge that chops its supply: means over one switching cycle.
+//!
+//! While the supply is on, for the share d of the period P, the terminals see V_on = V_s - V_drop; after it the
+//! current runs on through switch and diode against V_off, until the next cycle or until it is used up:
+//!
+//! ```text
+//! on        L di/dt = V_on - e - R i          for d P                                      (1)
+//! freewheel L di/dt = -V_off - e - R i        for at most (1 - d) P                        (2)
+//! empty     i = 0, the terminals show e       for what is left                             (3)
+//! ```
+//! With a = exp(-d P R/L), b = exp(-(1 - d) P R/L), I_on = (V_on - e)/R, I_off = -(V_off + e)/R, the periodic
+//! solution starts each cycle at
+//! ```text
+//! i_0 = [I_on (1 - a) b + I_off (1 - b)] / (1 - a b)       continuous conduction, where i_0 > 0    (4)
+//! i_0 = 0, freewheel ends after L/R ln(1 - i_peak/I_off)   discontinuous conduction                (5)
+//! ```
+//! and with d_2, the share of the freewheel, its means are
+//! ```text
+//! V - e = R I = d (V_on - e) - d_2 (V_off + e)                                             (6)
+//! q_on  = d I_on - (L/R)(i_peak - i_0)/P,   q_off = d_2 I_off + (L/R)(i_peak - i_0)/P,   I = q_on + q_off   (7)
+//! <i^2> = I_on q_on + I_off q_off                                                          (8)
+//! ```
+//! (6) and (8) are (1) to (3), and i times them, integrated over a cycle: what the inductance takes it gives back.
+//! In continuous conduction d_2 = 1 - d, so (6) is Kirchhoff's law for any mean current, and not of the periodic
+//! one alone. A back-EMF between V_on and V_s + V_f lets no current flow; above that the bridge's diodes rectify:
+//! V = V_s + V_f.
+//!
+//! *Decay*: slow (one switch stays closed): V_off = V_f. Fast (all switches open): V_off = V_s + V_f, and the current
+//! runs back into the supply. At duty 0 all switches are open.
+//! *Assumes* a supply that takes current back, e and R constant over a cycle, drops that do not depend on the
+//! current; V_drop is never more than V_s. *Neglects* dead time, switching losses, and the bridge's own heat.
+//! *Sign*: as the duty, forward positive; a negative duty is the mirror image.
+//! *Range*: any duty from -1 to 1; continuous where (4) meets (5), and where the current begins.
+//! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sections 7-3 and 13-5, with the resistance kept.
+
+use crate::effects::Number;
+use declare::{Unit, Variable, enumeration, variables};
+
+enumeration! {
+    /// Where the current runs while the supply is off.
+    pub enum Decay {
+        /// Through a closed switch and a diode, around the supply.
+        Slow = 1, "slow";
+        /// Through two diodes, back into the supply; all switches are open.
+        Fast = 2, "fast";
+    }
+}
+
+variables! {
+    /// The H-bridge.
+    pub struct Drive {
+        /// Voltage lost in the two switches that connect the supply
+        drop: f64 = Variable::tunable(0, 2.2124, Unit::Volt, 0.0, 100.0),
+        /// Voltage lost in the path through which the current runs on while the supply is off
+        freewheel_drop: f64 = Variable::tunable(1, 1.8, Unit::Volt, 0.0, 100.0),
+        /// Switching frequency
+        pwm_frequency: f64 = Variable::tunable(2, 1775.0, Unit::Hertz, 1.0, 1e6).log(),
+        /// Where the current runs while the supply is off
+        decay: Decay = Variable::choice(3, 1),
+    }
+}
+
+/// Below this sum of V_on and V_off there is nothing to share the current by, V.
+const VOLTAGE_SMALL: f64 = 1e-9;
+
+/// The bridge at one instant, in the direction of its duty.
+#[derive(Clone, Copy, Debug)]
+pub struct Bridge {
+    /// 1 forward, -1 reverse.
+    direction: f64,
+    /// Share of the period with the supply on, 0 to 1.
+    duty: f64,
+    /// Period, s.
+    period: f64,
+    /// Voltage of the supply, V.
+    supply: f64,
+    /// V_on of eq. (1), V.
+    on: f64,
+    /// V_off of eq. (2), V.
+    off: f64,
+    /// V_f, V.
+    freewheel_drop: f64,
+    /// Share of the freewheeling current that runs back into the supply.
+    returned: f64,
+}
+
+/// The periodic cycle at some back-EMF.
+#[derive(Clone, Copy, Debug)]
+pub struct Cycle<D> {
+    /// Mean voltage at the terminals beyond the back-EMF, V: what drives the mean current, eq. (6).
+    pub drive: D,
+    /// Mean square of the current less the square of its mean, A2.
+    pub ripple: f64,
+    /// Share of the period with current, 0 to 1.
+    pub conducting: f64,
+    /// The diodes carry the current into the supply.
+    rectifies: bool,
+}
+
+/// Where the power of the supply goes, W.
+#[derive(Clone, Copy, Debug)]
+pub struct SupplyPower {
+    /// Taken from the supply for each watt that the motor takes.
+    pub per_watt: f64,
+    /// Taken from the supply for each ampere of the mean current, beyond that, V.
+    pub per_ampere: f64,
+}
+
+impl Bridge {
+    /// A bridge on `supply` volts. `direction` decides at duty 0, where the switches of a slow decay stay as they
+    /// were; without a direction (0) all switches are open.
+    #[inline]
+    pub fn new(drive: &Drive, duty: f64, direction: f64, supply: f64) -> Bridge {
+        // A ramp may lead an input past its limits between two communication points.
+        let supply = supply.max(0.0);
+        let open = drive.decay == Decay::Fast || direction == 0.0;
+        let sign = if direction < 0.0 { -1.0 } else { 1.0 };
+        Bridge {
+            direction: sign,
+            duty: (duty * sign).clamp(0.0, 1.0),
+            period: 1.0 / drive.pwm_frequency,
+            supply,
+            on: (supply - drive.drop).max(0.0),
+            off: drive.freewheel_drop + if open { supply } else { 0.0 },
+            freewheel_drop: drive.freewheel_drop,
+            returned: f64::from(u8::from(open)),
+        }
+    }
+
+    /// The periodic cycle at the back-EMF `e`, V, of a winding with resistance `r`, Ohm, and inductance `l`, H.
+    #[inline]
+    pub fn cycle<D: Number>(&self, e: D, r: f64, l: f64) -> Cycle<D> {
+        let none = Cycle { drive: D::from(0.0), ripple: 0.0, conducting: 0.0, rectifies: false };
+        let e = e * self.direction;
+        if e.re() >= self.on {
+            let beyond = e - (self.supply + self.freewheel_drop);
+            if beyond.re() <= 0.0 {
+                return none;
+            }
+            return Cycle { drive: -beyond * self.direction, conducting: 1.0, rectifies: true, ..none };
+        }
+        // Times in units of L/R.
+        let period = self.period * r / l;
+        let (t_on, t_off) = (self.duty * period, (1.0 - self.duty) * period);
+        let (rises, falls) = (-(-t_on).exp_m1(), -(-t_off).exp_m1());
+        let (i_on, i_off) = ((-e + self.on) / r, -(e + self.off) / r);
+        let carried = i_on * (rises * (1.0 - falls)) + i_off * falls;
+        let (start, peak, freewheel) = if carried.re() > 0.0 {
+            let start = carried / (rises + falls - rises * falls);
+            (start, i_on * rises + start * (1.0 - rises), D::from(1.0 - self.duty))
+        } else if rises == 0.0 {
+            return none;
+        } else {
+            let peak = i_on * rises;
+            (D::from(0.0), peak, (peak / -i_off).ln_1p() / period)
+        };
+        let drive = (i_on * self.duty + i_off * freewheel) * r;
+        let kept = (peak.re() - start.re()) / period;
+        let (q_on, q_off) = (i_on.re() * self.duty - kept, i_off.re() * freewheel.re() + kept);
+        let mean = drive.re() / r;
+        Cycle {
+            drive: drive * self.direction,
+            ripple: (i_on.re() * q_on + i_off.re() * q_off - mean * mean).max(0.0),
+            conducting: self.duty + freewheel.re(),
+            rectifies: false,
+        }
+    }
+
+    /// The current while the supply is on that gives the motor `power` watts at the mean current `i`: eq. (7) in
+    /// the periodic cycle, and between cycles the share that keeps the books. Forward counts positive.
+    fn through_supply(&self, power: f64, i: f64) -> f64 {
+        (power + self.off * i * self.direction) / (self.on + self.off).max(VOLTAGE_SMALL)
+    }
+
+    /// How the power of the supply follows from the motor's power and mean current.
+    #[inline]
+    pub fn supply_power<D>(&self, cycle: &Cycle<D>) -> SupplyPower {
+        if cycle.rectifies {
+            return SupplyPower { per_watt: 0.0, per_ampere: self.supply * self.direction };
+        }
+        let both = self.supply * (1.0 + self.returned);
+        let share = both / (self.on + self.off).max(VOLTAGE_SMALL);
+        let per_ampere = (share * self.off - self.supply * self.returned) * self.direction;
+        SupplyPower { per_watt: share, per_ampere }
+    }
+
+    /// Power lost in switches and diodes, W, with the motor taking `power` watts at the mean current `i`.
+    #[inline]
+    pub fn loss<D>(&self, cycle: &Cycle<D>, power: f64, i: f64) -> f64 {
+        let i_forward = i * self.direction;
+        if cycle.rectifies {
+            return -self.freewheel_drop * i_forward;
+        }
+        let q_on = self.through_supply(power, i);
+        (self.supply - self.on) * q_on + self.freewheel_drop * (i_forward - q_on)
+    }
+}
+
+#[cfg(test)]
+#[path = "chopper_tests.rs"]
+mod tests;

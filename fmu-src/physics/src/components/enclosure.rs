@@ -1,0 +1,33 @@
+//! A motor in an insulated box: winding, housing, and the box's air and walls.
+//!
+//! C_w dT_w/dt = Q_w - (T_w - T_h)/R_wh                                                     (1)
+//! C_h dT_h/dt = Q_h + (T_w - T_h)/R_wh - G_hb (T_h - T_b)                                  (2)
+//! C_b dT_b/dt = G_hb (T_h - T_b) - G_ba (T_b - T_a)                                        (3)
+//!
+//! *Assumes* each node at one temperature. *Neglects* radiation and the leads (inside G_hb).
+//! *Sign*: a flow counts positive from the winding outwards.
+//! *Source*: estimates. 95 J/K in all for the motor of about 210 g of steel and copper, 10 J/K of it the armature's
+//! copper and teeth; 5 K/W across the air gap, as catalogues give for brushed motors of this size (3 to 8 K/W);
+//! 60 J/K and 0.15 W/K for a box of expanded polystyrene; 120 degC for the winding (insulation class E).
+
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Thermal data of motor and box.
+    pub struct Enclosure {
+        /// Thermal resistance from winding to housing
+        R_wh: f64 = Variable::tunable(0, 5.0, Unit::KelvinPerWatt, 1e-4, 1e3).log(),
+        /// Heat capacity of the winding
+        C_w: f64 = Variable::tunable(1, 10.0, Unit::JoulePerKelvin, 1e-3, 1e6).log(),
+        /// Heat capacity of the housing, with magnets and gear
+        C_h: f64 = Variable::tunable(2, 85.0, Unit::JoulePerKelvin, 1e-3, 1e7).log(),
+        /// Highest temperature allowed in the winding
+        T_w_max: f64 = Variable::tunable(3, 393.15, Unit::Kelvin, 273.15, 573.15),
+        /// Heat capacity of the box, air and walls
+        C_b: f64 = Variable::tunable(4, 60.0, Unit::JoulePerKelvin, 1e-3, 1e7).log(),
+        /// Conductance from the housing to the box
+        G_hb: f64 = Variable::tunable(5, 0.15, Unit::WattPerKelvin, 1e-6, 1e4).log(),
+        /// Conductance from the box to ambient
+        G_ba: f64 = Variable::tunable(6, 0.15, Unit::WattPerKelvin, 1e-6, 1e4).log(),
+    }
+}

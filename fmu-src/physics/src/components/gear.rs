@@ -1,0 +1,72 @@
+//! A reduction gear: everything behind it referred to its output shaft.
+//!
+//! K = k_t ratio,   J_out = J ratio^2                                                       (1)
+//! tau_drag = tau_c tanh(w / w_small) + k w + (1/efficiency - 1) |tau_load| sign(w)         (2)
+//!
+//! The torque in the air gap times the ratio is K I, before any loss, so K is also the back-EMF constant at the
+//! output shaft: efficiency belongs to the drag and not to K, or power would appear or vanish on the way.
+//! The losses without load (brushes, bearings, gear) are the first two terms, the third is what a load adds:
+//! a load that drives comes back with 2 - 1/efficiency, and not at all where efficiency is below one half.
+//! *Assumes* a stiff gear without backlash. *Neglects* breakaway: below w_small the shaft creeps.
+//! *Sign*: drag against the motion; its power tau_drag w >= 0 heats the housing.
+//! *Source*: the laws of `effects/coulomb_friction.rs`, `viscous_friction.rs` and `load_dependent_friction.rs`.
+
+use crate::effects::{CoulombFriction, Effect, LoadDependentFriction, Number, ViscousFriction};
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// The gear and the friction that it shows at its output shaft.
+    pub struct Gear {
+        /// Turns of the rotor for one of the output shaft
+        ratio: f64 = Variable::tunable(0, 131.0, Unit::One, 1.0, 1e5).log(),
+        /// Share of the power that reaches a driven load, beyond the friction without load
+        efficiency: f64 = Variable::tunable(1, 0.73, Unit::One, 0.05, 1.0),
+        /// Dry friction of motor and gear at the output shaft
+        tau_c: f64 = Variable::tunable(2, 0.0769, Unit::NewtonMetre, 0.0, 1e4),
+        /// Viscous friction of motor and gear at the output shaft
+        k: f64 = Variable::tunable(3, 0.01267, Unit::NewtonMetreSecond, 0.0, 1e4),
+        /// Speed of the output shaft below which dry friction falls to zero
+        w_small: f64 = Variable::tunable(4, 0.02, Unit::RadianPerSecond, 1e-6, 1e3).log(),
+        /// Load torque below which its friction falls with its square
+        tau_small: f64 = Variable::tunable(5, 1e-3, Unit::NewtonMetre, 1e-9, 10.0).log(),
+    }
+}
+
+impl Gear {
+    /// Drag without load at the output speed `w`, rad/s: the first two terms of eq. (2), N.m.
+    #[inline]
+    pub fn drag<D: Number>(&self, w: D) -> D {
+        CoulombFriction { tau_c: self.tau_c, w_small: self.w_small }.drag_torque(w)
+            + ViscousFriction { k: self.k }.drag_torque(w)
+    }
+
+    /// Drag for each newton metre of a load of `tau`, N.m: the third term of eq. (2).
+    #[inline]
+    pub fn load_drag<D: Number>(&self, w: D, tau: f64) -> D {
+        let mu = 1.0 / self.efficiency - 1.0;
+        LoadDependentFriction { mu, w_small: self.w_small, tau_small: self.tau_small }.load_drag(w, tau)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The paper's motor at 8.1322 rad/s: 0.0769 + 0.01267 * 8.1322 = 0.17993 N.m, its 0.18 A times 1 N.m/A.
+    #[test]
+    fn the_drag_without_load() {
+        let gear = Gear::default();
+        assert!((gear.drag(8.1322f64) - 0.179_935).abs() < 1e-6);
+        assert_eq!(gear.drag(0.0), 0.0);
+        assert_eq!(gear.drag(-8.1322), -gear.drag(8.1322));
+    }
+
+    /// A driven load of 1 N.m costs 1/0.73 N.m; one that drives gives back 2 - 1/0.73 N.m.
+    #[test]
+    fn the_efficiency_is_that_of_a_driven_load() {
+        let gear = Gear::default();
+        assert!((1.0 + gear.load_drag(5.0f64, 1.0) - 1.0 / 0.73).abs() < 1e-12);
+        let back = -1.0 - gear.load_drag(5.0f64, -1.0);
+        assert!((back + (2.0 - 1.0 / 0.73)).abs() < 1e-12, "{back}");
+    }
+}

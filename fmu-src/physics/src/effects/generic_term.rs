@@ -1,0 +1,249 @@
+//! Terms found in data that are in no list: the carrier of `terms.rs` at the motor's ports.
+//!
+//! With y the sum of `gain` times the values of the terms at a port:
+//!
+//! | port | what y does | driver that is alive within a step |
+//! |---|---|---|
+//! | drag_torque | y tanh(w / 1 rad/s), N.m: y > 0 brakes either way and heats the housing | speed |
+//! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is lost either way and heats the winding | current |
+//! | winding_resistance, torque_constant | times 1 + y | |
+//! | winding_housing_resistance | times 1 + y | winding_temperature |
+//! | winding_heat | y, W, heats the winding; it counts as taken in, as heat_power does | |
+//! | housing_heat | y, W, heats the housing; the surroundings give it (heat_to_ambient is less by y) | housing_temperature |
+//! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing | housing_temperature |
+//! | heat_capacity | the capacities of winding and housing (with a network: of winding and stator) times 1 + y; the books start anew from there | |
+//! | fan_flow | the command times 1 + y, not below 0 | fan_command |
+//! | ambient_sensor | the true ambient temperature is y, K, above the shown one | |
+//! | winding_sensor, housing_sensor | the reading is y, K, too high | |
+//!
+//! *Assumes* that drivers which are not alive stand still over a step: they are those of its start, so such a
+//! term is of first order in the step. The energy books close all the same. *Neglects* history.
+//! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
+//! *Source*: the data that the terms were found in.
+
+use super::{Effect, Number, smooth_sign};
+use crate::terms::{Driver, Drivers, GenericTerm, MOST_TERMS, Port};
+use declare::{Group, Unit, Variable, variables};
+
+/// Speed below which a drag turns round, rad/s.
+const W_SMALL: f64 = 1.0;
+/// Current below which a drop turns round, A.
+const I_SMALL: f64 = 0.05;
+/// Least factor on a parameter of the motor.
+const LEAST_FACTOR: f64 = 0.05;
+
+variables! {
+    /// What of the terms can be tuned.
+    pub struct Gain {
+        /// Multiplies all terms of resources/effects.json; 0 switches them off
+        gain: f64 = Variable::tunable(0, 1.0, Unit::One, -10.0, 10.0),
+    }
+}
+
+/// The terms of a motor, with the drivers that they were told of last.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GenericTerms {
+    gain: Gain,
+    terms: [Option<GenericTerm>; MOST_TERMS],
+    drivers: Drivers,
+}
+
+impl Group for GenericTerms {
+    const TABLE: &'static [Variable] = Gain::TABLE;
+
+    #[inline]
+    fn get(&self, index: usize) -> f64 {
+        self.gain.get(index)
+    }
+
+    #[inline]
+    fn set(&mut self, index: usize, value: f64) -> bool {
+        self.gain.set(index, value)
+    }
+}
+
+impl GenericTerms {
+    /// The sum at a port, with one driver alive; nothing where no term is on.
+    #[inline]
+    fn along<D: Number>(&self, port: Port, live: Driver, x: D) -> D {
+        if !self.is_on() {
+            return D::from(0.0);
+        }
+        let here = self.terms.iter().flatten().filter(|term| term.port == port);
+        here.fold(D::from(0.0), |sum, term| sum + term.along(&self.drivers, live, x)) * self.gain.gain
+    }
+
+    /// The sum at a port.
+    #[inline]
+    fn sum(&self, port: Port) -> f64 {
+        self.along(port, Driver::Speed, self.drivers.speed)
+    }
+
+    fn factor<D: Number>(sum: D) -> D {
+        if sum.re() < LEAST_FACTOR - 1.0 { D::from(LEAST_FACTOR) } else { sum + 1.0 }
+    }
+}
+
+impl Effect for GenericTerms {
+    #[inline]
+    fn is_on(&self) -> bool {
+        self.terms[0].is_some() && self.gain.gain != 0.0
+    }
+
+    fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
+        let fit = terms.len() <= MOST_TERMS;
+        if fit {
+            self.terms = std::array::from_fn(|k| terms.get(k).copied());
+        }
+        fit
+    }
+
+    #[inline]
+    fn tell(&mut self, drivers: &Drivers) {
+        self.drivers = *drivers;
+    }
+
+    #[inline]
+    fn drag_torque<D: Number>(&self, w: D) -> D {
+        self.along(Port::DragTorque, Driver::Speed, w) * smooth_sign(w, W_SMALL)
+    }
+
+    #[inline]
+    fn terminal_voltage<D: Number>(&self, i: D) -> D {
+        self.along(Port::TerminalVoltage, Driver::Current, i) * smooth_sign(i, I_SMALL)
+    }
+
+    #[inline]
+    fn winding_resistance(&self) -> f64 {
+        Self::factor(self.sum(Port::WindingResistance))
+    }
+
+    #[inline]
+    fn torque_constant(&self, _time: f64) -> f64 {
+        Self::factor(self.sum(Port::TorqueConstant))
+    }
+
+    #[inline]
+    fn winding_heat(&self) -> f64 {
+        self.sum(Port::WindingHeat)
+    }
+
+    #[inline]
+    fn winding_housing_resistance<D: Number>(&self, t_w: D) -> D {
+        Self::factor(self.along(Port::WindingHousingResistance, Driver::WindingTemperature, t_w))
+    }
+
+    #[inline]
+    fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
+        self.along(Port::HousingAmbientConductance, Driver::HousingTemperature, t_h) * (t_h - t_a)
+    }
+
+    #[inline]
+    fn housing_heat<D: Number>(&self, t_h: D) -> D {
+        self.along(Port::HousingHeat, Driver::HousingTemperature, t_h)
+    }
+
+    #[inline]
+    fn heat_capacity(&self) -> f64 {
+        Self::factor(self.sum(Port::HeatCapacity))
+    }
+
+    #[inline]
+    fn fan_flow(&self, n: f64) -> f64 {
+        n * (1.0 + self.along(Port::FanFlow, Driver::FanCommand, n)).max(0.0)
+    }
+
+    #[inline]
+    fn ambient_offset(&self) -> f64 {
+        self.sum(Port::AmbientSensor)
+    }
+
+    #[inline]
+    fn winding_sensor(&self, t: f64, _t_a: f64) -> f64 {
+        t + self.sum(Port::WindingSensor)
+    }
+
+    #[inline]
+    fn housing_sensor(&self, t: f64, _t_a: f64) -> f64 {
+        t + self.sum(Port::HousingSensor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::slope_is_derivative;
+    use super::*;
+    use crate::terms::{Factor, Law, Product, Table};
+
+    fn carrying(port: Port, coefficient: f64, driver: Driver, reference: f64, exponent: f64) -> GenericTerms {
+        let factor = Factor { driver, offset: 0.0, reference, exponent };
+        let law = Law::Product(Product { coefficient, factors: [Some(factor), None, None] });
+        let mut terms = GenericTerms::default();
+        assert!(terms.take_terms(&[GenericTerm { port, law }]));
+        terms
+    }
+
+    /// 5 mN.m at 100 rad/s, 10 mN.m at 1600 rad/s (exponent 1/4), against the motion either way.
+    #[test]
+    fn a_drag_brakes_either_way() {
+        let drag = carrying(Port::DragTorque, 5e-3, Driver::Speed, 100.0, 0.25);
+        assert!((drag.drag_torque(1600.0f64) - 10e-3).abs() < 1e-15);
+        assert!((drag.drag_torque(-1600.0f64) + 10e-3).abs() < 1e-15);
+        assert_eq!(drag.drag_torque(0.0f64), 0.0);
+        slope_is_derivative(|w| drag.drag_torque(w), &[-900.0, -0.7, 0.3, 50.0], 1e-5, 1e-8);
+        assert_eq!(super::super::slope(0.0, |w| drag.drag_torque(w)), 0.0);
+    }
+
+    #[test]
+    fn volts_and_conductances_have_their_slopes() {
+        let volts = carrying(Port::TerminalVoltage, 0.3, Driver::Current, 2.0, 1.5);
+        assert!((volts.terminal_voltage(-2.0f64) + 0.3).abs() < 1e-15);
+        slope_is_derivative(|i| volts.terminal_voltage(i), &[-3.0, -0.02, 0.04, 5.0], 1e-6, 1e-6);
+        let leak = carrying(Port::HousingAmbientConductance, 0.1, Driver::HousingTemperature, 300.0, 2.0);
+        assert!((leak.housing_to_ambient(300.0f64, 280.0) - 2.0).abs() < 1e-13);
+        slope_is_derivative(|t| leak.housing_to_ambient(t, 280.0), &[250.0, 340.0], 1e-2, 1e-8);
+        let heat = carrying(Port::HousingHeat, 3.0, Driver::FanCommand, 1.0, 0.0);
+        assert_eq!(heat.housing_heat(300.0f64), 3.0);
+    }
+
+    #[test]
+    fn factors_are_relative_and_stay_positive() {
+        let change = |port: Port, y: f64| carrying(port, y, Driver::Speed, 1.0, 0.0);
+        assert_eq!(change(Port::WindingResistance, 0.25).winding_resistance(), 1.25);
+        assert_eq!(change(Port::TorqueConstant, -0.5).torque_constant(0.0), 0.5);
+        assert_eq!(change(Port::TorqueConstant, -2.0).torque_constant(0.0), LEAST_FACTOR);
+        assert_eq!(change(Port::WindingHousingResistance, 0.5).winding_housing_resistance(300.0f64), 1.5);
+        assert_eq!(change(Port::HeatCapacity, 1.0).heat_capacity(), 2.0);
+        assert_eq!(change(Port::FanFlow, -0.5).fan_flow(0.5), 0.25);
+        assert_eq!(change(Port::FanFlow, -3.0).fan_flow(0.5), 0.0);
+    }
+
+    #[test]
+    fn the_gain_multiplies_all_and_zero_is_off() {
+        let mut heat = carrying(Port::WindingHeat, 4.0, Driver::Current, 5.0, 2.0);
+        heat.tell(&Drivers { current: 10.0, ..Drivers::default() });
+        assert_eq!((heat.is_on(), heat.winding_heat()), (true, 16.0));
+        assert!(heat.set(0, 0.5));
+        assert_eq!(heat.winding_heat(), 8.0);
+        assert!(heat.set(0, 0.0));
+        assert_eq!((heat.is_on(), heat.winding_heat()), (false, 0.0));
+        assert!(!GenericTerms::default().is_on(), "no terms");
+    }
+
+    /// Terms at one port add up; those of others do not meddle; a fourth term is refused and changes nothing.
+    #[test]
+    fn up_to_three_terms_add_up() {
+        let table = |port: Port, y: f64| GenericTerm {
+            port,
+            law: Law::Table(Table::new(Driver::Time, &[0.0, 1.0], &[y, y]).unwrap_or_else(|| unreachable!())),
+        };
+        let three =
+            [table(Port::WindingHeat, 1.0), table(Port::WindingSensor, 7.0), table(Port::WindingHeat, 2.0)];
+        let mut terms = GenericTerms::default();
+        assert!(terms.take_terms(&three));
+        assert_eq!((terms.winding_heat(), terms.winding_sensor(300.0, 290.0)), (3.0, 307.0));
+        assert_eq!((terms.housing_sensor(300.0, 290.0), terms.ambient_offset()), (300.0, 0.0));
+        assert!(!terms.take_terms(&[three[0]; 4]));
+        assert_eq!(terms.winding_heat(), 3.0);
+    }
+}

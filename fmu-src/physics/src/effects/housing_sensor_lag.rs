@@ -1,0 +1,43 @@
+//! A sensor of the housing's temperature that follows late.
+//!
+//! tau dy/dt = T_h - y                                                                      (1)
+//!
+//! y is what the sensor has reached; it starts at the ambient temperature, as every node does. The solution is in
+//! components/sensor.rs.
+//! *Assumes* a sensor of one heat capacity behind one resistance. *Neglects* what it takes from the housing.
+//! *Sign*: tau > 0 shows a warming housing too cold. *Range*: tau >= 0; 0 follows at once.
+//! *Source*: first-order response of a contact thermometer, VDI/VDE 3522-1.
+
+use super::Effect;
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Lag of the housing's sensor.
+    pub struct HousingSensorLag {
+        /// Time constant of the sensor of the housing; 0 switches the effect off
+        tau: f64 = Variable::tunable(0, 0.0, Unit::Second, 0.0, 1e5).nominal(30.0),
+    }
+}
+
+impl Effect for HousingSensorLag {
+    #[inline]
+    fn is_on(&self) -> bool {
+        self.tau != 0.0
+    }
+
+    #[inline]
+    fn housing_sensor_lag(&self) -> f64 {
+        self.tau
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_constant_is_the_time_constant() {
+        assert_eq!(HousingSensorLag { tau: 30.0 }.housing_sensor_lag(), 30.0);
+        assert_eq!(HousingSensorLag::default().housing_sensor_lag(), 0.0);
+    }
+}

@@ -1,0 +1,45 @@
+//! A sensor of the housing's temperature that the air cools through its stem.
+//!
+//! T_shown = T - k (T - T_a)                                                                (1)
+//!
+//! T_a is the true ambient temperature.
+//! *Assumes* a stem in the surroundings and in balance. *Neglects* what the sensor's heat does to the housing.
+//! *Sign*: k > 0 shows too little of the rise. *Range*: k from 0 (no loss) to below 1 (shows the air).
+//! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
+
+use super::Effect;
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Stem loss of the housing's sensor.
+    pub struct HousingSensorStemLoss {
+        /// Share of the rise over ambient that the sensor of the housing loses; 0 switches the effect off
+        k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
+    }
+}
+
+impl Effect for HousingSensorStemLoss {
+    #[inline]
+    fn is_on(&self) -> bool {
+        self.k != 0.0
+    }
+
+    #[inline]
+    fn housing_sensor(&self, t: f64, t_a: f64) -> f64 {
+        if self.k == 0.0 { t } else { t - self.k * (t - t_a) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tenth of 50 K is lost; in balance with the air nothing is.
+    #[test]
+    fn a_share_of_the_rise_is_lost() {
+        let sensor = HousingSensorStemLoss { k: 0.1 };
+        assert_eq!(sensor.housing_sensor(350.0, 300.0), 345.0);
+        assert_eq!(sensor.housing_sensor(300.0, 300.0), 300.0);
+        assert_eq!(HousingSensorStemLoss::default().housing_sensor(350.1, 300.0), 350.1);
+    }
+}

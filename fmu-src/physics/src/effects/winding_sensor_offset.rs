@@ -1,0 +1,42 @@
+//! A sensor of the winding's temperature that shows a constant too much.
+//!
+//! T_shown = T + offset                                                                     (1)
+//!
+//! *Assumes* the same offset at all temperatures. *Neglects* noise and drift.
+//! *Sign*: offset > 0 shows a winding that is warmer than it is. The motor itself does not feel its sensor.
+//! *Range*: any temperature. *Source*: tolerance of thermocouples, IEC 60584-1:2013, class 1: 1.5 K.
+
+use super::Effect;
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Offset of the winding's sensor.
+    pub struct WindingSensorOffset {
+        /// What the sensor of the winding shows too much; 0 switches the effect off
+        offset: f64 = Variable::tunable(0, 0.0, Unit::Kelvin, -100.0, 100.0).difference(),
+    }
+}
+
+impl Effect for WindingSensorOffset {
+    #[inline]
+    fn is_on(&self) -> bool {
+        self.offset != 0.0
+    }
+
+    #[inline]
+    fn winding_sensor(&self, t: f64, _t_a: f64) -> f64 {
+        t + self.offset
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constant_is_added() {
+        let sensor = WindingSensorOffset { offset: -1.5 };
+        assert_eq!(sensor.winding_sensor(350.0, 300.0), 348.5);
+        assert_eq!(WindingSensorOffset::default().winding_sensor(350.0, 300.0), 350.0);
+    }
+}

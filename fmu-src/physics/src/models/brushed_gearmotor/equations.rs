@@ -1,0 +1,295 @@
+//! The equations of the gearmotor, at its output shaft.
+//!
+//! winding           L dI/dt = V - e - R(T_w) I,   e = K(T_h) w + V_drop(I)                 (1)
+//! bridge            V - e = components/chopper.rs (6), in continuous conduction d V_on - (1 - d) V_off - e (2)
+//! shaft             J ratio^2 dw/dt = K(T_h) I - tau_drag - tau_load,   K = k_t ratio      (3)
+//! copper heat       Q_w = R(T_w) <i^2> + V_drop(I) I,   <i^2> = I^2 + ripple               (4)
+//! friction heat     Q_h = tau_drag w                                                       (5)
+//! temperatures      components/enclosure.rs (1) to (3)
+//!
+//! I is the mean over a switching cycle. By (1) it runs with L/R into the mean of the periodic cycle at the present
+//! speed. In continuous conduction that is exact; in discontinuous conduction the true mean settles within the
+//! one cycle that it takes to empty the winding, which is no longer than a few L/R. The ripple is that of the
+//! periodic cycle. The supply's power follows from the motor's (components/chopper.rs), so the books close on the
+//! way, too.
+//!
+//! *Effects* act as everywhere, with this meaning: drags at the output shaft; the contacts' drop at the mean
+//! current, all through the cycle; what leaves winding or housing for "ambient" (radiation, forced convection)
+//! reaches the box, whose temperature sensors of winding and housing see as their surroundings. There is no fan (its
+//! command is 0) and no input electrical_power, so `fan_back_pressure`, a `forced_convection` that follows the fan, and
+//! `drive_loss` do nothing; nor do `pwm_ripple`, `bridge_drop` and `dead_time`, whose place the bridge's own cycle takes.
+//! `stator_node` and `housing_sensor_lag` have no node and no state here, and `generic_term` is not taken.
+//!
+//! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
+//! `solver/reference.rs`, which takes [`Step::rates`].
+
+mod outputs;
+mod system;
+
+pub use outputs::Opening;
+
+use super::{Inputs, Parameters};
+use crate::components::chopper::{Bridge, Cycle};
+use crate::effects::{Effect, Number, PerNode};
+use crate::ledger::{Account, Ledger};
+use crate::solver::split::{Fast, System};
+use nalgebra::SVector;
+
+/// Thermal nodes: winding, housing and box.
+pub const NODES: usize = 3;
+const WINDING: usize = 0;
+const HOUSING: usize = 1;
+const BOX: usize = 2;
+/// Temperatures of the nodes, K.
+pub type Temperatures = SVector<f64, NODES>;
+
+/// Energies that are counted: from the supply, to the load, to the surroundings, heat in winding and housing.
+pub const ENERGIES: usize = 5;
+/// What the integrator carries.
+pub type State = crate::solver::split::State<NODES, ENERGIES>;
+/// State variables of [`Step::rates`]: current, speed, angle, temperatures, energies.
+pub const STATES: usize = 3 + NODES + ENERGIES;
+
+/// A value that runs along a line.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    start: f64,
+    slope: f64,
+}
+
+impl Line {
+    #[inline]
+    fn at(&self, t: f64) -> f64 {
+        self.start + self.slope * t
+    }
+}
+
+/// What follows from the parameters alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Constants {
+    /// 1/L, 1/H.
+    inverse_l: f64,
+    /// Moment of inertia at the output shaft, kg.m2.
+    inertia: f64,
+    /// Heat capacities of the nodes, J/K.
+    capacity: Temperatures,
+    /// Their reciprocals, K/J.
+    inverse_capacity: Temperatures,
+    /// Conductances of the effects from winding and housing to the box, W/K.
+    to_box: PerNode,
+}
+
+impl Constants {
+    /// The constants of a gearmotor.
+    pub fn of(parameters: &Parameters) -> Constants {
+        let (motor, thermal) = (&parameters.motor, &parameters.thermal);
+        let capacity = Temperatures::new(thermal.C_w, thermal.C_h, thermal.C_b);
+        Constants {
+            inverse_l: 1.0 / motor.L,
+            inertia: motor.J * parameters.gear.ratio.powi(2),
+            capacity,
+            inverse_capacity: capacity.map(|c| 1.0 / c),
+            to_box: parameters.effects.ambient_conductance(0.0),
+        }
+    }
+}
+
+/// The equations over one step, inputs on their lines. Times are seconds from the start of the step.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    model: &'a Parameters,
+    constants: &'a Constants,
+    duty: Line,
+    /// Sign of the duty over the whole step; 0 where the bridge is open.
+    direction: f64,
+    supply: Line,
+    load: Line,
+    /// True temperature of the surroundings, K.
+    ambient: Line,
+    /// What is left of the torque constant, 1 for all.
+    strength: f64,
+}
+
+/// All that the equations say at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// The switching cycle.
+    pub cycle: Cycle<f64>,
+    /// Mean voltages across resistance and contacts, across the inductance, and of the back-EMF, V.
+    pub voltages: [f64; 3],
+    /// Powers into winding, magnetic field and air gap, W.
+    pub powers: [f64; 3],
+    /// Power taken from the supply, W.
+    pub supply_power: f64,
+    /// Power lost in the bridge, W.
+    pub loss_drive: f64,
+    /// Drag torque, N.m.
+    pub drag: f64,
+    /// Derivatives of current and speed.
+    pub fast: Fast,
+    /// Derivatives of the temperatures, K/s.
+    pub warming: Temperatures,
+    /// Heat flow to the surroundings, W: from the box and the bridge.
+    pub to_ambient: f64,
+    /// The books.
+    pub ledger: Ledger,
+}
+
+impl<'a> Step<'a> {
+    /// The equations of a gearmotor with its inputs on lines from `time` on. They hold until the next event of the
+    /// effects, and until the duty changes its sign ([`Step::turns`]).
+    #[inline]
+    pub fn new(
+        model: &'a Parameters,
+        constants: &'a Constants,
+        inputs: &Inputs,
+        slopes: &Inputs,
+        time: f64,
+    ) -> Self {
+        let (u, s) = (inputs, slopes);
+        let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
+        let drift = model.effects.ambient_sensor();
+        Step {
+            model,
+            constants,
+            duty: Line { start: u.duty, slope: s.duty },
+            direction: if u.duty == 0.0 { sign(s.duty) } else { sign(u.duty) },
+            supply: Line { start: u.supply_voltage, slope: s.supply_voltage },
+            load: Line { start: u.load_torque, slope: s.load_torque },
+            ambient: Line {
+                start: u.ambient_temperature + drift * time,
+                slope: s.ambient_temperature + drift,
+            },
+            strength: model.effects.torque_constant(time),
+        }
+    }
+
+    /// Seconds from the start of a step until a duty on this line passes through zero; infinite where it does not.
+    pub fn turns(duty: f64, slope: f64) -> f64 {
+        if duty * slope < 0.0 { -duty / slope } else { f64::INFINITY }
+    }
+
+    #[inline]
+    fn bridge(&self, t: f64) -> Bridge {
+        Bridge::new(&self.model.drive, self.duty.at(t), self.direction, self.supply.at(t))
+    }
+
+    /// The switching cycle under the back-EMF `e`, V, the contacts' drop included.
+    #[inline]
+    fn cycle<D: Number>(&self, t: f64, e: D, temperature: &Temperatures) -> Cycle<D> {
+        let motor = &self.model.motor;
+        self.bridge(t).cycle(e, motor.resistance(temperature[WINDING]), motor.L)
+    }
+
+    /// Torque constant at the output shaft with the magnets at the housing's temperature, N.m/A.
+    #[inline]
+    fn torque_constant(&self, temperature: &Temperatures) -> f64 {
+        self.model.motor.torque_constant(temperature[HOUSING]) * self.strength * self.model.gear.ratio
+    }
+
+    /// The torque against the motion at the output shaft, N.m.
+    #[inline]
+    fn drag(&self, t: f64, w: f64) -> f64 {
+        let (gear, effects, load) = (&self.model.gear, &self.model.effects, self.load.at(t));
+        let own = gear.drag(w) + effects.drag_torque(w);
+        own + (gear.load_drag(w, load) + effects.load_drag(w, load)) * load
+    }
+
+    /// Heat flows outwards, W: winding to housing, winding to box, housing to box, box to ambient.
+    #[inline]
+    fn flows(&self, t: f64, temperature: &Temperatures) -> [f64; 4] {
+        let (thermal, effects) = (&self.model.thermal, &self.model.effects);
+        let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
+        let to_box = self.constants.to_box;
+        [
+            (t_w - t_h) / (thermal.R_wh * effects.winding_housing_resistance(t_w)),
+            to_box.winding * (t_w - t_b),
+            (thermal.G_hb + to_box.housing) * (t_h - t_b) + effects.housing_to_ambient(t_h, t_b),
+            thermal.G_ba * (t_b - self.ambient.at(t)),
+        ]
+    }
+
+    /// Energy in the model's stores, J: magnetic, kinetic, and heat above 0 K.
+    pub fn stored(&self, state: &State) -> f64 {
+        let (i, w) = (state.x[0], state.x[1]);
+        self.magnetic(i) + self.kinetic(w) + self.constants.capacity.dot(&state.temperature)
+    }
+
+    fn magnetic(&self, i: f64) -> f64 {
+        0.5 * self.model.motor.L * i * i
+    }
+
+    fn kinetic(&self, w: f64) -> f64 {
+        0.5 * self.constants.inertia * w * w
+    }
+
+    /// Everything at one instant.
+    pub fn point(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Point {
+        use Account::*;
+        let motor = &self.model.motor;
+        let (i, w) = (x[0], x[1]);
+        let (r, k) = (motor.resistance(temperature[WINDING]), self.torque_constant(temperature));
+        let lost = self.model.effects.terminal_voltage(i);
+        let cycle = self.cycle(t, k * w + lost, temperature);
+        let drag = self.drag(t, w);
+        let fast = self.fast_rates(t, x, temperature);
+        let voltages = [r * i + lost, motor.L * fast[0], k * w];
+        let powers = [voltages[0] * i + r * cycle.ripple, voltages[1] * i, voltages[2] * i];
+        // The bridge sees the terminals alone: mean voltage, mean current, and what the ripple takes.
+        let taken = (k * w + lost + cycle.drive) * i + r * cycle.ripple;
+        let bridge = self.bridge(t);
+        let supply = bridge.supply_power(&cycle);
+        let loss_drive = bridge.loss(&cycle, taken, i);
+        let [across, winding_to_box, to_box, to_ambient] = self.flows(t, temperature);
+
+        let mut ledger = Ledger::default();
+        ledger.transfer(Terminals, Ambient, loss_drive);
+        ledger.transfer(Terminals, Winding, powers[0]);
+        ledger.transfer(Terminals, Magnetic, powers[1]);
+        ledger.transfer(Terminals, AirGap, powers[2]);
+        ledger.transfer(AirGap, Housing, drag * w);
+        ledger.transfer(AirGap, Shaft, self.load.at(t) * w);
+        ledger.transfer(AirGap, Kinetic, self.constants.inertia * w * fast[1]);
+        ledger.transfer(Winding, Housing, across);
+        ledger.transfer(Winding, Enclosure, winding_to_box);
+        ledger.transfer(Housing, Enclosure, to_box);
+        ledger.transfer(Enclosure, Ambient, to_ambient);
+
+        Point {
+            cycle,
+            voltages,
+            powers,
+            supply_power: supply.per_watt * taken + supply.per_ampere * i,
+            loss_drive,
+            drag,
+            fast,
+            warming: self.network_rates(t, temperature)
+                + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity()),
+            to_ambient: to_ambient + loss_drive,
+            ledger,
+        }
+    }
+
+    /// Derivatives of all states, for an integrator that knows nothing of the split.
+    ///
+    /// `y` holds current, A, speed, rad/s, angle, rad, the temperatures of winding, housing and box, K, and the
+    /// energies from the supply, to the load, to the surroundings, and set free in winding and housing, J.
+    pub fn rates(&self, t: f64, y: &[f64; STATES]) -> [f64; STATES] {
+        let x = Fast::new(y[0], y[1]);
+        let p = self.point(t, &x, &Temperatures::new(y[3], y[4], y[5]));
+        let (shaft, friction) = (self.load.at(t) * y[1], p.drag * y[1]);
+        [
+            p.fast[0],
+            p.fast[1],
+            y[1],
+            p.warming[0],
+            p.warming[1],
+            p.warming[2],
+            p.supply_power,
+            shaft,
+            p.to_ambient,
+            p.powers[0],
+            friction,
+        ]
+    }
+}

@@ -1,0 +1,113 @@
+//! What the model shows of its state, and the check of the books.
+
+use super::{BOX, HOUSING, State, Step, WINDING};
+use crate::effects::Effect;
+use crate::ledger::Account;
+use crate::models::brushed_gearmotor::Outputs;
+use crate::solver::split::System;
+
+/// What the books start from, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Opening {
+    /// Energy in all stores.
+    pub stored: f64,
+    /// Energy in the magnetic field.
+    pub magnetic: f64,
+    /// Energy of the motion.
+    pub kinetic: f64,
+}
+
+impl std::ops::Add for Opening {
+    type Output = Opening;
+    fn add(self, other: Opening) -> Opening {
+        Opening {
+            stored: self.stored + other.stored,
+            magnetic: self.magnetic + other.magnetic,
+            kinetic: self.kinetic + other.kinetic,
+        }
+    }
+}
+
+impl std::ops::Sub for Opening {
+    type Output = Opening;
+    fn sub(self, other: Opening) -> Opening {
+        self + Opening { stored: -other.stored, magnetic: -other.magnetic, kinetic: -other.kinetic }
+    }
+}
+
+impl Step<'_> {
+    /// What books that open now start from.
+    pub fn opening(&self, state: &State) -> Opening {
+        Opening {
+            stored: self.stored(state),
+            magnetic: self.magnetic(state.x[0]),
+            kinetic: self.kinetic(state.x[1]),
+        }
+    }
+
+    /// The outputs at the start of the step.
+    pub fn outputs(&self, state: &State, opening: &Opening) -> Outputs {
+        use Account::*;
+        let (x, temperature) = (&state.x, &state.temperature);
+        let (i, w) = (x[0], x[1]);
+        let (t_w, effects) = (temperature[WINDING], &self.model.effects);
+        let p = self.point(0.0, x, temperature);
+        let capacity = self.capacity();
+        let shaft_torque = self.load.at(0.0);
+        let power_balance_error = p.ledger.error(&[
+            (Terminals, -p.supply_power),
+            (AirGap, 0.0),
+            (Shaft, shaft_torque * w),
+            (Winding, capacity[WINDING] * p.warming[WINDING]),
+            (Housing, capacity[HOUSING] * p.warming[HOUSING]),
+            (Enclosure, capacity[BOX] * p.warming[BOX]),
+            (Ambient, p.to_ambient),
+        ]);
+        let gained = self.opening(state) - *opening;
+        let [energy_supply, energy_shaft, energy_heat, work_electrical, friction] = state.energy;
+        let work_mechanical = gained.kinetic + energy_shaft + friction;
+        let [voltage_electrical, voltage_magnetic, voltage_mechanical] = p.voltages;
+        let [power_electrical, power_magnetic, power_mechanical] = p.powers;
+        let effects = &self.model.effects;
+        let voltage_total = p.voltages.iter().sum();
+        Outputs {
+            voltage: voltage_total,
+            current: i,
+            shaft_angle: state.angle,
+            shaft_speed: w,
+            shaft_torque,
+            winding_temperature: effects.winding_sensor(t_w, temperature[BOX]),
+            housing_temperature: effects.housing_sensor(temperature[HOUSING], temperature[BOX]),
+            box_temperature: temperature[BOX],
+            voltage_electrical,
+            voltage_magnetic,
+            voltage_mechanical,
+            voltage_total,
+            power_electrical,
+            power_magnetic,
+            power_mechanical,
+            power_total: p.powers.iter().sum(),
+            work_electrical,
+            work_magnetic: gained.magnetic,
+            work_mechanical,
+            work_total: work_electrical + gained.magnetic + work_mechanical,
+            power_balance_error,
+            energy_balance_error: energy_supply - energy_shaft - energy_heat - gained.stored,
+            supply_power: p.supply_power,
+            shaft_power: shaft_torque * w,
+            loss_copper: power_electrical,
+            loss_friction: p.drag * w,
+            loss_drive: p.loss_drive,
+            heat_to_ambient: p.to_ambient,
+            energy_supply,
+            energy_shaft,
+            energy_heat_to_ambient: energy_heat,
+            winding_margin: self.model.thermal.T_w_max - t_w,
+            over_temperature: t_w > self.model.thermal.T_w_max,
+            winding_resistance: self.model.motor.resistance(t_w),
+            torque_constant: self.torque_constant(temperature),
+            conduction: p.cycle.conducting,
+            current_rms: (i * i + p.cycle.ripple).sqrt(),
+        }
+    }
+}

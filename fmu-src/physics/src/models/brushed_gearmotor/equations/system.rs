@@ -1,0 +1,164 @@
+//! The equations in the form that the integrator takes.
+
+use super::{BOX, HOUSING, NODES, Step, Temperatures, WINDING};
+use crate::effects::Effect;
+use crate::solver::split::{Fast, Segment, System, Work};
+use nalgebra::{Matrix2, Matrix3, SMatrix};
+use num_dual::Dual64;
+
+/// Start, middle and end of a step.
+const INSTANTS: [usize; 3] = [0, 1, 2];
+
+impl System<NODES> for Step<'_> {
+    #[inline]
+    fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
+        let (i, w) = (x[0], x[1]);
+        let k = self.torque_constant(temperature);
+        let e = k * w + self.model.effects.terminal_voltage(i);
+        let drive = self.cycle(t, e, temperature).drive;
+        let r = self.model.motor.resistance(temperature[WINDING]);
+        let torque = k * i - self.drag(t, w) - self.load.at(t);
+        Fast::new((drive - r * i) * self.constants.inverse_l, torque / self.constants.inertia)
+    }
+
+    #[inline]
+    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
+        let (gear, effects) = (&self.model.gear, &self.model.effects);
+        let (i, w) = (x[0], x[1]);
+        let k = self.torque_constant(temperature);
+        let e = k * w + effects.terminal_voltage(i);
+        let per_volt = self.cycle(t, Dual64::from(e).derivative(), temperature).drive.eps;
+        let r = self.model.motor.resistance(temperature[WINDING]);
+        let load = self.load.at(t);
+        let at = Dual64::from(w).derivative();
+        let drag = gear.drag(at).eps
+            + effects.drag_torque_slope(w)
+            + (gear.load_drag(at, load).eps + effects.load_drag_slope(w, load)) * load;
+        let (l, j) = (self.constants.inverse_l, 1.0 / self.constants.inertia);
+        let by_current = per_volt * effects.terminal_voltage_slope(i) - r;
+        Matrix2::new(by_current * l, per_volt * k * l, k * j, -drag * j)
+    }
+
+    #[inline]
+    fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
+        let [across, winding_to_box, to_box, to_ambient] = self.flows(t, temperature);
+        let gain = Temperatures::new(
+            -across - winding_to_box,
+            across - to_box,
+            winding_to_box + to_box - to_ambient,
+        );
+        gain.component_mul(&self.constants.inverse_capacity)
+    }
+
+    #[inline]
+    fn network_matrix(&self, _t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
+        let (thermal, effects) = (&self.model.thermal, &self.model.effects);
+        let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
+        // What crosses from winding to housing grows with T_w by `hot` and falls with T_h by `cold`.
+        let share = 1.0 / effects.winding_housing_resistance(t_w);
+        let cold = share / thermal.R_wh;
+        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
+        let direct = self.constants.to_box;
+        let through = thermal.G_hb + direct.housing;
+        let from_housing = through + effects.housing_to_ambient_slope(t_h, t_b);
+        // What one body radiates to the other is what the other does not to the one.
+        let from_box = through + effects.housing_to_ambient_slope(t_b, t_h);
+        let c = self.constants.inverse_capacity;
+        Matrix3::new(
+            (-hot - direct.winding) * c[WINDING],
+            cold * c[WINDING],
+            direct.winding * c[WINDING],
+            hot * c[HOUSING],
+            (-cold - from_housing) * c[HOUSING],
+            from_box * c[HOUSING],
+            direct.winding * c[BOX],
+            from_housing * c[BOX],
+            (-direct.winding - from_box - thermal.G_ba) * c[BOX],
+        )
+    }
+
+    #[inline]
+    fn capacity(&self) -> &Temperatures {
+        &self.constants.capacity
+    }
+
+    #[inline]
+    fn inverse_capacity(&self) -> &Temperatures {
+        &self.constants.inverse_capacity
+    }
+
+    #[inline]
+    fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
+        self.flows(t, temperature)[3]
+    }
+
+    #[inline]
+    fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
+        let (i, w) = (x[0], x[1]);
+        let r = self.model.motor.resistance(temperature[WINDING]);
+        let lost = self.model.effects.terminal_voltage(i);
+        let cycle = self.cycle(t, self.torque_constant(temperature) * w + lost, temperature);
+        Temperatures::new(r * (i * i + cycle.ripple) + lost * i, self.drag(t, w) * w, 0.0)
+    }
+
+    /// The energies of one step. Charge, angle and stored energies are exact for the fast solution; the copper
+    /// heat is what they leave of the terminals' energy, so the books close by construction.
+    #[inline]
+    fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
+        let (t, h) = (segment.t, segment.h);
+        let [x0, _, x1] = segment.x;
+        let at = [t, t + 0.5 * h, t + h];
+        let simpson = |f: [f64; 3]| h / 6.0 * (f[0] + 4.0 * f[1] + f[2]);
+        // The integral of f times current or speed: the value at the end times their exact integral, and what f
+        // differs from it by Simpson's rule; with it, how far the trapezoidal rule would miss.
+        let against = |f: [f64; 3], k: usize| {
+            let beyond = INSTANTS.map(|n| (f[n] - f[2]) * segment.x[n][k]);
+            let extra = simpson(beyond);
+            (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * beyond[0]).abs())
+        };
+        let cycles = INSTANTS.map(|n| {
+            let (x, temperature) = (&segment.x[n], &segment.temperature[n]);
+            let e = self.torque_constant(temperature) * x[1] + self.model.effects.terminal_voltage(x[0]);
+            (e, self.cycle(at[n], e, temperature))
+        });
+        let volts = cycles.map(|(e, cycle)| e + cycle.drive);
+        let ripples = INSTANTS.map(|n| {
+            let temperature = &segment.temperature[n];
+            self.model.motor.resistance(temperature[WINDING]) * cycles[n].1.ripple
+        });
+        let ripple = simpson(ripples);
+        let supply = INSTANTS.map(|n| self.bridge(at[n]).supply_power(&cycles[n].1));
+
+        let (friction, doubt_friction) = against(INSTANTS.map(|n| self.drag(at[n], segment.x[n][1])), 1);
+        let load = self.load.at(t) * segment.integral[1] + self.load.slope * segment.moment[1];
+        let air_gap = self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction;
+        let (terminals, doubt_terminals) = against(volts, 0);
+        let copper = terminals - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap;
+        let through = INSTANTS.map(|n| supply[n].per_watt * volts[n] + supply[n].per_ampere);
+        let (steady, doubt_supply) = against(through, 0);
+        let rippling = INSTANTS.map(|n| supply[n].per_watt * ripples[n]);
+        let electrical = steady + simpson(rippling);
+        let doubt_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
+        let drive = electrical - terminals - ripple;
+        Work {
+            aside: 0.0,
+            heat: Temperatures::new(copper + ripple, friction, 0.0),
+            electrical,
+            mechanical: load,
+            ambient: drive,
+            aside: 0.0,
+            doubt: doubt_friction + doubt_terminals + doubt_supply + doubt_ripple,
+        }
+    }
+
+    #[inline]
+    fn bends_where_stiff(&self) -> bool {
+        // The bridge's cycle bends with speed and current wherever conduction is not continuous.
+        true
+    }
+
+    #[inline]
+    fn wants_moment(&self) -> bool {
+        self.load.slope != 0.0
+    }
+}

@@ -1,0 +1,296 @@
+//! A brushed gearmotor behind an H-bridge, in an insulated box.
+//!
+//! `variables.rs` says what goes in and out, `equations.rs` what holds between them, `state_function.rs` is the
+//! paper's state function, put right and as published. This file says how the model runs: it owns parameters, inputs
+//! and state, and hands the equations to the integrator. The declared values are those of preset bdcm-37d.
+
+mod equations;
+pub mod state_function;
+mod variables;
+
+pub use equations::{Constants, ENERGIES, NODES, Opening, Point, STATES, State, Step, Temperatures};
+pub use variables::{Inputs, Outputs};
+
+use crate::components::armature::Armature;
+use crate::components::chopper::Drive;
+use crate::components::enclosure::Enclosure;
+use crate::components::gear::Gear;
+use crate::effects::{Effect, Effects, IMMINENT};
+use crate::groups;
+use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
+use crate::solver::split::{Fast, Passed, Split};
+
+/// What the gearmotor is made of, and how it is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parameters {
+    /// Winding, brushes and magnets.
+    pub motor: Armature,
+    /// Heat capacities and conductances.
+    pub thermal: Enclosure,
+    /// The gear and its friction.
+    pub gear: Gear,
+    /// The H-bridge.
+    pub drive: Drive,
+    /// Effects, each off by default.
+    pub effects: Effects,
+}
+
+groups! {
+    Parameters {
+        "motor." @ 100 => motor: Armature,
+        "thermal." @ 200 => thermal: Enclosure,
+        "gear." @ 300 => gear: Gear,
+        "drive." @ 400 => drive: Drive,
+    } then effects: Effects
+}
+
+/// The gearmotor: parameters, inputs, and the state it has reached.
+#[derive(Clone, Debug)]
+pub struct BrushedGearmotor {
+    /// What the importer sets.
+    pub inputs: Inputs,
+    outputs: Outputs,
+    /// What the gearmotor is made of.
+    pub parameters: Parameters,
+    constants: Constants,
+    slopes: Inputs,
+    time: f64,
+    state: State,
+    opening: Opening,
+    split: Split<NODES>,
+    outputs_are_stale: bool,
+}
+
+groups! {
+    BrushedGearmotor {
+        "" @ 0 => inputs: Inputs,
+        "" @ 0 => outputs: Outputs,
+    } then parameters: Parameters
+}
+
+/// Index of the inputs in the list of groups.
+const INPUTS: usize = 0;
+/// Index of the outputs in the list of groups.
+const OUTPUTS: usize = 1;
+
+/// At rest at one temperature, K.
+fn at_rest(temperature: f64) -> State {
+    State {
+        x: Fast::zeros(),
+        angle: 0.0,
+        temperature: Temperatures::repeat(temperature),
+        energy: [0.0; ENERGIES],
+        passed: Passed::default(),
+    }
+}
+
+impl Default for BrushedGearmotor {
+    fn default() -> Self {
+        let parameters = Parameters::default();
+        BrushedGearmotor {
+            inputs: Inputs::default(),
+            outputs: Outputs::default(),
+            parameters,
+            constants: Constants::of(&parameters),
+            slopes: Inputs::ZERO,
+            time: 0.0,
+            state: at_rest(0.0),
+            opening: Opening::default(),
+            split: Split::default(),
+            outputs_are_stale: true,
+        }
+    }
+}
+
+impl BrushedGearmotor {
+    /// The model in the list of models.
+    pub const TYPE: ModelType = ModelType { declaration: Self::declared, new: || Box::new(Self::default()) };
+
+    fn declared() -> &'static Declaration {
+        static DECLARED: Declared = Declared::new();
+        DECLARED.get_or_init(|| {
+            Declaration::new(
+                "BrushedGearmotor",
+                "Brushed gearmotor behind a chopping H-bridge, in an insulated box: electrical, magnetic and \
+                 mechanical voltage, power and work, and temperatures",
+                Self::groups(),
+            )
+        })
+    }
+
+    /// The state at the present time: current, A, speed, rad/s, angle, rad, temperatures, K, energies, J.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The equations over the next step, with the inputs on their slopes.
+    pub fn step_equations(&self) -> Step<'_> {
+        Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.time)
+    }
+
+    fn refresh_outputs(&mut self) {
+        if self.outputs_are_stale {
+            self.outputs = self.step_equations().outputs(&self.state, &self.opening);
+            self.outputs_are_stale = false;
+        }
+    }
+
+    /// A step without an event in it.
+    fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, time);
+        self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
+            Fault(format!(
+                "The gearmotor's equations have no solution {} s after {} s even with steps of {} s \
+                 (current {} A, speed {} rad/s, winding {} K).",
+                stuck.t, time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
+            ))
+        })?;
+        if self.slopes != Inputs::ZERO {
+            self.inputs = self.inputs.after(h, &self.slopes);
+            self.slopes = Inputs::ZERO;
+        }
+        self.time = time + h;
+        self.outputs_are_stale = true;
+        Ok(())
+    }
+
+    /// The first event after `time`, s: a port of the effects jumps, or the duty changes its sign.
+    fn next_event(&self, time: f64) -> f64 {
+        let turn = time + Step::turns(self.inputs.duty, self.slopes.duty);
+        let port = self.parameters.effects.next_event(time);
+        if turn > time + IMMINENT { port.min(turn) } else { port }
+    }
+}
+
+impl Model for BrushedGearmotor {
+    fn declaration(&self) -> &'static Declaration {
+        Self::declared()
+    }
+
+    #[inline]
+    fn get(&mut self, slot: Slot) -> f64 {
+        if slot.group as usize == OUTPUTS {
+            self.refresh_outputs();
+        }
+        self.value(slot.group as usize, slot.row as usize)
+    }
+
+    #[inline]
+    fn set(&mut self, slot: Slot, value: f64) -> bool {
+        let group = slot.group as usize;
+        // A parameter that changes on the way changes what the stores hold; the books start anew from there.
+        let before = (group > OUTPUTS).then(|| self.step_equations().opening(&self.state));
+        let taken = self.set_value(group, slot.row as usize, value);
+        if let Some(before) = before {
+            self.constants = Constants::of(&self.parameters);
+            self.opening = self.opening + self.step_equations().opening(&self.state) - before;
+        }
+        self.outputs_are_stale = true;
+        taken
+    }
+
+    fn set_slope(&mut self, slot: Slot, slope: f64) {
+        debug_assert_eq!(slot.group as usize, INPUTS);
+        declare::Group::set(&mut self.slopes, slot.row as usize, slope);
+        self.outputs_are_stale = true;
+    }
+
+    fn start(&mut self, time: f64) -> Result<(), Fault> {
+        self.time = time;
+        let drift = self.parameters.effects.ambient_sensor() * time;
+        self.state = at_rest(self.inputs.ambient_temperature + drift);
+        self.split = Split::default();
+        self.constants = Constants::of(&self.parameters);
+        self.opening = self.step_equations().opening(&self.state);
+        self.outputs_are_stale = true;
+        Ok(())
+    }
+
+    fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        let end = time + h;
+        let event = self.next_event(time);
+        if event >= end - IMMINENT {
+            return self.advance(time, h);
+        }
+        // An event within the step: up to it and on from it, or nothing of both.
+        let (before, slopes) = (self.clone(), self.slopes);
+        let outcome = self.advance(time, event - time).and_then(|()| {
+            self.slopes = slopes;
+            if event == time + Step::turns(before.inputs.duty, slopes.duty) {
+                // Exactly zero, so that rounding finds no second turn.
+                self.inputs.duty = 0.0;
+            }
+            self.step(event, end - event)
+        });
+        match outcome {
+            Ok(()) => self.time = end,
+            Err(_) => *self = before,
+        }
+        outcome
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        for (g, group) in self.declaration().groups.iter().enumerate() {
+            out.extend((0..group.table.len()).map(|row| self.value(g, row)));
+        }
+        out.extend(
+            (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
+        );
+        out.extend([self.time, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend([self.opening.stored, self.opening.magnetic, self.opening.kinetic]);
+        out.extend(self.state.to_numbers());
+        out.extend(self.split.to_numbers());
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let mut copy = self.clone();
+        let mut rest = saved.iter().copied();
+        let mut next = || rest.next();
+        let mut read = || -> Option<()> {
+            for (g, group) in Self::declared().groups.iter().enumerate() {
+                for row in 0..group.table.len() {
+                    if !copy.set_value(g, row, next()?) {
+                        return None;
+                    }
+                }
+            }
+            for row in 0..<Inputs as declare::Group>::TABLE.len() {
+                declare::Group::set(&mut copy.slopes, row, next()?);
+            }
+            copy.time = next()?;
+            copy.outputs_are_stale = next()? != 0.0;
+            copy.opening = Opening { stored: next()?, magnetic: next()?, kinetic: next()? };
+            copy.state = State::from_numbers(&mut next)?;
+            copy.split = Split::from_numbers(&mut next)?;
+            next().is_none().then_some(())
+        };
+        let complete = read().is_some();
+        if complete {
+            copy.constants = Constants::of(&copy.parameters);
+            *self = copy;
+        }
+        complete
+    }
+
+    fn boxed_clone(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+
+    fn copy_from(&mut self, other: &dyn Model) -> bool {
+        match other.as_any().downcast_ref::<Self>() {
+            Some(other) => {
+                self.clone_from(other);
+                true
+            }
+            None => false,
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}

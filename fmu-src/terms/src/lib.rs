@@ -1,0 +1,316 @@
+//! The file `resources/effects.json`: terms that an FMU carries as data ([`physics::terms`]).
+//!
+//! ```json
+//! {"format": "motor-fmu effects 1",
+//!  "terms": [
+//!    {"name": "seal", "port": "drag_torque", "coefficient": 1.2e-3, "unit": "N.m",
+//!     "drivers": [{"driver": "speed", "reference": 100.0, "offset": 0.0, "exponent": 0.75}]},
+//!    {"name": "draught", "port": "winding_heat",
+//!     "table": {"driver": "winding_temperature", "x": [300.0, 350.0, 400.0], "y": [0.0, -0.4, -1.5]}}]}
+//! ```
+//! Left out: a name (the term is called by its number), the unit (that of the port), the drivers of a constant,
+//! the offset (0) and the exponent (1). What a term does at its port is said in
+//! `physics/src/effects/generic_term.rs`.
+//!
+//! The FMU reads the file when an instance is made, the tools check it before they put it into an archive: both
+//! through here, so that no archive holds a file that its own FMU refuses. This crate does no more than that.
+
+use physics::terms::{
+    Driver, Factor, GREATEST_EXPONENT, GenericTerm, Law, MOST_DRIVERS, MOST_POINTS, MOST_TERMS, Port,
+    Product, Table,
+};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the file within an archive's resources.
+pub const FILE_NAME: &str = "effects.json";
+/// What the file says of itself.
+pub const FORMAT: &str = "motor-fmu effects 1";
+/// Greatest size of a coefficient, a table's value, a driver's offset.
+const GREATEST: f64 = 1e6;
+/// Limits of a driver's reference.
+const REFERENCE: (f64, f64) = (1e-9, 1e9);
+
+/// Why a file is refused: one sentence that names it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct TermsError(String);
+
+/// The file as it is written.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TermsFile {
+    /// [`FORMAT`].
+    pub format: String,
+    /// The terms.
+    pub terms: Vec<TermText>,
+}
+
+/// A term as it is written: a coefficient with drivers, or a table.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TermText {
+    /// What people call it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Name of a [`Port`].
+    pub port: String,
+    /// The value where every driver is at its reference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
+    /// Unit of the coefficient or of the table's values; that of the port.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Drivers of the coefficient.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drivers: Vec<DriverText>,
+    /// In place of a coefficient.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableText>,
+}
+
+/// A driver as it is written.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriverText {
+    /// Name of a [`Driver`].
+    pub driver: String,
+    /// Divides the driver.
+    pub reference: f64,
+    /// Subtracted from it first.
+    #[serde(default)]
+    pub offset: f64,
+    /// The power.
+    #[serde(default = "one")]
+    pub exponent: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// A table as it is written.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableText {
+    /// Name of a [`Driver`].
+    pub driver: String,
+    /// Values of the driver, ascending.
+    pub x: Vec<f64>,
+    /// Values of the term.
+    pub y: Vec<f64>,
+}
+
+impl TermsFile {
+    /// A file with these terms.
+    pub fn new(terms: Vec<TermText>) -> TermsFile {
+        TermsFile { format: FORMAT.to_string(), terms }
+    }
+
+    /// The file in a text; `file` names it in errors.
+    pub fn parse(text: &str, file: &str) -> Result<TermsFile, TermsError> {
+        let found: TermsFile = serde_json::from_str(text).map_err(|error| {
+            // serde_json ends its sentence with the place; ours begins with it.
+            let sentence = error.to_string();
+            let reason = sentence.split(" at line ").next().unwrap_or(&sentence);
+            TermsError(format!("{file}:{}: {reason}", error.line()))
+        })?;
+        found.terms().map_err(|TermsError(sentence)| TermsError(format!("{file}: {sentence}")))?;
+        Ok(found)
+    }
+
+    /// The file at a path.
+    pub fn load(path: &Path) -> Result<TermsFile, TermsError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| TermsError(format!("{} cannot be read: {error}", path.display())))?;
+        TermsFile::parse(&text, &path.display().to_string())
+    }
+
+    /// The terms, checked.
+    pub fn terms(&self) -> Result<Vec<GenericTerm>, TermsError> {
+        if self.format != FORMAT {
+            return Err(TermsError(format!("the format is \"{}\" and not \"{FORMAT}\"", self.format)));
+        }
+        if self.terms.len() > MOST_TERMS {
+            let n = self.terms.len();
+            return Err(TermsError(format!("there are {n} terms; a model carries at most {MOST_TERMS}")));
+        }
+        let term = |(k, text): (usize, &TermText)| {
+            let name = if text.name.is_empty() { format!("{}", k + 1) } else { format!("\"{}\"", text.name) };
+            text.term().map_err(|sentence| TermsError(format!("term {name}: {sentence}")))
+        };
+        self.terms.iter().enumerate().map(term).collect()
+    }
+
+    /// The text of the file.
+    pub fn text(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+}
+
+/// The terms in a folder of resources; none where it has no such file.
+pub fn of_resources(folder: &Path) -> Result<Vec<GenericTerm>, TermsError> {
+    let path = folder.join(FILE_NAME);
+    if path.try_exists().unwrap_or(true) { TermsFile::load(&path)?.terms() } else { Ok(Vec::new()) }
+}
+
+impl TermText {
+    fn term(&self) -> Result<GenericTerm, String> {
+        let port = named("port", &self.port, Port::by_name, Port::ALL.iter().map(|p| p.name()))?;
+        let unit = port.unit().name();
+        if let Some(given) = self.unit.as_ref().filter(|given| *given != unit) {
+            return Err(format!("unit = \"{given}\"; at the port {} it is \"{unit}\"", port.name()));
+        }
+        let law = match (self.coefficient, &self.table) {
+            (Some(coefficient), None) => Law::Product(self.product(coefficient)?),
+            (None, Some(_)) if !self.drivers.is_empty() => {
+                return Err("a table has a driver of its own and takes no drivers".to_string());
+            }
+            (None, Some(table)) => Law::Table(table.table()?),
+            _ => return Err("it must have either a coefficient or a table".to_string()),
+        };
+        Ok(GenericTerm { port, law })
+    }
+
+    fn product(&self, coefficient: f64) -> Result<Product, String> {
+        within("coefficient", coefficient, -GREATEST, GREATEST)?;
+        let n = self.drivers.len();
+        if n > MOST_DRIVERS {
+            return Err(format!("drivers has {n} entries; a term has at most {MOST_DRIVERS}"));
+        }
+        let mut factors = [None; MOST_DRIVERS];
+        for (place, text) in factors.iter_mut().zip(&self.drivers) {
+            within("reference", text.reference, REFERENCE.0, REFERENCE.1)?;
+            within("offset", text.offset, -GREATEST, GREATEST)?;
+            within("exponent", text.exponent, -GREATEST_EXPONENT, GREATEST_EXPONENT)?;
+            let driver = driver(&text.driver)?;
+            let (reference, offset, exponent) = (text.reference, text.offset, text.exponent);
+            *place = Some(Factor { driver, offset, reference, exponent });
+        }
+        Ok(Product { coefficient, factors })
+    }
+}
+
+impl TableText {
+    fn table(&self) -> Result<Table, String> {
+        let driver = driver(&self.driver)?;
+        let (nx, ny) = (self.x.len(), self.y.len());
+        if nx != ny {
+            return Err(format!("table has {nx} values of x and {ny} of y"));
+        }
+        if !(2..=MOST_POINTS).contains(&nx) {
+            return Err(format!("table has {nx} points; it must have 2 ... {MOST_POINTS}"));
+        }
+        for (k, y) in self.y.iter().enumerate() {
+            within(&format!("table.y[{k}]"), *y, -GREATEST, GREATEST)?;
+        }
+        if let Some(k) =
+            self.x.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]) != Some(std::cmp::Ordering::Less))
+        {
+            let (before, after) = (self.x[k], self.x[k + 1]);
+            return Err(format!("table.x[{}] = {after} is not above table.x[{k}] = {before}", k + 1));
+        }
+        Table::new(driver, &self.x, &self.y).ok_or_else(|| "table has a value that is not finite".to_string())
+    }
+}
+
+fn driver(name: &str) -> Result<Driver, String> {
+    named("driver", name, Driver::by_name, Driver::ALL.iter().map(|d| d.name()))
+}
+
+/// The item of a name, or the names that there are.
+fn named<T>(
+    field: &str,
+    name: &str,
+    by_name: impl Fn(&str) -> Option<T>,
+    all: impl Iterator<Item = &'static str>,
+) -> Result<T, String> {
+    by_name(name)
+        .ok_or_else(|| format!("{field} = \"{name}\" is none of {}", all.collect::<Vec<_>>().join(", ")))
+}
+
+fn within(field: &str, value: f64, min: f64, max: f64) -> Result<(), String> {
+    if (min..=max).contains(&value) {
+        Ok(())
+    } else {
+        Err(format!("{field} = {value} is outside its limits {min} ... {max}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use physics::terms::Drivers;
+
+    const GOOD: &str = r#"{"format": "motor-fmu effects 1", "terms": [
+        {"name": "seal", "port": "drag_torque", "coefficient": 1.2e-3, "unit": "N.m",
+         "drivers": [{"driver": "speed", "reference": 100.0, "offset": 0.0, "exponent": 0.5}]},
+        {"port": "winding_heat", "table": {"driver": "winding_temperature", "x": [300, 400], "y": [0, 2]}}]}"#;
+
+    fn refusal(text: &str) -> String {
+        let sentence = TermsFile::parse(text, "x.json").unwrap_err().to_string();
+        assert!(!sentence.contains('\n') && sentence.starts_with("x.json"), "{sentence}");
+        sentence
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let file = TermsFile::parse(GOOD, "x.json").unwrap();
+        let terms = file.terms().unwrap();
+        let at = Drivers { speed: 400.0, winding_temperature: 350.0, ..Drivers::default() };
+        assert_eq!((terms[0].port, terms[0].value(&at)), (Port::DragTorque, 2.4e-3));
+        assert_eq!((terms[1].port, terms[1].value(&at)), (Port::WindingHeat, 1.0));
+        assert_eq!(TermsFile::parse(&file.text(), "y.json").unwrap(), file, "and written again");
+        assert!(TermsFile::parse(&TermsFile::new(Vec::new()).text(), "z.json").is_ok());
+    }
+
+    /// A good text with one place changed: the sentence names term, field, value and limits, or the line.
+    #[test]
+    fn errors_name_what_is_wrong() {
+        for (old, new, words) in [
+            ("effects 1", "effects 2", &["\"motor-fmu effects 2\"", "\"motor-fmu effects 1\""][..]),
+            ("drag_torque", "drag", &["\"seal\"", "port = \"drag\"", "drag_torque, terminal_voltage"]),
+            ("\"N.m\"", "\"W\"", &["\"seal\"", "unit = \"W\"", "drag_torque", "\"N.m\""]),
+            ("\"speed\"", "\"spede\"", &["\"seal\"", "driver = \"spede\"", "speed, current"]),
+            ("1.2e-3", "1e9", &["\"seal\"", "coefficient = 1000000000", "-1000000 ... 1000000"]),
+            ("100.0", "0.0", &["\"seal\"", "reference = 0", "0.000000001 ... 1000000000"]),
+            ("0.5}", "7}", &["\"seal\"", "exponent = 7", "-6 ... 6"]),
+            ("[300, 400]", "[400, 300]", &["term 2", "table.x[1] = 300", "table.x[0] = 400"]),
+            ("[300, 400]", "[300]", &["term 2", "1 values of x and 2 of y"]),
+            ("[0, 2]", "[0, 1e7]", &["term 2", "table.y[1] = 10000000"]),
+            (
+                "\"port\": \"winding_heat\", ",
+                "\"port\": \"winding_heat\", \"coefficient\": 1, ",
+                &["term 2", "either"],
+            ),
+            ("1.2e-3", "\"much\"", &["x.json:2:", "\"much\""]),
+            ("1.2e-3", "1e999", &["x.json:2:", "out of range"]),
+            ("\"exponent\"", "\"exponnent\"", &["x.json:3:", "exponnent"]),
+            ("\"port\": \"winding_heat\", ", "", &["x.json:4:", "missing field `port`"]),
+            ("]}}]}", "", &["x.json:4:", "EOF"]),
+        ] {
+            assert_eq!(GOOD.matches(old).count(), 1, "{old}");
+            let sentence = refusal(&GOOD.replace(old, new));
+            assert!(words.iter().all(|w| sentence.contains(w)), "{words:?} in {sentence}");
+        }
+        let four = TermsFile::new(vec![TermText::default(); 4]).text();
+        assert!(refusal(&four).contains("4 terms; a model carries at most 3"));
+    }
+
+    #[test]
+    fn a_folder_without_the_file_has_no_terms() {
+        let folder = std::env::temp_dir().join(format!("motor-fmu-terms-{}", std::process::id()));
+        assert_eq!(of_resources(&folder), Ok(Vec::new()), "nor one that is not there");
+        std::fs::create_dir_all(&folder).unwrap();
+        assert_eq!(of_resources(&folder), Ok(Vec::new()));
+        std::fs::write(folder.join(FILE_NAME), GOOD).unwrap();
+        let two = of_resources(&folder).map(|terms| terms.len());
+        std::fs::write(folder.join(FILE_NAME), "{").unwrap();
+        let broken = of_resources(&folder);
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(two, Ok(2));
+        assert!(broken.unwrap_err().to_string().contains("effects.json:1:"));
+    }
+}
