@@ -68,7 +68,6 @@ impl Step<'_> {
         let work_mechanical = gained.kinetic + energy_shaft + friction;
         let [voltage_electrical, voltage_magnetic, voltage_mechanical] = p.voltages;
         let [power_electrical, power_magnetic, power_mechanical] = p.powers;
-        let effects = &self.model.effects;
         let voltage_total = p.voltages.iter().sum();
         Outputs {
             voltage: voltage_total,

@@ -141,7 +141,6 @@ impl System<NODES> for Step<'_> {
         let doubt_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
         let drive = electrical - terminals - ripple;
         Work {
-            aside: 0.0,
             heat: Temperatures::new(copper + ripple, friction, 0.0),
             electrical,
             mechanical: load,
