@@ -257,8 +257,7 @@ fn not_a_value(entry: &Entry, text: &str) -> String {
     let expected = match entry.row.kind {
         Kind::Enumeration(t) => t.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", "),
         Kind::Boolean => "true, false".to_owned(),
-        Kind::Integer => format!("a whole number, {} ... {}", entry.row.min, entry.row.max),
-        Kind::Real => {
+        _ => {
             format!("a number in {}, {} ... {}", entry.row.unit.name(), entry.row.min, entry.row.max)
         }
     };

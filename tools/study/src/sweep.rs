@@ -184,7 +184,7 @@ fn check(bench: &Bench, vary: &[Vary]) -> Result<(), StudyError> {
         if vary[..k].iter().any(|other| other.name == v.name) {
             return Err(StudyError::new(format!("--vary names {} twice", v.name)));
         }
-        if !matches!(bench.entry(&v.name)?.row.kind, Kind::Real) {
+        if matches!(bench.entry(&v.name)?.row.kind, Kind::Enumeration(_) | Kind::Boolean) {
             return Err(StudyError::new(format!("--vary {}: it is a choice and no number", v.name)));
         }
         for value in [v.values.first(), v.values.last()].into_iter().flatten() {
