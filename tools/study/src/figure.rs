@@ -8,18 +8,39 @@ const MARGIN: (f64, f64, f64, f64) = (74.0, 18.0, 40.0, 54.0);
 /// Height of a row of the legend, and width of a letter at its size.
 const LEGEND: (f64, f64) = (19.0, 6.6);
 
-/// Colours stand in the style, so that a page or the reader's scheme may change them; apart for the colour
-/// blind (Okabe and Ito), lighter on dark.
-const STYLE: &str = "
-.f{--ink:#24292f;--soft:#6e7781;--grid:#e4e7ea;--paper:#ffffff;--c0:#0072b2;--c1:#d55e00;--c2:#009e73;\
---c3:#a3478a;--c4:#3a3a3a;--c5:#b07d00;--c6:#3d9fd6;--c7:#7b5023}
-@media (prefers-color-scheme:dark){.f{--ink:#e6edf3;--soft:#9aa4af;--grid:#30363d;--paper:#0d1117;--c0:#58b0f0;\
---c1:#ff8c42;--c2:#3fd1a4;--c3:#e59fce;--c4:#d0d7de;--c5:#f0c04a;--c6:#9bd6ff;--c7:#d2a679}}
-.f text{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:12px;fill:var(--ink)}
-.f .t{font-size:14px;font-weight:600}.f .s{fill:var(--soft)}.f .g{stroke:var(--grid)}.f .a{stroke:var(--soft)}
-.f .l{fill:none;stroke-width:2;stroke-linejoin:round}.f .p{stroke:var(--paper);stroke-width:1.2}
-.f .b{fill:var(--paper)}.f .n{stroke:var(--soft);stroke-dasharray:3 4}
-";
+/// Colours of ink, soft ink, grid and paper, then of the series, on light and on dark; the series' are apart for
+/// the colour blind (Okabe and Ito).
+const LIGHT: [&str; 12] = [
+    "#24292f", "#6e7781", "#e4e7ea", "#ffffff", "#0072b2", "#d55e00", "#009e73", "#a3478a", "#3a3a3a",
+    "#b07d00", "#3d9fd6", "#7b5023",
+];
+const DARK: [&str; 12] = [
+    "#e6edf3", "#9aa4af", "#30363d", "#0d1117", "#58b0f0", "#ff8c42", "#3fd1a4", "#e59fce", "#d0d7de",
+    "#f0c04a", "#9bd6ff", "#d2a679",
+];
+
+/// The style of a figure: plain classes, which any viewer of SVG knows, and the reader's scheme over them.
+fn style() -> String {
+    let colours = |palette: &[&str; 12]| {
+        let [ink, soft, grid, paper, series @ ..] = palette;
+        let mut css = format!(
+            ".f text{{fill:{ink}}}.f .s{{fill:{soft}}}.f .g{{stroke:{grid}}}.f .a,.f .n{{stroke:{soft}}}\
+             .f .b{{fill:{paper}}}.f .p{{stroke:{paper}}}"
+        );
+        for (k, colour) in series.iter().enumerate() {
+            let _ = write!(css, ".f .d{k}{{fill:{colour}}}.f .k{k}{{stroke:{colour}}}");
+        }
+        css
+    };
+    format!(
+        "\n.f text{{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:12px}}\n\
+         .f .t{{font-size:14px;font-weight:600}}.f .l{{fill:none;stroke-width:2;stroke-linejoin:round}}\
+         .f .p{{stroke-width:1.2}}.f .n{{stroke-dasharray:3 4}}\n{}\n\
+         @media (prefers-color-scheme:dark){{{}}}\n",
+        colours(&LIGHT),
+        colours(&DARK)
+    )
+}
 
 /// An axis: what it shows, and its range where that is not to follow from the data.
 #[derive(Clone, Debug)]
@@ -137,10 +158,11 @@ impl Figure {
         let y = Scale::new(self.span(&self.y, |p| p.1, true), (height - MARGIN.3, top));
         let mut out = format!(
             "<svg class=\"f\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" width=\"{}\" \
-             height=\"{height}\" role=\"img\" aria-label=\"{title}\"><style>{STYLE}</style>\
+             height=\"{height}\" role=\"img\" aria-label=\"{title}\"><style>{}</style>\
              <rect class=\"b\" width=\"100%\" height=\"100%\"/><text class=\"t\" x=\"{}\" y=\"24\">{title}</text>",
             SIZE.0,
             SIZE.0,
+            style(),
             MARGIN.0,
             title = escaped(&self.title)
         );
@@ -165,15 +187,10 @@ impl Figure {
             let colour = series.colour;
             let dash = if matches!(series.kind, Kind::Dashed) { " stroke-dasharray=\"6 4\"" } else { "" };
             let _ = match series.kind {
-                Kind::Points => write!(
-                    out,
-                    "<circle class=\"p\" style=\"fill:var(--c{colour})\" cx=\"{}\" cy=\"{py}\" r=\"4.5\"/>",
-                    px + 9.0
-                ),
-                _ => write!(
-                    out,
-                    "<path class=\"l\" style=\"stroke:var(--c{colour})\"{dash} d=\"M{px} {py}h18\"/>"
-                ),
+                Kind::Points => {
+                    write!(out, "<circle class=\"p d{colour}\" cx=\"{}\" cy=\"{py}\" r=\"4.5\"/>", px + 9.0)
+                }
+                _ => write!(out, "<path class=\"l k{colour}\"{dash} d=\"M{px} {py}h18\"/>"),
             };
             let _ =
                 write!(out, "<text x=\"{}\" y=\"{}\">{}</text>", px + 24.0, py + 4.0, escaped(&series.label));
@@ -270,15 +287,9 @@ fn draw_series(out: &mut String, series: &Series, x: &Scale, y: &Scale) {
             let (px, py) = (x.at(*a), y.at(*b));
             if let Some(bar) = series.bars.get(k) {
                 let (low, high) = (y.at(b - bar), y.at(b + bar));
-                let _ = write!(
-                    out,
-                    "<path style=\"stroke:var(--c{colour})\" d=\"M{px:.1} {low:.1}V{high:.1}\"/>"
-                );
+                let _ = write!(out, "<path class=\"k{colour}\" d=\"M{px:.1} {low:.1}V{high:.1}\"/>");
             }
-            let _ = write!(
-                out,
-                "<circle class=\"p\" style=\"fill:var(--c{colour})\" cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"4.5\"/>"
-            );
+            let _ = write!(out, "<circle class=\"p d{colour}\" cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"4.5\"/>");
         }
         return;
     }
@@ -293,7 +304,7 @@ fn draw_series(out: &mut String, series: &Series, x: &Scale, y: &Scale) {
         pen_down = inside;
     }
     let dash = if matches!(series.kind, Kind::Dashed) { " stroke-dasharray=\"6 4\"" } else { "" };
-    let _ = write!(out, "<path class=\"l\" style=\"stroke:var(--c{colour})\"{dash} d=\"{path}\"/>");
+    let _ = write!(out, "<path class=\"l k{colour}\"{dash} d=\"{path}\"/>");
 }
 
 /// From values to pixels.
