@@ -13,8 +13,13 @@ RELATIVE = 1e-6
 ABSOLUTE = 1e-6
 SCRIPTS = sorted(EXAMPLES.glob("[0-9]*.py"))
 # Outputs that are not the numbers of the run but files beside them.
-ARGUMENTS = {"02_walking": lambda folder: ("--out", str(folder))}
-FILES = {"02_walking": ("walking.json", "walking.svg", "walking.png")}
+ARGUMENTS = {
+    "02_walking": lambda folder: ("--out", str(folder)),
+    "03_what_cooling_buys": lambda folder: ("--out", str(folder)),
+}
+FILES = {"02_walking": ("walking.json", "walking.svg", "walking.png"), "03_what_cooling_buys": ("what-cooling-buys.md",)}
+# Pages of the documentation that an example writes.
+PAGES = ("what-cooling-buys.md",)
 
 
 def test_every_example_has_its_expected_output():
@@ -32,6 +37,8 @@ def test_example(script, tmp_path):
     same(json.loads(done.stdout), expected, script.stem)
     for name in FILES.get(script.stem, ()):
         assert (tmp_path / name).stat().st_size > 0
+        if name in PAGES:
+            assert (tmp_path / name).read_text() == (EXAMPLES.parent / "docs" / name).read_text(), f"docs/{name} is stale"
 
 
 def same(found, expected, where):

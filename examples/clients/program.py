@@ -1,0 +1,16 @@
+"""The program `motor-fmu`: found, run, its answer returned."""
+
+import os
+import shutil
+import subprocess
+
+
+def motor_fmu(*arguments: str) -> str:
+    """Runs `motor-fmu` (MOTOR_FMU_BIN, else the one on the path) and gives what it prints; its error as an exception."""
+    program = os.environ.get("MOTOR_FMU_BIN") or shutil.which("motor-fmu")
+    if not program:
+        raise FileNotFoundError("motor-fmu is not on the path; run `cargo build --release` and set MOTOR_FMU_BIN to it")
+    done = subprocess.run([program, *arguments], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(done.stderr.strip())
+    return done.stdout
