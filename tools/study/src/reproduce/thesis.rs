@@ -1,5 +1,6 @@
 //! The thesis: a motor with a fan and an annulus (chapters 3 to 7, appendices).
 
+mod identified;
 pub mod measured;
 mod native;
 pub mod projection;
@@ -76,6 +77,8 @@ pub struct Thesis {
     pub leave_one_out: Option<Vec<LeftOut>>,
     /// What the eight tests say about the fitted parameters.
     pub identifiability: Option<Fit>,
+    /// The same in sentences: what is known, what only together, what not at all.
+    pub findings: Vec<String>,
     /// Why the native model is not there, where it is not.
     pub absent: Option<String>,
 }
@@ -95,7 +98,12 @@ pub fn thesis(fit: bool) -> Result<Thesis, StudyError> {
         }
         _ => (None, None),
     };
+    let findings = match (&identifiability, &leave_one_out) {
+        (Some(fit), Some(left_out)) => identified::findings(fit, left_out, &cases),
+        _ => Vec::new(),
+    };
     Ok(Thesis {
+        findings,
         published: published_summary(),
         rows: rows::rows(&native)?,
         conclusion: conclusion(&cases),

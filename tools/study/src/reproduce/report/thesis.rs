@@ -1,7 +1,7 @@
 //! Figures and tables of the thesis.
 
 use super::{Content, Page, Plate, page, table};
-use crate::figure::{Axis, Figure};
+use crate::figure::{Axis, Figure, escaped};
 use crate::numeric::linspace;
 use crate::reproduce::significant;
 use crate::reproduce::thesis::measured::{FAN_FLOW, MOTOR_DIAMETER, NARROW, T_25, T_REF, WIDE};
@@ -266,5 +266,10 @@ fn tables(found: &Thesis) -> String {
     });
     html.push_str(&table("tables", &headers, rows));
     html.push_str("</div>");
+    if !found.findings.is_empty() {
+        html.push_str("<h2>What the tests can tell</h2><ul>");
+        html.extend(found.findings.iter().map(|sentence| format!("<li>{}</li>", escaped(sentence))));
+        html.push_str("</ul>");
+    }
     html
 }
