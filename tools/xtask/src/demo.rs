@@ -26,10 +26,19 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     // Its numbers are for the page; its progress, on standard error, is for the user.
     let mut example = product::python(workspace, &python);
     shell::run(example.arg(EXAMPLE).arg("--out").arg(&dist).stdout(Stdio::null()))?;
+    shell::stage("the two publications recomputed");
+    let published = ["thesis", "paper"];
+    for what in published {
+        let mut reproduce = product::motor_fmu(workspace);
+        shell::run(reproduce.args(["reproduce", what, "--out"]).arg(&dist).stdout(Stdio::null()))?;
+    }
     let page = dist.join("index.html");
     let html = page::html(&read(&dist.join("walking.json"))?, &read(&dist.join("walking.svg"))?)?;
     std::fs::write(&page, html).map_err(|e| format!("{} cannot be written: {e}", page.display()))?;
     println!("FMUs: {0}/fmi2, {0}/fmi3\nresults: {1}", dist.display(), page.display());
+    published
+        .iter()
+        .for_each(|what| println!("publication: {}", dist.join(what).with_extension("html").display()));
     Ok(())
 }
 

@@ -19,6 +19,8 @@ td { font-variant-numeric: tabular-nums }
 <h1>A powered ankle walks</h1>
 <p>The FMU <code>AnnulusCooledMotor</code> (maxon EC-4pole 30) drives an ankle through a transmission and a series
 spring. Angle and torque are those of level walking. The run is made by <code>examples/02_walking.py</code>.</p>
+<p>Where the models come from: <a href="thesis.html">the thesis</a> and <a href="paper.html">the paper</a>, every number printed,
+recomputed and put right. What a fan and an annulus buy: <code>docs/what-cooling-buys.md</code>.</p>
 "#;
 
 /// The page from the example's results, `{case: {quantity_unit: number}}`, and its figure.
