@@ -73,7 +73,7 @@ def steady(p, mode):
         return POWER - core - rotor - leads, core - stator, rotor - bearings, stator + bearings - leaving(t_h)
 
     start = brentq(lambda t: leaving(t) - POWER, T_A + 0.1, T_A + 500.0)
-    return fsolve(balance, [start + 3, start + 1, start + 2, start], xtol=1e-12)[0]
+    return fsolve(balance, [start + 3, start + 1, start + 2, start], xtol=1e-10)[0]
 
 
 def parameters(fmu):

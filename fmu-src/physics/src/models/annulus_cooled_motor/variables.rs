@@ -144,7 +144,7 @@ variables! {
         loss_friction: f64 = Variable::output(37, Unit::Watt).nominal(10.0),
         /// Power lost in the drive, which heats the surroundings (drive_mode power or pwm)
         loss_drive: f64 = Variable::output(38, Unit::Watt).nominal(10.0),
-        /// Heat flow to the surroundings, that of the drive included
+        /// Heat flow to the surroundings, that of the drive included, without the power of the fan
         heat_to_ambient: f64 = Variable::output(39, Unit::Watt).nominal(10.0),
         /// Power that the books miss at this instant; zero but for rounding
         power_balance_error: f64 = Variable::output(40, Unit::Watt),
@@ -152,7 +152,7 @@ variables! {
         energy_electrical: f64 = Variable::output(45, Unit::Joule).nominal(1000.0),
         /// Energy given to the load since the start
         energy_mechanical: f64 = Variable::output(46, Unit::Joule).nominal(1000.0),
-        /// Heat given to the surroundings since the start
+        /// Heat given to the surroundings since the start, without the power of the fan
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
         /// Energy taken in, less given out, less stored, since the start; zero but for rounding
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
