@@ -83,7 +83,7 @@ impl std::ops::Add for PerNode {
 /// The sign of `x` with a smooth passage through zero of width `small`: tanh(x / small), saturated where a double
 /// no longer sees the difference (and where a dual number's tanh would overflow).
 #[inline]
-fn smooth_sign<D: Number>(x: D, small: f64) -> D {
+pub(crate) fn smooth_sign<D: Number>(x: D, small: f64) -> D {
     const SATURATED: f64 = 20.0;
     if x.re().abs() > SATURATED * small { D::from(x.re().signum()) } else { (x / small).tanh() }
 }

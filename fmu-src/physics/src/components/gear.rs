@@ -9,9 +9,10 @@
 //! a load that drives comes back with 2 - 1/efficiency, and not at all where efficiency is below one half.
 //! *Assumes* a stiff gear without backlash. *Neglects* breakaway: below w_small the shaft creeps.
 //! *Sign*: drag against the motion; its power tau_drag w >= 0 heats the housing.
-//! *Source*: the laws of `effects/coulomb_friction.rs`, `viscous_friction.rs` and `load_dependent_friction.rs`.
+//! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083;
+//! load's share as in the Modelica Standard Library, Rotational.Components.LossyGear.
 
-use crate::effects::{CoulombFriction, Effect, LoadDependentFriction, Number, ViscousFriction};
+use crate::effects::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -36,15 +37,14 @@ impl Gear {
     /// Drag without load at the output speed `w`, rad/s: the first two terms of eq. (2), N.m.
     #[inline]
     pub fn drag<D: Number>(&self, w: D) -> D {
-        CoulombFriction { tau_c: self.tau_c, w_small: self.w_small }.drag_torque(w)
-            + ViscousFriction { k: self.k }.drag_torque(w)
+        smooth_sign(w, self.w_small) * self.tau_c + w * self.k
     }
 
     /// Drag for each newton metre of a load of `tau`, N.m: the third term of eq. (2).
     #[inline]
     pub fn load_drag<D: Number>(&self, w: D, tau: f64) -> D {
         let mu = 1.0 / self.efficiency - 1.0;
-        LoadDependentFriction { mu, w_small: self.w_small, tau_small: self.tau_small }.load_drag(w, tau)
+        smooth_sign(w, self.w_small) * (mu * smooth_sign(tau, self.tau_small))
     }
 }
 
