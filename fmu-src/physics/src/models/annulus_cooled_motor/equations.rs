@@ -220,7 +220,7 @@ pub struct Point {
 impl<'a> Step<'a> {
     /// The equations of a motor with its inputs on lines from `time` on; `conductance` is that of the fan's
     /// command, [`Parameters::to_ambient`]. They hold until the next event of the effects.
-    #[inline]
+    #[inline(always)]
     pub fn new(
         model: &'a Parameters,
         constants: &'a Constants,
@@ -284,7 +284,7 @@ impl<'a> Step<'a> {
     }
 
     /// Resistance with the mean winding at `t_w`, Ohm.
-    #[inline]
+    #[inline(always)]
     fn resistance(&self, t_w: f64) -> f64 {
         self.model.motor.resistance(t_w + self.excess) * self.ports().winding_resistance()
     }
@@ -326,7 +326,7 @@ impl<'a> Step<'a> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn conductance_at(&self, t: f64) -> PerNode {
         if self.slopes.fan_command == 0.0 || self.constants.has_network {
             self.conductance
@@ -336,19 +336,19 @@ impl<'a> Step<'a> {
     }
 
     /// Temperature of the magnets, K: the housing's where there is no rotor.
-    #[inline]
+    #[inline(always)]
     fn magnets(&self, t: f64, temperature: &Temperatures) -> f64 {
         if self.constants.has_network { self.beyond.rotor.at(t) } else { temperature[CORE] }
     }
 
     /// Torque constant with the magnets at their temperature.
-    #[inline]
+    #[inline(always)]
     fn torque_constant(&self, t: f64, temperature: &Temperatures) -> f64 {
         self.model.motor.torque_constant(self.magnets(t, temperature)) * self.strength
     }
 
     /// Heat that drag sets free in the core, W, of `drag` watts in all.
-    #[inline]
+    #[inline(always)]
     fn drag_in_core(&self, w: f64, drag: f64) -> f64 {
         if !self.constants.has_network {
             drag
@@ -372,7 +372,7 @@ impl<'a> Step<'a> {
     }
 
     /// Heat flows from the nodes to what surrounds them, W.
-    #[inline]
+    #[inline(always)]
     fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
         let conductance = self.conductance_at(t);
         if self.constants.has_network {

@@ -121,7 +121,8 @@ impl AnnulusCooledMotor {
     /// One piece of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
     fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Fault> {
         let ambient = self.ambient(time);
-        let middle = self.inputs.after(0.5 * h, &self.slopes);
+        let still = self.slopes == Inputs::ZERO;
+        let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
         let excess = self.excess();
         let Some(network) = &mut self.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);

@@ -24,7 +24,7 @@ impl System<NODES> for Step<'_> {
         Fast::new(di, dw)
     }
 
-    #[inline]
+    #[inline(always)]
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
         let effects = self.ports();
         let lost = effects.terminal_voltage_slope(x[0]) + self.drive_slope(x[0]);
@@ -40,7 +40,7 @@ impl System<NODES> for Step<'_> {
         Matrix2::new(-r * l, -k * l, k * j, -slope * j)
     }
 
-    #[inline]
+    #[inline(always)]
     fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
         let conducts = self.constants.across * self.ports().winding_housing_conductance(temperature[WINDING]);
         let across = conducts * (temperature[WINDING] - temperature[CORE]);
@@ -49,7 +49,7 @@ impl System<NODES> for Step<'_> {
         gain.component_mul(&self.constants.inverse_capacity)
     }
 
-    #[inline]
+    #[inline(always)]
     fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
         let effects = self.ports();
         let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
@@ -79,13 +79,13 @@ impl System<NODES> for Step<'_> {
         &self.constants.inverse_capacity
     }
 
-    #[inline]
+    #[inline(always)]
     fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
         let leaving = self.leaving(t, temperature);
         leaving.winding + leaving.housing
     }
 
-    #[inline]
+    #[inline(always)]
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
         let (i, w) = (x[0], x[1]);
         let t_w = temperature[WINDING];
