@@ -169,15 +169,32 @@ impl Reference {
     }
 
     /// Classical Runge-Kutta of fourth order.
-    fn run(&self, m: &AnnulusCooledMotor, y: &mut [f64], stop: f64, steps: usize) {
+    fn run(&self, m: &AnnulusCooledMotor, y: &mut Vec<f64>, stop: f64, steps: usize) {
+        self.run_ramped(m, |_| m.inputs.fan_command, y, stop, steps);
+    }
+
+    /// The same with the fan's command over time.
+    fn run_ramped(
+        &self,
+        m: &AnnulusCooledMotor,
+        command: impl Fn(f64) -> f64,
+        y: &mut Vec<f64>,
+        stop: f64,
+        steps: usize,
+    ) {
+        let mut m = m.clone();
         let h = stop / steps as f64;
         let along =
             |y: &[f64], f: &[f64], s: f64| -> Vec<f64> { y.iter().zip(f).map(|(y, f)| y + s * f).collect() };
-        for _ in 0..steps {
-            let a = self.rates(m, y);
-            let b = self.rates(m, &along(y, &a, 0.5 * h));
-            let c = self.rates(m, &along(y, &b, 0.5 * h));
-            let d = self.rates(m, &along(y, &c, h));
+        for step in 0..steps {
+            let mut rates = |y: &[f64], part: f64| {
+                m.inputs.fan_command = command(h * (step as f64 + part));
+                self.rates(&m, y)
+            };
+            let a = rates(y, 0.0);
+            let b = rates(&along(y, &a, 0.5 * h), 0.5);
+            let c = rates(&along(y, &b, 0.5 * h), 0.5);
+            let d = rates(&along(y, &c, h), 1.0);
             for k in 0..y.len() {
                 y[k] += h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]);
             }
@@ -203,6 +220,33 @@ fn a_warm_up_agrees_with_the_equations_written_out() {
             for (got, want) in got.iter().zip(&y) {
                 assert!((got - want).abs() <= 2e-6 * rise, "{mode:?} {h} s: {got} and {want}");
             }
+        }
+    }
+}
+
+/// A fan that runs up, slows down and rests: the coefficients follow the command.
+#[test]
+fn a_fan_that_ramps_agrees_with_the_equations_written_out() {
+    let command = |t: f64| if t < 60.0 { 0.1 + 0.8 * t / 60.0 } else { 0.9 - 0.9 * (t - 60.0) / 60.0 };
+    for mode in [CoolingMode::FanCrossflow, CoolingMode::AnnulusPush, CoolingMode::AnnulusPull] {
+        let mut m = stalled(mode);
+        m.inputs.fan_command = command(0.0);
+        m.inputs.electrical_power = 40.0;
+        let body = Body::of(&m.parameters).unwrap();
+        let reference = Reference { cooling: Cooling::new(&m.parameters, body.segments), body };
+        let mut y = vec![297.9; 4 + body.segments];
+        reference.run_ramped(&m, command, &mut y, 60.0, 600);
+        reference.run_ramped(&m, |t| command(60.0 + t), &mut y, 59.0, 590);
+        m.start(0.0).unwrap();
+        for k in 0..1190 {
+            let t = 0.1 * f64::from(k);
+            drive(&mut m, "fan_command", command(t), (command(t + 0.05) - command(t)) / 0.05);
+            m.step(t, 0.1).unwrap();
+        }
+        let o = outputs(&mut m);
+        let rise = y[0] - 297.9;
+        for (got, want) in [(o.winding_temperature, y[0]), (o.magnet_temperature, y[2])] {
+            assert!((got - want).abs() <= 1e-5 * rise, "{mode:?}: {got} and {want}");
         }
     }
 }

@@ -168,12 +168,13 @@ impl Network {
             command: inputs.fan_command,
         };
         self.from_outside = parameters.effects.housing_heat(at.surface);
-        if !self.tangent.serves(&at) {
+        let anew = !self.tangent.serves(&at);
+        if anew {
             self.tangent = Tangent::new(&self.cooling, parameters, at);
-            self.tangent.coefficients(&at, self.body.segments, &mut self.now);
+        }
+        self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
+        if anew {
             self.fastest = self.bound();
-        } else {
-            self.tangent.coefficients(&at, self.body.segments, &mut self.now);
         }
     }
 

@@ -113,13 +113,16 @@ impl Coefficients {
     }
 }
 
-/// Coefficients for one set of conditions, with their slope over the housing's temperature.
+/// Coefficients for one set of conditions, with their slopes.
 #[derive(Clone, Copy, Debug)]
 pub struct Tangent {
     /// Where they hold.
     pub at: Conditions,
     base: Coefficients,
+    /// Over the housing's temperature, per kelvin.
     slope: Coefficients,
+    /// Over the fan's command, for all of it; found when the command first moves.
+    by_command: Option<Coefficients>,
 }
 
 /// Rise of the surface over which a slope is taken, K: 1, so that a difference is a slope.
@@ -127,13 +130,21 @@ const RISE: f64 = 1.0;
 /// How far temperatures may move before the coefficients are evaluated anew, K. The error of a tangent is of
 /// second order: at 40 K above ambient natural convection errs by 4e-6 of itself over this way.
 const NEAR: f64 = 0.25;
-/// The same where the surface is at ambient and natural convection bends most, K, and what each kelvin above adds.
+/// How far the command may move, and over which way its slope is taken, both as a share of it. A flow that grows
+/// with a power of the command is off by 1e-4 of itself at the end of this way.
+const NEAR_COMMAND: f64 = 0.02;
+const BACK: f64 = 0.01;
+/// [`NEAR`] where the surface is at ambient and natural convection bends most, K, and what each kelvin above adds.
 const NEAR_AT_REST: (f64, f64) = (0.02, 0.02);
 
 impl Tangent {
     /// Coefficients that hold nowhere yet.
-    pub const NONE: Tangent =
-        Tangent { at: Conditions::NONE, base: Coefficients::NONE, slope: Coefficients::NONE };
+    pub const NONE: Tangent = Tangent {
+        at: Conditions::NONE,
+        base: Coefficients::NONE,
+        slope: Coefficients::NONE,
+        by_command: None,
+    };
 
     /// The tangent at these conditions.
     pub fn new(cooling: &Cooling, parameters: &Parameters, at: Conditions) -> Tangent {
@@ -142,14 +153,14 @@ impl Tangent {
         let warmer = Conditions { surface: at.surface + RISE, ..at };
         let mut slope = Coefficients::NONE;
         cooling.coefficients(parameters, &warmer).along(&base, -1.0, n, &mut slope);
-        Tangent { at, base, slope }
+        Tangent { at, base, slope, by_command: None }
     }
 
     /// Whether the tangent still serves at `now`.
     #[inline]
     pub fn serves(&self, now: &Conditions) -> bool {
         let at = &self.at;
-        at.command == now.command
+        (at.command - now.command).abs() <= NEAR_COMMAND * at.command
             && at.pressure == now.pressure
             && self.beyond(now).abs()
                 <= NEAR.min(NEAR_AT_REST.0 + NEAR_AT_REST.1 * (at.surface - at.ambient).abs())
@@ -163,10 +174,30 @@ impl Tangent {
         (now.surface - now.ambient) - (self.at.surface - self.at.ambient)
     }
 
-    /// The coefficients at `now`, on the first `n` segments.
+    /// The coefficients at `now`, on the segments in use.
     #[inline]
-    pub fn coefficients(&self, now: &Conditions, n: usize, out: &mut Coefficients) {
+    pub fn coefficients(
+        &mut self,
+        cooling: &Cooling,
+        parameters: &Parameters,
+        now: &Conditions,
+        out: &mut Coefficients,
+    ) {
+        let n = cooling.segments;
         self.base.along(&self.slope, self.beyond(now), n, out);
+        if now.command != self.at.command {
+            // It follows from where the tangent was taken alone, so that it is the same whenever it is found.
+            let (base, at) = (&self.base, self.at);
+            let by_command = self.by_command.get_or_insert_with(|| {
+                let slower = Conditions { command: at.command * (1.0 - BACK), ..at };
+                let mut slope = Coefficients::NONE;
+                base.along(&cooling.coefficients(parameters, &slower), -1.0, n, &mut slope);
+                slope
+            });
+            let share = (now.command / self.at.command - 1.0) / BACK;
+            let kept = *out;
+            kept.along(by_command, share, n, out);
+        }
     }
 }
 
