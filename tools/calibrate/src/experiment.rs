@@ -1,0 +1,308 @@
+//! An experiment: `EXPERIMENT.toml` with the runs that it names.
+
+mod channel;
+mod table;
+
+pub use channel::{CHANNELS, Channel};
+pub use table::Table;
+
+use crate::CalibrateError;
+use physics::declare::{Causality, Kind};
+use physics::model::{Declaration, Entry, ModelType};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::{Spanned, Value};
+
+/// What a run is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// Parameters and terms are fitted to it.
+    Fit,
+    /// A term is accepted only if this improves.
+    Validate,
+    /// Opened once, at the end.
+    Test,
+}
+
+/// Where the nodes of a run start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Start {
+    /// At the first row's ambient temperature.
+    #[default]
+    Ambient,
+    /// At the first row's measured temperatures.
+    Measured,
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Its file, as the experiment names it.
+    pub file: String,
+    /// What it is for.
+    pub role: Role,
+    /// The rows that count: from and to, s. All of the run is simulated.
+    pub window: Option<(f64, f64)>,
+    /// Where its nodes start.
+    pub start: Start,
+    /// Inputs, then outputs, in the experiment's order.
+    pub table: Table,
+}
+
+/// A parameter that may differ from specimen to specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prior {
+    /// Its name.
+    pub name: String,
+    /// Relative standard deviation.
+    pub relative: f64,
+}
+
+/// An experiment that has been read and checked.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Its name.
+    pub name: String,
+    /// The model's name.
+    pub model: String,
+    /// The preset, a name or a file; its values are priors.
+    pub preset: String,
+    /// Columns that drive the model.
+    pub inputs: Vec<&'static Channel>,
+    /// Columns that the model is compared with.
+    pub outputs: Vec<&'static Channel>,
+    /// Start values that differ from the preset: name and number. The modes that follow from the inputs stand first.
+    pub set: Vec<(String, f64)>,
+    /// Parameters that may be fitted.
+    pub priors: Vec<Prior>,
+    /// Standard deviation of columns, in the column's unit, where the experiment knows it.
+    pub noise: BTreeMap<&'static str, f64>,
+    /// The runs.
+    pub runs: Vec<Run>,
+    /// What is odd but no error.
+    pub notes: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    experiment: Head,
+    #[serde(default)]
+    set: BTreeMap<Spanned<String>, Value>,
+    #[serde(default)]
+    prior: BTreeMap<Spanned<String>, f64>,
+    #[serde(default)]
+    noise: BTreeMap<Spanned<String>, f64>,
+    run: Vec<Spanned<RunText>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    name: String,
+    model: Spanned<String>,
+    preset: String,
+    inputs: Vec<Spanned<String>>,
+    outputs: Vec<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunText {
+    file: String,
+    role: Role,
+    window_s: Option<(f64, f64)>,
+    #[serde(default)]
+    start: Start,
+}
+
+/// Says a sentence with file and line.
+struct Place<'a> {
+    file: String,
+    text: &'a str,
+}
+
+impl Place<'_> {
+    fn at(&self, offset: usize, message: &str) -> CalibrateError {
+        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
+        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+        CalibrateError(format!("{}:{line}: {message}", self.file))
+    }
+}
+
+impl Experiment {
+    /// Reads an experiment and all of its runs; files stand beside it.
+    ///
+    /// # Errors
+    /// One sentence with file and line: what is missing, unknown, no number or against the rules.
+    pub fn read(path: &Path) -> Result<Experiment, CalibrateError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        Experiment::parse(&text, file, &folder)
+    }
+
+    fn parse(text: &str, file: String, folder: &Path) -> Result<Experiment, CalibrateError> {
+        let place = Place { file, text };
+        let document: Document = toml::from_str(text)
+            .map_err(|e| place.at(e.span().map_or(0, |s| s.start), &e.message().replace('\n', " ")))?;
+        let head = &document.experiment;
+        let kind = model(&head.model, &place)?;
+        let declaration = (kind.declaration)();
+        let inputs = channels(&head.inputs, "input", |c| c.input, declaration, &place)?;
+        let outputs = channels(&head.outputs, "output", |c| c.output, declaration, &place)?;
+        let mut set = modes(&inputs, declaration);
+        for (name, value) in &document.set {
+            let entry = parameter(name, declaration, &place)?;
+            let number = number(entry, value).map_err(|m| place.at(name.span().start, &m))?;
+            set.push((entry.name.clone(), number));
+        }
+        let mut priors = Vec::new();
+        for (name, &relative) in &document.prior {
+            let entry = parameter(name, declaration, &place)?;
+            if !(relative > 0.0 && relative.is_finite()) {
+                let message = format!("the prior of {} is {relative}; it must be above 0", entry.name);
+                return Err(place.at(name.span().start, &message));
+            }
+            priors.push(Prior { name: entry.name.clone(), relative });
+        }
+        let all: Vec<&'static Channel> = inputs.iter().chain(&outputs).copied().collect();
+        let mut noise = BTreeMap::new();
+        for (name, &deviation) in &document.noise {
+            let channel = all.iter().find(|c| c.column == name.get_ref()).ok_or_else(|| {
+                place.at(
+                    name.span().start,
+                    &format!("{} is no input or output of the experiment", name.get_ref()),
+                )
+            })?;
+            if !(deviation >= 0.0 && deviation.is_finite()) {
+                let message =
+                    format!("the noise of {} is {deviation}; it must not be negative", channel.column);
+                return Err(place.at(name.span().start, &message));
+            }
+            noise.insert(channel.column, deviation);
+        }
+        let mut runs = Vec::new();
+        for run in &document.run {
+            let start = run.span().start;
+            let run = run.get_ref();
+            if let Some((from, to)) = run.window_s.filter(|(from, to)| from >= to) {
+                return Err(place.at(start, &format!("window_s = [{from}, {to}] is empty in {}", run.file)));
+            }
+            let table = Table::read(&folder.join(&run.file), &all)?;
+            let (file, role, window, start) = (run.file.clone(), run.role, run.window_s, run.start);
+            runs.push(Run { file, role, window, start, table });
+        }
+        if !runs.iter().any(|r| r.role == Role::Fit) {
+            return Err(CalibrateError(format!("{}: no run has role = \"fit\"", place.file)));
+        }
+        let mut notes: Vec<String> = Vec::new();
+        for note in runs.iter().flat_map(|r| &r.table.notes) {
+            // A file may appear in several roles.
+            if !notes.contains(note) {
+                notes.push(note.clone());
+            }
+        }
+        Ok(Experiment {
+            name: head.name.clone(),
+            model: declaration.name.to_string(),
+            preset: head.preset.clone(),
+            inputs,
+            outputs,
+            set,
+            priors,
+            noise,
+            runs,
+            notes,
+        })
+    }
+}
+
+fn model(name: &Spanned<String>, place: &Place) -> Result<&'static ModelType, CalibrateError> {
+    physics::models::by_name(name.get_ref()).ok_or_else(|| {
+        let known: Vec<&str> = physics::models::ALL.iter().map(|m| (m.declaration)().name).collect();
+        place.at(name.span().start, &format!("{} is no model; there is {}", name.get_ref(), known.join(", ")))
+    })
+}
+
+/// The channels of a list of columns, each of which must have a `role` in the model.
+fn channels(
+    columns: &[Spanned<String>],
+    word: &str,
+    role: impl Fn(&Channel) -> Option<&'static str>,
+    declaration: &Declaration,
+    place: &Place,
+) -> Result<Vec<&'static Channel>, CalibrateError> {
+    let mut found: Vec<&'static Channel> = Vec::new();
+    for column in columns {
+        let name = column.get_ref();
+        let known = Channel::of(name)
+            .filter(|c| role(c).is_some_and(|variable| declaration.by_name(variable).is_some()));
+        let channel = known.ok_or_else(|| {
+            let all: Vec<&str> = CHANNELS.iter().filter(|c| role(c).is_some()).map(|c| c.column).collect();
+            let message = format!("{name} is no {word} of {}; there is {}", declaration.name, all.join(", "));
+            place.at(column.span().start, &message)
+        })?;
+        if found.contains(&channel) {
+            return Err(place.at(column.span().start, &format!("{name} stands twice among the {word}s")));
+        }
+        found.push(channel);
+    }
+    Ok(found)
+}
+
+/// Modes that follow from what drives the motor.
+fn modes(inputs: &[&'static Channel], declaration: &Declaration) -> Vec<(String, f64)> {
+    let has = |column: &str| inputs.iter().any(|c| c.column == column);
+    let drive = [
+        ("current_A", "current"),
+        ("duty_1", "pwm"),
+        ("electrical_power_W", "power"),
+        ("voltage_V", "voltage"),
+    ];
+    let drive = drive.iter().find(|(column, _)| has(column)).map(|(_, mode)| *mode);
+    let mechanical = if has("speed_rad_per_s") { "imposed_speed" } else { "free_shaft" };
+    [("drive_mode", drive), ("mechanical_mode", Some(mechanical))]
+        .into_iter()
+        .filter_map(|(name, item)| {
+            let Kind::Enumeration(table) = declaration.by_name(name)?.row.kind else { return None };
+            let item = table.items.iter().find(|i| Some(i.name) == item)?;
+            Some((name.to_string(), f64::from(item.value)))
+        })
+        .collect()
+}
+
+fn parameter<'a>(
+    name: &Spanned<String>,
+    declaration: &'a Declaration,
+    place: &Place,
+) -> Result<&'a Entry, CalibrateError> {
+    declaration.by_name(name.get_ref()).filter(|e| e.row.causality == Causality::Parameter).ok_or_else(|| {
+        place.at(name.span().start, &format!("{} is no parameter of {}", name.get_ref(), declaration.name))
+    })
+}
+
+/// The number of a value that the parameter may have; one sentence else.
+fn number(entry: &Entry, value: &Value) -> Result<f64, String> {
+    let number = match (value, entry.row.kind) {
+        (Value::String(item), Kind::Enumeration(table)) => {
+            let found = table.items.iter().find(|i| i.name == item);
+            let names = || table.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", ");
+            let item = found.ok_or_else(|| format!("{} = {item} is none of {}", entry.name, names()))?;
+            f64::from(item.value)
+        }
+        (Value::Float(x), _) => *x,
+        (Value::Integer(x), _) => *x as f64,
+        (Value::Boolean(x), Kind::Boolean) => f64::from(u8::from(*x)),
+        (other, _) => return Err(format!("{} = {other} is not a number", entry.name)),
+    };
+    entry.check(number, false).map_err(|refusal| entry.explain(number, &refusal))?;
+    Ok(number)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,192 @@
+//! One CSV file of a run: checked, in SI units, blanks as gaps.
+
+use super::channel::Channel;
+use crate::CalibrateError;
+use std::path::Path;
+
+/// What a file holds, in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Time of each row, s, ascending.
+    pub time: Vec<f64>,
+    /// One column for each wanted channel; NaN where nothing was measured.
+    pub columns: Vec<Vec<f64>>,
+    /// What is odd but no error, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// A reading that no sensor of a motor gives while it works: that of an open thermocouple, degC.
+const DEAD: f64 = -40.0;
+/// Share of a channel's readings from which on it counts as dead.
+const DEAD_SHARE: f64 = 0.5;
+/// A pause in time this many times the usual distance of rows is a gap.
+const GAP: f64 = 5.0;
+
+impl Table {
+    /// Reads the channels that an experiment wants from a file; `wanted` in the order of [`Table::columns`].
+    ///
+    /// # Errors
+    /// One sentence with file and line: no such file, a missing column, no number, time that does not rise.
+    pub fn read(path: &Path, wanted: &[&'static Channel]) -> Result<Table, CalibrateError> {
+        let file = path.display();
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
+        Table::parse(&text, &file.to_string(), wanted)
+    }
+
+    /// The table of a text; `file` names it in errors.
+    pub fn parse(text: &str, file: &str, wanted: &[&'static Channel]) -> Result<Table, CalibrateError> {
+        let at = |line: u64, message: String| CalibrateError(format!("{file}:{line}: {message}"));
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let header = reader.headers().map_err(|e| at(1, format!("the header cannot be read: {e}")))?.clone();
+        let place = |name: &str| {
+            header.iter().position(|h| h == name).ok_or_else(|| {
+                let there: Vec<&str> = header.iter().collect();
+                at(1, format!("the column {name} is missing; there is {}", there.join(", ")))
+            })
+        };
+        let time_at = place("time_s")?;
+        let places = wanted.iter().map(|c| place(c.column)).collect::<Result<Vec<_>, _>>()?;
+        let mut table =
+            Table { time: Vec::new(), columns: vec![Vec::new(); wanted.len()], notes: Vec::new() };
+        for record in reader.records() {
+            let record = record.map_err(|e| {
+                let line = e.position().map_or(0, csv::Position::line);
+                at(line, format!("the row does not fit the header: {e}"))
+            })?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let time = number(&record[time_at], "time_s", false).map_err(|m| at(line, m))?;
+            if let Some(last) = table.time.last().filter(|last| time <= **last) {
+                return Err(at(
+                    line,
+                    format!("time_s = {time} s does not come after {last} s of the row before"),
+                ));
+            }
+            table.time.push(time);
+            for ((channel, k), column) in wanted.iter().zip(&places).zip(&mut table.columns) {
+                let value = number(&record[*k], channel.column, true).map_err(|m| at(line, m))?;
+                column.push(value + channel.offset);
+            }
+        }
+        if table.time.len() < 2 {
+            return Err(CalibrateError(format!(
+                "{file}: {} rows are no run; two are the least",
+                table.time.len()
+            )));
+        }
+        table.set_dead_aside(file, wanted);
+        table.note_gaps(file);
+        Ok(table)
+    }
+
+    /// Sensors that are plainly dead are set aside, with a note.
+    fn set_dead_aside(&mut self, file: &str, wanted: &[&'static Channel]) {
+        for (channel, column) in wanted.iter().zip(&mut self.columns) {
+            if !channel.is_temperature() {
+                continue;
+            }
+            let dead = |v: &f64| (v - channel.offset - DEAD).abs() < 0.5;
+            let (count, there) =
+                (column.iter().filter(|v| dead(v)).count(), column.iter().filter(|v| v.is_finite()).count());
+            if count as f64 > DEAD_SHARE * there as f64 {
+                column.fill(f64::NAN);
+                self.notes
+                    .push(format!("{file}: {} reads {DEAD} degC and is set aside as dead", channel.column));
+            } else if count > 0 {
+                column.iter_mut().filter(|v| dead(v)).for_each(|v| *v = f64::NAN);
+                self.notes.push(format!(
+                    "{file}: {count} readings of {DEAD} degC in {} are set aside as drop-outs",
+                    channel.column
+                ));
+            }
+        }
+    }
+
+    /// Long pauses are noted; they are simulated across.
+    fn note_gaps(&mut self, file: &str) {
+        let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        let usual = steps[steps.len() / 2];
+        let gaps = self.time.windows(2).filter(|w| w[1] - w[0] > GAP * usual);
+        let sentences: Vec<String> = gaps
+            .map(|w| format!("{file}: no rows from {} s to {} s; simulated across", w[0], w[1]))
+            .collect();
+        self.notes.extend(sentences);
+    }
+}
+
+/// The number of a cell; a blank is NaN where it may be. One sentence else.
+fn number(cell: &str, column: &str, may_be_blank: bool) -> Result<f64, String> {
+    if cell.is_empty() {
+        return if may_be_blank {
+            Ok(f64::NAN)
+        } else {
+            Err(format!("{column} is blank; every row needs a time"))
+        };
+    }
+    match cell.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(format!("{column} = {cell} is not a finite number; leave blank what was not measured")),
+        Err(_) => Err(format!("{column} = {cell} is not a number; leave blank what was not measured")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Table, CalibrateError> {
+        let wanted = ["current_A", "winding_temperature_degC"].map(|c| Channel::of(c).unwrap());
+        Table::parse(text, "run.csv", &wanted)
+    }
+
+    const HEADER: &str = "time_s,winding_temperature_degC,current_A\n";
+
+    #[test]
+    fn columns_in_any_order_in_si_units_with_blanks() {
+        let table = read(&format!("{HEADER}0,20,1.5\n2,,-2\n4, 21.5 ,\n")).unwrap();
+        assert_eq!(table.time, [0.0, 2.0, 4.0]);
+        assert_eq!(table.columns[0][..2], [1.5, -2.0]);
+        assert!(table.columns[0][2].is_nan() && table.columns[1][1].is_nan());
+        assert_eq!(table.columns[1][2], 294.65);
+        assert!(table.notes.is_empty());
+    }
+
+    #[test]
+    fn what_cannot_be_is_named_with_file_and_line() {
+        for (text, parts) in [
+            ("time_s,current_A\n0,1\n", ["run.csv:1:", "winding_temperature_degC is missing"]),
+            (
+                "time_s,winding_temperature_degC,current_A\n0,20,1\n2,NaN,1\n",
+                ["run.csv:3:", "= NaN is not a finite"],
+            ),
+            (
+                "time_s,winding_temperature_degC,current_A\n0,20,1\n2,21,n/a\n",
+                ["run.csv:3:", "current_A = n/a"],
+            ),
+            (
+                "time_s,winding_temperature_degC,current_A\n0,20,1\n2,20,1\n1,20,1\n",
+                ["run.csv:4:", "does not come after 2 s"],
+            ),
+            ("time_s,winding_temperature_degC,current_A\n0,20,1\n,20,1\n", ["run.csv:3:", "time_s is blank"]),
+            ("time_s,winding_temperature_degC,current_A\n0,20\n", ["run.csv:2:", "does not fit the header"]),
+            ("time_s,winding_temperature_degC,current_A\n0,20,1\n", ["run.csv:", "1 rows are no run"]),
+        ] {
+            let sentence = read(text).unwrap_err().to_string();
+            assert!(parts.iter().all(|part| sentence.contains(part)), "{sentence}");
+        }
+    }
+
+    #[test]
+    fn dead_sensors_drop_outs_and_gaps_are_noted() {
+        let rows: String = (0..20).map(|k| format!("{k},-40,1\n")).collect();
+        let dead = read(&format!("{HEADER}{rows}")).unwrap();
+        assert!(dead.columns[1].iter().all(|v| v.is_nan()) && dead.notes[0].contains("set aside as dead"));
+        let rows: String = (0..20).map(|k| format!("{k},{},1\n", if k == 7 { -40 } else { 30 })).collect();
+        let dropped = read(&format!("{HEADER}{rows}100,30,1\n")).unwrap();
+        assert!(dropped.columns[1][7].is_nan() && dropped.columns[1][8] == 303.15);
+        assert!(
+            dropped.notes[0].contains("1 readings of -40") && dropped.notes[1].contains("from 19 s to 100 s")
+        );
+    }
+}

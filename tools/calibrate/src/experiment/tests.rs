@@ -1,0 +1,88 @@
+use super::*;
+
+const HEAD: &str = r#"[experiment]
+name   = "bench-17"
+model  = "AnnulusCooledMotor"
+preset = "maxon-305015"
+inputs  = ["current_A", "speed_rad_per_s", "ambient_temperature_degC"]
+outputs = ["voltage_V", "winding_temperature_degC"]
+"#;
+const REST: &str = r#"
+[set]
+cooling_mode = "conductance"
+"conductance.G_still" = 0.2
+[prior]
+"motor.R_ref" = 0.03
+[noise]
+winding_temperature_degC = 0.1
+[[run]]
+file = "a.csv"
+role = "fit"
+[[run]]
+file = "a.csv"
+role = "test"
+window_s = [1.0, 4.0]
+start = "measured"
+"#;
+const RUN: &str = "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,winding_temperature_degC\n\
+                   0,1,100,23,3,23\n2,1,100,23,3,24\n4,1,100,23,3,25\n";
+
+fn read(text: &str) -> Result<Experiment, CalibrateError> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.csv"), RUN).unwrap();
+    Experiment::parse(text, "e.toml".to_string(), folder.path())
+}
+
+#[test]
+fn an_experiment_in_full() {
+    let found = read(&format!("{HEAD}{REST}")).unwrap();
+    assert_eq!((found.name.as_str(), found.model.as_str()), ("bench-17", "AnnulusCooledMotor"));
+    let value = |name: &str| found.set.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
+    assert_eq!(value("drive_mode"), Some(3.0));
+    assert_eq!(value("mechanical_mode"), Some(2.0));
+    assert_eq!(value("conductance.G_still"), Some(0.2));
+    assert_eq!(found.priors, [Prior { name: "motor.R_ref".to_string(), relative: 0.03 }]);
+    assert_eq!(found.noise["winding_temperature_degC"], 0.1);
+    assert_eq!(found.runs.len(), 2);
+    let last = &found.runs[1];
+    assert_eq!((last.role, last.window, last.start), (Role::Test, Some((1.0, 4.0)), Start::Measured));
+    assert_eq!(last.table.columns[4], [296.15, 297.15, 298.15]);
+}
+
+#[test]
+fn the_drive_follows_from_the_inputs() {
+    for (input, drive) in
+        [("voltage_V", 1.0), ("duty_1", 2.0), ("current_A", 3.0), ("electrical_power_W", 4.0)]
+    {
+        let channel = Channel::of(input).unwrap();
+        let declaration = (physics::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
+        let found = modes(&[channel], declaration);
+        assert_eq!(found, [("drive_mode".to_string(), drive), ("mechanical_mode".to_string(), 1.0)]);
+    }
+}
+
+/// Each with the line that is to blame.
+#[test]
+fn what_cannot_be_is_named_with_file_and_line() {
+    let all = format!("{HEAD}{REST}");
+    for (from, to, parts) in [
+        ("\"AnnulusCooledMotor\"", "\"SteamEngine\"", ["e.toml:3:", "SteamEngine is no model"]),
+        ("\"current_A\",", "\"currant_A\",", ["e.toml:5:", "currant_A is no input"]),
+        ("\"voltage_V\",", "\"duty_1\",", ["e.toml:6:", "duty_1 is no output"]),
+        ("\"conductance.G_still\" = 0.2", "\"conductance.G_stil\" = 0.2", ["e.toml:10:", "is no parameter"]),
+        ("= 0.2", "= -0.2", ["e.toml:10:", "outside its limits"]),
+        ("\"conductance\"", "\"steam\"", ["e.toml:9:", "none of conductance, bare"]),
+        ("= 0.03", "= 0.0", ["e.toml:12:", "must be above 0"]),
+        ("winding_temperature_degC = 0.1", "duty_1 = 0.1", ["e.toml:14:", "no input or output"]),
+        ("[1.0, 4.0]", "[4.0, 1.0]", ["e.toml:18:", "is empty"]),
+        ("role = \"fit\"", "role = \"fitt\"", ["e.toml:17:", "fitt"]),
+        ("role = \"fit\"", "role = \"validate\"", ["e.toml:", "no run has role"]),
+        ("file = \"a.csv\"\nrole = \"fit\"", "file = \"b.csv\"\nrole = \"fit\"", ["b.csv", "cannot be read"]),
+        ("preset = ", "present = ", ["e.toml:4:", "present"]),
+    ] {
+        assert!(all.contains(from), "{from}");
+        let sentence = read(&all.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| sentence.contains(part)), "{to}: {sentence}");
+        assert!(!sentence.contains('\n'), "{sentence}");
+    }
+}
