@@ -1,8 +1,12 @@
 //! Closing the loop: from bench data to the effect that the model lacks.
 //!
-//! So far: [`experiment`], which reads what was measured and refuses what cannot be right.
+//! So far: [`experiment`] reads what was measured and refuses what cannot be right, [`noise`] says how much of it is
+//! noise, [`simulate`] runs the model as the bench ran, and [`refit`] gives the naive answer: other parameters.
 
 pub mod experiment;
+pub mod noise;
+pub mod refit;
+pub mod simulate;
 
 /// Why an experiment cannot be used: one sentence with file and, where there is one, line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
