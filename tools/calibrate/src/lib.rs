@@ -1,8 +1,10 @@
 //! Closing the loop: from bench data to the effect that the model lacks.
 //!
 //! So far: [`experiment`] reads what was measured and refuses what cannot be right, [`noise`] says how much of it is
-//! noise, [`simulate`] runs the model as the bench ran, and [`refit`] gives the naive answer: other parameters.
+//! noise, [`simulate`] runs the model as the bench ran, and [`refit`] gives the naive answer, other
+//! parameters, and scores each [`candidate`] by what it would explain of the rest.
 
+pub mod candidate;
 pub mod experiment;
 pub mod noise;
 pub mod refit;

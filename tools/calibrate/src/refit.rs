@@ -9,11 +9,12 @@
 //! *Source*: Bates, Watts, Nonlinear Regression Analysis (1988), ch. 2 and 3; priors as in PEtab.
 
 use crate::CalibrateError;
+use crate::candidate::{self, Candidate, Change, How};
 use crate::experiment::{Experiment, Role, Run};
 use crate::noise;
 use crate::simulate::{Bench, Drive};
 use nalgebra::{DMatrix, DVector};
-use physics::model::Slot;
+use std::rc::Rc;
 
 /// What the fit minimises is down to this share of itself from step to step.
 const SETTLED: f64 = 1e-6;
@@ -45,24 +46,93 @@ pub struct Rmse {
 }
 
 /// An experiment, ready to be fitted.
+#[derive(Clone)]
 pub struct Problem<'a> {
     experiment: &'a Experiment,
-    bench: Bench,
-    drives: Vec<Drive>,
+    bench: Rc<Bench>,
+    drives: Rc<Vec<Drive>>,
     parameters: Vec<Free>,
     /// Noise of the outputs.
     sigma: Vec<f64>,
 }
 
+/// A number that is fitted.
+#[derive(Clone, Debug)]
 struct Free {
     name: String,
-    slot: Slot,
+    how: How,
+    /// Where it starts.
     prior: f64,
+    /// Standard deviation of its prior; its scale where it has none.
     deviation: f64,
+    has_prior: bool,
     limits: (f64, f64),
 }
 
+/// How much a candidate would explain.
+#[derive(Clone, Debug)]
+pub struct Score {
+    /// The candidate.
+    pub candidate: Candidate,
+    /// By how much the weighted sum of squares would fall, to first order.
+    pub gain: f64,
+    /// The size that it would have.
+    pub size: f64,
+}
+
 impl<'a> Problem<'a> {
+    /// Every candidate by how much it would explain of what a fit to the runs of a role leaves, best first: its
+    /// sensitivity, cleared of what the parameters can do by themselves, against the residual. Sizes against their
+    /// limits are left out.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn scores(&self, role: Role, fitted: &[Fitted]) -> Result<Vec<Score>, CalibrateError> {
+        let at: Vec<f64> = fitted.iter().map(|f| f.value).collect();
+        let residual = self.residuals(role, &at)?;
+        let slopes = self.slopes(role, &at, &residual)?;
+        let Some(information) = (slopes.transpose() * &slopes).cholesky() else {
+            return Err(CalibrateError("the parameters cannot be told apart by these runs".to_string()));
+        };
+        // What is left of a vector beside all that the parameters could do.
+        let cleared = |v: &DVector<f64>| v - &slopes * information.solve(&(slopes.transpose() * v));
+        let mut scores = Vec::new();
+        for candidate in candidate::all(self.bench.declaration()) {
+            // Small beside what would be seen, large beside rounding.
+            let way = 1e-2 * candidate.size;
+            let Ok(moved) = self.with(&candidate).residuals(role, &[at.as_slice(), &[way]].concat()) else {
+                continue;
+            };
+            // Its own row has no prior and no error.
+            let moved = moved.rows(0, residual.len()).into_owned();
+            let direction = cleared(&((moved - &residual) / way));
+            let power = direction.norm_squared();
+            if power <= 0.0 {
+                continue;
+            }
+            let size = -direction.dot(&residual) / power;
+            if (candidate.limits.0..=candidate.limits.1).contains(&size) {
+                scores.push(Score { gain: size * size * power, size, candidate });
+            }
+        }
+        scores.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        Ok(scores)
+    }
+
+    /// The problem with the size of a candidate among what is fitted, last.
+    pub fn with(&self, candidate: &Candidate) -> Problem<'a> {
+        let mut parameters = self.parameters.clone();
+        parameters.push(Free {
+            name: candidate.name.clone(),
+            how: candidate.how.clone(),
+            prior: 0.0,
+            deviation: candidate.size,
+            has_prior: false,
+            limits: candidate.limits,
+        });
+        Problem { parameters, ..self.clone() }
+    }
+
     /// The problem of an experiment; `preset` are the start values of its preset, by value reference.
     ///
     /// # Errors
@@ -79,11 +149,12 @@ impl<'a> Problem<'a> {
             let prior = bench.start_of(entry.slot);
             let deviation = (p.relative * prior).abs().max(1e-12);
             let limits = (entry.row.min, entry.row.max);
-            Ok(Free { name: p.name.clone(), slot: entry.slot, prior, deviation, limits })
+            let how = How::Parameter { slot: entry.slot, with: Vec::new() };
+            Ok(Free { name: p.name.clone(), how, prior, deviation, has_prior: true, limits })
         };
         let parameters = experiment.priors.iter().map(free).collect::<Result<Vec<_>, CalibrateError>>()?;
         let sigma = noise::of_experiment(experiment)[experiment.inputs.len()..].to_vec();
-        Ok(Problem { experiment, bench, drives, parameters, sigma })
+        Ok(Problem { experiment, bench: Rc::new(bench), drives: Rc::new(drives), parameters, sigma })
     }
 
     /// Fits the parameters to the runs of a role.
@@ -141,13 +212,15 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// What the model says where it cannot be run.
     pub fn errors(&self, fitted: &[Fitted]) -> Result<Vec<Rmse>, CalibrateError> {
-        let changes: Vec<(Slot, f64)> =
-            fitted.iter().filter_map(|f| Some((self.bench.slot(&f.name)?, f.value))).collect();
+        let mut change = Change::default();
+        for (free, fitted) in self.parameters.iter().zip(fitted) {
+            free.how.apply(fitted.value, &mut change);
+        }
         let mut all = Vec::new();
         for role in [Role::Fit, Role::Validate, Role::Test] {
             let mut sums = vec![(0.0, 0usize); self.sigma.len()];
             for (run, drive) in self.runs(role) {
-                let shown = self.bench.run(drive, &changes)?;
+                let shown = self.bench.run(drive, &change)?;
                 self.each(run, &shown, |n, off| {
                     sums[n].0 += off * off;
                     sums[n].1 += 1;
@@ -162,7 +235,7 @@ impl<'a> Problem<'a> {
     }
 
     fn runs(&self, role: Role) -> impl Iterator<Item = (&Run, &Drive)> {
-        self.experiment.runs.iter().zip(&self.drives).filter(move |(run, _)| run.role == role)
+        self.experiment.runs.iter().zip(self.drives.iter()).filter(move |(run, _)| run.role == role)
     }
 
     /// Calls with output and error for every counted row that was measured.
@@ -181,13 +254,15 @@ impl<'a> Problem<'a> {
 
     /// What (1) squares: errors over noise, then parameters from their priors.
     fn residuals(&self, role: Role, at: &[f64]) -> Result<DVector<f64>, CalibrateError> {
-        let changes: Vec<(Slot, f64)> = self.parameters.iter().zip(at).map(|(p, x)| (p.slot, *x)).collect();
+        let mut change = Change::default();
+        self.parameters.iter().zip(at).for_each(|(p, x)| p.how.apply(*x, &mut change));
         let mut all = Vec::new();
         for (run, drive) in self.runs(role) {
-            let shown = self.bench.run(drive, &changes)?;
+            let shown = self.bench.run(drive, &change)?;
             self.each(run, &shown, |n, off| all.push(-off / self.sigma[n]));
         }
-        all.extend(self.parameters.iter().zip(at).map(|(p, x)| (x - p.prior) / p.deviation));
+        let from_prior = |(p, x): (&Free, &f64)| if p.has_prior { (x - p.prior) / p.deviation } else { 0.0 };
+        all.extend(self.parameters.iter().zip(at).map(from_prior));
         Ok(DVector::from_vec(all))
     }
 

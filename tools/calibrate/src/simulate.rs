@@ -4,8 +4,9 @@
 //! one, at the rows' own steps, which its integrator cuts where it must.
 
 use crate::CalibrateError;
+use crate::candidate::Change;
 use crate::experiment::{Channel, Experiment, Run, Start};
-use physics::model::{Model, ModelType, Slot};
+use physics::model::{Declaration, Model, ModelType, Slot};
 
 /// A model with the start values of an experiment, ready to be run with other parameters.
 pub struct Bench {
@@ -59,19 +60,22 @@ impl Bench {
         last.map_or_else(|| (self.kind.new)().get(slot), |(_, value)| *value)
     }
 
-    /// The slot of a parameter.
-    pub fn slot(&self, name: &str) -> Option<Slot> {
-        (self.kind.declaration)().by_name(name).map(|e| e.slot)
+    /// The model's declaration.
+    pub fn declaration(&self) -> &'static Declaration {
+        (self.kind.declaration)()
     }
 
-    /// Outputs at every row, with some parameters changed: one column for each output, in SI units.
+    /// Outputs at every row, with the model changed: one column for each output, in SI units.
     ///
     /// # Errors
     /// What the model says where it cannot start or step.
-    pub fn run(&self, drive: &Drive, changes: &[(Slot, f64)]) -> Result<Vec<Vec<f64>>, CalibrateError> {
+    pub fn run(&self, drive: &Drive, change: &Change) -> Result<Vec<Vec<f64>>, CalibrateError> {
         let mut model = (self.kind.new)();
-        for (slot, value) in self.starts.iter().chain(changes) {
+        for (slot, value) in self.starts.iter().chain(&change.values) {
             model.set(*slot, *value);
+        }
+        if !change.terms.is_empty() && !model.set_terms(&change.terms) {
+            return Err(CalibrateError(format!("{} carries no such terms", model.declaration().name)));
         }
         let refused = |fault: physics::model::Fault| CalibrateError(fault.to_string());
         drive.hold(model.as_mut(), &self.inputs, 0);
