@@ -15,7 +15,7 @@ pub enum How {
         with: Vec<(Slot, f64)>,
     },
     /// It is the coefficient of a term.
-    Term(GenericTerm),
+    Term(Box<GenericTerm>),
 }
 
 /// A change of a model.
@@ -36,7 +36,7 @@ impl How {
                 change.values.push((*slot, number));
             }
             How::Term(term) => {
-                let mut term = *term;
+                let mut term = **term;
                 if let Law::Product(product) = &mut term.law {
                     product.coefficient = number;
                 }
@@ -155,7 +155,7 @@ pub fn all(declaration: &Declaration) -> Vec<Candidate> {
                 port: *port,
                 driver: Some(*driver),
                 listed: false,
-                how: How::Term(GenericTerm { port: *port, law }),
+                how: How::Term(Box::new(GenericTerm { port: *port, law })),
                 size: match port {
                     DragTorque => 1e-3,
                     _ => 0.05,
