@@ -2,9 +2,11 @@
 //!
 //! So far: [`experiment`] reads what was measured and refuses what cannot be right, [`noise`] says how much of it is
 //! noise, [`simulate`] runs the model as the bench ran, and [`refit`] gives the naive answer, other
-//! parameters, and scores each [`candidate`] by what it would explain of the rest.
+//! parameters, and scores each [`candidate`] by what it would explain of the rest;
+//! [`compete`] fits the best of them.
 
 pub mod candidate;
+pub mod compete;
 pub mod experiment;
 pub mod noise;
 pub mod refit;

@@ -162,8 +162,19 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// What the model says where it cannot be run.
     pub fn fit(&self, role: Role) -> Result<Vec<Fitted>, CalibrateError> {
+        self.fit_begun(role, self.parameters.iter().map(|p| p.prior).collect())
+    }
+
+    /// The same from fitted parameters on, with the size of a candidate last.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn fit_from(&self, role: Role, from: &[Fitted], size: f64) -> Result<Vec<Fitted>, CalibrateError> {
+        self.fit_begun(role, from.iter().map(|f| f.value).chain([size]).collect())
+    }
+
+    fn fit_begun(&self, role: Role, mut at: Vec<f64>) -> Result<Vec<Fitted>, CalibrateError> {
         let free = &self.parameters;
-        let mut at: Vec<f64> = free.iter().map(|p| p.prior).collect();
         let mut residual = self.residuals(role, &at)?;
         let mut damping = 1e-3;
         let mut information = DMatrix::zeros(free.len(), free.len());
@@ -205,6 +216,17 @@ impl<'a> Problem<'a> {
             deviation: deviation(k) * p.deviation,
         });
         Ok(fitted.collect())
+    }
+
+    /// The weighted sum of squares over the runs of a role, without the priors, and its number of readings.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn chi_square(&self, role: Role, fitted: &[Fitted]) -> Result<(f64, usize), CalibrateError> {
+        let at: Vec<f64> = fitted.iter().map(|f| f.value).collect();
+        let residual = self.residuals(role, &at)?;
+        let rows = residual.len() - at.len();
+        Ok((residual.rows(0, rows).norm_squared(), rows))
     }
 
     /// Errors of the model in every role that has runs, with fitted parameters; with none, of the preset.
