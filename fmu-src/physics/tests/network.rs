@@ -169,7 +169,7 @@ impl Reference {
     }
 
     /// Classical Runge-Kutta of fourth order.
-    fn run(&self, m: &AnnulusCooledMotor, y: &mut Vec<f64>, stop: f64, steps: usize) {
+    fn run(&self, m: &AnnulusCooledMotor, y: &mut [f64], stop: f64, steps: usize) {
         self.run_ramped(m, |_| m.inputs.fan_command, y, stop, steps);
     }
 
@@ -178,7 +178,7 @@ impl Reference {
         &self,
         m: &AnnulusCooledMotor,
         command: impl Fn(f64) -> f64,
-        y: &mut Vec<f64>,
+        y: &mut [f64],
         stop: f64,
         steps: usize,
     ) {
