@@ -8,13 +8,16 @@
 
 plus what `effects` add at their ports. *Assumes* that inputs run linearly between rows and that every node starts at the room's
 true temperature. *Integrates* with the classical Runge-Kutta method, equal substeps between two rows, at most `SUBSTEP` of the
-fastest time constant; laws that switch do so at rows, so that each stretch is smooth. *Source*: README of the public bench sets.
+fastest time constant; laws that switch do so at rows, so that each stretch is smooth.
+*Source*: README of the public bench sets.
 """
 
 from dataclasses import dataclass
 from math import ceil, tanh
 
 import numpy as np
+
+from .law import KELVIN
 
 INPUTS = ("current_A", "speed_rad_per_s", "fan_command_1", "ambient_temperature_degC")
 OUTPUTS = ("voltage_V", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC")
@@ -61,7 +64,6 @@ PRIOR = {
 }
 SCATTER_LIMIT = 2.5  # standard deviations; keeps every parameter positive
 SUBSTEP = 0.25  # of the fastest time constant: an error below 1e-4 K
-KELVIN = 273.15
 EXPONENT = 0.8  # of the fan command in the forced conductance
 
 

@@ -1,7 +1,7 @@
 """Drive cycles: what a bench operator imposes on current, speed, fan and room in one run.
 
-Every input runs linearly between the rows, so a cycle is just its values at the rows, also across a gap. A run starts and ends at
-rest (no current, no speed). Units are those of the columns: s, A, rad/s, 1, degC.
+Every input runs linearly between the rows, so a cycle is just its values at the rows, also across a gap. A run starts and ends
+at rest (no current, no speed). Units are those of the columns: s, A, rad/s, 1, degC.
 """
 
 from dataclasses import dataclass

@@ -56,7 +56,8 @@ def toml_table(name: str, entries: dict) -> str:
 
 def experiment(s: Set) -> str:
     """The text of `experiment.toml`."""
-    head = {"name": s.name, "model": "AnnulusCooledMotor", "preset": "maxon-305015", "inputs": list(INPUTS), "outputs": list(OUTPUTS)}
+    head = {"name": s.name, "model": "AnnulusCooledMotor", "preset": "maxon-305015"}
+    head |= {"inputs": list(INPUTS), "outputs": list(OUTPUTS)}
     tables = [
         toml_table("[experiment]", head),
         toml_table("[set]", {"cooling_mode": "conductance", "commutation": "equivalent_dc"} | NOMINAL),
@@ -95,10 +96,11 @@ def errors(s: Set) -> dict:
             outputs = simulate(specimen, effects, run.times, run.readings).outputs
             for c in OUTPUTS:
                 misses.setdefault(run.role, {}).setdefault(c, {}).setdefault(model, []).append(outputs[c] - run.readings[c])
-    return {
-        role: {c: {model: float(f"{rms(np.concatenate(parts)):.4g}") for model, parts in by.items()} for c, by in channels.items()}
-        for role, channels in misses.items()
-    }
+
+    def summed(by):
+        return {model: float(f"{rms(np.concatenate(parts)):.4g}") for model, parts in by.items()}
+
+    return {role: {c: summed(by) for c, by in channels.items()} for role, channels in misses.items()}
 
 
 def acting(s: Set, effect) -> dict:
