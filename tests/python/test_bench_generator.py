@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import make, profiles, write
+from bench import detect, make, profiles, write
 from bench.effects import CATALOGUE, T_REF
 from bench.generator import INPUTS, OUTPUTS, PRIOR, Instant, Motor, draw_specimen, simulate
 from bench.law import Effect
@@ -74,7 +74,7 @@ def test_public_sets_are_met_to_their_noise(name, role):
     stated = tomllib.loads((PUBLIC / name / "experiment.toml").read_text()).get("noise")
     run = run_of(PUBLIC / name / PUBLIC_FILES[role])
     outputs = simulate(truth["parameters"], public_effects(truth), run["time_s"], run).outputs
-    rms = {channel: write.rms(outputs[channel] - run[channel]) for channel in OUTPUTS}
+    rms = {channel: detect.rms(outputs[channel] - run[channel]) for channel in OUTPUTS}
     for channel in OUTPUTS:
         assert rms[channel] == pytest.approx(truth["rmse"][role][channel]["floor"], rel=0.005), channel
         if stated and not (name == "thermocouple-drift" and channel in THERMOCOUPLES):
@@ -139,7 +139,8 @@ def test_integration_agrees_with_lsoda(specimen):
 
 @pytest.fixture
 def short_runs(monkeypatch):
-    monkeypatch.setattr(profiles, "DURATION", (700.0, 800.0))
+    for name, seconds in (("DURATION", (400.0, 450.0)), ("REST_BEFORE", (20.0, 40.0)), ("REST_AFTER", (20.0, 40.0))):
+        monkeypatch.setattr(profiles, name, seconds)
 
 
 def files_of(folder):
@@ -165,11 +166,11 @@ def test_written_set_has_the_contract_s_names(short_runs, tmp_path):
     assert text["experiment"] == public["experiment"] | {"name": folder.name}
     assert text["run"] == public["run"]
     assert "noise" not in text or text["noise"].keys() == public["noise"].keys()
-    assert truth.keys() >= model.keys() | {"signal_to_noise", "detectable", "sensors", "noise"}
+    assert truth.keys() >= model.keys() | {"signal_to_noise", "signal_to_noise_refit", "detectable", "sensors", "noise"}
     assert truth["parameters"].keys() == model["parameters"].keys() == PRIOR.keys()
     (effect,) = truth["effects"]
     assert effect["id"] == "forced_convection" and effect["parameters"]["node"] == "housing" and len(effect["runs"]) == 2
-    assert truth["rmse"].keys() == model["rmse"].keys() and truth["signal_to_noise"].keys() == set(OUTPUTS)
+    assert truth["rmse"].keys() == model["rmse"].keys() and truth["signal_to_noise_refit"].keys() == set(OUTPUTS)
     header = (PUBLIC / "iron-loss" / "run-3.csv").read_text().splitlines()[0]
     last = -np.inf
     for run in text["run"]:
@@ -187,7 +188,23 @@ def test_floor_of_a_drawn_set_is_its_noise(short_runs):
     noise = expected_noise(drawn.noise, drawn.specimen)
     for channels in write.errors(drawn).values():
         assert {c: channels[c]["floor"] for c in OUTPUTS} == pytest.approx(noise, rel=0.15)
-    assert max(write.signal_to_noise(drawn).values()) > write.DETECTABLE
+
+
+def test_refit_hides_what_parameters_can_mimic(short_runs):
+    """A constant conductance in all fitted runs is a parameter, a drag ~ w is not. A dead sensor sees nothing."""
+    drawn = make.draw_set(11, 0, "forced_convection")
+    drawn.faults.clear()
+    fitted = [k for k, run in enumerate(drawn.runs) if run.role == "fit"]
+    for k, run in enumerate(drawn.runs):
+        effects = [CATALOGUE["forced_convection"].typical()] if k in fitted else []
+        run.truth = run.truth | simulate(drawn.specimen, effects, run.times, run.truth).outputs
+    plain, refit = detect.signal_to_noise(drawn), detect.signal_to_noise_refit(drawn)
+    hot = THERMOCOUPLES[1]
+    assert plain[hot] > 0.5 and refit[hot] < 0.2 * plain[hot]
+    drawn.faults.append(Fault("dead", hot, DEAD))
+    assert detect.signal_to_noise(drawn)[hot] == detect.signal_to_noise_refit(drawn)[hot] == 0.0
+    viscous = make.draw_set(11, 0, "viscous_friction")
+    assert max(detect.signal_to_noise_refit(viscous).values()) > detect.DETECTABLE
 
 
 def test_shares_of_null_and_unlisted_sets():

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
+from .detect import DETECTABLE, rms, signal_to_noise, signal_to_noise_refit
 from .generator import INPUTS, NOMINAL, OUTPUTS, PRIOR, simulate
 from .sensors import described
 
 ROLES = ("fit", "fit", "validate", "test")
 DIGITS = 5  # of a reading; times have all of theirs
-DETECTABLE = 0.5  # rms change of a channel over its noise, from which on a set counts as detectable
 
 
 @dataclass
@@ -76,17 +76,6 @@ def csv(run: Run) -> str:
     return "\n".join(lines) + "\n"
 
 
-def rms(values) -> float:
-    return float(np.sqrt(np.nanmean(np.square(values))))
-
-
-def signal_to_noise(s: Set) -> dict:
-    """Per output: rms change when the effects are taken away, nothing refitted, over the noise. A dead channel has none."""
-    dead = {fault.channel for fault in s.faults if fault.kind == "dead"}
-    changes = {c: np.concatenate([run.truth[c] - run.without[c] for run in s.runs]) for c in OUTPUTS}
-    return {c: 0.0 if c in dead else rms(changes[c]) / s.noise[c] for c in OUTPUTS}
-
-
 def errors(s: Set) -> dict:
     """RMSE per role and channel of the untouched preset and of the true model, each driven by the measured inputs."""
     misses: dict = {}
@@ -109,9 +98,13 @@ def acting(s: Set, effect) -> dict:
     return {"port": effect.law.port, "driver": effect.law.driver, "law": effect.law.text, "runs": files}
 
 
+def rounded(values: dict) -> dict:
+    return {name: float(f"{value:.3g}") for name, value in values.items()}
+
+
 def truth(s: Set) -> dict:
     """The content of `truth.json`; `unexplained` is the effect that is in no list, `shape` its name in the generator."""
-    found = signal_to_noise(s)
+    plain, refit = signal_to_noise(s), signal_to_noise_refit(s)
     listed = [e for e in s.effects if e.law.listed]
     others = [{"shape": e.law.id} | acting(s, e) | e.parameters for e in s.effects if not e.law.listed]
     return {
@@ -122,8 +115,9 @@ def truth(s: Set) -> dict:
         "parameters": s.specimen,
         "noise": s.noise,
         "sensors": described(s.faults),
-        "signal_to_noise": {channel: float(f"{value:.3g}") for channel, value in found.items()},
-        "detectable": max(found.values()) >= DETECTABLE,
+        "signal_to_noise": rounded(plain),
+        "signal_to_noise_refit": rounded(refit),
+        "detectable": max(refit.values()) >= DETECTABLE,
         "rmse": errors(s),
     }
 
