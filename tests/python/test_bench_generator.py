@@ -224,10 +224,12 @@ def test_faults_do_what_they_say():
     times = np.arange(0.0, 4000.0, 2.0)
     truth = {name: 20.0 + times / 100.0 for name in (*INPUTS, *OUTPUTS)}
     v, torque, winding, housing = OUTPUTS
-    faults = [Fault("quantised", v, 0.5), Fault("clipped", torque, 0.9)]
+    faults = [Fault("quantised", v, 0.5), Fault("clipped", torque, 50.0)]
     faults += [Fault("dead", winding, DEAD), Fault("blanks", housing, 0.02)]
     read = measure(np.random.default_rng(2), times, truth, {}, faults)
     assert np.all(read[v] % 0.5 == 0.0) and np.max(np.abs(read[v] - truth[v])) <= 0.25
-    assert np.max(read[torque]) == pytest.approx(0.9 * np.max(truth[torque]))
+    assert np.max(read[torque]) == 50.0
     assert np.all(read[winding] == DEAD)
+    slow = measure(np.random.default_rng(2), times, truth, {}, [Fault("drift", housing, 0.05, 8000.0)])
+    assert slow[housing] - truth[housing] == pytest.approx(0.05 * np.sin(np.pi * times / times[-1]), abs=1e-4)
     assert 0.01 < np.mean(np.isnan(read[housing])) < 0.1

@@ -84,7 +84,7 @@ def fan_back_pressure(x, k):
     return -k * x.n
 
 
-@known("winding_housing_resistance", "winding_temperature", "R_wh (1 + beta (T_w - 25))", beta=(0.004, 0.01))
+@known("winding_housing_resistance", "winding_temperature", "R_wh (1 + beta (T_w - 25))", beta=(0.006, 0.02))
 def interface_temperature(x, beta):
     return beta * (x.T_w - T_REF)
 

@@ -19,25 +19,29 @@ NOISE = {
 NOISE_FACTOR = (0.7, 1.2)
 DEAD = -40.0  # degC, what an amplifier shows for an open thermocouple
 THERMOCOUPLES = OUTPUTS[2:]
+DRIFT = (0.03, 8000.0, 0.0), (0.08, 20000.0, 2.0 * np.pi)  # lowest and highest size K, period s, phase rad
+TORQUE_RANGE = (0.10, 0.14)  # N m, where a clipped torque sensor ends: in the peaks of the hardest runs
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A sensor's flaw; `size` in the channel's unit, a share for blanks, of the largest value for clipping."""
+    """A sensor's flaw; `size` in the channel's unit, a share for blanks; drift is a wave over the set's clock."""
 
     kind: str
     channel: str
     size: float
+    period: float = 0.0  # s
+    phase: float = 0.0  # rad
 
 
-def drift(rng, times, values, size):
-    """A slow wave over hours, of its own phase."""
-    return values + size * np.sin(2.0 * np.pi * (times / rng.uniform(8000.0, 20000.0) + rng.random()))
+def drift(rng, times, values, fault):
+    """A slow wave over hours, that goes on from file to file."""
+    return values + fault.size * np.sin(2.0 * np.pi * times / fault.period + fault.phase)
 
 
-def blanks(rng, times, values, size):
+def blanks(rng, times, values, fault):
     """Single rows and one stretch of a few per cent, not measured."""
-    lost = rng.random(len(values)) < size
+    lost = rng.random(len(values)) < fault.size
     begin = rng.integers(len(values))
     lost[begin : begin + len(values) // 30] = True
     return np.where(lost, np.nan, values)
@@ -45,11 +49,11 @@ def blanks(rng, times, values, size):
 
 FAULTS = {
     "drift": drift,
-    "quantised": lambda rng, times, values, size: size * np.round(values / size),
-    "bias": lambda rng, times, values, size: values + size,
-    "clipped": lambda rng, times, values, size: np.minimum(values, size * np.max(values)),
+    "quantised": lambda rng, times, values, fault: fault.size * np.round(values / fault.size),
+    "bias": lambda rng, times, values, fault: values + fault.size,
+    "clipped": lambda rng, times, values, fault: np.minimum(values, fault.size),
     "blanks": blanks,
-    "dead": lambda rng, times, values, size: np.full_like(values, size),
+    "dead": lambda rng, times, values, fault: np.full_like(values, fault.size),
 }
 COMMON = ("drift", "drift", "quantised", "quantised", "bias", "blanks", "dead", "clipped")
 
@@ -63,12 +67,12 @@ def draw_faults(rng, noise: dict, spared=()) -> list:
     """One kind of flaw: a bias hides in the noise, thermocouples drift together, a dead one is none of the `spared`."""
     kind = str(rng.choice(COMMON))
     if kind == "drift":
-        return [Fault(kind, channel, float(rng.uniform(0.03, 0.08))) for channel in THERMOCOUPLES]
+        return [Fault(kind, channel, *map(float, rng.uniform(*DRIFT))) for channel in THERMOCOUPLES]
     if kind == "dead":
         free = [channel for channel in THERMOCOUPLES if channel not in spared]
         return [Fault(kind, str(rng.choice(free)), DEAD)]
     if kind == "clipped":
-        return [Fault(kind, "shaft_torque_Nm", float(rng.uniform(0.85, 0.97)))]
+        return [Fault(kind, "shaft_torque_Nm", float(rng.uniform(*TORQUE_RANGE)))]
     channel = str(rng.choice(OUTPUTS))
     sizes = {"quantised": noise[channel] * rng.uniform(1.0, 4.0), "bias": 0.3 * noise[channel], "blanks": 0.02}
     return [Fault(kind, channel, float(f"{sizes[kind]:.3g}"))]
@@ -83,7 +87,7 @@ def measure(rng, times, truth: dict, noise: dict, faults=()) -> dict:
             values[0] = truth[channel][0]
         for fault in faults:
             if fault.channel == channel:
-                values = FAULTS[fault.kind](rng, times, values, fault.size)
+                values = FAULTS[fault.kind](rng, times, values, fault)
         readings[channel] = values
     return readings
 
