@@ -14,6 +14,7 @@ SAMPLING = (0.5, 1.0, 2.0, 2.0, 5.0)  # s between rows
 DURATION = (3600.0, 4400.0)  # s
 REST_BEFORE = (60.0, 180.0)  # s
 REST_AFTER = (200.0, 500.0)  # s
+ROOM_SPREAD = 3.0  # K from one run's room to another's
 PAUSE = 8400.0  # s between two runs of a set: the motor soaks
 GAIT_ROWS = 12  # rows in the shortest gait cycle
 JITTER = 0.1  # of the time between rows
@@ -105,5 +106,6 @@ def draw_run(rng, start: float, demand: Demand):
     driven = rest(rng, times)
     current = driven * SHAPES[rng.integers(len(SHAPES))](rng, times, demand.current)
     speed = driven * SHAPES[rng.integers(len(SHAPES))](rng, times, demand.speed)
-    fan, ambient = fan_schedule(rng, times, demand.fan), room(rng, times, demand.room)
+    fan = fan_schedule(rng, times, demand.fan)
+    ambient = room(rng, times, round(demand.room + rng.uniform(-1.0, 1.0) * ROOM_SPREAD, 1))
     return times, dict(zip(INPUTS, (current, speed, fan, ambient)))
