@@ -1,0 +1,131 @@
+"""A drawn set and its files: `experiment.toml`, `run-k.csv`, `truth.json`, in the format of the public bench sets."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .detect import DETECTABLE, rms, signal_to_noise, signal_to_noise_refit
+from .generator import INPUTS, NOMINAL, OUTPUTS, PRIOR, simulate
+from .sensors import described
+
+ROLES = ("fit", "fit", "validate", "test")
+DIGITS = 5  # of a reading; times have all of theirs
+
+
+@dataclass
+class Run:
+    """One file: what was imposed, what was read, what a perfect bench would have read without the effects."""
+
+    role: str
+    times: np.ndarray
+    readings: dict
+    truth: dict
+    without: dict
+
+
+@dataclass
+class Set:
+    """One experiment: a specimen with its effects on a bench with its faults, in four runs."""
+
+    name: str
+    specimen: dict
+    effects: list
+    noise: dict
+    noise_is_stated: bool
+    faults: list
+    runs: list
+
+    def effects_in(self, run: int) -> list:
+        return [e for e in self.effects if e.acts_in(run)]
+
+
+def file_name(run: int) -> str:
+    return f"run-{run + 1}.csv"
+
+
+def toml_value(value) -> str:
+    return json.dumps(value) if isinstance(value, (str, list)) else repr(value)
+
+
+def toml_table(name: str, entries: dict) -> str:
+    lines = [f"{key if key.isidentifier() else json.dumps(key)} = {toml_value(value)}" for key, value in entries.items()]
+    return "\n".join([name, *lines]) + "\n"
+
+
+def experiment(s: Set) -> str:
+    """The text of `experiment.toml`."""
+    head = {"name": s.name, "model": "AnnulusCooledMotor", "preset": "maxon-305015"}
+    head |= {"inputs": list(INPUTS), "outputs": list(OUTPUTS)}
+    tables = [
+        toml_table("[experiment]", head),
+        toml_table("[set]", {"cooling_mode": "conductance", "commutation": "equivalent_dc"} | NOMINAL),
+        toml_table("[prior]", PRIOR),
+        *([toml_table("[noise]", s.noise)] if s.noise_is_stated else []),
+        *(toml_table("[[run]]", {"file": file_name(k), "role": run.role}) for k, run in enumerate(s.runs)),
+    ]
+    return "# Synthetic. See truth.json beside this set.\n" + "\n".join(tables)
+
+
+def csv(run: Run) -> str:
+    """The text of a run's file; a reading that is missing is blank."""
+    lines = [",".join(["time_s", *INPUTS, *OUTPUTS])]
+    for t, *values in zip(run.times, *(run.readings[channel] for channel in (*INPUTS, *OUTPUTS))):
+        lines.append(",".join([f"{t:.10g}", *("" if np.isnan(v) else f"{v:.{DIGITS}g}" for v in values)]))
+    return "\n".join(lines) + "\n"
+
+
+def errors(s: Set) -> dict:
+    """RMSE per role and channel of the untouched preset and of the true model, each driven by the measured inputs."""
+    misses: dict = {}
+    for k, run in enumerate(s.runs):
+        models = {"before": ({}, []), "floor": (s.specimen, s.effects_in(k))}
+        for model, (specimen, effects) in models.items():
+            outputs = simulate(specimen, effects, run.times, run.readings).outputs
+            for c in OUTPUTS:
+                misses.setdefault(run.role, {}).setdefault(c, {}).setdefault(model, []).append(outputs[c] - run.readings[c])
+
+    def summed(by):
+        return {model: float(f"{rms(np.concatenate(parts)):.4g}") for model, parts in by.items()}
+
+    return {role: {c: summed(by) for c, by in channels.items()} for role, channels in misses.items()}
+
+
+def acting(s: Set, effect) -> dict:
+    """Where, driven by what, and in which files an effect acts."""
+    files = [file_name(k) for k in range(len(s.runs)) if effect.acts_in(k)]
+    return {"port": effect.law.port, "driver": effect.law.driver, "law": effect.law.text, "runs": files}
+
+
+def rounded(values: dict) -> dict:
+    return {name: float(f"{value:.3g}") for name, value in values.items()}
+
+
+def truth(s: Set) -> dict:
+    """The content of `truth.json`; `unexplained` is the effect that is in no list, `shape` its name in the generator."""
+    plain, refit = signal_to_noise(s), signal_to_noise_refit(s)
+    listed = [e for e in s.effects if e.law.listed]
+    others = [{"shape": e.law.id} | acting(s, e) | e.parameters for e in s.effects if not e.law.listed]
+    return {
+        "name": s.name,
+        "what": "; ".join(f"{e.law.id}: {e.law.text}" for e in s.effects) or "nothing is missing",
+        "effects": [{"id": e.law.id} | acting(s, e) | {"parameters": e.parameters | dict(e.law.fixed)} for e in listed],
+        "unexplained": others[0] if others else None,
+        "parameters": s.specimen,
+        "noise": s.noise,
+        "sensors": described(s.faults),
+        "signal_to_noise": rounded(plain),
+        "signal_to_noise_refit": rounded(refit),
+        "detectable": max(refit.values()) >= DETECTABLE,
+        "rmse": errors(s),
+    }
+
+
+def write_set(s: Set, folder: Path):
+    """Writes the set's files into `folder`, which is made."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "experiment.toml").write_text(experiment(s), encoding="utf-8")
+    for k, run in enumerate(s.runs):
+        (folder / file_name(k)).write_text(csv(run), encoding="utf-8")
+    (folder / "truth.json").write_text(json.dumps(truth(s), indent=1) + "\n", encoding="utf-8")
