@@ -315,6 +315,25 @@ fn rollback_is_bitwise() {
         let first = go(&mut m);
         assert_eq!(first, go(&mut other), "{mode:?}: restored");
         assert_eq!(first, go(&mut copy), "{mode:?}: copied");
+        // A stiff network, where nothing renews the coefficients before the next step and that step is long.
+        let mut m = stalled(mode);
+        m.parameters.choices.air_segments = 64;
+        m.parameters.housing.conductivity = 200.0;
+        m.start(0.0).unwrap();
+        for h in [0.05, 0.3, 2.0, 60.0] {
+            (0..10).for_each(|_| m.step(m.time(), 0.01).unwrap());
+            let mut saved = Vec::new();
+            m.save(&mut saved);
+            let mut restored = AnnulusCooledMotor::default();
+            assert!(restored.restore(&saved));
+            let long = |m: &mut AnnulusCooledMotor| {
+                m.step(m.time(), h).unwrap();
+                let mut numbers = Vec::new();
+                m.save(&mut numbers);
+                numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+            };
+            assert_eq!(long(&mut m), long(&mut restored), "{mode:?}: restored before {h} s");
+        }
     }
 }
 

@@ -153,9 +153,19 @@ impl Network {
             command: next()?,
         };
         self.piece = next()?;
-        self.tangent =
-            if at.surface.is_nan() { Tangent::NONE } else { Tangent::new(&self.cooling, parameters, at) };
+        if at.surface.is_nan() {
+            self.forget();
+        } else {
+            self.renew(parameters, at);
+        }
         Some(())
+    }
+
+    /// Evaluates the coefficients at these conditions, with what follows from them alone.
+    fn renew(&mut self, parameters: &Parameters, at: Conditions) {
+        self.tangent = Tangent::new(&self.cooling, parameters, at);
+        self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
+        self.fastest = self.bound();
     }
 
     /// Brings the coefficients to the inputs, with the housing `ahead` kelvin warmer than it is.
@@ -168,13 +178,10 @@ impl Network {
             command: inputs.fan_command,
         };
         self.from_outside = parameters.effects.housing_heat(at.surface);
-        let anew = !self.tangent.serves(&at);
-        if anew {
-            self.tangent = Tangent::new(&self.cooling, parameters, at);
-        }
-        self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
-        if anew {
-            self.fastest = self.bound();
+        if self.tangent.serves(&at) {
+            self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
+        } else {
+            self.renew(parameters, at);
         }
     }
 
