@@ -75,12 +75,8 @@ fn the_books_close_from_a_warm_start() {
         m.parameters.choices.cooling_mode = mode;
         m.parameters.effects = all_effects();
         // Heat capacities that move with the temperature: the stores at the start depend on where it is.
-        let factor = Factor {
-            driver: Driver::WindingTemperature,
-            offset: 250.0,
-            reference: 50.0,
-            exponent: 1.0,
-        };
+        let factor =
+            Factor { driver: Driver::WindingTemperature, offset: 250.0, reference: 50.0, exponent: 1.0 };
         let law = Law::Product(Product { coefficient: 0.1, factors: [Some(factor), None, None] });
         assert!(m.set_terms(&[GenericTerm { port: Port::HeatCapacity, law }]));
         m.inputs.voltage = 24.0;

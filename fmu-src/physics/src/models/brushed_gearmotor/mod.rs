@@ -213,7 +213,9 @@ impl Model for BrushedGearmotor {
         let winding = from(&[Winding, Stator, Housing, Magnets, Box]);
         let housing = from(&[Housing, Magnets, Winding, Stator, Box]);
         let enclosure = from(&[Box, Housing, Magnets, Winding, Stator]);
-        let (Some(winding), Some(housing), Some(enclosure)) = (winding, housing, enclosure) else { return false };
+        let (Some(winding), Some(housing), Some(enclosure)) = (winding, housing, enclosure) else {
+            return false;
+        };
         self.state.temperature = Temperatures::new(winding, housing, enclosure);
         self.opening = self.step_equations().opening(&self.state);
         self.outputs_are_stale = true;
