@@ -1,6 +1,7 @@
 //! An experiment: `EXPERIMENT.toml` with the runs that it names.
 
 mod channel;
+mod clock;
 mod table;
 
 pub use channel::{CHANNELS, Channel};
@@ -235,6 +236,7 @@ impl Experiment {
                 notes.push(note.clone());
             }
         }
+        notes.extend(clock::notes(&inputs, &outputs, &runs));
         Ok(Experiment {
             name: head.name.clone(),
             model: declaration.name.to_string(),
