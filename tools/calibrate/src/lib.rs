@@ -3,14 +3,16 @@
 //! So far: [`experiment`] reads what was measured and refuses what cannot be right, [`noise`] says how much of it is
 //! noise, [`simulate`] runs the model as the bench ran, and [`refit`] gives the naive answer, other
 //! parameters, and scores each [`candidate`] by what it would explain of the rest;
-//! [`compete`] fits the best of them.
+//! [`compete`] fits the best of them. [`outcome`] is what all of it comes to, [`report`] the file that says so.
 
 pub mod candidate;
+pub mod close_loop;
 pub mod compete;
 pub mod experiment;
 pub mod noise;
 pub mod outcome;
 pub mod refit;
+pub mod report;
 pub mod simulate;
 
 /// Why an experiment cannot be used: one sentence with file and, where there is one, line.

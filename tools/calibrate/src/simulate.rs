@@ -120,6 +120,11 @@ impl Drive {
         Ok(Drive { time, inputs })
     }
 
+    /// Inputs by row, in the experiment's order, in SI units: every one known at every row.
+    pub fn inputs(&self) -> &[Vec<f64>] {
+        &self.inputs
+    }
+
     fn hold(&self, model: &mut dyn Model, slots: &[Slot], row: usize) {
         for (input, slot) in self.inputs.iter().zip(slots) {
             model.set(*slot, input[row]);
