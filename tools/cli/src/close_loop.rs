@@ -1,6 +1,7 @@
 //! `motor-fmu close-loop`: from bench data to the effect that the model lacks, and to FMUs that have it.
 
 mod export;
+mod page;
 mod replay;
 mod words;
 
@@ -69,6 +70,8 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let report = Report::new(&outcome, &exported.names, Some(&replay), &notes, begun.elapsed().as_secs_f64());
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     put(&args.out.join("report.json"), &json)?;
+    let page = page::page(&experiment, &outcome, &replay, &notes, (exported.kind.declaration)());
+    put(&args.out.join("report.html"), &page)?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
     Ok(if replay.agrees && exported.findings.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }

@@ -151,3 +151,35 @@ pub fn replay() -> Replay {
         channels: vec![channel],
     }
 }
+
+/// The experiment that the outcome is of, in a folder of its own.
+pub fn experiment() -> calibrate::experiment::Experiment {
+    let folder = tempfile::tempdir().unwrap();
+    let run = "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,winding_temperature_degC\n\
+               0,1,100,20,3,20\n10,1,100,20,3,21\n";
+    for file in ["run-1.csv", "run-2.csv"] {
+        std::fs::write(folder.path().join(file), run).unwrap();
+    }
+    let file = folder.path().join("experiment.toml");
+    let text = r#"
+        [experiment]
+        name = "bench <17>"
+        model = "AnnulusCooledMotor"
+        preset = "maxon-305015"
+        inputs = ["current_A", "speed_rad_per_s", "ambient_temperature_degC"]
+        outputs = ["voltage_V", "winding_temperature_degC"]
+        [prior]
+        "motor.R_ref" = 0.03
+        "thermal.C_w" = 0.1
+        [noise]
+        winding_temperature_degC = 0.1
+        [[run]]
+        file = "run-1.csv"
+        role = "fit"
+        [[run]]
+        file = "run-2.csv"
+        role = "test"
+    "#;
+    std::fs::write(&file, text).unwrap();
+    calibrate::experiment::Experiment::read(&file).unwrap()
+}

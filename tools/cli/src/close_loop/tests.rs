@@ -85,3 +85,44 @@ fn numbers_have_four_digits() {
         assert_eq!(words::number(value), text);
     }
 }
+
+fn page_of(verdict: Verdict) -> String {
+    let (outcome, replay) = (sample::outcome(verdict), sample::replay());
+    let declaration = (describe::models::by_name(outcome.model).unwrap().declaration)();
+    page::page(&sample::experiment(), &outcome, &replay, &outcome.notes, declaration)
+}
+
+/// One file that opens without a network, with everything that its verdict has to say.
+#[test]
+fn a_page_is_complete_in_itself() {
+    for (verdict, words) in ALL.iter().zip([
+        ["What the model lacked", "What would tell them apart", "9.1e-5 ... 9.9e-5"],
+        ["one of iron loss or viscous friction", "This data is explained as well by", "What was tried"],
+        ["What has no name", "Its law: drag torque = 0.002 N.m · (speed / 500)^0.75", "given it as a table"],
+        ["What would have been seen", "2e-6", "Nothing was found"],
+    ]) {
+        let page = page_of(*verdict);
+        for word in words.iter().chain(&[
+            "bench &lt;17&gt;",
+            "Where the residual sits",
+            "iron_loss explains the same",
+            "thermal.C_w with thermal.R_wh",
+            "Whether what is left is noise",
+            "fmi3/AnnulusCooledMotor.fmu",
+            "set aside as dead",
+            "counts to here",
+            "noise: 0.1 K",
+            "unknown",
+        ]) {
+            assert!(page.to_lowercase().contains(&word.to_lowercase()), "{}: {word}", verdict.name());
+        }
+        for outside in ["src=", "href=", "@import", "url(", "<script", "NaN", "inf "] {
+            assert!(!page.contains(outside), "{}: {outside}", verdict.name());
+        }
+        if let Ok(folder) = std::env::var("PAGES") {
+            std::fs::write(Path::new(&folder).join(format!("{}.html", verdict.name())), &page).unwrap();
+        }
+    }
+    assert!(!page_of(Verdict::Named).contains("What has no name"));
+    assert!(!page_of(Verdict::Nothing).contains("What the model lacked"));
+}
