@@ -241,6 +241,11 @@ impl Drive {
         Drive { inputs, ..self.clone() }
     }
 
+    /// Inputs by row, in the experiment's order, in SI units: every one known at every row.
+    pub fn inputs(&self) -> &[Vec<f64>] {
+        &self.inputs
+    }
+
     /// Gives the inputs of a row to a model.
     pub fn hold(&self, model: &mut dyn Model, slots: &[Slot], row: usize) {
         for (input, slot) in self.inputs.iter().zip(slots) {
