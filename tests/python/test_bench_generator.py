@@ -26,8 +26,8 @@ PUBLIC_FILES = {"validate": "run-3.csv", "test": "run-4.csv"}
 UNLISTED_NAMES = {"tau = k w^0.75": "drag_power_075"}
 THERMOCOUPLES = OUTPUTS[2:]
 
-# A hot, steady point: A, rad/s, 1, degC, or for the drive W, 1, degC; and where each typical effect must show at its end: the signs of the change in
-# voltage, torque, winding and housing temperature; 0 is exactly none, ? is one of either sign.
+# A hot, steady point: A, rad/s, 1, degC, or for the drive W, 1, degC; and where each typical effect
+# must show at its end: the signs of the change in voltage, torque, winding and housing temperature; 0 is exactly none, ? is one of either sign.
 STEADY = (3.0, 800.0, 0.5, 28.0)
 HEATED = (6.0, 0.5, 28.0)
 DRAG, DROP, HEAT, COOL = "?-++", "+?++", "??++", "??--"
