@@ -100,7 +100,8 @@ def test_port_and_driver_are_counted_apart():
 
 
 def test_intervals_are_of_parameters_and_of_effects_that_were_found():
-    null, found, other = (j.judge(t, r) for t, r in ((truth(), NOTHING), (IRON, report("named", "iron_loss")), (IRON, report("named", "windage"))))
+    null = j.judge(truth(), NOTHING)
+    found, other = (j.judge(IRON, report("named", name)) for name in ("iron_loss", "windage"))
     assert (null.inside, null.parameters) == (1, 2)
     assert (found.inside, found.parameters) == (2, 3)
     assert (other.inside, other.parameters) == (1, 2)
@@ -172,7 +173,7 @@ def test_the_table_has_every_truth_and_the_page_every_failure(tmp_path):
     ]
     page.write_page(tmp_path / "blind.md", sets, ["bench-1-0: a sentence"], "a command")
     text = (tmp_path / "blind.md").read_text()
-    assert "- bench-1-0: a sentence\n" in text and "made by `a command`" in text and "](blind.svg)" in text
+    assert "- bench-1-0: a sentence\n" in text and "made by `a command`." in text and "](blind.svg)" in text
     assert "| 80.0% (8 of 10) | >= 95% | **missed** |" in text
     figure = (tmp_path / "blind.svg").read_text()
     assert figure.count(">windage</text>") == 1 and figure.count('text-anchor="middle"') == 6

@@ -34,6 +34,7 @@ PORTS_INSIDE = (
     "fan_flow",
 )
 
+NOTHING = dict.fromkeys(PORTS_INSIDE, 0.0)
 SUBSTEP = 0.25  # of the fastest time constant: an error below 1e-4 K
 EXPONENT = 0.8  # of the fan command in the forced conductance
 
@@ -41,7 +42,7 @@ EXPONENT = 0.8  # of the fan command in the forced conductance
 SAME_CURRENT = 1e-9  # A, where the search for a current ends; relative, too
 
 
-@dataclass
+@dataclass(slots=True)
 class Instant:
     """What a law may look at: time s, what drives (A, V or W), speed rad/s, fan command 1, temperatures degC, current A, torque N m."""
 
@@ -108,7 +109,7 @@ class Motor:
 
     def terms(self, x: Instant):
         """What the laws add at their ports, the friction N m and the torque constant N m/A before them."""
-        add = dict.fromkeys(PORTS_INSIDE, 0.0)
+        add = NOTHING.copy() if self.inside else NOTHING
         k_t = self.k_t_ref * (1.0 + self.alpha_mag * (x.T_h - self.T_ref))
         friction = self.tau_c * tanh(x.w / self.w_small)
         for e in self.inside:
@@ -166,7 +167,7 @@ class Motor:
         self.settle(x)
         R, drop, drag, k_t, add = self.terminals(x)
         flow = max(x.n * (1.0 + add["fan_flow"]), 0.0)
-        G = self.G_still + self.G_forced * flow**EXPONENT + add["housing_ambient_conductance"]
+        G = self.G_still + (self.G_forced * flow**EXPONENT if flow else 0.0) + add["housing_ambient_conductance"]
         voltage, torque = R * x.i + k_t * x.w + drop, k_t * x.i - drag
 
         arriving = add["winding_heat"] + (x.drive if self.drive == "power" else 0.0)
@@ -228,14 +229,25 @@ def across(motor: Motor, row, following, y, longest: float):
     count = ceil(span / longest)
     h = span / count
 
-    def slope(share, y):
-        x = Instant(*(a + share * (b - a) for a, b in zip(row, following)), y[0], y[1])
-        return motor.rates(x, y[2])[2:]
+    # Written out: this is where the time goes.
+    t, drive, w, n, T_a = row
+    dt, d_drive, dw, dn, dT_a = (b - a for a, b in zip(row, following))
 
+    def slope(share, T_w, T_h, T_s):
+        x = Instant(t + share * dt, drive + share * d_drive, w + share * dw, n + share * dn, T_a + share * dT_a, T_w, T_h)
+        return motor.rates(x, T_s)[2:]
+
+    T_w, T_h, T_s, supplied, released = y
+    half, sixth = 0.5 * h, h / 6.0
     for k in range(count):
-        a = slope(k / count, y)
-        b = slope((k + 0.5) / count, tuple(u + 0.5 * h * v for u, v in zip(y, a)))
-        c = slope((k + 0.5) / count, tuple(u + 0.5 * h * v for u, v in zip(y, b)))
-        d = slope((k + 1) / count, tuple(u + h * v for u, v in zip(y, c)))
-        y = tuple(u + h / 6.0 * (p + 2.0 * (q + r) + s) for u, p, q, r, s in zip(y, a, b, c, d))
-    return y
+        aw, ah, as_, ai, ao = slope(k / count, T_w, T_h, T_s)
+        middle = (k + 0.5) / count
+        bw, bh, bs, bi, bo = slope(middle, T_w + half * aw, T_h + half * ah, T_s + half * as_)
+        cw, ch, cs, ci, co = slope(middle, T_w + half * bw, T_h + half * bh, T_s + half * bs)
+        dw_, dh, ds, di, do = slope((k + 1) / count, T_w + h * cw, T_h + h * ch, T_s + h * cs)
+        T_w += sixth * (aw + 2.0 * (bw + cw) + dw_)
+        T_h += sixth * (ah + 2.0 * (bh + ch) + dh)
+        T_s += sixth * (as_ + 2.0 * (bs + cs) + ds)
+        supplied += sixth * (ai + 2.0 * (bi + ci) + di)
+        released += sixth * (ao + 2.0 * (bo + co) + do)
+    return T_w, T_h, T_s, supplied, released

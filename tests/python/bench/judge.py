@@ -115,7 +115,7 @@ def outcome_of(kind: str, truth: dict, said: Said, named: list) -> str:
         return UNEXPLAINED if said.unexplained and kind == LISTED else worst
     if not said.unexplained:
         return MISSED
-    port, driver = (truth["unexplained"][key] == said_ for key, said_ in zip(("port", "driver"), said.unexplained))
+    port, driver = (truth["unexplained"][key] == value for key, value in zip(("port", "driver"), said.unexplained))
     return max(worst, RIGHT if port and driver else PORT_ONLY if port else WRONG_PORT, key=OUTCOMES.index)
 
 
@@ -158,7 +158,8 @@ def judge(truth: dict, report: dict | None, run: dict | None = None) -> Judged:
     named = [outcome_of_listed(effect, said) for effect in visible]
     judged = Judged(truth["name"], kind, label, said.text, outcome_of(kind, truth, said, named), named)
     if seen:
-        judged.port, judged.driver = (bool(said.unexplained) and said.unexplained[k] == other[key] for k, key in enumerate(("port", "driver")))
+        port, driver = said.unexplained or (None, None)
+        judged.port, judged.driver = port == other["port"], driver == other["driver"]
     inside = list(intervals(truth, report))
     judged.inside, judged.parameters = sum(inside), len(inside)
     judged.over_floor, judged.over_refit = error_ratios(truth, report)

@@ -1,4 +1,5 @@
-"""Draws sets of bench experiments: `python -m bench.make --seed N --out DIR [--effect ID] [--count K]`, in `tests/python`.
+"""Draws sets of bench experiments: `python -m bench.make --seed N --out DIR [--effect ID] [--count K] [--jobs J]`,
+in `tests/python`.
 
 Of ten sets two are null, five have an effect that is in no list and three a listed one; two in five have a flawed sensor, a few
 have a second effect. The motor, what drives it, the number of runs and their profiles differ from set to set.
@@ -138,21 +139,31 @@ def main(arguments=None):
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--effect", choices=[NONE, *CATALOGUE], metavar="ID", help=f"one of {', '.join([NONE, *CATALOGUE])}")
     parser.add_argument("--count", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="number of the first set")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--keep", action="store_true", help="keep sets that this generator has made before")
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
     stamp = options.out / STAMP
-    options.keep = options.keep and stamp.exists() and stamp.read_text() == fingerprint()
-    stamp.write_text(fingerprint())
-    numbers = range(options.count)
+    if not (stamp.exists() and stamp.read_text() == fingerprint()):
+        # Sets of another generator must not be taken for ours, also if we are stopped half-way.
+        for old in options.out.glob(f"bench-{options.seed}-*/truth.json"):
+            old.unlink()
+        stamp.write_text(fingerprint())
+    numbers = range(options.first, options.first + options.count)
     if options.jobs == 1:
-        for number in numbers:
-            make_one(options, number)
+        progress((make_one(options, number) for number in numbers), options.count)
         return
     with ProcessPoolExecutor(options.jobs) as pool:
-        for done in as_completed([pool.submit(partial(make_one, options), number) for number in numbers]):
-            done.result()
+        waiting = [pool.submit(partial(make_one, options), number) for number in numbers]
+        progress((done.result() for done in as_completed(waiting)), options.count)
+
+
+def progress(made, count: int):
+    """A line for every ten sets."""
+    for number, _ in enumerate(made, 1):
+        if number % 10 == 0 or number == count:
+            print(f"{number} of {count} sets", flush=True)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,24 @@ DARK, LIGHT = (20, 80, 140), (238, 244, 250)
 WRONG = (190, 60, 40)
 KIND_ORDER = (j.NULL, j.LISTED, j.UNLISTED)
 
+HEAD = """# The blind suite
+
+{count} synthetic sets with a known answer, which `motor-fmu close-loop` is asked about one by one; made by `{command}`.
+The sets are drawn by [`tests/python/bench`](../tests/python/bench), which has equations of its own: motors of several sizes, driven by
+current, voltage or power, two to five runs, uneven clocks, flawed sensors. A fifth lacks nothing, half has an effect that is in no list.
+An effect *can be seen* when the best change of all declared parameters leaves a change of a fifth of the noise or more in some channel
+of the runs to fit, and a chi-square of 40. Where it cannot, silence is right and only a wrong name is wrong.
+"""
+NOTES = """Intervals are counted over all sets, also where an effect was missed, or cannot be seen and bends the parameters. Errors are
+those of the worst channel with a living sensor, over the floor of the true model driven by the same measured inputs.
+Worse than the refit: more than {margin:.0%} above it, all channels together. Seconds are of the whole program, the FMUs included.
+
+## Confusion table
+"""
+AGAIN = """A set is made again by its name, `bench-SEED-NUMBER`, in `tests/python`:
+`python -m bench.make --seed SEED --first NUMBER --out DIR`.
+"""
+
 
 def table(head, rows) -> str:
     lines = [head, ["---"] * len(head), *rows]
@@ -51,8 +69,8 @@ def figure(sets) -> str:
     rows = in_rows(sets)
     columns = sorted({s.said for s in sets}, key=lambda text: (text != "nothing", " by " in text, text))
     width, height = LEFT + CELL * len(columns) + 10, TOP + CELL * len(rows) + 10
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}"']
-    parts.append(' font-family="sans-serif" font-size="11">\n<rect width="100%" height="100%" fill="white"/>\n')
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}"'
+    parts = [head, ' font-family="sans-serif" font-size="11">\n<rect width="100%" height="100%" fill="white"/>\n']
     for k, said in enumerate(columns):
         x, y = LEFT + CELL * k + 15, TOP - 6
         parts.append(f'<text transform="translate({x} {y}) rotate(-60)">{escape(said)}</text>\n')
@@ -66,7 +84,8 @@ def figure(sets) -> str:
             parts.append(f'<rect x="{LEFT + CELL * m}" y="{y}" width="{CELL - 1}" height="{CELL - 1}" fill="{fill}"/>\n')
             if cell:
                 colour = "white" if len(cell) > 0.5 * len(group) else "black"
-                parts.append(f'<text x="{LEFT + CELL * m + 10}" y="{y + 15}" text-anchor="middle" fill="{colour}">{len(cell)}</text>\n')
+                place = f'x="{LEFT + CELL * m + 10}" y="{y + 15}" text-anchor="middle"'
+                parts.append(f'<text {place} fill="{colour}">{len(cell)}</text>\n')
     return "".join(parts) + "</svg>\n"
 
 
@@ -74,26 +93,19 @@ def page(sets, wrong, command: str, picture: str) -> str:
     """The text of the page."""
     bars = [[r.what, r.text, r.bar, "met" if r.met else "**missed**"] for r in rates(sets)]
     made = f"made by `{command}`" if command else "made by `bench.score`"
+    information = [[r.what, r.text] for r in further(sets)] + [[spread.what, spread.text] for spread in spreads(sets)]
     parts = [
-        "# The blind suite\n",
-        f"{len(sets)} synthetic sets with a known answer, that `motor-fmu close-loop` has not seen before; {made}. The sets are drawn by",
-        "[`tests/python/bench`](../tests/python/bench), which has equations of its own: motors of several sizes, driven by current, voltage",
-        "or power, two to five runs, uneven clocks, flawed sensors; a fifth lacks nothing, half has an effect that is in no list.",
-        "An effect *can be seen* when the best change of all declared parameters leaves more than a fifth of the noise of it in some channel",
-        "of the runs to fit. Where it cannot, silence is right and only a wrong name is wrong.\n",
+        HEAD.format(count=len(sets), command=command or "python -m bench.score"),
         table(["rate", "found", "bar", ""], bars),
-        table(["for information", "found"], [[r.what, r.text] for r in further(sets)] + [[s.what, s.text] for s in spreads(sets)]),
-        "Intervals are counted over all sets, also where an effect was missed or cannot be seen and bends the parameters. Errors are those of",
-        "the worst channel with a living sensor over the floor of the true model, driven by the same measured inputs.",
-        f"Worse than the refit: more than {j.MARGIN - 1:.0%} above it, all channels together.\n",
-        "## Confusion table\n",
+        table(["for information", "found"], information),
+        NOTES.format(margin=j.MARGIN - 1.0),
         confusion(sets),
         f"![What was said against what is true]({picture})\n",
         "## What was wrong\n",
         "\n".join(f"- {sentence}" for sentence in wrong) + "\n" if wrong else "Nothing.\n",
-        "A set is made again by its name, `bench-SEED-NUMBER`: `python -m bench.make --seed SEED --out DIR --count NUMBER+1`, in `tests/python`.",
+        AGAIN,
     ]
-    return "\n".join(parts) + "\n"
+    return "\n".join(parts)
 
 
 def write_page(file: Path, sets, wrong, command: str = ""):

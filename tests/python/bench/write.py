@@ -153,9 +153,11 @@ def truth(s: Set) -> dict:
 
 
 def write_set(s: Set, folder: Path):
-    """Writes the set's files into `folder`, which is made."""
+    """Writes the set's files into `folder`, which is made; the truth is there when all is."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "experiment.toml").write_text(experiment(s), encoding="utf-8")
     for k, run in enumerate(s.runs):
         (folder / file_name(k)).write_text(csv(run), encoding="utf-8")
-    (folder / "truth.json").write_text(json.dumps(truth(s), indent=1) + "\n", encoding="utf-8")
+    whole = folder / "truth.json.part"
+    whole.write_text(json.dumps(truth(s), indent=1) + "\n", encoding="utf-8")
+    whole.replace(folder / "truth.json")
