@@ -327,6 +327,31 @@ def test_other_motors_run_at_the_temperatures_of_the_public_one(specimen):
         assert rig.nominal["thermal.C_h"] != PUBLIC_RIG.nominal["thermal.C_h"]
 
 
+def test_another_motor_is_driven_as_hard():
+    units = draw_units(np.random.default_rng(9))
+    for drive in LAYOUTS:
+        rigs = Rig(LAYOUTS[drive]), Rig(LAYOUTS[drive], units)
+        here, there = (profiles.draw_run(np.random.default_rng(1), 0.0, profiles.DEMANDS["fit"], rig)[1] for rig in rigs)
+        column = next(iter(here))
+        assert np.max(there[column]) == pytest.approx(units["power" if drive == "power" else "current"] * np.max(here[column]))
+        assert np.max(here[column]) > 1.0 and there["fan_command_1"] == pytest.approx(here["fan_command_1"])
+
+
+def test_noise_of_each_input_spreads_to_the_outputs_it_drives(specimen):
+    """Of a motor that heat does not change."""
+    same, times = specimen | {"motor.alpha": 0.0, "motor.alpha_mag": 0.0}, np.arange(0.0, 2000.0, 2.0)
+    for drive, column, size in (("current", "current_A", 0.05), ("voltage", "voltage_V", 0.05), ("voltage", "speed_rad_per_s", 2.0)):
+        rig = Rig(LAYOUTS[drive])
+        first = {"current": STEADY[0], "voltage": 24.0}[drive]
+        truth = {name: np.full(len(times), value) for name, value in zip(rig.layout.inputs, (first, *STEADY[1:]))}
+        noise = dict.fromkeys((*rig.layout.inputs, *rig.layout.outputs), 1e-6) | {column: size}
+        right = simulate(same, [], times, truth, rig).outputs
+        read = simulate(same, [], times, measure(np.random.default_rng(4), times, truth | right, noise, (), rig), rig).outputs
+        expected = spread(noise, [], same, rig)
+        for channel in rig.layout.outputs[:2]:
+            assert detect.rms(read[channel] - right[channel]) == pytest.approx(expected[channel], rel=0.1), (drive, channel)
+
+
 def test_sizes_go_with_the_motor():
     """A drag or a drop is the same share of its motor's torque or voltage, on any rig."""
     rig = Rig(units=draw_units(np.random.default_rng(1)))

@@ -176,6 +176,7 @@ def test_the_table_has_every_truth_and_the_page_every_failure(tmp_path):
     assert "- bench-1-0: a sentence\n" in text and "made by `a command`." in text and "](blind.svg)" in text
     assert "| 80.0% (8 of 10) | >= 95% | **missed** |" in text
     figure = (tmp_path / "blind.svg").read_text()
+    assert figure.count(page.shade(0.2, False)) == 2 and figure.count(page.shade(0.8, True)) == 2
     assert figure.count(">windage</text>") == 1 and figure.count('text-anchor="middle"') == 6
 
 
@@ -185,7 +186,9 @@ command, experiment, flag, out = sys.argv[1:]
 assert (command, flag) == ("close-loop", "--out")
 folder, out = pathlib.Path(experiment).parent, pathlib.Path(out)
 if folder.name == "bench-1-2":
-    sys.exit("run-1.csv:7: time runs backwards")
+    (out / "report.json").write_text((folder.parent / "report").read_text())
+    print("run-1.csv:7: time runs backwards", file=sys.stderr)
+    sys.exit(2)
 with (folder.parent / "asked").open("a") as asked:
     asked.write(folder.name + chr(10))
 (out / "fmi2").mkdir()
@@ -219,7 +222,7 @@ def test_a_program_is_asked_once_about_each_set_and_counted(suite, capsys):
     out = capsys.readouterr().out
     assert sorted((sets / "asked").read_text().split()) == ["bench-1-0", "bench-1-1"]
     assert "bench-1-1" in out and "false alarm: the truth is nothing, said was iron_loss" in out
-    assert "bench-1-2" in out and "no report: exit code 1" in out and "run-1.csv:7: time runs backwards" in out
+    assert "bench-1-2" in out and "no report: exit code 2" in out and "run-1.csv:7: time runs backwards" in out
     assert not list(sets.rglob("*.fmu"))
     kept = json.loads((sets / "bench-1-0" / "result" / "run.json").read_text())
     assert kept["exit_code"] == 0 and 1.0 < kept["memory_MB"] < 500.0 and 0.0 < kept["seconds"] < 60.0
@@ -238,7 +241,7 @@ def test_a_program_is_asked_once_about_each_set_and_counted(suite, capsys):
     assert "named right, of listed effects that can be seen: 100.0% (1 of 1), bar >= 95%   met" in out
     assert "false alarms, of null sets: 50.0% (1 of 2), bar <= 1%   MISSED" in out
     assert "sets without a report: 33.3% (1 of 3), bar <= 0%   MISSED" in out
-    assert "- bench-1-2: no report: the truth is nothing, said was no report (exit code 1" in (sets / "page.md").read_text()
+    assert "- bench-1-2: no report: the truth is nothing, said was no report (exit code 2" in (sets / "page.md").read_text()
 
 
 def test_a_program_that_hangs_is_stopped(tmp_path):

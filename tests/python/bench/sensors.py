@@ -112,7 +112,7 @@ def measure(rng, times, truth: dict, noise: dict, faults=(), rig: Rig = PUBLIC) 
 
 
 def spread(noise: dict, faults, specimen: dict, rig: Rig) -> dict:
-    """rms of what stands between a reading and the model that the measured inputs drive, by output."""
+    """rms of what stands between a reading and the model that the measured inputs drive, by output; of a motor at 25 degC."""
     p = rig.nominal | specimen
     R, k_t = p["motor.R_ref"], p["motor.k_t"]
     i, v, w = (noise.get(c, 0.0) for c in (COLUMNS["current"], COLUMNS["voltage"], SPEED))
