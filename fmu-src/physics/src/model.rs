@@ -245,6 +245,13 @@ pub trait Model: Send {
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;
     /// The time that the model has reached, s.
     fn time(&self) -> f64;
+    /// The continuous states that rates depend on, in an order of the model's own that its modes and effects fix.
+    fn states(&self, out: &mut Vec<f64>);
+    /// Takes other values for [`states`](Model::states); false, and nothing taken, where they are not as many.
+    fn set_states(&mut self, states: &[f64]) -> bool;
+    /// Derivatives of [`states`](Model::states) at the present states and inputs, per second; of slopes they
+    /// know nothing.
+    fn rates(&mut self, out: &mut Vec<f64>);
     /// Everything that the future depends on, as numbers.
     fn save(&self, out: &mut Vec<f64>);
     /// Takes back what [`save`](Model::save) gave; false where the length does not fit.

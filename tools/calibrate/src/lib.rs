@@ -9,6 +9,7 @@ pub mod candidate;
 pub mod compete;
 pub mod experiment;
 pub mod noise;
+pub mod outcome;
 pub mod refit;
 pub mod simulate;
 

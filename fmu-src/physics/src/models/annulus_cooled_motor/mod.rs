@@ -6,6 +6,7 @@
 mod equations;
 mod march;
 pub mod network;
+mod states;
 mod surroundings;
 mod variables;
 
@@ -419,6 +420,18 @@ impl Model for AnnulusCooledMotor {
             *self = copy;
         }
         complete
+    }
+
+    fn states(&self, out: &mut Vec<f64>) {
+        self.push_states(out);
+    }
+
+    fn set_states(&mut self, states: &[f64]) -> bool {
+        self.take_states(states)
+    }
+
+    fn rates(&mut self, out: &mut Vec<f64>) {
+        self.push_rates(out);
     }
 
     fn boxed_clone(&self) -> Box<dyn Model> {

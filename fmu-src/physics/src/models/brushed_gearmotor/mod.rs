@@ -276,6 +276,26 @@ impl Model for BrushedGearmotor {
         complete
     }
 
+    /// Current, speed and the temperatures.
+    fn states(&self, out: &mut Vec<f64>) {
+        out.extend(self.state.x.iter().chain(self.state.temperature.iter()));
+    }
+
+    fn set_states(&mut self, states: &[f64]) -> bool {
+        let fits = states.len() == 2 + NODES;
+        if fits {
+            self.state.x.copy_from_slice(&states[..2]);
+            self.state.temperature.copy_from_slice(&states[2..]);
+            self.outputs_are_stale = true;
+        }
+        fits
+    }
+
+    fn rates(&mut self, out: &mut Vec<f64>) {
+        let point = self.step_equations().point(0.0, &self.state.x, &self.state.temperature);
+        out.extend(point.fast.iter().chain(point.warming.iter()));
+    }
+
     fn boxed_clone(&self) -> Box<dyn Model> {
         Box::new(self.clone())
     }
