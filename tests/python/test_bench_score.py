@@ -91,6 +91,25 @@ def test_a_verdict_that_is_none_is_an_error():
         j.judge(IRON, report("perhaps"))
 
 
+def test_a_term_that_follows_nothing_has_no_driver():
+    said = report("unexplained", unexplained=(PORT, None))
+    assert j.judge(DRAG, said).outcome == j.PORT_ONLY and j.judge(DRAG, said).said == f"{PORT}, constant"
+    del said["unexplained"]["driver"]
+    assert j.judge(DRAG, said).outcome == j.PORT_ONLY
+
+
+@pytest.mark.parametrize("missing", ["verdict", "parameters", "error", "seconds"])
+def test_a_report_that_breaks_the_contract_is_none(suite, missing):
+    folder = suite[0] / "bench-1-0"
+    (folder / "result").mkdir()
+    said = report("named", "iron_loss")
+    del said[missing]
+    (folder / "result" / "report.json").write_text(json.dumps(said))
+    (folder / "result" / "run.json").write_text(json.dumps({"exit_code": 0}))
+    one = run.judged(folder)
+    assert one.outcome == j.NO_REPORT and f"'{missing}'" in one.sentence and one.parameters == 0
+
+
 def test_port_and_driver_are_counted_apart():
     for said, port, driver in ((("fan_flow", DRIVER), False, True), ((PORT, "current"), True, False)):
         one = j.judge(DRAG, report("unexplained", unexplained=said))

@@ -34,7 +34,8 @@ class Said:
     def text(self) -> str:
         parts = [*self.names, *(" or ".join(sorted(c)) for c in self.classes)]
         if self.unexplained:
-            parts.append("{} by {}".format(*self.unexplained))
+            port, driver = self.unexplained
+            parts.append(f"{port} by {driver}" if driver else f"{port}, constant")
         return " + ".join(parts) or "nothing"
 
 
@@ -76,7 +77,7 @@ def said_in(report: dict) -> Said:
     elif verdict != "nothing":
         raise ValueError(f"the verdict {verdict!r} is none of named, class, unexplained, nothing")
     rest = report.get("unexplained") if verdict == "unexplained" else None
-    return Said(names, classes, (rest["port"], rest["driver"]) if rest else None)
+    return Said(names, classes, (rest["port"], rest.get("driver")) if rest else None)
 
 
 def row(truth: dict) -> tuple:

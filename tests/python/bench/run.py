@@ -93,9 +93,14 @@ def report_of(folder: Path):
 
 
 def judged(folder: Path):
-    """What was said of a set, held against its truth."""
+    """What was said of a set, held against its truth. A report that breaks the contract is none."""
     truth, run = read_json(folder / "truth.json"), read_json(folder / "result" / "run.json")
-    return judge(truth, report_of(folder), run)
+    try:
+        return judge(truth, report_of(folder), run)
+    except (AttributeError, KeyError, TypeError, ValueError) as breach:
+        broken = judge(truth, None, run)
+        broken.said = f"a report that breaks the contract ({type(breach).__name__}: {breach})"
+        return broken
 
 
 def why(folder: Path) -> str:
