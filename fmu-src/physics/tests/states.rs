@@ -61,7 +61,7 @@ fn rates_are_what_steps_do() {
                     for (k, state) in states.iter_mut().enumerate() {
                         *state += 0.5 + 0.1 * k as f64;
                     }
-                    assert!(m.set_states(&states) && !m.set_states(&states[1..]));
+                    assert!(m.set_states(m.time(), &states) && !m.set_states(0.0, &states[1..]));
                     m.states(&mut again);
                     assert_eq!(states, again, "{what}");
                     assert_rates(&mut m, &what);
@@ -84,6 +84,6 @@ fn rates_of_the_gearmotor() {
     let mut states = Vec::new();
     m.states(&mut states);
     states[2] += 20.0;
-    assert!(m.set_states(&states) && !m.set_states(&[]));
+    assert!(m.set_states(m.time(), &states) && !m.set_states(0.0, &[]));
     assert_rates(&mut m, "warmer");
 }
