@@ -56,9 +56,9 @@ impl Options {
         Ok(options)
     }
 
-    /// The command that makes the table again, for a reader.
+    /// The command that makes the table again, for a reader. Programs that run side by side take longer each.
     fn spelled(&self) -> String {
-        format!("cargo xtask blind --seed {} --count {}", self.seed, self.count)
+        format!("cargo xtask blind --seed {} --count {} --jobs {}", self.seed, self.count, self.jobs)
     }
 }
 
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_command_on_the_page_makes_the_same_sets() {
-        let options = parsed("--seed 7 --count 3").unwrap();
+        let options = parsed("--seed 7 --count 3 --jobs 1").unwrap();
         let again = options.spelled();
         assert_eq!(parsed(again.trim_start_matches("cargo xtask blind")).unwrap(), options);
     }
