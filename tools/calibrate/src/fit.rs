@@ -92,7 +92,9 @@ impl Slopes {
         probes.extend(further.iter().cloned());
         let tangents = runs
             .par_iter()
-            .map(|&run| Tangent::new(&setup.bench, &setup.drives[run], &setup.change(hypothesis, run), &probes))
+            .map(|&run| {
+                Tangent::new(&setup.bench, &setup.drives[run], &setup.change(hypothesis, run), &probes)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Slopes { tangents, leads, runs: runs.to_vec() })
     }
@@ -221,7 +223,11 @@ impl Setup<'_> {
                 }
                 far |= (0..p).any(|k| {
                     let (way, is_prior) = ((step[k] * scales[k].0).abs(), scales[k].2.is_some());
-                    if is_prior { step[k].abs() > 0.3 } else { way > 0.05 * numbers[k].abs().max(scales[k].0) }
+                    if is_prior {
+                        step[k].abs() > 0.3
+                    } else {
+                        way > 0.05 * numbers[k].abs().max(scales[k].0)
+                    }
                 });
                 let Some(found) = better else { break };
                 let fall = now.cost - found.cost;
