@@ -108,7 +108,7 @@ def merge(daq: dict, esc: dict) -> tuple[dict, dict]:
         "alignment_rms_K": round(found.rms_K, 3),
         "clock_ratio": round(seen / heated, 4),
         "energy_trusted": trusted,
-        "energy_logged_kJ": round(float(_energy(power_time, power)[1][-1]) / 1e3, 3),
+        "energy_logged_kJ": round(float(energy(power_time, power)[1][-1]) / 1e3, 3),
         "energy_in_table_kJ": round(float(np.trapezoid(table[POWER], table["time_s"])) / 1e3, 3),
         "notes": notes,
     }
@@ -122,8 +122,8 @@ def averaged(time: np.ndarray, temperatures: dict, power_time: np.ndarray, power
     mean = lambda column: np.array([_mean(column[rows == number]) for number in numbers])  # noqa: E731
     centre = mean(time)
     borders = np.concatenate([time[:1], 0.5 * (centre[1:] + centre[:-1]), time[-1:]])
-    energy = np.interp(borders, *_energy(power_time, power))
-    return {"time_s": centre, POWER: np.diff(energy) / np.diff(borders)} | {n: mean(column) for n, column in temperatures.items()}
+    spent = np.interp(borders, *energy(power_time, power))
+    return {"time_s": centre, POWER: np.diff(spent) / np.diff(borders)} | {n: mean(column) for n, column in temperatures.items()}
 
 
 def _mean(readings: np.ndarray) -> float:
@@ -131,8 +131,8 @@ def _mean(readings: np.ndarray) -> float:
     return float(there.mean()) if there.size else np.nan
 
 
-def _energy(power_time: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Energy since the log began; a row's power holds until the next row."""
+def energy(power_time: np.ndarray, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Energy since the log began, and when; a row's power holds until the next row."""
     edges = np.append(power_time, 2.0 * power_time[-1] - power_time[-2])
     return edges, np.concatenate([[0.0], np.cumsum(power * np.diff(edges))])
 

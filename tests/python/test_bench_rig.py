@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from clients.paths import EXAMPLES
-from rig import align, prepare
+from rig import align, facts, prepare
 
 try:
     import tomllib
@@ -17,7 +17,7 @@ except ModuleNotFoundError:
 
 RAW = Path(__file__).parents[1] / "reference" / "bench-bldc-stall"
 RIG = EXAMPLES / "rig"
-EXPERIMENTS = ("still-air.toml", "fan.toml")
+EXPERIMENTS = ("still-air.toml", "fan.toml", "body-alone.toml")
 DAQ_S, ESC_S = 0.302, 0.1
 ROOM = 21.0
 
@@ -222,3 +222,39 @@ def test_the_fan_run_is_fitted_in_its_first_60_percent_alone(prepared):
     assert windows["fit"][1] == pytest.approx(border, abs=0.1)
     assert windows["fit"][0] <= time[0] and windows["test"][1] >= time[-1]
     assert "run-4.csv" not in [run["file"] for run in tomllib.loads((RIG / "still-air.toml").read_text())["run"]]
+
+
+def test_the_logs_themselves_tell_what_the_fit_does_not_use(prepared):
+    """Two temperatures cannot tell less heat from a cooled thermocouple; the rest of the logs has a say."""
+    _, report = prepared
+    rise = {run: facts.first_rise(RAW, run, report[f"run-{run}.csv"]["shift_s"]) for run in (1, 3, 4, 5)}
+    still = np.mean([rise[run]["K_per_kJ"] for run in (1, 3, 5)])
+    assert rise[4]["K_per_kJ"] / still == pytest.approx(0.72, abs=0.03), "a third less from the first seconds"
+    assert rise[4]["body_over_air_K"] < 3.0
+    # The controller lost no more with the fan on.
+    warmed = {run: facts.controller_warming(RAW, run, 107.0) for run in (3, 4, 5)}
+    assert warmed[3] - 1.0 <= warmed[4] <= warmed[5] + 1.0, warmed
+    # The body's thermocouple sat in moving air, the winding's did not more than before.
+    body = {run: facts.tremble(RAW, run, "housing_temperature_degC") for run in (1, 3, 4, 5)}
+    assert body[4] > 4.0 * max(body[1], body[3], body[5]), body
+    winding = {run: facts.tremble(RAW, run, "winding_temperature_degC") for run in (1, 3, 4, 5)}
+    assert winding[4] < 1.5 * max(winding[3], winding[5]), winding
+    # One winding, two places.
+    assert facts.two_places(RAW) == pytest.approx(0.60, abs=0.03)
+
+
+def test_trembling_is_that_of_the_reading(tmp_path):
+    """White noise of 0.05 K on a slow rise."""
+    random = np.random.default_rng(3)
+    time = np.arange(0.0, 600.0, DAQ_S)
+    reading = 60.0 + 0.2 * time + random.normal(0.0, 0.05, len(time))
+    rows = "\n".join(f"{t:.4f},{90.0 + t},{21.0},{r:.5f}" for t, r in zip(time, reading))
+    (tmp_path / "run7_daq.csv").write_text(f"t_s,Winding_Temp_degC,Ambient_degC,Stator_Body_degC\n{rows}\n")
+    assert facts.tremble(tmp_path, 7, "housing_temperature_degC") == pytest.approx(0.05, rel=0.06)
+
+
+def test_a_cooled_thermocouple_hides_a_hotter_winding():
+    """Reading 170 of a winding that loses 0.32 of its rise over 21.5: 21.5 + 148.5 / 0.68, and copper at that."""
+    hidden = facts.if_the_thermocouple_is_cooled(170.0, 21.5, 0.32)
+    assert hidden["winding_degC"] == pytest.approx(239.88, abs=0.01)
+    assert hidden["resistance_ratio"] == pytest.approx(1.8641 / 1.5895, rel=1e-4)

@@ -1,0 +1,72 @@
+"""What the rig's logs say by themselves, before any model: the evidence that a fit of two temperatures does not use."""
+
+from pathlib import Path
+
+import numpy as np
+
+from rig.prepare import NEEDED, TEMPERATURES, energy, read
+
+# The stretch of the first rise in which the winding has warmed by this much, K.
+FIRST_RISE_K = (5.0, 25.0)
+# Copper's resistance per kelvin, relative to that at 20 degC.
+COPPER = 0.00393
+
+
+def first_rise(raw: Path, run: int, shift: float) -> dict:
+    """How fast the winding warms for the power it gets, K/kJ, and how far the body then is above the air, K.
+
+    A body that is not yet warmer than the air has nothing to give off, whatever blows.
+    """
+    daq, esc = read(raw / f"run{run}_daq.csv"), read(raw / f"run{run}_esc.csv")
+    rise = daq["Winding_Temp_degC"] - np.median(daq["Winding_Temp_degC"][:10])
+    rows = [int(np.argmax(rise > kelvin)) for kelvin in FIRST_RISE_K]
+    spent = np.diff(np.interp(daq["t_s"][rows] - shift, *energy(esc["t_s"], esc["P_dc_W"])))[0]
+    stretch = slice(rows[0], rows[1])
+    body = daq["Stator_Body_degC"][stretch] - daq["Ambient_degC"][stretch]
+    return {
+        "power_W": float(spent / np.diff(daq["t_s"][rows])[0]),
+        "K_per_kJ": float(np.diff(rise[rows])[0] / spent * 1e3),
+        "body_over_air_K": float(body.mean()),
+    }
+
+
+def controller_warming(raw: Path, run: int, spent_kJ: float) -> float:
+    """How far the motor's controller has warmed, K, once it has passed on so much energy: more, if it loses more."""
+    esc = read(raw / f"run{run}_esc.csv")
+    time, spent = energy(esc["t_s"], esc["P_dc_W"])
+    at = np.interp(1e3 * spent_kJ, spent, time)
+    return float(np.interp(at, esc["t_s"], esc["T_esc_degC"]) - esc["T_esc_degC"][0])
+
+
+def tremble(raw: Path, run: int, column: str) -> float:
+    """How much a reading trembles from row to row while the winding is hot, K: a row against the line between its neighbours.
+
+    A body of hundreds of J/K cannot; a thermocouple in moving air can.
+    """
+    daq = read(raw / f"run{run}_daq.csv")
+    winding = daq["Winding_Temp_degC"]
+    name = next(name for name in TEMPERATURES[column] if name in daq)
+    reading = daq[name][winding > 60.0]
+    off = reading[1:-1] - 0.5 * (reading[:-2] + reading[2:])
+    # 1.4826: from the median of a normal distribution to its standard deviation; 1.5: variance of the combination.
+    return float(1.4826 * np.median(np.abs(off)) / np.sqrt(1.5))
+
+
+def two_places(raw: Path) -> float:
+    """Run 12 had two thermocouples on the winding: the rise that the second shows at the end, over that of the first."""
+    daq = read(raw / "run12_daq.csv")
+    first, second = (daq[name] - np.median(daq[name][:5]) for name in ("Winding_Temp_degC", "Winding2_degC"))
+    return float(second[-5:].mean() / first[-5:].mean())
+
+
+def if_the_thermocouple_is_cooled(reading: float, ambient: float, share: float) -> dict:
+    """Where the winding truly is if its sensor loses a share of the rise, and how much more its resistance then is."""
+    true = ambient + (reading - ambient) / (1.0 - share)
+    resistance = lambda celsius: 1.0 + COPPER * (celsius - 20.0)  # noqa: E731
+    return {"winding_degC": true, "resistance_ratio": resistance(true) / resistance(reading)}
+
+
+def readings_at_the_end(raw: Path, run: int) -> dict:
+    """The last readings of the needed channels, degC."""
+    daq = read(raw / f"run{run}_daq.csv")
+    return {column: float(daq[next(n for n in TEMPERATURES[column] if n in daq)][-1]) for column in NEEDED}
