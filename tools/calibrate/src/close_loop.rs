@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
         (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1)).then_some(free)
     }
 
-    fn verdict(self) -> Result<Judgement<'a>, CalibrateError> {
+    fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
         let ladder: Vec<Evidence> =
             self.rounds.iter().enumerate().flat_map(|(k, round)| round.ladder(k + 1)).collect();
         let localised = self.localised();
@@ -147,9 +147,9 @@ impl<'a> Search<'a> {
             ladder,
             notes: Vec::new(),
         };
-        if let Some(free) = self.history() {
+        if let Some(free) = self.history().cloned() {
             judgement.verdict = Verdict::Unexplained;
-            judgement.unexplained = Some(told(free, false));
+            judgement.unexplained = Some(told(&free, false));
             return Ok(judgement);
         }
         let setup = self.setup;
@@ -182,7 +182,7 @@ impl<'a> Search<'a> {
         }
         judgement.effects = effects;
         if let Some(taken) = self.rounds.iter().rposition(|r| r.taken.is_some()) {
-            let mut rounds = self.rounds;
+            let mut rounds = std::mem::take(&mut self.rounds);
             let round = rounds.swap_remove(taken);
             let point = round.contenders.into_iter().nth(round.taken.unwrap_or(0)).map(|c| c.point);
             if let Some(point) = point {

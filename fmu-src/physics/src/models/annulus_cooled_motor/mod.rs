@@ -22,7 +22,7 @@ use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
 use crate::effects::{Effect, Effects, IMMINENT, PerNode};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
+use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split, State};
 use crate::terms::{Drivers, GenericTerm};
 use network::{Body, Network};
@@ -339,6 +339,10 @@ impl Model for AnnulusCooledMotor {
         self.follow_parameters();
         self.stored_at_start = self.stored();
         Ok(())
+    }
+
+    fn warm_start(&mut self, known: &[(Node, f64)]) -> bool {
+        self.put_temperatures(known).is_some()
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {

@@ -109,6 +109,13 @@ impl Network {
         self.tangent = Tangent::NONE;
     }
 
+    /// Puts rotor and housing at these temperatures, K; the tube stays where it is.
+    pub fn put_temperatures(&mut self, rotor: f64, housing: f64) {
+        self.states[ROTOR] = rotor;
+        self.states[FIRST..FIRST + self.body.segments].fill(housing);
+        self.forget();
+    }
+
     fn housing(&self) -> &[f64] {
         &self.states[FIRST..FIRST + self.body.segments]
     }

@@ -17,7 +17,7 @@ use crate::components::enclosure::Enclosure;
 use crate::components::gear::Gear;
 use crate::effects::{Effect, Effects, IMMINENT};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
+use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split};
 use crate::terms::Drivers;
 
@@ -205,6 +205,22 @@ impl Model for BrushedGearmotor {
         self.opening = self.step_equations().opening(&self.state);
         self.outputs_are_stale = true;
         Ok(())
+    }
+
+    fn warm_start(&mut self, known: &[(Node, f64)]) -> bool {
+        use Node::{Box, Housing, Magnets, Stator, Winding};
+        // The armature is winding and stator in one; magnets and gear go with the housing.
+        let from = |order: &[Node]| Node::nearest(known, order);
+        let winding = from(&[Winding, Stator, Housing, Magnets, Box]);
+        let housing = from(&[Housing, Magnets, Winding, Stator, Box]);
+        let enclosure = from(&[Box, Housing, Magnets, Winding, Stator]);
+        let (Some(winding), Some(housing), Some(enclosure)) = (winding, housing, enclosure) else {
+            return false;
+        };
+        self.state.temperature = Temperatures::new(winding, housing, enclosure);
+        self.opening = self.step_equations().opening(&self.state);
+        self.outputs_are_stale = true;
+        true
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
