@@ -118,7 +118,8 @@ impl<'a> Search<'a> {
             }
             let found = self.point().fitted.hypothesis.additions.last().map_or("", |a| &a.id).to_string();
             progress(0.2 + 0.2 * (round + 1) as f64, &format!("{found}; is there more?"));
-            self.left = search(self.point());
+            let taken = self.point().fitted.clone();
+            self.left = search(&Point::new(self.setup, taken, &self.first.runs)?);
         }
         Ok(())
     }
@@ -197,9 +198,9 @@ impl<'a> Search<'a> {
         acting(setup, &mut judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {
             let runs = || setup.experiment.runs.iter().zip(&addition.active);
-            judgement.effects[a].runs = runs().filter(|(_, on)| **on).map(|(r, _)| r.file.clone()).collect();
+            judgement.effects[a].runs = files(setup, &addition.active);
             let decided: Vec<&str> =
-                runs().filter(|(r, _)| r.role != Role::Fit).map(|(r, _)| r.file.as_str()).collect();
+                runs().filter(|(r, _)| !fitted(setup, &r.file)).map(|(r, _)| r.file.as_str()).collect();
             if !decided.is_empty() {
                 judgement.notes.push(format!(
                     "{} acts in some runs only; whether it acts in {} was decided by which predicts that run better, its size kept",
@@ -234,13 +235,12 @@ impl<'a> Search<'a> {
                 );
             }
         }
-        let runs = setup.experiment.runs.iter().zip(&addition.active);
         Ok(Found {
             id: addition.id.clone(),
             port: addition.port,
             follows: addition.follows,
             alternatives,
-            runs: runs.filter(|(_, on)| **on).map(|(r, _)| r.file.clone()).collect(),
+            runs: files(setup, &addition.active),
             everywhere: addition.active.iter().all(|on| *on),
             parameters: Vec::new(),
             term: addition.term(),
@@ -270,6 +270,22 @@ impl<'a> Search<'a> {
         all.sort_by(|a, b| b.share.total_cmp(&a.share));
         all
     }
+}
+
+/// The files of active runs, each once.
+fn files(setup: &Setup, active: &[bool]) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for (run, _) in setup.experiment.runs.iter().zip(active).filter(|(_, on)| **on) {
+        if !all.contains(&run.file) {
+            all.push(run.file.clone());
+        }
+    }
+    all
+}
+
+/// Whether rows of a file are fitted.
+fn fitted(setup: &Setup, file: &str) -> bool {
+    setup.runs(Role::Fit).iter().any(|run| setup.experiment.runs[*run].file == file)
 }
 
 fn told(scored: &Scored, added: bool) -> Unexplained {

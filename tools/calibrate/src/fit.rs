@@ -21,7 +21,7 @@ const ROUNDS: usize = 6;
 /// Most steps with the same slopes.
 const CHORDS: usize = 5;
 /// A step that lowers (1) by less than this is the last.
-const SETTLED: f64 = 1e-2;
+const SETTLED: f64 = 0.1;
 
 /// A hypothesis that was fitted.
 #[derive(Clone, Debug)]
