@@ -1,6 +1,6 @@
 //! What every model is to the outside: a declaration, values by slot, and steps.
 
-use crate::terms::GenericTerm;
+use crate::terms::{Drivers, GenericTerm};
 use declare::{Causality, Kind, Variability, Variable};
 use std::fmt;
 use std::sync::OnceLock;
@@ -273,6 +273,16 @@ pub trait Model: Send {
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;
     /// The time that the model has reached, s.
     fn time(&self) -> f64;
+    /// The continuous states that rates depend on, in an order of the model's own that its modes and effects fix.
+    fn states(&self, out: &mut Vec<f64>);
+    /// Takes a time and other values for [`states`](Model::states); false, and nothing taken, where they are not as
+    /// many.
+    fn set_states(&mut self, time: f64, states: &[f64]) -> bool;
+    /// Derivatives of [`states`](Model::states) at the present states and inputs, per second; of slopes they
+    /// know nothing.
+    fn rates(&mut self, out: &mut Vec<f64>);
+    /// What terms may follow, at the present time.
+    fn drivers(&self) -> Drivers;
     /// Everything that the future depends on, as numbers.
     fn save(&self, out: &mut Vec<f64>);
     /// Takes back what [`save`](Model::save) gave; false where the length does not fit.

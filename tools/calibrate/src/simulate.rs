@@ -18,6 +18,7 @@ pub struct Bench {
 }
 
 /// One run as the simulation takes it: every input known at every row.
+#[derive(Clone)]
 pub struct Drive {
     /// Time of each row, s.
     pub time: Vec<f64>,
@@ -70,16 +71,30 @@ impl Bench {
         last.map_or_else(|| (self.kind.new)().get(slot), |(_, value)| *value)
     }
 
+    /// Every start value with a change and what a run says of itself, by full name; of several the last.
+    pub fn values(&self, drive: &Drive, change: &Change) -> Vec<(String, f64)> {
+        let mut values: Vec<(String, f64)> = Vec::new();
+        for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
+            let entry = self.declaration().entries.iter().find(|e| e.slot == *slot);
+            let Some(name) = entry.map(|e| &e.name) else { continue };
+            match values.iter_mut().find(|(known, _)| known == name) {
+                Some((_, place)) => *place = *value,
+                None => values.push((name.clone(), *value)),
+            }
+        }
+        values
+    }
+
     /// The model's declaration.
     pub fn declaration(&self) -> &'static Declaration {
         (self.kind.declaration)()
     }
 
-    /// Outputs at every row, with the model changed: one column for each output, in SI units.
+    /// The model changed, and started as the run starts.
     ///
     /// # Errors
-    /// What the model says where it cannot start or step.
-    pub fn run(&self, drive: &Drive, change: &Change) -> Result<Vec<Vec<f64>>, CalibrateError> {
+    /// What the model says where it cannot start.
+    pub fn begin(&self, drive: &Drive, change: &Change) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = (self.kind.new)();
         // What a run says of itself holds in it, whatever is tried elsewhere.
         for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
@@ -88,16 +103,40 @@ impl Bench {
         if !change.terms.is_empty() && !model.set_terms(&change.terms) {
             return Err(CalibrateError(format!("{} carries no such terms", model.declaration().name)));
         }
-        let refused = |fault: physics::model::Fault| CalibrateError(fault.to_string());
         drive.hold(model.as_mut(), &self.inputs, 0);
         model.start(drive.time[0]).map_err(refused)?;
         self.warm(model.as_mut(), &drive.warm)?;
+        Ok(model)
+    }
+
+    /// Outputs at every row, with the model changed: one column for each output, in SI units.
+    ///
+    /// # Errors
+    /// What the model says where it cannot start or step.
+    pub fn run(&self, drive: &Drive, change: &Change) -> Result<Vec<Vec<f64>>, CalibrateError> {
+        let mut model = self.begin(drive, change)?;
         let rows = drive.time.len();
         let mut shown = vec![Vec::with_capacity(rows); self.outputs.len()];
-        for k in 0..rows {
+        self.along(drive, model.as_mut(), |model, _| {
             for (column, slot) in shown.iter_mut().zip(&self.outputs) {
                 column.push(model.get(*slot));
             }
+        })?;
+        Ok(shown)
+    }
+
+    /// Drives a started model along a run and shows it at every row.
+    ///
+    /// # Errors
+    /// What the model says where it cannot step.
+    pub fn along(
+        &self,
+        drive: &Drive,
+        model: &mut dyn Model,
+        mut see: impl FnMut(&mut dyn Model, usize),
+    ) -> Result<(), CalibrateError> {
+        for k in 0..drive.time.len() {
+            see(model, k);
             let Some(next) = drive.time.get(k + 1) else { break };
             let h = next - drive.time[k];
             for (input, slot) in drive.inputs.iter().zip(&self.inputs) {
@@ -105,9 +144,19 @@ impl Bench {
             }
             model.step(drive.time[k], h).map_err(refused)?;
             // To the last bit what was measured, whatever the slopes have added up to.
-            drive.hold(model.as_mut(), &self.inputs, k + 1);
+            drive.hold(model, &self.inputs, k + 1);
         }
-        Ok(shown)
+        Ok(())
+    }
+
+    /// The outputs' places in the model, in the experiment's order.
+    pub fn outputs(&self) -> &[Slot] {
+        &self.outputs
+    }
+
+    /// The inputs' places in the model, in the experiment's order.
+    pub fn inputs(&self) -> &[Slot] {
+        &self.inputs
     }
 
     /// Puts the nodes where their sensors show the first readings. A sensor need not show its node's temperature (an
@@ -131,6 +180,10 @@ impl Bench {
         }
         Ok(())
     }
+}
+
+fn refused(fault: physics::model::Fault) -> CalibrateError {
+    CalibrateError(fault.to_string())
 }
 
 impl Drive {
@@ -161,7 +214,40 @@ impl Drive {
         Ok(Drive { time, inputs, set, warm })
     }
 
-    fn hold(&self, model: &mut dyn Model, slots: &[Slot], row: usize) {
+    /// A run that was never driven: inputs by row, in SI units.
+    pub fn of(time: Vec<f64>, inputs: Vec<Vec<f64>>) -> Drive {
+        Drive { time, inputs, set: Vec::new(), warm: Vec::new() }
+    }
+
+    /// The greatest value of an input.
+    pub fn greatest(&self, input: usize) -> f64 {
+        self.inputs[input].iter().fold(0.0, |most, x| most.max(*x))
+    }
+
+    /// An input at a row, in SI units.
+    pub fn input(&self, input: usize, row: usize) -> f64 {
+        self.inputs[input][row]
+    }
+
+    /// The greatest size of an input, at least 1.
+    pub fn scale(&self, input: usize) -> f64 {
+        self.inputs[input].iter().fold(1.0, |most, x| most.max(x.abs()))
+    }
+
+    /// The same run with one input moved throughout.
+    pub fn with_input_moved(&self, input: usize, way: f64) -> Drive {
+        let mut inputs = self.inputs.clone();
+        inputs[input].iter_mut().for_each(|x| *x += way);
+        Drive { inputs, ..self.clone() }
+    }
+
+    /// Inputs by row, in the experiment's order, in SI units: every one known at every row.
+    pub fn inputs(&self) -> &[Vec<f64>] {
+        &self.inputs
+    }
+
+    /// Gives the inputs of a row to a model.
+    pub fn hold(&self, model: &mut dyn Model, slots: &[Slot], row: usize) {
         for (input, slot) in self.inputs.iter().zip(slots) {
             model.set(*slot, input[row]);
         }

@@ -6,6 +6,7 @@
 mod equations;
 mod march;
 pub mod network;
+mod states;
 mod surroundings;
 mod variables;
 
@@ -23,7 +24,7 @@ use crate::effects::{Effect, Effects, IMMINENT, PerNode};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split, State};
-use crate::terms::GenericTerm;
+use crate::terms::{Drivers, GenericTerm};
 use network::{Body, Network};
 
 /// What the motor is made of, and how it is used.
@@ -423,6 +424,26 @@ impl Model for AnnulusCooledMotor {
             *self = copy;
         }
         complete
+    }
+
+    fn states(&self, out: &mut Vec<f64>) {
+        self.push_states(out);
+    }
+
+    fn set_states(&mut self, time: f64, states: &[f64]) -> bool {
+        let taken = self.take_states(states);
+        if taken {
+            self.time = time;
+        }
+        taken
+    }
+
+    fn rates(&mut self, out: &mut Vec<f64>) {
+        self.push_rates(out);
+    }
+
+    fn drivers(&self) -> Drivers {
+        self.drivers_at(self.time)
     }
 
     fn boxed_clone(&self) -> Box<dyn Model> {

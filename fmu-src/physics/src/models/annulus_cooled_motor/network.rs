@@ -130,6 +130,16 @@ impl Network {
         if self.body.has(ROTOR) { self.states[ROTOR] } else { self.housing_temperature() }
     }
 
+    /// Temperatures by place ([`Body::nodes`]), K.
+    pub fn temperatures(&self) -> &States {
+        &self.states
+    }
+
+    /// The same, to be written.
+    pub fn temperatures_mut(&mut self) -> &mut States {
+        &mut self.states
+    }
+
     /// Energy stored in the network above 0 K, J.
     pub fn stored(&self) -> f64 {
         let [rotor, tube, segment] = self.body.capacity;

@@ -22,10 +22,10 @@ impl AnnulusCooledMotor {
         }
     }
 
-    fn tell_drivers(&mut self, time: f64) {
+    /// What terms follow, at `time`.
+    pub(super) fn drivers_at(&self, time: f64) -> Drivers {
         let (x, housing) = (&self.state.x, self.housing_temperature());
-        let effects = &mut self.parameters.effects;
-        effects.tell(&Drivers {
+        Drivers {
             speed: x[1],
             current: x[0],
             load_torque: match self.parameters.choices.mechanical_mode {
@@ -35,10 +35,16 @@ impl AnnulusCooledMotor {
             },
             winding_temperature: self.state.temperature[0],
             housing_temperature: housing,
-            ambient_temperature: self.inputs.ambient_temperature + effects.ambient_sensor() * time,
+            ambient_temperature: self.inputs.ambient_temperature
+                + self.parameters.effects.ambient_sensor() * time,
             fan_command: self.inputs.fan_command,
             time,
-        });
+        }
+    }
+
+    fn tell_drivers(&mut self, time: f64) {
+        let drivers = self.drivers_at(time);
+        self.parameters.effects.tell(&drivers);
         self.fan = (f64::NAN, PerNode::default());
         if let Some(network) = &mut self.network {
             network.forget();
