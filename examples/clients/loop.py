@@ -23,5 +23,6 @@ def summary(report: dict) -> dict:
             name: {"prior": p["prior"], "value": p["value"], "ci95": p["ci95"]} for name, p in report["parameters"].items()
         },
         "hardly_separated": report["correlated"],
+        "fmu_agrees": report["replay"]["agrees"],
         "notes": [note for note in report["notes"] if "clock" in note],
     }

@@ -175,7 +175,9 @@ impl<'a> Search<'a> {
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty() {
-            if let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.evidence > SAID && s.raw > SAID) {
+            if let Some(rest) =
+                self.left.iter().find(|s| !s.listed).filter(|s| s.evidence > SAID && s.raw > SAID)
+            {
                 judgement.verdict = Verdict::Unexplained;
                 judgement.unexplained = Some(told(rest, false));
             }
@@ -190,15 +192,14 @@ impl<'a> Search<'a> {
                 judgement.point = Some(point);
             }
         }
-        let partly: Vec<bool> = judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
+        let partly: Vec<bool> =
+            judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
         acting(setup, &mut judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {
             let runs = || setup.experiment.runs.iter().zip(&addition.active);
             judgement.effects[a].runs = runs().filter(|(_, on)| **on).map(|(r, _)| r.file.clone()).collect();
-            let decided: Vec<&str> = runs()
-                .filter(|(r, _)| r.role != Role::Fit)
-                .map(|(r, _)| r.file.as_str())
-                .collect();
+            let decided: Vec<&str> =
+                runs().filter(|(r, _)| r.role != Role::Fit).map(|(r, _)| r.file.as_str()).collect();
             if !decided.is_empty() {
                 judgement.notes.push(format!(
                     "{} acts in some runs only; whether it acts in {} was decided by which predicts that run better, its size kept",
@@ -225,7 +226,12 @@ impl<'a> Search<'a> {
             alternatives.push(id.clone());
             if separating.is_none() {
                 let names = [addition.id.as_str(), id.as_str()];
-                separating = separate(setup, &contender.point.fitted.hypothesis, &other.point.fitted.hypothesis, names);
+                separating = separate(
+                    setup,
+                    &contender.point.fitted.hypothesis,
+                    &other.point.fitted.hypothesis,
+                    names,
+                );
             }
         }
         let runs = setup.experiment.runs.iter().zip(&addition.active);
@@ -252,8 +258,10 @@ impl<'a> Search<'a> {
         let excess = (raw - self.first.evidence.values() as f64).max(1.0);
         let of = |port: &Port| {
             let free = self.scored.iter().find(|s| s.port == *port && s.name.ends_with("free in time"))?;
-            let with_driver =
-                self.scored.iter().find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
+            let with_driver = self
+                .scored
+                .iter()
+                .find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
             let follows = with_driver.map_or(Follows::History, |s| s.follows);
             let gain = free.raw + 2.0 * per_number(&self.first);
             Some(Localised { port: *port, share: (gain / excess).clamp(0.0, 1.0), follows })

@@ -216,8 +216,7 @@ fn evidence(
         .map(|(d, value)| (value - d.prior) / d.deviation)
         .collect();
     let added = fitted.hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
-    let scales: Vec<f64> =
-        setup.declared.iter().map(|d| d.deviation).chain(added.map(|n| n.scale)).collect();
+    let scales: Vec<f64> = setup.declared.iter().map(|d| d.deviation).chain(added.map(|n| n.scale)).collect();
     let mut columns: Vec<Vec<f64>> = (0..slopes.count())
         .into_par_iter()
         .map(|k| {
@@ -271,7 +270,10 @@ fn evidence(
                     }
                     None => {
                         let direction = slopes.further(r, further)[before_inputs + ambient?].as_ref()?;
-                        Some(slopes.tangents[r].response(direction, |row| loudest * hat(&points, k, time[row])))
+                        Some(
+                            slopes.tangents[r]
+                                .response(direction, |row| loudest * hat(&points, k, time[row])),
+                        )
                     }
                 }
             });

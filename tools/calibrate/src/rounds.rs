@@ -70,7 +70,9 @@ impl Round<'_> {
             .map(|(k, c)| {
                 let reason = match (&c.refused, &best) {
                     (Some(refused), _) => refused.clone(),
-                    (None, _) if self.taken == Some(k) => "explains most of all, and passes the gate".to_string(),
+                    (None, _) if self.taken == Some(k) => {
+                        "explains most of all, and passes the gate".to_string()
+                    }
                     (None, Some(best)) if self.alike.contains(&k) => {
                         format!("explains as much as {best}: this data cannot tell them apart")
                     }
@@ -172,7 +174,8 @@ fn fitted<'a>(point: &Point<'a>, scored: &Scored) -> Result<Contender<'a>, Calib
     let fitted = setup.fit(begun(point, addition), &point.runs)?;
     let larger = Point::new(setup, fitted, &point.runs)?;
     let cost = per_number(point) * price(addition) + if addition.is_listed() { 0.0 } else { CHOICE };
-    let choice = if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
+    let choice =
+        if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (before, after) = (point.evidence.cost(), larger.evidence.cost());
     let delta = (before.0 - after.0 - cost - choice, before.1 - after.1 - cost - choice);
     Ok(Contender { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
@@ -216,7 +219,8 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
         return Ok((validation, Some(sentence)));
     }
     if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0) {
-        let sentence = format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
+        let sentence =
+            format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
         return Ok((validation, Some(sentence)));
     }
     Ok((validation, None))
@@ -291,7 +295,8 @@ fn validation(before: &Point, contender: &Contender) -> Result<Option<f64>, Cali
 pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<bool, CalibrateError> {
     let mut any = false;
     for a in 0..hypothesis.additions.len() {
-        let fits: Vec<bool> = setup.runs(Role::Fit).iter().map(|r| hypothesis.additions[a].active[*r]).collect();
+        let fits: Vec<bool> =
+            setup.runs(Role::Fit).iter().map(|r| hypothesis.additions[a].active[*r]).collect();
         if fits.iter().all(|on| *on) {
             any = true;
             continue;

@@ -93,9 +93,21 @@ impl<'a> Setup<'a> {
         let noise = noise::of_experiment(experiment);
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let windows: Vec<(f64, f64)> = experiment.runs.iter().map(|run| run.window.unwrap_or(all)).collect();
-        let blocks =
-            experiment.runs.iter().zip(&windows).map(|(run, window)| blocks(experiment, run, *window)).collect();
-        Ok(Setup { experiment, bench: Arc::new(bench), drives: Arc::new(drives), declared, noise, windows, blocks })
+        let blocks = experiment
+            .runs
+            .iter()
+            .zip(&windows)
+            .map(|(run, window)| blocks(experiment, run, *window))
+            .collect();
+        Ok(Setup {
+            experiment,
+            bench: Arc::new(bench),
+            drives: Arc::new(drives),
+            declared,
+            noise,
+            windows,
+            blocks,
+        })
     }
 
     /// The same with other rows of a run counting.

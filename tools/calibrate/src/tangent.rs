@@ -151,7 +151,8 @@ impl Tangent {
         }
         for row in 0..rows {
             for j in 0..m {
-                let seen = DMatrix::from_row_slice(1, n, &self.seen[(row * m + j) * n..(row * m + j + 1) * n]);
+                let seen =
+                    DMatrix::from_row_slice(1, n, &self.seen[(row * m + j) * n..(row * m + j + 1) * n]);
                 let at_once: f64 = noises.iter().map(|(d, s)| (d.outputs[row * m + j] * s).powi(2)).sum();
                 direct[row * m + j] = at_once;
                 whole[row * m + j] = at_once + (&seen * &p * seen.transpose())[(0, 0)];

@@ -86,7 +86,8 @@ pub fn outcome(
         }
     }
     let settings: Vec<Setting> = all.iter().map(|run| setting(setup, &hypothesis, *run)).collect();
-    let exported = [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
+    let exported =
+        [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
     let export = settings[exported.unwrap_or(0)].clone();
     let mut notes = experiment.notes.clone();
     notes.extend(judged.notes);
@@ -104,7 +105,10 @@ pub fn outcome(
         ladder: judged.ladder,
         whiteness: whiteness(setup, first, point),
         limits: limits(point),
-        curves: all.iter().map(|run| curves(setup, *run, [&before[*run], &fitted[*run], &after[*run]])).collect(),
+        curves: all
+            .iter()
+            .map(|run| curves(setup, *run, [&before[*run], &fitted[*run], &after[*run]]))
+            .collect(),
         settings,
         export,
         notes,
@@ -120,7 +124,11 @@ fn estimates_of_naive(setup: &Setup, first: &Point) -> (Vec<Estimate>, DMatrix<f
 
 /// Every number that slopes find, with its interval, and their correlations. Where sensors drift, a `corrected` hypothesis takes
 /// the numbers that are best with that drift.
-fn estimates(setup: &Setup, point: &Point, corrected: Option<&mut Hypothesis>) -> (Vec<Estimate>, DMatrix<f64>) {
+fn estimates(
+    setup: &Setup,
+    point: &Point,
+    corrected: Option<&mut Hypothesis>,
+) -> (Vec<Estimate>, DMatrix<f64>) {
     let hypothesis = &point.fitted.hypothesis;
     let scales = setup.scales(hypothesis);
     let p = scales.len();
@@ -156,7 +164,8 @@ fn estimates(setup: &Setup, point: &Point, corrected: Option<&mut Hypothesis>) -
 /// How far the last addition moves each output at most, in words.
 pub fn magnitude(point: &Point) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
-    let parts: Vec<String> = parts.map(|(channel, reach)| format!("{} by {reach:.3}", channel.column)).collect();
+    let parts: Vec<String> =
+        parts.map(|(channel, reach)| format!("{} by {reach:.3}", channel.column)).collect();
     format!("moves at most {}", parts.join(", "))
 }
 
@@ -239,10 +248,14 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3]) -> Cur
     let rows: Vec<usize> = (0..of.table.time.len()).step_by(of.table.time.len().div_ceil(PLOTTED)).collect();
     let inputs = setup.experiment.inputs.len();
     let outputs = setup.experiment.outputs.iter().enumerate().map(|(output, channel)| {
-        let shown = |values: &Shown| rows.iter().map(|row| values[row * m + output] - channel.offset).collect();
+        let shown =
+            |values: &Shown| rows.iter().map(|row| values[row * m + output] - channel.offset).collect();
         Curve {
             column: channel.column,
-            measured: rows.iter().map(|row| of.table.columns[inputs + output][*row] - channel.offset).collect(),
+            measured: rows
+                .iter()
+                .map(|row| of.table.columns[inputs + output][*row] - channel.offset)
+                .collect(),
             before: shown(before),
             refit: shown(refit),
             after: shown(after),
