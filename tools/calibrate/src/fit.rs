@@ -181,9 +181,6 @@ impl Setup<'_> {
                 }
                 information[(a, a)] += if scales[a].2.is_some() { 1.0 } else { 1e-9 };
             }
-            let Some(factor) = information.cholesky() else {
-                return Err(CalibrateError("the parameters cannot be told apart by these runs".to_string()));
-            };
             let before = now.cost;
             let mut far = false;
             for _ in 0..CHORDS {
@@ -204,6 +201,26 @@ impl Setup<'_> {
                         uphill[k] += (prior - numbers[k]) / scale;
                     }
                 }
+                // A number that would leave its limits stays there, and the others move as if it were none: clamped after
+                // the step, it would spoil theirs.
+                let held: Vec<bool> = (0..p)
+                    .map(|k| {
+                        let (least, most) = scales[k].1;
+                        if uphill[k] < 0.0 { numbers[k] <= least } else { numbers[k] >= most }
+                    })
+                    .collect();
+                let mut curvature = information.clone();
+                for k in (0..p).filter(|k| held[*k]) {
+                    curvature.row_mut(k).fill(0.0);
+                    curvature.column_mut(k).fill(0.0);
+                    curvature[(k, k)] = 1.0;
+                    uphill[k] = 0.0;
+                }
+                let Some(factor) = curvature.cholesky() else {
+                    return Err(CalibrateError(
+                        "the parameters cannot be told apart by these runs".to_string(),
+                    ));
+                };
                 let step = factor.solve(&uphill);
                 let mut share = 1.0f64;
                 let mut better = None;

@@ -46,12 +46,14 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
             };
             compare(experiment, outcome, run, &shown, &mut sums);
         }
-        for (channel, sum) in experiment.outputs.iter().zip(&sums).filter(|(_, s)| s.count > 0) {
+        for (n, (channel, sum)) in
+            experiment.outputs.iter().zip(&sums).enumerate().filter(|(_, (_, s))| s.count > 0)
+        {
             let error = outcome.errors.iter().find(|e| e.role == role && e.column == channel.column);
             let after = error.map_or(f64::NAN, |e| e.after);
             let rmse = (sum.squares / sum.count as f64).sqrt();
-            // A channel that does not move has no range; its own error is the scale then.
-            let range = if sum.high > sum.low { sum.high - sum.low } else { after.max(f64::MIN_POSITIVE) };
+            // A single reading has no range; that of all runs is the scale then.
+            let range = if sum.high > sum.low { sum.high - sum.low } else { span(experiment, n) };
             channels.push(ReplayedChannel {
                 standard: standard.folder(),
                 column: channel.column,
@@ -79,6 +81,14 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         role: role_name(role),
         channels,
     })
+}
+
+/// Greatest less least reading of an output over all runs, above 0.
+fn span(experiment: &Experiment, output: usize) -> f64 {
+    let column = experiment.inputs.len() + output;
+    let all = experiment.runs.iter().flat_map(|r| &r.table.columns[column]).filter(|v| v.is_finite());
+    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    (high - low).max(f64::MIN_POSITIVE)
 }
 
 /// The name of the parameter that scales all terms.
