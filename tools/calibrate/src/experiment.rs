@@ -194,6 +194,16 @@ impl Experiment {
                 return Err(place.at(start, &format!("window_s = [{from}, {to}] is empty in {}", run.file)));
             }
             let table = Table::read(&folder.join(&run.file), &all)?;
+            if let Some((from, to)) = run.window_s
+                && !table.time.iter().any(|t| (from..=to).contains(t))
+            {
+                let (first, last) = (table.time[0], table.time[table.time.len() - 1]);
+                let message = format!(
+                    "window_s = [{from}, {to}] holds no row of {}, which runs from {first} s to {last} s",
+                    run.file
+                );
+                return Err(place.at(start, &message));
+            }
             let (file, role, window, start) = (run.file.clone(), run.role, run.window_s, run.start);
             runs.push(Run { file, role, window, start, table });
         }
