@@ -148,6 +148,7 @@ pub fn replay() -> Replay {
         limit: 1e-6,
         agrees: true,
         role: "test",
+        left_out: Vec::new(),
         channels: vec![channel],
     }
 }

@@ -149,11 +149,21 @@ pub fn verdict(outcome: &Outcome) -> String {
 
 /// Whether the FMUs show what the report says.
 pub fn replay(replay: &Replay) -> String {
-    let worst = replay.channels.iter().max_by(|a, b| a.difference.total_cmp(&b.difference));
-    let place = worst.map_or(String::new(), |c| format!(" ({} in {})", c.column, c.standard));
+    let left_out = if replay.left_out.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "; {} starts at measured temperatures, where an FMU cannot start",
+            list(&replay.left_out, "and")
+        )
+    };
+    let Some(worst) = replay.channels.iter().max_by(|a, b| a.difference.total_cmp(&b.difference)) else {
+        return format!("the exported FMUs could not be run over the data{left_out}");
+    };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     format!(
-        "the exported FMUs, run over the {} data, show the model's error to {:.1e} of the channel's range{place}, {relation} {:.0e}",
-        replay.role, replay.greatest_difference, replay.limit
+        "the exported FMUs, run over the {} data, show what the model shows to {:.1e} of the channel's range ({} in {}), \
+         {relation} {:.0e}{left_out}",
+        replay.role, replay.greatest_difference, worst.column, worst.standard, replay.limit
     )
 }
