@@ -48,9 +48,10 @@ pub fn outcome(
         found.term = addition.term();
     }
     let all: Vec<usize> = (0..experiment.runs.len()).collect();
-    let before = setup.show(&setup.preset(), &all)?;
-    let fitted = setup.show(refit, &all)?;
-    let after = setup.show(&hypothesis, &all)?;
+    let exact = setup.exact();
+    let before = exact.show(&setup.preset(), &all)?;
+    let fitted = exact.show(refit, &all)?;
+    let after = exact.show(&hypothesis, &all)?;
     let mut errors = Vec::new();
     for role in [Role::Fit, Role::Validate, Role::Test] {
         let runs = setup.runs(role);

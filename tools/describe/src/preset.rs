@@ -22,6 +22,7 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml")),
     ("thesis-rig", include_str!("../../../examples/presets/thesis-rig.toml")),
     ("bdcm-37d", include_str!("../../../examples/presets/bdcm-37d.toml")),
+    ("bench-bldc-stall", include_str!("../../../examples/presets/bench-bldc-stall.toml")),
 ];
 
 /// Start values that differ from the declared ones, by value reference.
