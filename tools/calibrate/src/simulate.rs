@@ -219,11 +219,6 @@ impl Drive {
         Ok(Drive { time, inputs, set, warm })
     }
 
-    /// Inputs by row, in the experiment's order, in SI units: every one known at every row.
-    pub fn inputs(&self) -> &[Vec<f64>] {
-        &self.inputs
-    }
-
     /// A run that was never driven: inputs by row, in SI units.
     pub fn of(time: Vec<f64>, inputs: Vec<Vec<f64>>) -> Drive {
         Drive { time, inputs, set: Vec::new(), warm: Vec::new() }
