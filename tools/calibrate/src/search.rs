@@ -325,7 +325,7 @@ fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
     knots(point, driver)?;
     let factor = scale(point, driver);
     let of = |exponent: f64| {
-        let value = |x: f64| power(((x - factor.offset) / factor.reference).abs(), exponent);
+        let value = |x: f64| power(&factor, x, exponent);
         let gain = point.evidence.gain(&point.port_columns(port, 1, |_, _, _, d| value(d.of(driver)))?)?;
         // A drag or a drop that drives is none.
         let physical = !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
