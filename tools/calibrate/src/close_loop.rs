@@ -107,7 +107,7 @@ impl<'a> Search<'a> {
 
     fn rounds(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
         for round in 0..MOST_TERMS {
-            if self.left.first().is_none_or(|s| s.evidence <= LEAST || s.raw <= LEAST) {
+            if self.left.first().is_none_or(|s| s.sure() <= LEAST) {
                 break;
             }
             let round_of = compete(self.point(), &self.left)?;
@@ -176,9 +176,7 @@ impl<'a> Search<'a> {
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty() {
-            if let Some(rest) =
-                self.left.iter().find(|s| !s.listed).filter(|s| s.evidence > SAID && s.raw > SAID)
-            {
+            if let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.sure() > SAID) {
                 judgement.verdict = Verdict::Unexplained;
                 judgement.unexplained = Some(told(rest, false));
             }

@@ -25,6 +25,8 @@ const NEAR: f64 = 6.0;
 const CONTENDERS: [usize; 3] = [5, 3, 2];
 /// Share of a run that is held out where no validation run has the effect.
 const HELD_OUT: f64 = 0.25;
+/// A parameter further than this from its prior, in its deviations, stands in for something else.
+const ASTRAY: f64 = 2.5;
 /// A sensor of the room that drifts further than this is broken, K.
 const MOST_DRIFT: f64 = 5.0;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
@@ -47,6 +49,11 @@ pub struct Contender<'a> {
 }
 
 impl Contender<'_> {
+    /// What speaks for it whichever way the noise is taken.
+    pub fn sure(&self) -> f64 {
+        self.delta.0.min(self.delta.1)
+    }
+
     /// What was added.
     pub fn addition(&self) -> &Addition {
         let additions = &self.point.fitted.hypothesis.additions;
@@ -108,16 +115,16 @@ pub fn compete<'a>(point: &Point<'a>, scored: &[Scored]) -> Result<Round<'a>, Ca
         chosen.par_iter().map(|scored| fitted(point, scored)).collect();
     // A candidate that the model cannot be run with is none.
     let mut contenders: Vec<Contender<'a>> = fitted.into_iter().filter_map(Result::ok).collect();
-    contenders.sort_by(|a, b| b.delta.0.total_cmp(&a.delta.0));
+    contenders.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     let mut taken = None;
     let mut alike = Vec::new();
     // An effect of the list stands for a shape that explains hardly more.
-    let best = contenders.first().map_or(0.0, |c| c.delta.0);
+    let best = contenders.first().map_or(0.0, Contender::sure);
     let mut order: Vec<usize> = (0..contenders.len()).collect();
-    order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].delta.0 < LEAST));
+    order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < LEAST));
     for k in order {
         // Who explains far less than one that was taken is not looked at.
-        if taken.is_some_and(|t: usize| contenders[t].delta.0 - contenders[k].delta.0 > NEAR) {
+        if taken.is_some_and(|t: usize| contenders[t].sure() - contenders[k].sure() > NEAR) {
             continue;
         }
         if taken.is_some() && !contenders[k].addition().is_listed() {
@@ -150,8 +157,8 @@ fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
     }
     let mut best = k;
     for other in 0..contenders.len() {
-        let apart = contenders[k].delta.0 - contenders[other].delta.0;
-        let near = apart.abs() <= FORETELLING.0.max(FORETELLING.1 * contenders[k].delta.0.abs());
+        let apart = contenders[k].sure() - contenders[other].sure();
+        let near = apart.abs() <= FORETELLING.0.max(FORETELLING.1 * contenders[k].sure().abs());
         let same = place(&contenders[other]) == place(&contenders[k]);
         if other == k || !same || !near || contenders[other].addition().is_listed() {
             continue;
@@ -173,12 +180,12 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
         (Some(a), false) if a.numbers.len() == 2 => 1,
         _ => 2,
     };
-    let best = scored.first().map_or(0.0, |s| s.evidence);
-    for candidate in scored.iter().filter(|s| s.addition.is_some() && s.evidence > 0.0) {
+    let best = scored.first().map_or(0.0, Scored::sure);
+    for candidate in scored.iter().filter(|s| s.addition.is_some() && s.sure() > 0.0) {
         let k = kind(candidate);
         let alike = chosen.iter().filter(|c| kind(c) == k);
         // A slope misleads where an effect is large: what explains a good part of the best may be the best.
-        let far = candidate.evidence < 0.3 * best;
+        let far = candidate.sure() < 0.3 * best;
         let enough = alike.clone().count() >= CONTENDERS[k] || (far && alike.clone().count() >= 1);
         let twice = alike.clone().filter(|c| c.name == candidate.name).count() > 0 && k != 0
             || alike.clone().filter(|c| c.name == candidate.name).count() > 1;
@@ -189,9 +196,15 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
     chosen
 }
 
-/// The point's numbers with a further addition, moved as to first order they would be.
+/// The point's numbers with a further addition, where its fit begins.
 fn begun(point: &Point, addition: &Addition) -> Hypothesis {
     let mut hypothesis = point.fitted.hypothesis.clone();
+    // A parameter that stands in for the effect is far off; from there the way back is long, or there is none.
+    for (value, declared) in hypothesis.declared.iter_mut().zip(&point.setup.declared) {
+        if (*value - declared.prior).abs() > ASTRAY * declared.deviation {
+            *value = declared.prior;
+        }
+    }
     hypothesis.additions.push(addition.clone());
     hypothesis
 }

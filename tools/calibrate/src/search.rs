@@ -55,6 +55,13 @@ pub struct Scored {
     pub shape: Vec<(f64, f64, f64)>,
 }
 
+impl Scored {
+    /// What speaks for it whichever way the noise is taken.
+    pub fn sure(&self) -> f64 {
+        self.evidence.min(self.raw)
+    }
+}
+
 /// The runs' values of a driver: least, greatest, and points between that hold as many rows each.
 fn knots(point: &Point, driver: Driver) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
@@ -121,7 +128,7 @@ pub fn search(point: &Point) -> Vec<Scored> {
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
     all.par_extend(ports.par_iter().flat_map_iter(|port| histories(point, *port, per_number)));
     all.extend(free);
-    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     all
 }
 
