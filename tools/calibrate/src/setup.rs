@@ -60,6 +60,8 @@ pub struct Setup<'a> {
     pub declared: Vec<Declared>,
     /// Standard deviations of the noise: inputs, then outputs.
     pub noise: Vec<f64>,
+    /// Inputs whose noise the stores of heat remember, so that it shows in neighbouring rows alike.
+    pub remembered: Vec<usize>,
     /// From and to of the rows that count, run by run, s.
     pub windows: Vec<(f64, f64)>,
     /// Blocks of each run.
@@ -114,6 +116,7 @@ impl<'a> Setup<'a> {
             smooth: Arc::new(smooth),
             declared,
             noise,
+            remembered: Vec::new(),
             windows,
             blocks,
         })
