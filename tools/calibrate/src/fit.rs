@@ -265,3 +265,59 @@ impl Setup<'_> {
         Ok(now)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial;
+    use physics::terms::{GenericTerm, Law, Product};
+
+    const PRIORS: &str = "\"motor.R_ref\" = 0.1\n\"conductance.G_still\" = 0.1\n\
+                          \"effect.coulomb_friction.tau_c\" = 0.5\n\"thermal.C_h\" = 0.1";
+
+    fn preset(experiment: &crate::experiment::Experiment) -> Vec<f64> {
+        Setup::new(experiment, &[]).unwrap().preset().declared
+    }
+
+    #[test]
+    fn planted_numbers_come_back() {
+        let mut experiment = trial::experiment(PRIORS, true);
+        let mut truth = preset(&experiment);
+        truth.iter_mut().zip([1.03, 0.93, 1.4, 1.08]).for_each(|(x, share)| *x *= share);
+        trial::read(&mut experiment, &truth, None);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let found = setup.fit(setup.preset(), &[0]).unwrap();
+        for ((found, told), d) in found.hypothesis.declared.iter().zip(&truth).zip(&setup.declared) {
+            assert!((found / told - 1.0).abs() < 2e-3, "{}: {found} instead of {told}", d.name);
+        }
+        assert_eq!(found.readings, 1200);
+    }
+
+    /// A torque that drives asks for less than no friction: it stops at none, and the resistance goes on.
+    #[test]
+    fn one_that_stands_at_its_limit_does_not_stop_the_others() {
+        let mut experiment = trial::experiment(PRIORS, true);
+        let mut truth = preset(&experiment);
+        let place = |name: &str| experiment.priors.iter().position(|p| p.name == name).unwrap();
+        let (friction, resistance) = (place("effect.coulomb_friction.tau_c"), place("motor.R_ref"));
+        truth[resistance] *= 1.05;
+        truth[friction] = 0.0;
+        let law = Law::Product(Product { coefficient: -2e-3, factors: [None; 3] });
+        trial::read(&mut experiment, &truth, Some(GenericTerm { port: Port::DragTorque, law }));
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let first = setup.fit(setup.preset(), &[0]).unwrap();
+        let second = setup.fit(first.hypothesis.clone(), &[0]).unwrap();
+        let t = setup.judged(Hypothesis { declared: truth.clone(), additions: vec![] }, &[0]).unwrap();
+        eprintln!(
+            "COST first {} second {} truth {} {:?} preset {}",
+            first.cost,
+            second.cost,
+            t.cost,
+            second.hypothesis.declared,
+            setup.judged(setup.preset(), &[0]).unwrap().cost
+        );
+        let found = first.hypothesis.declared;
+        assert_eq!(found[friction], 0.0);
+        assert!((found[resistance] / truth[resistance] - 1.0).abs() < 0.01, "{found:?} {truth:?}");
+    }
+}
