@@ -250,11 +250,11 @@ impl<'a> Search<'a> {
             let shape = self.scored.iter().find(same).map(|s| s.shape.clone()).unwrap_or_default();
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
-        } else if effects.is_empty() {
-            if let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.sure() > SAID) {
-                judgement.verdict = Verdict::Unexplained;
-                judgement.unexplained = Some(told(rest, false));
-            }
+        } else if effects.is_empty()
+            && let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.sure() > SAID)
+        {
+            judgement.verdict = Verdict::Unexplained;
+            judgement.unexplained = Some(told(rest, false));
         }
         judgement.effects = effects;
         if let Some(taken) = self.rounds.iter().rposition(|r| r.taken.is_some()) {
@@ -368,11 +368,10 @@ fn told(scored: &Scored, added: bool) -> Unexplained {
 impl Setup<'_> {
     /// Adds to the noise of each output what the noise of the inputs does to it at once.
     fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
-        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let inputs = self.experiment.inputs.len();
         let (direct, _) = self.input_noise(&fitted.hypothesis, runs)?;
-        for output in 0..m {
-            let own = self.noise[inputs + output];
-            self.noise[inputs + output] = (own * own + direct[output]).sqrt();
+        for (own, direct) in self.noise[inputs..].iter_mut().zip(direct) {
+            *own = (*own * *own + direct).sqrt();
         }
         Ok(())
     }

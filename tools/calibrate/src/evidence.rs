@@ -174,7 +174,7 @@ impl Evidence {
         let (inverse, prior) = (factor.inverse(), log_determinant(&factor));
         self.best(s, |power, seen| {
             let scale = power.trace() / power.nrows() as f64;
-            if !(scale > 0.0) {
+            if scale.is_nan() || scale <= 0.0 {
                 return None;
             }
             let of = |size: f64| {
