@@ -293,20 +293,29 @@ mod tests {
         assert_eq!(found.readings, 1200);
     }
 
-    /// A torque that drives asks for less than no friction: it stops at none, and the resistance goes on.
+    /// A torque that drives asks for less than no friction. It stops at none, and what grows with the speed, which could not be
+    /// told from it by a step of both, goes to where it is best without.
     #[test]
     fn one_that_stands_at_its_limit_does_not_stop_the_others() {
-        let mut experiment = trial::experiment(PRIORS, true);
+        let priors = format!("{PRIORS}\n\"effect.viscous_friction.k\" = 10");
+        let mut experiment = trial::experiment(&priors, true);
         let mut truth = preset(&experiment);
         let place = |name: &str| experiment.priors.iter().position(|p| p.name == name).unwrap();
-        let (friction, resistance) = (place("effect.coulomb_friction.tau_c"), place("motor.R_ref"));
-        truth[resistance] *= 1.05;
-        truth[friction] = 0.0;
-        let law = Law::Product(Product { coefficient: -2e-5, factors: [None; 3] });
+        let (none, grows) = (place("effect.coulomb_friction.tau_c"), place("effect.viscous_friction.k"));
+        truth[none] = 0.0;
+        truth[grows] = 2e-5;
+        let law = Law::Product(Product { coefficient: -1e-4, factors: [None; 3] });
         trial::read(&mut experiment, &truth, Some(GenericTerm { port: Port::DragTorque, law }));
         let setup = Setup::new(&experiment, &[]).unwrap();
-        let found = setup.fit(setup.preset(), &[0]).unwrap().hypothesis.declared;
-        assert_eq!(found[friction], 0.0);
-        assert!((found[resistance] / truth[resistance] - 1.0).abs() < 1e-3, "{found:?} {truth:?}");
+        let found = setup.fit(setup.preset(), &[0]).unwrap();
+        assert_eq!(found.hypothesis.declared[none], 0.0);
+        for (k, d) in setup.declared.iter().enumerate().filter(|(k, _)| *k != none) {
+            for share in [0.997, 1.003] {
+                let mut other = found.hypothesis.clone();
+                other.declared[k] *= share;
+                let other = setup.judged(other, &[0]).unwrap().cost;
+                assert!(other > found.cost, "{} at {share}: {other} instead of {}", d.name, found.cost);
+            }
+        }
     }
 }
