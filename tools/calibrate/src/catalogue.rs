@@ -131,3 +131,22 @@ impl Listed {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Experiment;
+
+    /// Every line names an effect of the motor, with the symbols that it has.
+    #[test]
+    fn the_list_is_that_of_the_motor() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/bench-synthetic/iron-loss");
+        let experiment = Experiment::read(&std::path::Path::new(folder).join("experiment.toml")).unwrap();
+        let bench = Bench::new(&experiment, &[]).unwrap();
+        for listed in LISTED {
+            let addition = listed.addition(&bench, &[true]).unwrap_or_else(|| panic!("{}", listed.id));
+            let numbers = &addition.numbers;
+            assert!(numbers.iter().all(|n| n.scale > 0.0 && n.limits.0 < n.limits.1), "{}", listed.id);
+        }
+    }
+}

@@ -252,11 +252,11 @@ impl<'a> Search<'a> {
             let shape = self.scored.iter().find(same).map(|s| s.shape.clone()).unwrap_or_default();
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
-        } else if effects.is_empty() {
-            if let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.sure() > SAID) {
-                judgement.verdict = Verdict::Unexplained;
-                judgement.unexplained = Some(told(rest, false));
-            }
+        } else if effects.is_empty()
+            && let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.sure() > SAID)
+        {
+            judgement.verdict = Verdict::Unexplained;
+            judgement.unexplained = Some(told(rest, false));
         }
         judgement.effects = effects;
         if let Some(taken) = self.rounds.iter().rposition(|r| r.taken.is_some()) {

@@ -174,7 +174,7 @@ impl Evidence {
         let (inverse, prior) = (factor.inverse(), log_determinant(&factor));
         self.best(s, |power, seen| {
             let scale = power.trace() / power.nrows() as f64;
-            if !(scale > 0.0) {
+            if scale.is_nan() || scale <= 0.0 {
                 return None;
             }
             let of = |size: f64| {
@@ -216,4 +216,103 @@ impl Evidence {
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
     2.0 * factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial::normal;
+
+    fn column(n: usize, of: impl Fn(f64) -> f64) -> DMatrix<f64> {
+        DMatrix::from_fn(n, 1, |k, _| of(k as f64 / n as f64))
+    }
+
+    /// Hat functions over a clock of 10 000 s, for readings of nine rows each.
+    fn sensor(n: usize) -> (DMatrix<f64>, Vec<(f64, usize)>) {
+        let points: Vec<f64> = (0..12).map(|k| k as f64 / 11.0).collect();
+        let drift =
+            DMatrix::from_fn(n, 12, |row, k| 3.0 * crate::hypothesis::hat(&points, k, row as f64 / n as f64));
+        (drift, points.iter().map(|t| (1e4 * t, 0)).collect())
+    }
+
+    /// A planted signal comes back with its size, beside a parameter and a drifting sensor, as surely as least squares say.
+    #[test]
+    fn what_was_planted_is_found() {
+        let (n, mut seed) = (400, 2);
+        let fast = column(n, |t| if (40.0 * t).sin() > 0.0 { 1.0 } else { -1.0 });
+        let slope = column(n, |t| 5.0 * t);
+        let r = DVector::from_fn(n, |k, _| 0.7 * fast[(k, 0)] + 0.4 * slope[(k, 0)] + normal(&mut seed));
+        let (drift, knots) = sensor(n);
+        let gain = Evidence::new(r, &slope, &[0.0], &drift, &knots).unwrap().gain(&fast).unwrap();
+        let deviation = gain.covariance[(0, 0)].sqrt();
+        // Hardly anything else can do what it does: 1 / sqrt n.
+        assert!((deviation * (n as f64).sqrt() - 1.0).abs() < 0.1, "{deviation}");
+        assert!((gain.size[0] - 0.7).abs() < 3.0 * deviation, "{gain:?}");
+        let expected = (0.7 / deviation).powi(2);
+        assert!(gain.raw > 0.6 * expected && gain.whitened > 0.6 * expected, "{gain:?} {expected}");
+    }
+
+    /// A sensor that drifts, and a slow column that looks like it: white noise alone would take it, drift explains it.
+    #[test]
+    fn a_drift_is_no_effect() {
+        let (n, mut seed) = (400, 4);
+        let (drift, knots) = sensor(n);
+        let walk = |t: f64| (3.1 * t).sin() + 0.5 * (7.3 * t + 1.0).cos();
+        let r = DVector::from_fn(n, |k, _| 1.5 * walk(k as f64 / n as f64) + normal(&mut seed));
+        let none = DMatrix::zeros(n, 0);
+        let slow = column(n, |t| (3.0 * t).sin());
+        let gain = Evidence::new(r, &none, &[], &drift, &knots).unwrap().gain(&slow).unwrap();
+        assert!(gain.raw > 100.0 && gain.whitened < 10.0, "{gain:?}");
+    }
+
+    /// Three readings, a mean that is free and a ramp: the ramp takes the 2 that the mean leaves of 14.
+    #[test]
+    fn raw_is_the_fall_of_the_squares() {
+        let r = DVector::from_vec(vec![1.0, 2.0, 3.0]);
+        let (mean, ramp) = (DMatrix::from_element(3, 1, 1.0), DMatrix::from_vec(3, 1, vec![0.0, 1.0, 2.0]));
+        let evidence = Evidence::new(r, &mean, &[f64::NAN], &DMatrix::zeros(3, 0), &[]).unwrap();
+        assert!((evidence.cost().1 - 2.0).abs() < 1e-6);
+        let gain = evidence.gain(&ramp).unwrap();
+        assert!((gain.raw - 2.0).abs() < 1e-6 && (gain.whitened - 2.0).abs() < 1e-6, "{gain:?}");
+        assert!((gain.size[0] - 1.0).abs() < 1e-6 && (gain.covariance[(0, 0)] - 0.5).abs() < 1e-6);
+    }
+
+    /// -2 log of a normal density, without 2 pi.
+    fn minus_two_log(r: &DVector<f64>, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
+        let factor = covariance.clone().cholesky().unwrap();
+        let off = r - mean;
+        off.dot(&factor.solve(&off)) + covariance.determinant().ln()
+    }
+
+    /// Eq. (2) and (4) against densities written out: four readings, a parameter that stands 0.3 from its prior, a sensor
+    /// with two points, a shape of two numbers.
+    #[test]
+    fn evidence_is_that_of_the_densities() {
+        let r = DVector::from_vec(vec![2.0, -1.0, 0.5, 3.0]);
+        let z = DMatrix::from_vec(4, 1, vec![1.0, 0.5, -0.5, 0.2]);
+        let s = DMatrix::from_vec(4, 2, vec![1.0, 0.0, 0.3, 2.0, 0.1, -1.0, 0.4, 0.6]);
+        let kernel = DMatrix::from_vec(2, 2, vec![1.0, 0.5, 0.5, 1.0]);
+        let mean = &z * DVector::from_element(1, -0.3);
+        let one = DMatrix::<f64>::identity(4, 4);
+        let plain = &one + &z * z.transpose();
+        let evidence = Evidence::new(r.clone(), &z, &[0.3], &DMatrix::zeros(4, 0), &[]).unwrap();
+        let power = s.transpose() * plain.clone().cholesky().unwrap().solve(&s);
+        let with = |size: f64| &plain + &s * &kernel * s.transpose() * (size / (power.trace() / 2.0));
+        let told = SIZES.iter().map(|size| minus_two_log(&r, &mean, &with(*size)));
+        let told = minus_two_log(&r, &mean, &plain) - told.fold(f64::INFINITY, f64::min);
+        let gain = evidence.shape(&s, &kernel).unwrap();
+        assert!((gain.raw - told).abs() < 1e-6, "{} instead of {told}", gain.raw);
+        let drift = DMatrix::from_vec(4, 2, vec![1.0, 0.5, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0]);
+        let evidence = Evidence::new(r.clone(), &z, &[0.3], &drift, &[(0.0, 0), (1e3, 0)]).unwrap();
+        let costs = DRIFTS.iter().map(|(sd, length)| {
+            let near = (-1e3 / length).exp();
+            let k = DMatrix::from_vec(2, 2, vec![1.0, near, near, 1.0]) * (sd * sd);
+            let drifting = &drift * k * drift.transpose();
+            // The parameters' own share of the determinant is the same for all, and left out.
+            let whole = minus_two_log(&r, &mean, &(&plain + &drifting));
+            whole - (&plain + &drifting).determinant().ln() + (&one + &drifting).determinant().ln()
+        });
+        let told = costs.fold(f64::INFINITY, f64::min);
+        assert!((evidence.cost().0 - told).abs() < 1e-4, "{:?} instead of {told}", evidence.cost());
+    }
 }

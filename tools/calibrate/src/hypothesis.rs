@@ -1,6 +1,6 @@
 //! A model that may be: the declared parameters with their values, and what was added.
 
-use crate::candidate::Change;
+use crate::change::Change;
 use crate::outcome::Follows;
 use physics::model::Slot;
 use physics::terms::{Driver, Drivers, Factor, GenericTerm, Law, Port, Product, Table};
@@ -161,5 +161,99 @@ impl Hypothesis {
         let places = self.additions.iter_mut().flat_map(|a| a.numbers.iter_mut().filter(|n| n.sloped));
         let all = self.declared.iter_mut().chain(places.map(|n| &mut n.value));
         all.zip(numbers).for_each(|(place, value)| *place = *value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(value: f64, sloped: bool) -> Number {
+        let limits = (f64::NEG_INFINITY, f64::INFINITY);
+        Number { symbol: "x".to_string(), value, limits, unit: "1", scale: 1.0, sloped }
+    }
+
+    fn addition(shape: Shape, numbers: &[f64]) -> Addition {
+        Addition {
+            id: "generic_term".to_string(),
+            port: Port::DragTorque,
+            follows: Follows::Driver(Driver::Speed),
+            shape,
+            numbers: numbers.iter().map(|x| number(*x, true)).collect(),
+            active: vec![true],
+        }
+    }
+
+    fn at(speed: f64) -> Drivers {
+        Drivers { speed, ..Drivers::default() }
+    }
+
+    /// At every place the shares of all points add up to 1, and those of a line's values to the line; beyond the ends they are held.
+    #[test]
+    fn hats_share_the_whole() {
+        let knots = [-1.0, 0.5, 1.0, 4.0];
+        let sum = |x: f64, of: &dyn Fn(usize) -> f64| (0..4).map(|k| hat(&knots, k, x) * of(k)).sum::<f64>();
+        for step in 0..=100 {
+            let x = -3.0 + 0.1 * f64::from(step);
+            assert!((sum(x, &|_| 1.0) - 1.0).abs() < 1e-12, "{x}");
+            let line = 2.0 * x.clamp(-1.0, 4.0) - 1.0;
+            assert!((sum(x, &|k| 2.0 * knots[k] - 1.0) - line).abs() < 1e-12, "{x}");
+        }
+        assert_eq!((hat(&knots, 1, 0.5), hat(&knots, 1, 1.0), hat(&knots, 3, 9.0)), (1.0, 0.0, 1.0));
+    }
+
+    /// What slopes follow is what the law does, on both sides of its zero: the value by its numbers, and how it grows with each.
+    #[test]
+    fn slopes_of_a_power_are_those_of_its_law() {
+        let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 200.0, exponent: 0.7 };
+        let law = |numbers: &[f64], x: f64| numbers[0] * power(&factor, x, numbers[1]);
+        for x in [-350.0, -20.0, 5.0, 300.0] {
+            let of = addition(Shape::Power { factor }, &[0.3, 0.7]);
+            for k in 0..2 {
+                let (mut more, mut less) = ([0.3, 0.7], [0.3, 0.7]);
+                more[k] += 1e-6;
+                less[k] -= 1e-6;
+                let slope = (law(&more, x) - law(&less, x)) / 2e-6;
+                assert!((of.slope(k, &at(x)) - slope).abs() < 1e-8, "{x} {k}");
+            }
+        }
+        // A drag turns round with the speed, a resistance's driver has no sides.
+        let current = Factor { driver: Driver::Current, ..factor };
+        assert_eq!(power(&current, -100.0, 2.0), power(&current, 100.0, 2.0));
+        let warm =
+            Factor { driver: Driver::WindingTemperature, offset: 298.15, reference: 50.0, exponent: 1.0 };
+        assert!((power(&warm, 248.15, 1.0) + 1.0).abs() < 1e-12);
+        assert_eq!(addition(Shape::Power { factor }, &[0.3, 0.7]).slope(1, &at(0.0)), 0.0);
+    }
+
+    /// The law that is added has the numbers as they stand.
+    #[test]
+    fn a_term_has_its_numbers() {
+        let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 200.0, exponent: 1.0 };
+        let term = addition(Shape::Power { factor }, &[0.3, 0.7]).term().unwrap();
+        let Law::Product(product) = term.law else { panic!("{term:?}") };
+        assert_eq!((product.coefficient, product.factors[0].unwrap().exponent), (0.3, 0.7));
+        let table = addition(Shape::Table { driver: Driver::Speed, knots: vec![0.0, 10.0] }, &[1.0, 3.0]);
+        assert!(matches!(table.term().unwrap().law, Law::Table(_)));
+        let mut change = Change::default();
+        table.apply(&mut change);
+        assert_eq!((change.terms.len(), change.values.len()), (1, 0));
+        let listed = addition(Shape::Listed { slots: Vec::new(), with: Vec::new() }, &[]);
+        assert!(listed.term().is_none() && listed.is_listed());
+    }
+
+    /// What is not found by slopes stays where it is.
+    #[test]
+    fn numbers_are_taken_in_the_order_in_which_they_are_told() {
+        let mut second = addition(Shape::Listed { slots: Vec::new(), with: Vec::new() }, &[5.0]);
+        second.numbers.push(number(77.0, false));
+        second.numbers.push(number(6.0, true));
+        let first = addition(Shape::Table { driver: Driver::Speed, knots: vec![0.0, 1.0] }, &[3.0, 4.0]);
+        let mut hypothesis = Hypothesis { declared: vec![1.0, 2.0], additions: vec![first, second] };
+        assert_eq!(hypothesis.numbers(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let others: Vec<f64> = (10..16).map(f64::from).collect();
+        hypothesis.take(&others);
+        assert_eq!(hypothesis.numbers(), others);
+        assert_eq!(hypothesis.additions[1].numbers[1].value, 77.0);
     }
 }

@@ -1,14 +1,27 @@
 //! Closing the loop: from bench data to the effect that the model lacks.
 //!
-//! So far: [`experiment`] reads what was measured and refuses what cannot be right, [`noise`] says how much of it is
-//! noise, [`simulate`] runs the model as the bench ran, and [`refit`] gives the naive answer, other
-//! parameters, and scores each [`candidate`] by what it would explain of the rest;
-//! [`compete`] fits the best of them. [`outcome`] is what all of it comes to, [`report`] the file that says so.
+//! In the order that the data goes:
+//!
+//! | module | does |
+//! |---|---|
+//! | [`experiment`] | reads what was measured, and refuses what cannot be right |
+//! | [`noise`] | says how much of a channel is noise |
+//! | [`simulate`], [`change`] | the native model over a run, with what a trial changes of it |
+//! | [`hypothesis`], [`catalogue`] | a model that may be: parameters, effects of the list, terms of no list |
+//! | [`setup`] | all of it ready to be asked; residuals row by row and in blocks |
+//! | [`fit`] | the numbers of a hypothesis: bounded, with priors |
+//! | [`tangent`] | the model linearised along a run: what any small force at any port would do |
+//! | [`evidence`] | what a column would explain beside all parameters and drifting sensors |
+//! | [`point`] | a fitted model with both: where one looks from |
+//! | [`search`] | scores effects, shapes over drivers, forces free in time, and what knows its past |
+//! | [`rounds`] | the best are fitted, compete, and pass a gate |
+//! | [`close_loop`] | the whole way, and the verdict |
+//! | [`separate`] | the run or reading that would tell two models apart |
+//! | `telling`, [`outcome`], [`report`] | intervals, errors, words: as data, and as `report.json` |
 
-pub mod candidate;
 pub mod catalogue;
+pub mod change;
 pub mod close_loop;
-pub mod compete;
 pub mod evidence;
 pub mod experiment;
 pub mod fit;
@@ -16,7 +29,6 @@ pub mod hypothesis;
 pub mod noise;
 pub mod outcome;
 pub mod point;
-pub mod refit;
 pub mod report;
 pub mod rounds;
 pub mod search;
@@ -25,6 +37,8 @@ pub mod setup;
 pub mod simulate;
 pub mod tangent;
 mod telling;
+#[cfg(test)]
+mod trial;
 
 /// Why an experiment cannot be used: one sentence with file and, where there is one, line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -5,24 +5,91 @@
 //!
 //! A row against the line between its neighbours: a quantity that changes slowly beside the rows leaves noise alone.
 //! The median is deaf to the few rows where an input jumps.
-//! *Assumes* white noise; one that drifts or is quantised coarser than itself reads as 0: [`LEAST`] then stands in.
+//! quantised: q^2 / 12,   q the step in which a channel moves                                              (3)
+//!
+//! *Assumes* white noise; one that drifts reads as 0: [`LEAST`] then stands in. What a converter or a display cuts off, (3),
+//! reads as 0 as well where it is coarser than the noise; where it is finer, (2) has it already, so that the greater of both
+//! counts. A stated noise is the sensor's own, to which (3) adds.
 //! *Source*: Gasser, Sroka, Jennen-Steinmetz, Biometrika 73 (1986) 625-633; 1.4826 makes the median of a normal
-//! distribution its standard deviation.
+//! distribution its standard deviation. (3): Widrow, IRE Transactions on Circuit Theory 3 (1956) 266-276.
 
 use crate::experiment::Experiment;
 
 /// Share of a channel's span that its noise is at least taken for.
 const LEAST: f64 = 1e-5;
 
-/// Standard deviation of the noise of one column of one run; `None` with fewer than five rows that were measured.
+/// Share of its readings that a slower sensor holds equally long.
+const REGULAR: f64 = 0.8;
+/// Moves between rows that it takes to tell a step: fewer are plateaus.
+const MOVES: usize = 20;
+/// The share of the moves, least first, beyond which the step is taken: of noise that is not quantised it is next to
+/// nothing, of noise that is, the step itself.
+const FIRST: f64 = 0.02;
+/// How near a move has to be to a multiple of the step, and what share of the moves.
+const ON_STEPS: (f64, f64) = (0.02, 0.95);
+/// A channel that has fewer steps in its span is told what to do (a fan on and off, a stair of speeds), and says so exactly.
+const STEPS: f64 = 50.0;
+/// The coarsest thermometer, K: of a temperature, which nobody commands, few steps are enough.
+const COARSEST: f64 = 1.0;
+
+/// The step in which a quantity moves from row to row; `None` where it moves freely, hardly, or as commanded. Decimals of a file
+/// are a step as well, however small.
+fn step<'a>(columns: impl Iterator<Item = &'a [f64]>, is_temperature: bool) -> Option<f64> {
+    let (mut moves, mut least, mut most) = (Vec::new(), f64::INFINITY, f64::NEG_INFINITY);
+    for column in columns {
+        let known: Vec<f64> = column.iter().copied().filter(|v| v.is_finite()).collect();
+        (least, most) = known.iter().fold((least, most), |(a, b), v| (a.min(*v), b.max(*v)));
+        let sizes = known.windows(2).map(|pair| ((pair[1] - pair[0]).abs(), pair[0].abs().max(1e-3)));
+        // What is left of a subtraction of equal readings is none.
+        moves.extend(sizes.filter(|(size, of)| *size > 1e-12 * of).map(|(size, _)| size));
+    }
+    if moves.len() < MOVES {
+        return None;
+    }
+    moves.sort_by(f64::total_cmp);
+    let step = moves[(FIRST * moves.len() as f64) as usize];
+    let on = |size: &&f64| (*size / step - (*size / step).round()).abs() <= ON_STEPS.0;
+    let all = moves.iter().filter(on).count() as f64 >= ON_STEPS.1 * moves.len() as f64;
+    let measured = most - least >= STEPS * step || (is_temperature && step <= COARSEST);
+    (all && measured).then_some(step)
+}
+
+/// Standard deviation of the noise of one column of one run; `None` with fewer than five rows that were measured. Rows that
+/// a slower sensor leaves blank are none, and where one repeats itself for as many rows each time, only new readings count.
 pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
-    let mut sizes: Vec<f64> = (1..column.len().saturating_sub(1))
-        .filter_map(|k| {
-            let span = time[k + 1] - time[k - 1];
-            let (a, b) = ((time[k + 1] - time[k]) / span, (time[k] - time[k - 1]) / span);
-            let off = column[k] - a * column[k - 1] - b * column[k + 1];
-            let size = off.abs() / (1.0 + a * a + b * b).sqrt();
-            size.is_finite().then_some(size)
+    let known: Vec<(f64, f64)> =
+        time.iter().copied().zip(column.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
+    let sigma = of_readings(&known)?;
+    if sigma > 0.0 {
+        return Some(sigma);
+    }
+    // A logger that holds the last reading has a new one every so many rows; a command stands as long as it likes.
+    let mut new: Vec<(f64, f64)> = Vec::new();
+    let mut held: Vec<usize> = Vec::new();
+    for (k, reading) in known.iter().enumerate() {
+        if k == 0 || reading.1 != known[k - 1].1 {
+            new.push(*reading);
+            held.push(0);
+        }
+        if let Some(last) = held.last_mut() {
+            *last += 1;
+        }
+    }
+    let mut sorted = held.clone();
+    sorted.sort_unstable();
+    let usual = sorted[sorted.len() / 2];
+    let regular = held.iter().filter(|h| **h == usual).count() as f64 >= REGULAR * held.len() as f64;
+    if usual > 1 && regular { of_readings(&new).or(Some(0.0)) } else { Some(0.0) }
+}
+
+/// Eq. (2).
+fn of_readings(known: &[(f64, f64)]) -> Option<f64> {
+    let mut sizes: Vec<f64> = known
+        .windows(3)
+        .map(|w| {
+            let [(t0, y0), (t1, y1), (t2, y2)] = [w[0], w[1], w[2]];
+            let (a, b) = ((t2 - t1) / (t2 - t0), (t1 - t0) / (t2 - t0));
+            (y1 - a * y0 - b * y2).abs() / (1.0 + a * a + b * b).sqrt()
         })
         .collect();
     if sizes.len() < 3 {
@@ -33,22 +100,24 @@ pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
 }
 
 /// Standard deviations of all channels, inputs first, in SI units: what the experiment says, else the median of its
-/// runs.
+/// runs; with what the channel's step brings.
 pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
     let channels = experiment.inputs.iter().chain(&experiment.outputs);
     channels
         .enumerate()
         .map(|(n, channel)| {
-            if let Some(told) = experiment.noise.get(channel.column).filter(|told| **told > 0.0) {
-                return *told;
-            }
             let tables = || experiment.runs.iter().map(|r| &r.table);
+            let columns = tables().map(|t| t.columns[n].as_slice());
+            let quantised = step(columns, channel.is_temperature()).unwrap_or(0.0) / 12f64.sqrt();
+            if let Some(told) = experiment.noise.get(channel.column).filter(|told| **told > 0.0) {
+                return told.hypot(quantised);
+            }
             let mut all: Vec<f64> = tables().filter_map(|t| of_column(&t.time, &t.columns[n])).collect();
             all.sort_by(f64::total_cmp);
             let values = || tables().flat_map(|t| t.columns[n].iter().copied()).filter(|v| v.is_finite());
             let span = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
             let least = if span.is_finite() { (LEAST * span).max(1e-12) } else { 1.0 };
-            all.get(all.len() / 2).copied().unwrap_or(least).max(least)
+            all.get(all.len() / 2).copied().unwrap_or(least).max(least).max(quantised)
         })
         .collect()
 }
@@ -57,20 +126,120 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A slow wave with noise of standard deviation 0.2 (a uniform one of width 0.2 sqrt 12), rows at uneven times.
+    fn uniform(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn normal(seed: &mut u64) -> f64 {
+        (0..12).map(|_| uniform(seed)).sum::<f64>() - 6.0
+    }
+
+    /// A slow wave with noise of standard deviation 0.2, rows at uneven times.
     #[test]
     fn noise_on_a_slow_wave() {
         let mut seed = 1u64;
-        let mut uniform = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let time: Vec<f64> = (0..4000).map(|k| 2.0 * f64::from(k) + 0.5 * uniform()).collect();
-        let normal = |u: &mut dyn FnMut() -> f64| (0..12).map(|_| u()).sum::<f64>() - 6.0;
+        let time: Vec<f64> = (0..4000).map(|k| 2.0 * f64::from(k) + 0.5 * uniform(&mut seed)).collect();
         let column: Vec<f64> =
-            time.iter().map(|t| 40.0 * (t / 800.0).sin() + 0.2 * normal(&mut uniform)).collect();
+            time.iter().map(|t| 40.0 * (t / 800.0).sin() + 0.2 * normal(&mut seed)).collect();
         let sigma = of_column(&time, &column).unwrap();
         assert!((sigma / 0.2 - 1.0).abs() < 0.05, "{sigma}");
         assert_eq!(of_column(&time[..4], &column[..4]), None);
+    }
+
+    /// Every fifth row measured, and every fifth row new: the noise is that of the readings.
+    #[test]
+    fn noise_of_a_slower_sensor() {
+        let mut seed = 5u64;
+        let time: Vec<f64> = (0..6000).map(f64::from).collect();
+        let (mut blank, mut held) = (Vec::new(), Vec::new());
+        let mut last = 0.0;
+        for (k, t) in time.iter().enumerate() {
+            if k % 5 == 0 {
+                last = 40.0 * (t / 900.0).sin() + 0.1 * normal(&mut seed);
+            }
+            blank.push(if k % 5 == 0 { last } else { f64::NAN });
+            held.push(last);
+        }
+        for column in [blank, held] {
+            let sigma = of_column(&time, &column).unwrap();
+            assert!((sigma / 0.1 - 1.0).abs() < 0.08, "{sigma}");
+        }
+    }
+
+    /// Noise of fan, room and winding in an experiment of one run, where they read what the three functions say at each row.
+    fn noises(stated: &str, read: impl Fn(usize, &mut u64) -> [f64; 3]) -> Vec<f64> {
+        let folder = tempfile::tempdir().unwrap();
+        let mut rows = String::from(
+            "time_s,current_A,speed_rad_per_s,fan_command_1,ambient_temperature_degC,winding_temperature_degC\n",
+        );
+        let mut seed = 3u64;
+        for k in 0..1500 {
+            let [fan, room, winding] = read(k, &mut seed);
+            rows.push_str(&format!("{},1,100,{fan},{room},{winding}\n", 2 * k));
+        }
+        std::fs::write(folder.path().join("a.csv"), rows).unwrap();
+        let text = format!(
+            "[experiment]\nname = \"a\"\nmodel = \"AnnulusCooledMotor\"\npreset = \"maxon-305015\"\n\
+             inputs = [\"current_A\", \"speed_rad_per_s\", \"fan_command_1\", \"ambient_temperature_degC\"]\n\
+             outputs = [\"winding_temperature_degC\"]\n[noise]\n{stated}\n[[run]]\nfile = \"a.csv\"\nrole = \"fit\"\n"
+        );
+        std::fs::write(folder.path().join("e.toml"), text).unwrap();
+        of_experiment(&Experiment::read(&folder.path().join("e.toml")).unwrap())[2..].to_vec()
+    }
+
+    fn warming(k: usize) -> f64 {
+        25.0 + 40.0 * (1.0 - (-(k as f64) / 400.0).exp())
+    }
+
+    fn cut(x: f64, step: f64) -> f64 {
+        (x / step).round() * step
+    }
+
+    /// A thermometer of 0.25 K trembles by 0.25 / sqrt 12 = 0.072 K, whatever it is asked; a fan that is switched does not.
+    #[test]
+    fn a_coarse_sensor_is_as_noisy_as_its_step() {
+        let read = |k: usize, seed: &mut u64| {
+            let fan = if k % 60 < 30 { 0.0 } else { 1.0 };
+            [fan, cut(23.0 + 0.1 * normal(seed), 0.25), cut(warming(k), 0.25)]
+        };
+        let found = noises("", read);
+        assert!(found[0] < 1e-4, "{found:?}");
+        assert!((found[1] - 0.1).abs() < 0.05 && (found[2] - 0.0722).abs() < 0.002, "{found:?}");
+        // Beside a noise that is stated.
+        let found = noises("winding_temperature_degC = 0.1", read);
+        assert!((found[2] - 0.1f64.hypot(0.25 / 12f64.sqrt())).abs() < 1e-4, "{found:?}");
+    }
+
+    /// Five digits in a file are a step of a thousandth, and full digits none: the noise stays what it was.
+    #[test]
+    fn fine_readings_are_as_noisy_as_before() {
+        for step in [1e-3, 1e-9] {
+            let read = |k: usize, seed: &mut u64| [0.0, 23.0, cut(warming(k) + 0.1 * normal(seed), step)];
+            let (own, told) = (noises("", read), noises("winding_temperature_degC = 0.1", read));
+            assert!((own[2] / 0.1 - 1.0).abs() < 0.08, "{own:?}");
+            assert!((told[2] / 0.1 - 1.0).abs() < 0.01, "{told:?}");
+            assert!((own[2] / bare(step) - 1.0).abs() < 0.01, "{own:?}");
+        }
+    }
+
+    /// Eq. (2) alone of the same readings.
+    fn bare(step: f64) -> f64 {
+        let mut seed = 3u64;
+        let time: Vec<f64> = (0..1500).map(|k| 2.0 * f64::from(k)).collect();
+        let column: Vec<f64> = (0..1500).map(|k| cut(warming(k) + 0.1 * normal(&mut seed), step)).collect();
+        of_column(&time, &column).unwrap()
+    }
+
+    /// A stair of few speeds is a command; a counter of many steps is none.
+    #[test]
+    fn a_stair_is_no_step() {
+        let stair: Vec<f64> = (0..400).map(|k| f64::from(k / 10 % 7) * 100.0).collect();
+        assert_eq!(step([stair.as_slice()].into_iter(), false), None);
+        let counter: Vec<f64> = (0..400).map(|k| cut(300.0 * (f64::from(k) / 60.0).sin(), 0.5)).collect();
+        assert!((step([counter.as_slice()].into_iter(), false).unwrap() - 0.5).abs() < 1e-9);
+        // A smooth ramp in full digits.
+        let ramp: Vec<f64> = (0..400).map(|k| (f64::from(k) / 71.0).exp()).collect();
+        assert_eq!(step([ramp.as_slice()].into_iter(), false), None);
     }
 }

@@ -81,7 +81,7 @@ fn knots(point: &Point, driver: Driver) -> Option<Vec<f64>> {
         Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => 20.0,
         _ => most.abs().max(least.abs()),
     };
-    if !(span > STILL * size) {
+    if span.is_nan() || span <= STILL * size {
         return None;
     }
     let mut all: Vec<f64> = Vec::new();

@@ -165,3 +165,50 @@ fn compare(
     });
     differences.max_by(|p, q| p.levels.total_cmp(&q.levels))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial;
+
+    fn with(setup: &Setup, id: &str, size: f64) -> Hypothesis {
+        Hypothesis { additions: vec![trial::addition(setup, id, size)], ..setup.preset() }
+    }
+
+    /// Drags that grow with the root of the speed and with its square, alike at the one speed of the run: another speed shows
+    /// it, at the shaft.
+    #[test]
+    fn another_speed_tells_drags_apart() {
+        let experiment = trial::experiment("", false);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let (one, other) =
+            (with(&setup, "iron_loss", 1e-4), with(&setup, "windage", 1e-4 * 400f64.sqrt() / 400f64.powi(2)));
+        let runs = setup.show(&one, &[0]).unwrap().into_iter().zip(setup.show(&other, &[0]).unwrap());
+        let apart =
+            runs.flat_map(|(a, b)| a.into_iter().zip(b)).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(apart < 1e-4, "{apart}");
+        let sentence = separate(&setup, &one, &other, ["iron_loss", "windage"]).unwrap();
+        assert!(
+            sentence.starts_with("in a further run with")
+                && sentence.ends_with("between iron_loss and windage")
+        );
+        assert!(sentence.contains("speed_rad_per_s = 200"), "{sentence}");
+        // What the shaft gives up is heat: read to a thousandth, that shows more than the torque does.
+        assert!(sentence.contains("winding_temperature_degC would differ"), "{sentence}");
+    }
+
+    /// A winding's sensor that nobody read: its offset shows there and nowhere else.
+    #[test]
+    fn a_reading_that_was_not_taken_is_asked_for() {
+        let mut experiment = trial::experiment("", true);
+        let place = experiment.outputs.iter().position(|c| c.column == "winding_temperature_degC").unwrap();
+        experiment.outputs.remove(place);
+        experiment.runs[0].table.columns.remove(experiment.inputs.len() + place);
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let (one, other) =
+            (with(&setup, "winding_sensor_offset", 0.0), with(&setup, "winding_sensor_offset", 3.0));
+        let sentence = separate(&setup, &one, &other, ["none", "offset"]).unwrap();
+        assert!(sentence.contains("winding_temperature_degC would differ by 3.000"), "{sentence}");
+        assert!(separate(&setup, &one, &one, ["a", "b"]).is_none());
+    }
+}

@@ -1,7 +1,7 @@
 //! An experiment, ready to be asked: the bench, the runs, what may be fitted, the noise.
 
 use crate::CalibrateError;
-use crate::candidate::Change;
+use crate::change::Change;
 use crate::experiment::{Experiment, Role, Run};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
@@ -269,4 +269,69 @@ fn blocks(experiment: &Experiment, run: &Run, window: (f64, f64)) -> Vec<Block> 
         }));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial;
+
+    /// 1000 rows make 334 blocks of three, of which the last has one; rows outside the window and blanks are in none.
+    #[test]
+    fn blocks_hold_what_was_measured_and_counts() {
+        let mut experiment = trial::experiment("", true);
+        let run = &mut experiment.runs[0];
+        run.table.time = (0..1000).map(f64::from).collect();
+        for column in &mut run.table.columns {
+            *column = vec![300.0; 1000];
+        }
+        // 20 blanks in the voltage, and the torque not at all.
+        run.table.columns[4][100..120].fill(f64::NAN);
+        run.table.columns[5].fill(f64::NAN);
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let blocks_of = |window, output| -> Vec<Block> {
+            blocks(&experiment, &experiment.runs[0], window)
+                .into_iter()
+                .filter(|b| b.output == output)
+                .collect()
+        };
+        let rows = |blocks: &[Block]| blocks.iter().map(|b| b.rows.len()).sum::<usize>();
+        let whole = blocks_of(all, 2);
+        assert_eq!((whole.len(), rows(&whole), whole[333].rows.len()), (334, 1000, 1));
+        assert_eq!((whole[1].rows.as_slice(), whole[1].time), (&[3, 4, 5][..], 4.0));
+        let gap = blocks_of(all, 0);
+        assert_eq!((gap.len(), rows(&gap)), (980usize.div_ceil(3), 980));
+        assert!(gap.iter().flat_map(|b| &b.rows).all(|r| !(100..120).contains(r)));
+        assert!(blocks_of(all, 1).is_empty());
+        let part = blocks_of((100.0, 299.0), 3);
+        assert_eq!((part.len(), part[0].rows[0], part[199].rows[0]), (200, 100, 299));
+    }
+
+    /// Of white noise, block means in units of their noise have variance 1, whatever the blocks' length.
+    #[test]
+    fn means_of_white_noise_have_variance_one() {
+        let experiment = trial::experiment("", true);
+        let mut setup = Setup::new(&experiment, &[]).unwrap();
+        let rows = 300;
+        for length in [1, 4] {
+            let of = |output: usize| {
+                let all: Vec<u32> = (0..rows).collect();
+                let chunks: Vec<Vec<u32>> = all.chunks(length).map(<[u32]>::to_vec).collect();
+                chunks.into_iter().map(move |rows| Block { output, rows, time: 0.0 })
+            };
+            setup.blocks[0] = (0..4).flat_map(of).collect();
+            let mut seed = 5;
+            let (mut sum, mut count) = (0.0, 0);
+            for _ in 0..20 {
+                let values: Vec<f64> =
+                    (0..rows as usize * 4).map(|k| setup.sigma(k % 4) * trial::normal(&mut seed)).collect();
+                let mut means = Vec::new();
+                setup.means(0, &values, &mut means);
+                sum += means.iter().map(|x| x * x).sum::<f64>();
+                count += means.len();
+            }
+            let variance = sum / count as f64;
+            assert!((variance - 1.0).abs() < 0.05, "{length}: {variance}");
+        }
+    }
 }

@@ -4,7 +4,7 @@
 //! one, at the rows' own steps, which its integrator cuts where it must.
 
 use crate::CalibrateError;
-use crate::candidate::Change;
+use crate::change::Change;
 use crate::experiment::{Channel, Experiment, Run, Start};
 use physics::model::{Declaration, Model, ModelType, Node, Slot};
 

@@ -10,7 +10,7 @@
 //! (2010), for the phi functions.
 
 use crate::CalibrateError;
-use crate::candidate::Change;
+use crate::change::Change;
 use crate::simulate::{Bench, Drive};
 use nalgebra::DMatrix;
 use physics::model::{Model, Slot};
@@ -411,6 +411,40 @@ role = "fit"
                 assert!(off <= 0.01 * most + 1e-9, "probe {probe} output {output}: {off} of {most}");
             }
         }
+    }
+
+    /// Noise on the current and on the room's sensor, followed through the model and by a hundred simulations.
+    #[test]
+    fn variances_are_those_of_simulations() {
+        let experiment = crate::trial::experiment("", true);
+        let bench = Bench::new(&experiment, &[]).unwrap();
+        let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
+        let probes = [Probe::Input(0), Probe::Input(3)];
+        let tangent = Tangent::new(&bench, &drive, &Change::default(), &probes).unwrap();
+        let sigmas = [0.05, 0.1];
+        let directions = tangent.directions.iter().map(|d| d.as_ref().unwrap());
+        let noises: Vec<(&Direction, f64)> = directions.zip(sigmas).collect();
+        let (direct, whole) = tangent.variance(&noises);
+        let (trials, mut seed) = (120, 9);
+        let mut sums = [0.0; 4];
+        for _ in 0..trials {
+            let mut inputs = drive.inputs().to_vec();
+            for (k, sigma) in [0, 3].into_iter().zip(sigmas) {
+                inputs[k].iter_mut().for_each(|x| *x += sigma * crate::trial::normal(&mut seed));
+            }
+            let shown = bench.run(&Drive::of(drive.time.clone(), inputs), &Change::default()).unwrap();
+            for (output, column) in shown.iter().enumerate() {
+                let base = tangent.shown.iter().skip(output).step_by(4);
+                sums[output] += column.iter().zip(base).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            }
+        }
+        for (output, sum) in sums.iter().enumerate() {
+            let told: f64 = whole.iter().skip(output).step_by(4).sum();
+            let ratio = sum / f64::from(trials) / told;
+            assert!((ratio - 1.0).abs() < 0.2, "output {output}: {ratio}");
+        }
+        // A temperature follows; it does not jump.
+        assert!(direct[2 + 4 * 200] < 0.2 * whole[2 + 4 * 200]);
     }
 
     /// A leaky store, x' = -a x + u: held and ramped forces by hand.

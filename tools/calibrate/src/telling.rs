@@ -4,7 +4,7 @@ use crate::CalibrateError;
 use crate::close_loop::Judgement;
 use crate::experiment::Role;
 use crate::hypothesis::Hypothesis;
-use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Setting, Whiteness};
+use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Setting, Verdict, Whiteness};
 use crate::point::Point;
 use crate::rounds::{LEAST, per_number};
 use crate::setup::{Setup, Shown};
@@ -32,7 +32,18 @@ pub fn outcome(
     let experiment = setup.experiment;
     let point = judged.point.as_ref().unwrap_or(first);
     let mut hypothesis = judged.hypothesis;
-    let (estimates, correlation) = estimates(setup, point, Some(&mut hypothesis));
+    let mut notes = experiment.notes.clone();
+    notes.extend(judged.notes);
+    let mut corrected = hypothesis.clone();
+    let (estimates, correlation) = estimates(setup, point, Some(&mut corrected));
+    // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read.
+    if judged.verdict != Verdict::Nothing {
+        hypothesis = corrected;
+    } else if corrected.declared != hypothesis.declared {
+        let sentence =
+            "the sensors drift: parameters are told without that drift; the model keeps those of the refit";
+        notes.push(sentence.to_string());
+    }
     let (naive, _) = estimates_of_naive(setup, first);
     let mut effects = judged.effects;
     let declared = setup.declared.len();
@@ -92,8 +103,6 @@ pub fn outcome(
     let exported =
         [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
     let export = settings[exported.unwrap_or(0)].clone();
-    let mut notes = experiment.notes.clone();
-    notes.extend(judged.notes);
     Ok(Outcome {
         name: experiment.name.clone(),
         model: setup.bench.declaration().name,

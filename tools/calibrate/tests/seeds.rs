@@ -2,8 +2,12 @@
 //! and what the data cannot tell apart or no parameters explain.
 
 use calibrate::experiment::{Experiment, Role};
-use calibrate::refit::{Fitted, Problem};
+use calibrate::fit::Fitted;
+use calibrate::hypothesis::Hypothesis;
+use calibrate::point::Point;
+use calibrate::setup::Setup;
 use describe::Preset;
+use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 
 fn experiment(folder: &str) -> Experiment {
@@ -11,34 +15,87 @@ fn experiment(folder: &str) -> Experiment {
     Experiment::read(&examples.join(folder).join("EXPERIMENT.toml")).unwrap()
 }
 
-fn problem(experiment: &Experiment) -> Problem<'_> {
+fn setup(experiment: &Experiment) -> Setup<'_> {
     let preset = Preset::load(&experiment.preset).unwrap().starts.entries();
-    Problem::new(experiment, &preset).unwrap()
+    Setup::new(experiment, &preset).unwrap()
 }
 
-fn value(fitted: &[Fitted], name: &str) -> f64 {
-    fitted.iter().find(|f| f.name == name).unwrap_or_else(|| panic!("{name}")).value
+/// The naive fit, as the loop takes it: where a first one settles, a second begins.
+fn fit(setup: &Setup) -> Fitted {
+    let runs = setup.runs(Role::Fit);
+    let first = setup.fit(setup.preset(), &runs).unwrap();
+    setup.fit(first.hypothesis, &runs).unwrap()
+}
+
+fn place(setup: &Setup, name: &str) -> usize {
+    setup.declared.iter().position(|d| d.name == name).unwrap_or_else(|| panic!("{name}"))
+}
+
+fn value(setup: &Setup, fitted: &Fitted, name: &str) -> f64 {
+    fitted.hypothesis.declared[place(setup, name)]
 }
 
 /// Each error, fit, validation and test, in the outputs' order, near what is told.
-fn errors<const N: usize>(problem: &Problem, fitted: &[Fitted], told: [[f64; N]; 3]) {
-    let found = problem.errors(fitted).unwrap();
-    assert_eq!(found.iter().map(|e| e.role).collect::<Vec<_>>(), [Role::Fit, Role::Validate, Role::Test]);
-    for (found, told) in found.iter().zip(told) {
-        for (found, told) in found.outputs.iter().zip(told) {
-            assert!((found / told - 1.0).abs() < 0.05, "{found} instead of {told}: {fitted:?}");
+fn errors<const N: usize>(setup: &Setup, hypothesis: &Hypothesis, told: [[f64; N]; 3]) {
+    for (role, told) in [Role::Fit, Role::Validate, Role::Test].into_iter().zip(told) {
+        let runs = setup.runs(role);
+        let found = setup.rmse(&runs, &setup.show(hypothesis, &runs).unwrap());
+        assert_eq!(found.len(), N);
+        for (found, told) in found.iter().zip(told) {
+            assert!((found / told - 1.0).abs() < 0.05, "{role:?}: {found} instead of {told}: {hypothesis:?}");
         }
     }
 }
 
-/// Pairs of parameters that are known together only.
-fn together(problem: &Problem, fitted: &[Fitted], beyond: f64) -> Vec<(String, String)> {
-    let correlations = problem.correlations(Role::Fit, fitted).unwrap();
-    let pairs = (0..fitted.len()).flat_map(|i| (0..i).map(move |k| (k, i)));
-    pairs
-        .filter(|pair| correlations[*pair].abs() > beyond)
-        .map(|(k, i)| (fitted[k].name.clone(), fitted[i].name.clone()))
-        .collect()
+/// The parameters' standard deviations in units of those of their priors, and the correlation of each pair, with the noise taken
+/// as white: a row for a plateau shows no drift.
+struct Sure {
+    deviations: Vec<f64>,
+    pairs: Vec<(String, String, f64)>,
+}
+
+impl Sure {
+    fn of(setup: &Setup, fitted: &Fitted, runs: &[usize]) -> Sure {
+        let declared = &setup.declared;
+        let mut information = DMatrix::<f64>::identity(declared.len(), declared.len());
+        let shown = |k: usize, way: f64| {
+            let mut moved = fitted.hypothesis.clone();
+            moved.declared[k] += way;
+            setup.show(&moved, runs).unwrap()
+        };
+        // Every limit that these fits stand at is a lower one.
+        let ways: Vec<f64> = declared
+            .iter()
+            .zip(&fitted.hypothesis.declared)
+            .map(|(d, x)| 1e-4 * x.abs().max(d.deviation))
+            .collect();
+        let moved: Vec<_> = ways.iter().enumerate().map(|(k, way)| shown(k, *way)).collect();
+        for (r, run) in runs.iter().enumerate() {
+            setup.each(*run, &fitted.shown[r], |row, output, _| {
+                let place = row * setup.outputs() + output;
+                let slope = |k: usize| {
+                    let answer = (moved[k][r][place] - fitted.shown[r][place]) / ways[k];
+                    answer * declared[k].deviation / setup.sigma(output)
+                };
+                let row = DVector::from_fn(declared.len(), |k, _| slope(k));
+                information += &row * row.transpose();
+            });
+        }
+        let covariance = information.cholesky().unwrap().inverse();
+        let deviations: Vec<f64> = (0..declared.len()).map(|k| covariance[(k, k)].sqrt()).collect();
+        let pair = |i: usize, k: usize| {
+            let correlation = covariance[(k, i)] / (deviations[i] * deviations[k]);
+            (declared[k].name.clone(), declared[i].name.clone(), correlation)
+        };
+        let pairs =
+            (0..declared.len()).flat_map(|i| (0..i).map(move |k| (i, k))).map(|(i, k)| pair(i, k)).collect();
+        Sure { deviations, pairs }
+    }
+
+    fn together(&self, beyond: f64) -> Vec<(&str, &str)> {
+        let far = self.pairs.iter().filter(|(.., c)| c.abs() > beyond);
+        far.map(|(a, b, _)| (a.as_str(), b.as_str())).collect()
+    }
 }
 
 /// The data sheet's motor in the thesis's rig: 15 and 21 K off in the narrow annulus, 7 K bare.
@@ -46,64 +103,81 @@ fn together(problem: &Problem, fitted: &[Fitted], beyond: f64) -> Vec<(String, S
 fn the_thesis_is_explained_by_a_leak_and_not_by_a_poor_contact() {
     let mut experiment = experiment("05_thesis");
     assert_eq!(experiment.notes.len(), 1, "{:?}", experiment.notes);
-    let with_leak = problem(&experiment);
-    errors(&with_leak, &[], [[8.473], [0.692], [20.678]]);
-    let fitted = with_leak.fit(Role::Fit).unwrap();
+    let with_leak = setup(&experiment);
+    let runs = with_leak.runs(Role::Fit);
+    errors(&with_leak, &with_leak.preset(), [[8.473], [0.692], [20.678]]);
+    let fitted = fit(&with_leak);
     // The narrow annulus pulled was never fitted.
-    errors(&with_leak, &fitted, [[0.457], [0.737], [2.075]]);
-    let leak = fitted.iter().find(|f| f.name == "annulus.leak_area").unwrap();
-    assert!((leak.value - 1.38e-3).abs() < 0.05e-3 && leak.deviation < 0.3e-3, "{leak:?}");
+    errors(&with_leak, &fitted.hypothesis, [[0.457], [0.737], [2.075]]);
+    let sure = Sure::of(&with_leak, &fitted, &runs);
+    let leak = value(&with_leak, &fitted, "annulus.leak_area");
+    let own = place(&with_leak, "annulus.leak_area");
+    let deviation = sure.deviations[own] * with_leak.declared[own].deviation;
+    assert!((leak - 1.38e-3).abs() < 0.05e-3 && deviation < 0.3e-3, "{leak} +- {deviation}");
     // Neither a mount nor a further resistance is asked for.
     for name in ["thermal.G_mount", "effect.stator_node.R_sh"] {
-        assert_eq!(value(&fitted, name), 0.0, "{name}");
+        assert_eq!(value(&with_leak, &fitted, name), 0.0, "{name}");
     }
     // One bare test for three ways out of the motor: the priors of two of them stand as they were.
-    let leads = fitted.iter().find(|f| f.name == "thermal.G_leads").unwrap();
-    assert!(leads.deviation > 0.9 * 0.005, "{leads:?}");
-    let pairs = together(&with_leak, &fitted, 0.7);
+    let leads = sure.deviations[place(&with_leak, "thermal.G_leads")];
+    assert!(leads > 0.9, "{leads}");
+    let pairs = sure.together(0.7);
     for pair in [
         ("annulus.factor_pull", "annulus.factor_push"),
         ("housing.emissivity", "thermal.G_mount"),
         ("effect.stator_node.R_sh", "fan.turbulence_factor"),
     ] {
-        assert!(pairs.iter().any(|(a, b)| (a.as_str(), b.as_str()) == pair), "{pair:?} in {pairs:?}");
+        assert!(pairs.contains(&pair), "{pair:?} in {:?}", sure.pairs);
     }
-    assert!(together(&with_leak, &fitted, 0.95).is_empty());
+    assert!(sure.together(0.95).is_empty());
 
     // The rival: the same heat kept back by a poor contact instead.
     experiment.priors.retain(|p| p.name != "annulus.leak_area");
-    let without = problem(&experiment);
-    let fitted = without.fit(Role::Fit).unwrap();
-    errors(&without, &fitted, [[2.732], [1.099], [10.640]]);
-    assert!((value(&fitted, "effect.stator_node.R_sh") - 0.811).abs() < 0.05);
-    let weighted = |p: &Problem, f: &[Fitted]| p.chi_square(Role::Fit, f).unwrap().0;
-    assert!(weighted(&without, &fitted) > 40.0);
+    let without = setup(&experiment);
+    let fitted = fit(&without);
+    errors(&without, &fitted.hypothesis, [[2.732], [1.099], [10.640]]);
+    assert!((value(&without, &fitted, "effect.stator_node.R_sh") - 0.811).abs() < 0.05);
+    assert!(fitted.chi_square > 40.0, "{}", fitted.chi_square);
 }
 
 /// An ideal motor is 4 to 8 V off, draws no current and stays cold.
 #[test]
 fn the_paper_is_explained_by_drop_and_friction_but_for_its_temperatures() {
     let experiment = experiment("06_paper");
-    let problem = problem(&experiment);
-    errors(&problem, &[], [[6.397, 0.1423, 15.99], [4.019, 0.1590, 17.71], [7.609, 0.1174, 11.83]]);
-    let fitted = problem.fit(Role::Fit).unwrap();
-    errors(&problem, &fitted, [[0.300, 0.91e-3, 7.39], [0.042, 0.21e-3, 2.01], [0.292, 0.84e-3, 5.99]]);
+    let setup = setup(&experiment);
+    let runs = setup.runs(Role::Fit);
+    errors(&setup, &setup.preset(), [[6.397, 0.1423, 15.99], [4.019, 0.1590, 17.71], [7.609, 0.1174, 11.83]]);
+    let fitted = fit(&setup);
+    let told = [[0.300, 0.91e-3, 7.39], [0.042, 0.21e-3, 2.01], [0.292, 0.84e-3, 5.99]];
+    errors(&setup, &fitted.hypothesis, told);
     // The bridge of bipolar transistors, and the friction of preset bdcm-37d, which came from the same numbers.
-    assert!((value(&fitted, "drive.drop") - 2.00).abs() < 0.05);
-    assert!((value(&fitted, "gear.tau_c") - 0.0856).abs() < 2e-3);
-    assert!((value(&fitted, "gear.k") - 0.0114).abs() < 5e-4);
+    assert!((value(&setup, &fitted, "drive.drop") - 2.00).abs() < 0.05);
+    assert!((value(&setup, &fitted, "gear.tau_c") - 0.0856).abs() < 2e-3);
+    assert!((value(&setup, &fitted, "gear.k") - 0.0114).abs() < 5e-4);
     // The line's intercept of +0.63 V asks for less than no drop while the current runs free.
-    assert_eq!(value(&fitted, "drive.freewheel_drop"), 0.0);
-    let pairs = together(&problem, &fitted, 0.9);
-    assert_eq!(pairs, [("thermal.C_h".to_string(), "thermal.G_hb".to_string())]);
+    assert_eq!(value(&setup, &fitted, "drive.freewheel_drop"), 0.0);
+    let point = Point::new(&setup, fitted.clone(), &runs).unwrap();
+    assert_eq!(Sure::of(&setup, &fitted, &runs).together(0.9), [("thermal.C_h", "thermal.G_hb")]);
     // The plateaus ask for a body a third as heavy and are missed by 9 K all the same: what would help is a
     // room, or a sensor, 12 K warmer.
-    let first = &problem.misses(0, &fitted).unwrap();
-    assert!(first.iter().any(|(output, off)| *output == 2 && *off > 8.0), "{first:?}");
-    assert!(value(&fitted, "thermal.C_h") < 45.0);
-    let scores = problem.scores(Role::Fit, &fitted).unwrap();
-    assert_eq!(scores[0].candidate.name, "housing_sensor_offset");
-    assert!((scores[0].size - 12.0).abs() < 0.5, "{}", scores[0].size);
-    let next = &scores[1];
-    assert!(next.candidate.name == "ambient_drift" && next.gain > 0.98 * scores[0].gain, "{}", next.gain);
+    let mut most = 0.0f64;
+    setup.each(runs[0], &fitted.shown[0], |_, output, off| {
+        most = if output == 2 { most.max(off) } else { most }
+    });
+    assert!(most > 8.0, "{most}");
+    assert!(value(&setup, &fitted, "thermal.C_h") < 45.0);
+    let everywhere = vec![true; runs.len()];
+    let mut gains: Vec<(&str, f64, f64)> = point
+        .listed()
+        .enumerate()
+        .filter_map(|(k, (listed, addition))| {
+            let gain = point.evidence.gain(&point.listed_column(k, &everywhere)?)?;
+            let (least, most) = addition.numbers[0].limits;
+            let size = gain.size[0];
+            (least..=most).contains(&size).then_some((listed.id, gain.raw, size))
+        })
+        .collect();
+    gains.sort_by(|a, b| b.1.total_cmp(&a.1));
+    assert_eq!((gains[0].0, gains[1].0), ("housing_sensor_offset", "ambient_drift"), "{gains:?}");
+    assert!((gains[0].2 - 12.0).abs() < 0.5 && gains[1].1 > 0.98 * gains[0].1, "{gains:?}");
 }

@@ -1,0 +1,65 @@
+//! Experiments whose readings are the model's own: for tests.
+
+use crate::experiment::Experiment;
+use crate::hypothesis::{Addition, Hypothesis};
+use crate::setup::Setup;
+use physics::terms::GenericTerm;
+
+/// Noise that the experiment states, in the channels' units: small beside everything.
+pub const NOISE: f64 = 1e-3;
+
+/// An experiment of one run, 300 rows of 5 s: loads, speeds and the fan come and go; `wild` false: all stand still. No reading yet.
+pub fn experiment(priors: &str, wild: bool) -> Experiment {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs = ["voltage_V", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];
+    let mut rows = String::from("time_s,current_A,speed_rad_per_s,fan_command_1,ambient_temperature_degC,");
+    rows.push_str(&format!("{}\n", outputs.join(",")));
+    for k in 0..300 {
+        let t = 5.0 * f64::from(k);
+        let turn = if wild { (t / 90.0).sin() } else { 0.5 };
+        let fan = if wild && k > 200 { 0.6 } else { 0.0 };
+        rows.push_str(&format!("{t},{},{},{fan},23,,,,\n", 3.0 + 2.0 * turn, 300.0 + 200.0 * turn));
+    }
+    std::fs::write(folder.path().join("run.csv"), rows).unwrap();
+    let noise: String = outputs.iter().map(|o| format!("{o} = {NOISE}\n")).collect();
+    let text = format!(
+        "[experiment]\nname = \"t\"\nmodel = \"AnnulusCooledMotor\"\npreset = \"maxon-305015\"\n\
+         inputs = [\"current_A\", \"speed_rad_per_s\", \"fan_command_1\", \"ambient_temperature_degC\"]\n\
+         outputs = [\"{}\"]\n[set]\ncooling_mode = \"conductance\"\n\
+         \"effect.coulomb_friction.tau_c\" = 0.005\n[prior]\n{priors}\n[noise]\n{noise}\n\
+         [[run]]\nfile = \"run.csv\"\nrole = \"fit\"\n",
+        outputs.join("\", \"")
+    );
+    std::fs::write(folder.path().join("e.toml"), text).unwrap();
+    Experiment::read(&folder.path().join("e.toml")).unwrap()
+}
+
+/// Lets the run read what the model shows with these parameters and a term.
+pub fn read(experiment: &mut Experiment, declared: &[f64], term: Option<GenericTerm>) {
+    let columns = {
+        let setup = Setup::new(experiment, &[]).unwrap().exact();
+        let truth = Hypothesis { declared: declared.to_vec(), additions: Vec::new() };
+        let mut change = setup.change(&truth, 0);
+        change.terms.extend(term);
+        setup.bench.run(&setup.drives[0], &change).unwrap()
+    };
+    let inputs = experiment.inputs.len();
+    experiment.runs[0].table.columns.splice(inputs.., columns);
+}
+
+/// An effect of the list with its size.
+pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
+    let listed = crate::catalogue::LISTED.iter().find(|l| l.id == id).unwrap();
+    let mut addition = listed.addition(&setup.bench, &[true]).unwrap();
+    addition.numbers[0].value = size;
+    addition
+}
+
+/// Normal numbers from a seed, by sums of twelve uniform ones.
+pub fn normal(seed: &mut u64) -> f64 {
+    let mut uniform = || {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+}
