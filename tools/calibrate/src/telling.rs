@@ -40,8 +40,7 @@ pub fn outcome(
     if judged.verdict != Verdict::Nothing {
         hypothesis = corrected;
     } else if corrected.declared != hypothesis.declared {
-        let sentence =
-            "the sensors drift: parameters are told without that drift; the model keeps those of the refit";
+        let sentence = "parameters are told beside drifting sensors and the inputs' noise; the model keeps those of the refit";
         notes.push(sentence.to_string());
     }
     let (naive, _) = estimates_of_naive(setup, first);
