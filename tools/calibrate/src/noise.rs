@@ -20,6 +20,8 @@ const LEAST: f64 = 1e-5;
 
 /// Share of its readings that a slower sensor holds equally long.
 const REGULAR: f64 = 0.8;
+/// Most rows for which a slower sensor's reading is held: what stands longer was commanded.
+const LONGEST: usize = 20;
 /// Moves between rows that it takes to tell a step: fewer are plateaus.
 const MOVES: usize = 20;
 /// The share of the moves, least first, beyond which the step is taken: of noise that is not quantised it is next to
@@ -79,7 +81,7 @@ pub fn of_column(time: &[f64], column: &[f64]) -> Option<f64> {
     sorted.sort_unstable();
     let usual = sorted[sorted.len() / 2];
     let regular = held.iter().filter(|h| **h == usual).count() as f64 >= REGULAR * held.len() as f64;
-    if usual > 1 && regular { of_readings(&new).or(Some(0.0)) } else { Some(0.0) }
+    if (2..=LONGEST).contains(&usual) && regular { of_readings(&new).or(Some(0.0)) } else { Some(0.0) }
 }
 
 /// Eq. (2).
