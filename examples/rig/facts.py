@@ -52,6 +52,20 @@ def tremble(raw: Path, run: int, column: str) -> float:
     return float(1.4826 * np.median(np.abs(off)) / np.sqrt(1.5))
 
 
+def repeatability(raw: Path, runs: tuple[int, int], shifts: tuple[float, float]) -> dict:
+    """How far a reading of one run is from what the rig repeats, K: two like runs against each other at the same energy."""
+    rises = []
+    logs = [(read(raw / f"run{run}_daq.csv"), read(raw / f"run{run}_esc.csv")) for run in runs]
+    clocks = [energy(esc["t_s"] + shift, esc["P_dc_W"]) for (_, esc), shift in zip(logs, shifts)]
+    shared = np.linspace(0.0, min(spent[-1] for _, spent in clocks), 200)
+    for (daq, _), (time, spent) in zip(logs, clocks):
+        at = np.interp(shared, spent, time)
+        readings = {column: daq[TEMPERATURES[column][0]] for column in NEEDED}
+        rises.append({column: np.interp(at, daq["t_s"], r) - np.median(r[:10]) for column, r in readings.items()})
+    apart = {column: rises[0][column] - rises[1][column] for column in NEEDED}
+    return {column: float(np.sqrt(np.mean(difference**2) / 2.0)) for column, difference in apart.items()}
+
+
 def two_places(raw: Path) -> float:
     """Run 12 had two thermocouples on the winding: the rise that the second shows at the end, over that of the first."""
     daq = read(raw / "run12_daq.csv")

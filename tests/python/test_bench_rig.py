@@ -243,6 +243,16 @@ def test_the_logs_themselves_tell_what_the_fit_does_not_use(prepared):
     assert facts.two_places(RAW) == pytest.approx(0.60, abs=0.03)
 
 
+def test_the_noise_of_the_experiments_is_what_the_rig_does_not_repeat(prepared):
+    _, report = prepared
+    apart = facts.repeatability(RAW, (3, 5), tuple(report[f"run-{run}.csv"]["shift_s"] for run in (3, 5)))
+    for name in EXPERIMENTS:
+        for column, noise in tomllib.loads((RIG / name).read_text())["noise"].items():
+            assert noise == pytest.approx(apart[column], rel=0.02), (name, column)
+    same = facts.repeatability(RAW, (3, 3), (8.2, 8.2))
+    assert set(same.values()) == {0.0}
+
+
 def test_the_first_rise_counts_the_energy_of_its_own_time(tmp_path):
     """A power that ramps up over the rise. Of the kJ for 20 K the winding keeps 8, some 1.8 go on to the body, and 0.8 come while
     the reading lags."""

@@ -1,6 +1,6 @@
 //! What every model is to the outside: a declaration, values by slot, and steps.
 
-use crate::terms::GenericTerm;
+use crate::terms::{Drivers, GenericTerm};
 use declare::{Causality, Kind, Variability, Variable};
 use std::fmt;
 use std::sync::OnceLock;
@@ -220,6 +220,28 @@ impl Entry {
 #[error("{0}")]
 pub struct Fault(pub String);
 
+/// A part of a motor whose temperature a bench measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Node {
+    /// The winding.
+    Winding,
+    /// The stator beside the winding.
+    Stator,
+    /// The rotor with its magnets.
+    Magnets,
+    /// The housing.
+    Housing,
+    /// The box around the motor.
+    Box,
+}
+
+impl Node {
+    /// The temperature of the first of these nodes that is known.
+    pub fn nearest(known: &[(Node, f64)], order: &[Node]) -> Option<f64> {
+        order.iter().find_map(|node| known.iter().find(|(n, _)| n == node).map(|(_, t)| *t))
+    }
+}
+
 /// A model as the FMI layer and the tools see it.
 ///
 /// Values are numbers in SI units, whole ones for integers; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
@@ -241,10 +263,26 @@ pub trait Model: Send {
     }
     /// Ends initialization at `time`: checks the parameters together, sets every state.
     fn start(&mut self, time: f64) -> Result<(), Fault>;
+    /// Puts the nodes at these temperatures, K, between [`start`](Model::start) and the first step; the books open
+    /// anew from there. A node that is not named takes the temperature of the nearest that is. False, and nothing
+    /// put, where the model has none of them.
+    fn warm_start(&mut self, _known: &[(Node, f64)]) -> bool {
+        false
+    }
     /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes.
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;
     /// The time that the model has reached, s.
     fn time(&self) -> f64;
+    /// The continuous states that rates depend on, in an order of the model's own that its modes and effects fix.
+    fn states(&self, out: &mut Vec<f64>);
+    /// Takes a time and other values for [`states`](Model::states); false, and nothing taken, where they are not as
+    /// many.
+    fn set_states(&mut self, time: f64, states: &[f64]) -> bool;
+    /// Derivatives of [`states`](Model::states) at the present states and inputs, per second; of slopes they
+    /// know nothing.
+    fn rates(&mut self, out: &mut Vec<f64>);
+    /// What terms may follow, at the present time.
+    fn drivers(&self) -> Drivers;
     /// Everything that the future depends on, as numbers.
     fn save(&self, out: &mut Vec<f64>);
     /// Takes back what [`save`](Model::save) gave; false where the length does not fit.

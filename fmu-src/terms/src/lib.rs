@@ -157,6 +157,38 @@ pub fn of_resources(folder: &Path) -> Result<Vec<GenericTerm>, TermsError> {
 }
 
 impl TermText {
+    /// The text of a term.
+    pub fn of(name: &str, term: &GenericTerm) -> TermText {
+        let text = TermText {
+            name: name.to_string(),
+            port: term.port.name().to_string(),
+            unit: Some(term.port.unit().name().to_string()),
+            ..TermText::default()
+        };
+        match &term.law {
+            Law::Product(product) => TermText {
+                coefficient: Some(product.coefficient),
+                drivers: product
+                    .factors
+                    .iter()
+                    .flatten()
+                    .map(|factor| DriverText {
+                        driver: factor.driver.name().to_string(),
+                        reference: factor.reference,
+                        offset: factor.offset,
+                        exponent: factor.exponent,
+                    })
+                    .collect(),
+                ..text
+            },
+            Law::Table(table) => {
+                let (x, y) = table.points();
+                let driver = table.driver.name().to_string();
+                TermText { table: Some(TableText { driver, x: x.to_vec(), y: y.to_vec() }), ..text }
+            }
+        }
+    }
+
     fn term(&self) -> Result<GenericTerm, String> {
         let port = named("port", &self.port, Port::by_name, Port::ALL.iter().map(|p| p.name()))?;
         let unit = port.unit().name();
@@ -253,6 +285,16 @@ mod tests {
         let sentence = TermsFile::parse(text, "x.json").unwrap_err().to_string();
         assert!(!sentence.contains('\n') && sentence.starts_with("x.json"), "{sentence}");
         sentence
+    }
+
+    /// A law that was found leads back to itself through the file.
+    #[test]
+    fn a_term_becomes_text_and_a_term_again() {
+        let terms = TermsFile::parse(GOOD, "x.json").unwrap().terms().unwrap();
+        let texts = terms.iter().map(|term| TermText::of("seal", term)).collect();
+        let again = TermsFile::parse(&TermsFile::new(texts).text(), "y.json").unwrap();
+        assert_eq!(again.terms().unwrap(), terms);
+        assert_eq!(again.terms[0].name, "seal");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 """What a specimen may have that the preset lacks: one small function per effect, each a term at a port of the motor.
 
-A law takes the instant `x` (a `generator.Instant`: t s, i A, w rad/s, n 1, T_a, T_w, T_h degC, torque N m at the shaft) and its
-parameters, and gives what it adds at its port:
+A law takes the instant `x` (a `generator.Instant`: t s, drive in its unit, i A, w rad/s, n 1, T_a, T_w, T_h degC, torque N m at
+the shaft) and its parameters, and gives what it adds at its port:
 
     drag_torque                  N m that slow the shaft; their power heats the housing
     terminal_voltage             V between terminals and winding; their power heats the winding
@@ -16,7 +16,8 @@ parameters, and gives what it adds at its port:
     winding_sensor, housing_sensor   K from the node's temperature to the reading
 
 *Source*: the listed laws are those of the design's table of effects, the others what benches show. Ranges are (low, high) of a
-size that a motor of 0.4 Ohm, 30 mN m/A and 6 A can have; they are drawn log-uniformly, with a random sign where `signed`.
+size that a motor of 0.4 Ohm, 30 mN m/A and 6 A can have; they are drawn log-uniformly, with a random sign where `signed`, and
+carried over to another motor as `scale` says.
 """
 
 from math import copysign, cos, exp, pi, tanh
@@ -30,6 +31,11 @@ I_SMALL = 0.05  # A, the same for a contact
 T_REF = 25.0  # degC, at which shares are zero
 ROOM = 20.0  # degC
 
+TORQUE = {"torque": 1}
+VOLTAGE = {"voltage": 1}
+POWER = {"power": 1}
+CONDUCTANCE = {"conductance": 1}
+
 
 def power(w, exponent):
     """w^exponent with the sign of w."""
@@ -39,17 +45,17 @@ def power(w, exponent):
 # --- in the design's list
 
 
-@known("drag_torque", "speed", "k w^0.5", k=(6e-5, 1.5e-4))
+@known("drag_torque", "speed", "k w^0.5", k=(6e-5, 1.5e-4), scale={"k": TORQUE | {"speed": -0.5}})
 def iron_loss(x, k):
     return k * power(x.w, 0.5)
 
 
-@known("drag_torque", "speed", "k w", k=(2e-6, 6e-6))
+@known("drag_torque", "speed", "k w", k=(2e-6, 6e-6), scale={"k": TORQUE | {"speed": -1}})
 def viscous_friction(x, k):
     return k * x.w
 
 
-@known("drag_torque", "speed", "k w^2", k=(2e-9, 6e-9))
+@known("drag_torque", "speed", "k w^2", k=(2e-9, 6e-9), scale={"k": TORQUE | {"speed": -2}})
 def windage(x, k):
     return k * power(x.w, 2.0)
 
@@ -61,19 +67,27 @@ def load_dependent_friction(x, mu):
     return share * abs(x.torque) / (1.0 + copysign(share, x.torque))
 
 
-@known("terminal_voltage", "current", "V_b tanh(i / 0.05 A)", V_b=(0.1, 0.5))
+@known("terminal_voltage", "current", "V_b tanh(i / 0.05 A)", V_b=(0.1, 0.5), scale={"V_b": VOLTAGE})
 def contact_drop(x, V_b):
     return V_b * tanh(x.i / I_SMALL)
 
 
-@known("housing_ambient_conductance", "housing_temperature", "k (T_h^4 - T_a^4)", k=(4e-10, 1e-9))
+@known("housing_ambient_conductance", "housing_temperature", "k (T_h^4 - T_a^4)", k=(4e-10, 1e-9), scale={"k": CONDUCTANCE})
 def housing_radiation(x, k):
     """The heat over its temperature difference, so that it is smooth where they meet."""
     h, a = x.T_h + KELVIN, x.T_a + KELVIN
     return k * (h * h + a * a) * (h + a)
 
 
-@known("housing_ambient_conductance", "history", "G in some runs", G=(0.03, 0.1), some_runs=True, fixed=(("node", "housing"),))
+@known(
+    "housing_ambient_conductance",
+    "history",
+    "G in some runs",
+    G=(0.03, 0.1),
+    some_runs=True,
+    fixed=(("node", "housing"),),
+    scale={"G": CONDUCTANCE},
+)
 def forced_convection(x, G):
     """Constant: in all runs it would be the conductance itself. In some it is a window that somebody opened."""
     return G
@@ -89,7 +103,14 @@ def interface_temperature(x, beta):
     return beta * (x.T_w - T_REF)
 
 
-@known("heat_capacity", "winding_temperature", "a node of C_s behind R_wh and before R_sh", R_sh=(0.15, 0.4), C_s=(20.0, 60.0))
+@known(
+    "heat_capacity",
+    "winding_temperature",
+    "a node of C_s behind R_wh and before R_sh",
+    R_sh=(0.15, 0.4),
+    C_s=(20.0, 60.0),
+    scale={"R_sh": {"conductance": -1}, "C_s": {"capacity": 1}},
+)
 def stator_node(x, R_sh, C_s):
     """Nothing to add: the generator has the node."""
     return 0.0
@@ -146,31 +167,37 @@ def housing_sensor_stem_loss(x, k):
     return -k * (x.T_h - x.T_a)
 
 
+@known("winding_heat", "history", "(1 - share) P into the winding", share=(0.05, 0.25), some_runs=True, drive="power")
+def drive_loss(x, share):
+    """In some runs, behind another drive: in all of them it would be capacities, conductances and resistances of another size."""
+    return -share * x.drive
+
+
 # --- in no list
 
 
-@effect("drag_torque", "speed", "k w^0.75", k=(1e-5, 3e-5))
+@effect("drag_torque", "speed", "k w^0.75", k=(1e-5, 3e-5), scale={"k": TORQUE | {"speed": -0.75}})
 def drag_power_075(x, k):
     return k * power(x.w, 0.75)
 
 
-@effect("drag_torque", "speed", "k w^1.3", k=(2.5e-7, 8e-7))
+@effect("drag_torque", "speed", "k w^1.3", k=(2.5e-7, 8e-7), scale={"k": TORQUE | {"speed": -1.3}})
 def drag_power_13(x, k):
     return k * power(x.w, 1.3)
 
 
-@effect("drag_torque", "winding_temperature", "k (T_w - 25) tanh(w / 5 rad/s)", k=(4e-5, 1.5e-4))
+@effect("drag_torque", "winding_temperature", "k (T_w - 25) tanh(w / 5 rad/s)", k=(4e-5, 1.5e-4), scale={"k": TORQUE})
 def drag_rising_with_winding(x, k):
     """A seal that swells; the magnets drag more when the winding is hot."""
     return k * (x.T_w - T_REF) * tanh(x.w / W_SMALL)
 
 
-@effect("drag_torque", "housing_temperature", "tau exp(-(T_h - 25) / 20) tanh(w / 5 rad/s)", tau=(0.003, 0.008))
+@effect("drag_torque", "housing_temperature", "tau exp(-(T_h - 25) / 20) tanh(w / 5 rad/s)", tau=(0.003, 0.008), scale={"tau": TORQUE})
 def grease_thinning(x, tau):
     return tau * exp(-(x.T_h - T_REF) / 20.0) * tanh(x.w / W_SMALL)
 
 
-@effect("drag_torque", "current", "k i^2 tanh(w / 5 rad/s)", k=(1.5e-4, 5e-4))
+@effect("drag_torque", "current", "k i^2 tanh(w / 5 rad/s)", k=(1.5e-4, 5e-4), scale={"k": TORQUE | {"current": -2}})
 def drag_with_current(x, k):
     return k * x.i * x.i * tanh(x.w / W_SMALL)
 
@@ -182,6 +209,7 @@ def drag_with_current(x, k):
     tau=(0.003, 0.008),
     T_on=(38.0, 48.0),
     switch=lambda x, was_on, tau, T_on: was_on or x.T_w > T_on,
+    scale={"tau": TORQUE},
 )
 def latched_drag(x, tau, T_on):
     """A bearing that loses its preload and does not find it again in this run."""
@@ -195,17 +223,19 @@ def latched_drag(x, tau, T_on):
     G=(0.04, 0.12),
     T_on=(36.0, 44.0),
     switch=lambda x, was_on, G, T_on: x.T_h > (T_on - 8.0 if was_on else T_on),
+    scale={"G": CONDUCTANCE},
 )
 def thermostat(x, G, T_on):
     return G
 
 
-@effect("torque_constant", "current", "k_t (1 - k i^2)", k=(1e-3, 4e-3))
+@effect("torque_constant", "current", "k_t (1 - k i^2)", k=(1e-3, 4e-3), scale={"k": {"current": -2}}, drive="current")
 def saturation(x, k):
+    """Under an imposed voltage a fast motor would have two currents to choose from."""
     return -k * x.i * x.i
 
 
-@effect("winding_resistance", "current", "R (1 + k |i|)", k=(0.01, 0.04))
+@effect("winding_resistance", "current", "R (1 + k |i|)", k=(0.01, 0.04), scale={"k": {"current": -1}})
 def resistance_with_current(x, k):
     return k * abs(x.i)
 
@@ -215,29 +245,29 @@ def resistance_ageing(x, rate):
     return rate * x.t
 
 
-@effect("terminal_voltage", "current", "k sqrt(i)", k=(0.05, 0.2))
+@effect("terminal_voltage", "current", "k sqrt(i)", k=(0.05, 0.2), scale={"k": VOLTAGE | {"current": -0.5}})
 def drop_with_root_of_current(x, k):
     return k * power(x.i, 0.5)
 
 
-@effect("housing_heat", "fan_command", "P n", P=(1.5, 4.0))
+@effect("housing_heat", "fan_command", "P n", P=(1.5, 4.0), scale={"P": POWER})
 def fan_heat(x, P):
     """The fan's own loss, blown over the housing."""
     return P * x.n
 
 
-@effect("housing_heat", "history", "P (1 - cos(2 pi t / period)) / 2", P=(1.5, 4.0), period=(600.0, 1800.0))
+@effect("housing_heat", "history", "P (1 - cos(2 pi t / period)) / 2", P=(1.5, 4.0), period=(600.0, 1800.0), scale={"P": POWER})
 def periodic_heat(x, P, period):
     """A neighbour on the bench that comes and goes."""
     return P * (1.0 - cos(2.0 * pi * x.t / period)) / 2.0
 
 
-@effect("housing_ambient_conductance", "housing_temperature", "k max(T_h - 25, 0)^1.5", k=(1.5e-4, 6e-4))
+@effect("housing_ambient_conductance", "housing_temperature", "k max(T_h - 25, 0)^1.5", k=(1.5e-4, 6e-4), scale={"k": CONDUCTANCE})
 def conductance_with_housing(x, k):
     return k * max(x.T_h - T_REF, 0.0) ** 1.5
 
 
-@effect("housing_ambient_conductance", "ambient_temperature", "k (T_a - 20)", k=(0.004, 0.012))
+@effect("housing_ambient_conductance", "ambient_temperature", "k (T_a - 20)", k=(0.004, 0.012), scale={"k": CONDUCTANCE})
 def conductance_with_room(x, k):
     """A draught from a room control that opens when it is warm."""
     return k * (x.T_a - ROOM)
@@ -253,6 +283,6 @@ def fan_fading_with_room(x, k):
     return -k * (x.T_a - ROOM)
 
 
-@effect("winding_sensor", "current", "T_w + k i^2", k=(0.05, 0.2))
+@effect("winding_sensor", "current", "T_w + k i^2", k=(0.05, 0.2), scale={"k": {"current": -2}})
 def winding_sensor_pickup(x, k):
     return k * x.i * x.i

@@ -1,7 +1,7 @@
 """What an effect is: a law with its port, driver and plausible sizes, in a catalogue; and a law of one specimen's size."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
 import numpy as np
@@ -23,13 +23,16 @@ class Law:
     signed: bool = False
     some_runs: bool = False  # acts in some runs of a set only
     fixed: tuple = ()  # parameters that are no number, as (name, value)
+    scale: dict = field(default_factory=dict)  # how a size goes with the units of a rig: {parameter: {unit: exponent}}
+    drive: str | None = None  # the only drive that it can act with
     switch: Callable | None = None  # (x, was_on, **parameters) -> bool, asked at rows only: the law counts while it is on
     filter: Callable | None = None  # (times, readings, **parameters) -> readings of a sensor with a memory
 
-    def draw(self, rng) -> "Effect":
-        """A specimen's own size."""
+    def draw(self, rng, rig) -> "Effect":
+        """A specimen's own size, on this rig."""
         sign = rng.choice([-1.0, 1.0]) if self.signed else 1.0
         sizes = {name: float(np.exp(rng.uniform(*np.log(limits)))) for name, limits in self.ranges.items()}
+        sizes = {name: rig.scaled(size, self.scale.get(name, {})) for name, size in sizes.items()}
         first = next(iter(sizes))
         return Effect(self, sizes | {first: sign * sizes[first]})
 
@@ -48,6 +51,9 @@ class Effect:
 
     def only_in(self, runs) -> "Effect":
         return replace(self, runs=tuple(runs))
+
+    def with_size(self, name: str, value: float) -> "Effect":
+        return replace(self, parameters=self.parameters | {name: value})
 
     def acts_in(self, run: int) -> bool:
         return self.runs is None or run in self.runs

@@ -1,24 +1,37 @@
-"""Draws sets of bench experiments: `python -m bench.make --seed N --out DIR [--effect ID] [--count K]`, in `tests/python`.
+"""Draws sets of bench experiments: `python -m bench.make --seed N --out DIR [--effect ID] [--count K] [--jobs J]`,
+in `tests/python`.
 
-Of ten sets two are null, five have an effect that is in no list and three a listed one; two in five have a flawed sensor.
-The same seed gives the same files.
+Of ten sets two are null, five have an effect that is in no list and three a listed one; two in five have a flawed sensor, a few
+have a second effect. The motor, what drives it, the number of runs and their profiles differ from set to set.
+The same seed gives the same files, in any number of processes.
 """
 
 import argparse
+import hashlib
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from .effects import CATALOGUE
-from .generator import TEMPERATURE_SENSORS, draw_specimen, simulate
+from .generator import simulate
 from .profiles import DEMANDS, PAUSE, draw_run
-from .sensors import draw_faults, draw_noise, measure
-from .write import ROLES, Run, Set, write_set
+from .rig import COLUMNS, LAYOUTS, TEMPERATURE_SENSORS, Rig, draw_specimen, draw_units
+from .sensors import draw_faults, draw_noise, draw_slow, measure
+from .write import CUT, ROLES, Run, Set, write_set
 
 KINDS = ("null",) * 2 + ("unlisted",) * 5 + ("listed",) * 3
 FLAWED = 0.4  # share of sets with a flawed sensor
+SLOWED = 0.15  # share of sets with a sensor that is read less often than the others
 STATED = 0.7  # share of sets that state their noise
+TWO = 0.1  # share of sets with an effect that have a second one, which is listed
+OTHER_MOTOR = 0.5  # share of sets with another motor than the public one
+DRIVES = {"current": 0.7, "voltage": 0.15, "power": 0.15}
+RUNS = {2: 0.1, 3: 0.15, 4: 0.6, 5: 0.15}
 NONE = "none"
+JUDGES = ("judge", "page", "run", "score")  # what does not make sets but looks at what was said of them
+STAMP = "generator.stamp"  # names the generator that a folder of sets is of
 
 
 def drawn_kind(seed: int, number: int) -> str:
@@ -27,34 +40,97 @@ def drawn_kind(seed: int, number: int) -> str:
     return KINDS[order[number % len(KINDS)]]
 
 
-def draw_effects(rng, kind: str, chosen: str | None) -> list:
+def draw_laws(rng, kind: str, chosen: str | None) -> list:
+    """The laws of a set. A second one is listed, and at a port of its own, so that it is a second thing to find."""
     if chosen == NONE or (chosen is None and kind == "null"):
         return []
     names = [name for name, law in CATALOGUE.items() if law.listed == (kind == "listed")]
-    law = CATALOGUE[chosen or str(rng.choice(names))]
-    effect = law.draw(rng)
+    laws = [CATALOGUE[chosen or str(rng.choice(names))]]
+    if chosen is None and rng.random() < TWO:
+        others = [law for law in CATALOGUE.values() if law.listed and law.port != laws[0].port and law.drive is None]
+        laws.append(others[rng.integers(len(others))])
+    return laws
+
+
+def draw_rig(rng, laws) -> Rig:
+    """A bench on which all of these laws can act."""
+    drives = [drive for drive in DRIVES if all(LAYOUTS[drive].allows(law) for law in laws)]
+    shares = np.array([DRIVES[drive] for drive in drives])
+    drive = str(rng.choice(drives, p=shares / shares.sum()))
+    return Rig(LAYOUTS[drive], draw_units(rng) if rng.random() < OTHER_MOTOR else {})
+
+
+def draw_roles(rng, laws) -> tuple:
+    """How many runs, and what each is for. What acts in some runs only needs two that are fitted."""
+    counts = [count for count in RUNS if count >= 4 or not any(law.some_runs for law in laws)]
+    shares = np.array([RUNS[count] for count in counts])
+    return ROLES[int(rng.choice(counts, p=shares / shares.sum()))]
+
+
+def draw_effect(rng, law, rig: Rig, roles):
+    effect = law.draw(rng, rig)
     if not law.some_runs:
-        return [effect]
+        return effect
     # Once in the fitted runs and once outside of them, so that both sides can be seen.
-    return [effect.only_in([int(rng.integers(0, 2)), int(rng.integers(2, len(ROLES)))])]
+    fitted = sum("fit" in names for names in roles)
+    return effect.only_in([int(rng.integers(0, fitted)), int(rng.integers(fitted, len(roles)))])
 
 
-def draw_set(seed: int, number: int, chosen: str | None = None) -> Set:
-    """Set `number` of a seed, with the effect of the id `chosen` if one is given, with no effect for `NONE`."""
+def imposed(specimen: dict, times, inputs: dict, rig: Rig) -> dict:
+    """A bench that imposes a voltage imposes the one that gives the demanded current in a motor without the effects."""
+    if rig.layout.drive != "voltage":
+        return inputs
+    current = Rig(LAYOUTS["current"], rig.units)
+    voltage = simulate(specimen, [], times, inputs, current).outputs[COLUMNS["voltage"]]
+    return {COLUMNS["voltage"]: voltage} | {name: inputs[name] for name in rig.layout.inputs[1:]}
+
+
+def windows(times, names) -> dict:
+    """The window of each role of a run, in s."""
+    if len(names) == 1:
+        return {names[0]: None}
+    begin, end = float(times[0]), float(times[-1])
+    cut = round(begin + CUT * (end - begin), 1)
+    return dict(zip(names, ((begin, cut), (cut + 0.001, end))))
+
+
+def draw_set(seed: int, number: int, chosen: str | None = None, rig: Rig | None = None, count: int | None = None) -> Set:
+    """Set `number` of a seed, with the effect of the id `chosen` if one is given, with no effect for `NONE`; on a rig if one is given."""
     rng = np.random.default_rng([seed, number, len(KINDS)])
-    effects = draw_effects(rng, drawn_kind(seed, number), chosen)
-    noise = draw_noise(rng)
+    laws = draw_laws(rng, drawn_kind(seed, number), chosen)
+    rig = rig or draw_rig(rng, laws)
+    roles = ROLES[count] if count else draw_roles(rng, laws)
+    effects = [draw_effect(rng, law, rig, roles) for law in laws]
+    noise = draw_noise(rng, rig)
     spared = [TEMPERATURE_SENSORS.get(e.law.port) for e in effects]
-    faults = draw_faults(rng, noise, spared) if rng.random() < FLAWED else []
-    s = Set(f"bench-{seed}-{number}", draw_specimen(rng), effects, noise, bool(rng.random() < STATED), faults, [])
+    faults = draw_faults(rng, noise, spared, rig) if rng.random() < FLAWED else []
+    if rng.random() < SLOWED:
+        faults.append(draw_slow(rng, rig))
+    s = Set(f"bench-{seed}-{number}", rig, draw_specimen(rng, rig), effects, noise, bool(rng.random() < STATED), faults, [])
     start = 0.0
-    for k, role in enumerate(ROLES):
-        times, inputs = draw_run(rng, start, DEMANDS[role])
-        truth = inputs | simulate(s.specimen, s.effects_in(k), times, inputs).outputs
-        without = simulate(s.specimen, [], times, inputs).outputs if s.effects_in(k) else truth
-        s.runs.append(Run(role, times, measure(rng, times, truth, noise, faults), truth, without))
+    for k, names in enumerate(roles):
+        times, demanded = draw_run(rng, start, DEMANDS[names[0]], rig)
+        inputs = imposed(s.specimen, times, demanded, rig)
+        without = simulate(s.specimen, [], times, inputs, rig).outputs
+        truth = inputs | (simulate(s.specimen, s.effects_in(k), times, inputs, rig).outputs if s.effects_in(k) else without)
+        s.runs.append(Run(windows(times, names), times, measure(rng, times, truth, noise, faults, rig), truth, without))
         start = float(np.ceil(times[-1] + PAUSE))
     return s
+
+
+def fingerprint() -> str:
+    """Of the generator's own sources: sets of another generator are other sets."""
+    sources = sorted(Path(__file__).parent.glob("*.py"))
+    parts = [f.name.encode() + f.read_bytes() for f in sources if f.stem not in JUDGES]
+    return hashlib.sha256(b"".join(parts)).hexdigest()
+
+
+def make_one(options, number: int) -> str:
+    """Writes a set, unless it is there whole; the truth is written last."""
+    folder = options.out / f"bench-{options.seed}-{number}"
+    if not (options.keep and (folder / "truth.json").exists()):
+        write_set(draw_set(options.seed, number, options.effect), folder)
+    return folder.name
 
 
 def main(arguments=None):
@@ -63,10 +139,31 @@ def main(arguments=None):
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--effect", choices=[NONE, *CATALOGUE], metavar="ID", help=f"one of {', '.join([NONE, *CATALOGUE])}")
     parser.add_argument("--count", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="number of the first set")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--keep", action="store_true", help="keep sets that this generator has made before")
     options = parser.parse_args(arguments)
-    for number in range(options.count):
-        s = draw_set(options.seed, number, options.effect)
-        write_set(s, options.out / s.name)
+    options.out.mkdir(parents=True, exist_ok=True)
+    stamp = options.out / STAMP
+    if not (stamp.exists() and stamp.read_text() == fingerprint()):
+        # Sets of another generator must not be taken for ours, also if we are stopped half-way.
+        for old in options.out.glob(f"bench-{options.seed}-*/truth.json"):
+            old.unlink()
+        stamp.write_text(fingerprint())
+    numbers = range(options.first, options.first + options.count)
+    if options.jobs == 1:
+        progress((make_one(options, number) for number in numbers), options.count)
+        return
+    with ProcessPoolExecutor(options.jobs) as pool:
+        waiting = [pool.submit(partial(make_one, options), number) for number in numbers]
+        progress((done.result() for done in as_completed(waiting)), options.count)
+
+
+def progress(made, count: int):
+    """A line for every ten sets."""
+    for number, _ in enumerate(made, 1):
+        if number % 10 == 0 or number == count:
+            print(f"{number} of {count} sets", flush=True)
 
 
 if __name__ == "__main__":

@@ -8,21 +8,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .generator import INPUTS
+from .rig import AMBIENT, COLUMNS, FAN, NOMINAL, SPEED, Rig
 
-SAMPLING = (0.5, 1.0, 2.0, 2.0, 5.0)  # s between rows
-DURATION = (3600.0, 4400.0)  # s
+SAMPLING = (0.5, 1.0, 2.0, 2.0, 5.0, 10.0)  # s between rows
+DURATION = (1800.0, 7200.0)  # s; its logarithm is uniform
 REST_BEFORE = (60.0, 180.0)  # s
 REST_AFTER = (200.0, 500.0)  # s
 ROOM_SPREAD = 3.0  # K from one run's room to another's
 PAUSE = 8400.0  # s between two runs of a set: the motor soaks
 GAIT_ROWS = 12  # rows in the shortest gait cycle
 JITTER = 0.1  # of the time between rows
+UNEVEN = (0.4, 1.6)  # the same, from the shortest to the longest of an uneven log
 
 
 @dataclass(frozen=True)
 class Demand:
-    """How hard a run is driven: largest A and rad/s, the room's degC, the largest fan command."""
+    """How hard a run of the public motor is driven: largest A and rad/s, the room's degC, the largest fan command."""
 
     current: float
     speed: float
@@ -39,11 +40,14 @@ DEMANDS = {
 
 
 def clock(rng, start: float) -> np.ndarray:
-    """Times of the rows: equidistant, or with jitter, or with up to three gaps."""
+    """Times of the rows: equidistant, or with jitter, or as a logger that writes when it has time; at times with up to three gaps."""
     step = rng.choice(SAMPLING)
-    times = np.arange(0.0, rng.uniform(*DURATION), step)
-    if rng.random() < 0.3:
+    times = np.arange(0.0, np.exp(rng.uniform(*np.log(DURATION))), step)
+    kind = rng.random()
+    if kind < 0.3:
         times[1:] += step * JITTER * rng.uniform(-1.0, 1.0, len(times) - 1)
+    elif kind < 0.4:
+        times = np.concatenate([[0.0], np.cumsum(step * rng.uniform(*UNEVEN, len(times) - 1))])
     if rng.random() < 0.3:
         for _ in range(rng.integers(1, 4)):
             begin = rng.uniform(0.1, 0.9) * times[-1]
@@ -76,7 +80,23 @@ def gait(rng, times, largest: float) -> np.ndarray:
     return np.clip(shape, 0.0, 1.0) * steps(rng, times, largest)
 
 
-SHAPES = (steps, steps, ramps, gait)
+def staircase(rng, times, largest: float) -> np.ndarray:
+    """Up in equal stairs to the largest and down again, minutes on each, at times more than once."""
+    stairs = rng.integers(3, 6)
+    levels = np.concatenate([np.arange(stairs), np.arange(stairs, 0, -1)]) * largest / stairs
+    hold = rng.uniform(120.0, 300.0)
+    at = np.arange(times[0], times[-1] + hold, hold)
+    values = levels[np.arange(len(at)) % len(levels)]
+    # Each stair begins with a short ramp.
+    return np.interp(times, np.column_stack([at, at + hold - 8.0]).ravel(), np.repeat(values, 2))
+
+
+def long_rests(rng, times, largest: float) -> np.ndarray:
+    """Work at levels, with rests in between in which the motor cools down."""
+    return steps(rng, times, largest, hold=(200.0, 700.0), idle=0.45)
+
+
+SHAPES = (steps, steps, ramps, gait, staircase, long_rests)
 
 
 def rest(rng, times) -> np.ndarray:
@@ -100,12 +120,18 @@ def room(rng, times, start: float) -> np.ndarray:
     return start + waves
 
 
-def draw_run(rng, start: float, demand: Demand):
-    """Times and inputs by column name of one run."""
+def draw_run(rng, start: float, demand: Demand, rig: Rig):
+    """Times and inputs by column name of one run. At standstill the power is the copper heat of the current, while it is cold."""
     times = clock(rng, start)
     driven = rest(rng, times)
-    current = driven * SHAPES[rng.integers(len(SHAPES))](rng, times, demand.current)
-    speed = driven * SHAPES[rng.integers(len(SHAPES))](rng, times, demand.speed)
-    fan = fan_schedule(rng, times, demand.fan)
-    ambient = room(rng, times, round(demand.room + rng.uniform(-1.0, 1.0) * ROOM_SPREAD, 1))
-    return times, dict(zip(INPUTS, (current, speed, fan, ambient)))
+    shape, largest = SHAPES[rng.integers(len(SHAPES))], demand.current
+    if rig.layout.drive == "power":
+        largest = rig.scaled(NOMINAL["motor.R_ref"] * largest**2, {"power": 1})
+        inputs = {COLUMNS["power"]: driven * shape(rng, times, largest)}
+    else:
+        inputs = {COLUMNS["current"]: driven * shape(rng, times, rig.scaled(largest, {"current": 1}))}
+        shape = SHAPES[rng.integers(len(SHAPES))]
+        inputs[SPEED] = driven * shape(rng, times, rig.scaled(demand.speed, {"speed": 1}))
+    inputs[FAN] = fan_schedule(rng, times, demand.fan)
+    inputs[AMBIENT] = room(rng, times, round(demand.room + rng.uniform(-1.0, 1.0) * ROOM_SPREAD, 1))
+    return times, inputs

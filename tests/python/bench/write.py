@@ -6,30 +6,49 @@ from pathlib import Path
 
 import numpy as np
 
-from .detect import DETECTABLE, rms, signal_to_noise, signal_to_noise_refit
-from .generator import INPUTS, NOMINAL, OUTPUTS, PRIOR, simulate
+from .detect import findings, rms
+from .generator import simulate
+from .rig import Rig
 from .sensors import described
 
-ROLES = ("fit", "fit", "validate", "test")
+# Of each run of a set, by their number. Of two runs the first is cut, what comes later validates.
+ROLES = {
+    2: (("fit", "validate"), ("test",)),
+    3: (("fit",), ("validate",), ("test",)),
+    4: (("fit",), ("fit",), ("validate",), ("test",)),
+    5: (("fit",), ("fit",), ("fit",), ("validate",), ("test",)),
+}
+CUT = 0.65  # of a run, where it is cut
 DIGITS = 5  # of a reading; times have all of theirs
 
 
 @dataclass
 class Run:
-    """One file: what was imposed, what was read, what a perfect bench would have read without the effects."""
+    """One file: what was imposed, what was read, what a perfect bench would have read without the effects.
 
-    role: str
+    `roles` has a window in s for each role, or None where all rows count.
+    """
+
+    roles: dict
     times: np.ndarray
     readings: dict
     truth: dict
     without: dict
 
+    def rows(self, role: str) -> np.ndarray:
+        """Which rows count in a role."""
+        if role not in self.roles:
+            return np.zeros(len(self.times), bool)
+        begin, end = self.roles[role] or (-np.inf, np.inf)
+        return (self.times >= begin) & (self.times <= end)
+
 
 @dataclass
 class Set:
-    """One experiment: a specimen with its effects on a bench with its faults, in four runs."""
+    """One experiment: a specimen with its effects on a bench with its faults, in two to five runs."""
 
     name: str
+    rig: Rig
     specimen: dict
     effects: list
     noise: dict
@@ -57,21 +76,26 @@ def toml_table(name: str, entries: dict) -> str:
 def experiment(s: Set) -> str:
     """The text of `experiment.toml`."""
     head = {"name": s.name, "model": "AnnulusCooledMotor", "preset": "maxon-305015"}
-    head |= {"inputs": list(INPUTS), "outputs": list(OUTPUTS)}
+    head |= {"inputs": list(s.rig.layout.inputs), "outputs": list(s.rig.layout.outputs)}
+    runs = [
+        {"file": file_name(k), "role": role} | ({"window_s": list(window)} if window else {})
+        for k, run in enumerate(s.runs)
+        for role, window in run.roles.items()
+    ]
     tables = [
         toml_table("[experiment]", head),
-        toml_table("[set]", {"cooling_mode": "conductance", "commutation": "equivalent_dc"} | NOMINAL),
-        toml_table("[prior]", PRIOR),
+        toml_table("[set]", {"cooling_mode": "conductance", "commutation": "equivalent_dc"} | s.rig.nominal),
+        toml_table("[prior]", s.rig.prior),
         *([toml_table("[noise]", s.noise)] if s.noise_is_stated else []),
-        *(toml_table("[[run]]", {"file": file_name(k), "role": run.role}) for k, run in enumerate(s.runs)),
+        *(toml_table("[[run]]", run) for run in runs),
     ]
     return "# Synthetic. See truth.json beside this set.\n" + "\n".join(tables)
 
 
 def csv(run: Run) -> str:
     """The text of a run's file; a reading that is missing is blank."""
-    lines = [",".join(["time_s", *INPUTS, *OUTPUTS])]
-    for t, *values in zip(run.times, *(run.readings[channel] for channel in (*INPUTS, *OUTPUTS))):
+    lines = [",".join(["time_s", *run.readings])]
+    for t, *values in zip(run.times, *run.readings.values()):
         lines.append(",".join([f"{t:.10g}", *("" if np.isnan(v) else f"{v:.{DIGITS}g}" for v in values)]))
     return "\n".join(lines) + "\n"
 
@@ -82,9 +106,11 @@ def errors(s: Set) -> dict:
     for k, run in enumerate(s.runs):
         models = {"before": ({}, []), "floor": (s.specimen, s.effects_in(k))}
         for model, (specimen, effects) in models.items():
-            outputs = simulate(specimen, effects, run.times, run.readings).outputs
-            for c in OUTPUTS:
-                misses.setdefault(run.role, {}).setdefault(c, {}).setdefault(model, []).append(outputs[c] - run.readings[c])
+            outputs = simulate(specimen, effects, run.times, run.readings, s.rig).outputs
+            for role in run.roles:
+                for c in s.rig.layout.outputs:
+                    miss = (outputs[c] - run.readings[c])[run.rows(role)]
+                    misses.setdefault(role, {}).setdefault(c, {}).setdefault(model, []).append(miss)
 
     def summed(by):
         return {model: float(f"{rms(np.concatenate(parts)):.4g}") for model, parts in by.items()}
@@ -104,28 +130,34 @@ def rounded(values: dict) -> dict:
 
 def truth(s: Set) -> dict:
     """The content of `truth.json`; `unexplained` is the effect that is in no list, `shape` its name in the generator."""
-    plain, refit = signal_to_noise(s), signal_to_noise_refit(s)
-    listed = [e for e in s.effects if e.law.listed]
-    others = [{"shape": e.law.id} | acting(s, e) | e.parameters for e in s.effects if not e.law.listed]
+    found, each = findings(s)
+    listed = [(e, one) for e, one in zip(s.effects, each) if e.law.listed]
+    others = [(e, one) for e, one in zip(s.effects, each) if not e.law.listed]
+    sizes = [{"parameters": e.parameters | dict(e.law.fixed), "detectable": one.detectable} for e, one in listed]
+    known = [{"id": e.law.id} | acting(s, e) | size for (e, _), size in zip(listed, sizes)]
+    unknown = [{"shape": e.law.id} | acting(s, e) | e.parameters | {"detectable": one.detectable} for e, one in others]
     return {
         "name": s.name,
         "what": "; ".join(f"{e.law.id}: {e.law.text}" for e in s.effects) or "nothing is missing",
-        "effects": [{"id": e.law.id} | acting(s, e) | {"parameters": e.parameters | dict(e.law.fixed)} for e in listed],
-        "unexplained": others[0] if others else None,
+        "effects": known,
+        "unexplained": unknown[0] if unknown else None,
         "parameters": s.specimen,
         "noise": s.noise,
         "sensors": described(s.faults),
-        "signal_to_noise": rounded(plain),
-        "signal_to_noise_refit": rounded(refit),
-        "detectable": max(refit.values()) >= DETECTABLE,
+        "signal_to_noise": rounded(found.plain),
+        "signal_to_noise_refit": rounded(found.refit),
+        "chi_square_refit": float(f"{found.chi_square:.3g}"),
+        "detectable": found.detectable,
         "rmse": errors(s),
     }
 
 
 def write_set(s: Set, folder: Path):
-    """Writes the set's files into `folder`, which is made."""
+    """Writes the set's files into `folder`, which is made; the truth is there when all is."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "experiment.toml").write_text(experiment(s), encoding="utf-8")
     for k, run in enumerate(s.runs):
         (folder / file_name(k)).write_text(csv(run), encoding="utf-8")
-    (folder / "truth.json").write_text(json.dumps(truth(s), indent=1) + "\n", encoding="utf-8")
+    whole = folder / "truth.json.part"
+    whole.write_text(json.dumps(truth(s), indent=1) + "\n", encoding="utf-8")
+    whole.replace(folder / "truth.json")

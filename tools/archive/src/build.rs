@@ -5,7 +5,7 @@ use describe::{GenericTerm, ModelType, Preset, StartValues, fmi2, fmi3, start_va
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
-pub use terms::{TermsError, TermsFile};
+pub use terms::{TermText, TermsError, TermsFile};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 

@@ -1,6 +1,7 @@
 //! An experiment: `EXPERIMENT.toml` with the runs that it names.
 
 mod channel;
+mod clock;
 mod table;
 
 pub use channel::{CHANNELS, Channel};
@@ -48,6 +49,8 @@ pub struct Run {
     pub window: Option<(f64, f64)>,
     /// Where its nodes start.
     pub start: Start,
+    /// Start values that hold in this run alone: name and number.
+    pub set: Vec<(String, f64)>,
     /// Inputs, then outputs, in the experiment's order.
     pub table: Table,
 }
@@ -117,6 +120,8 @@ struct RunText {
     window_s: Option<(f64, f64)>,
     #[serde(default)]
     start: Start,
+    #[serde(default)]
+    set: BTreeMap<Spanned<String>, Value>,
 }
 
 /// Says a sentence with file and line.
@@ -153,14 +158,17 @@ impl Experiment {
         let head = &document.experiment;
         let kind = model(&head.model, &place)?;
         let declaration = (kind.declaration)();
-        let inputs = channels(&head.inputs, "input", |c| c.input, declaration, &place)?;
-        let outputs = channels(&head.outputs, "output", |c| c.output, declaration, &place)?;
+        let inputs =
+            channels(&head.inputs, "input", Channel::inputs_of(declaration).collect(), declaration, &place)?;
+        let outputs = channels(
+            &head.outputs,
+            "output",
+            Channel::outputs_of(declaration).collect(),
+            declaration,
+            &place,
+        )?;
         let mut set = modes(&inputs, declaration);
-        for (name, value) in &document.set {
-            let entry = parameter(name, declaration, &place)?;
-            let number = number(entry, value).map_err(|m| place.at(name.span().start, &m))?;
-            set.push((entry.name.clone(), number));
-        }
+        set.extend(settings(&document.set, declaration, &place)?);
         let mut priors = Vec::new();
         for (name, &relative) in &document.prior {
             let entry = parameter(name, declaration, &place)?;
@@ -194,8 +202,29 @@ impl Experiment {
                 return Err(place.at(start, &format!("window_s = [{from}, {to}] is empty in {}", run.file)));
             }
             let table = Table::read(&folder.join(&run.file), &all)?;
+            let set = settings(&run.set, declaration, &place)?;
+            for name in run.set.keys() {
+                if priors.iter().any(|p| p.name == *name.get_ref()) {
+                    let message = format!(
+                        "{} has a prior, so it is one number for all runs, and cannot be set in {} alone",
+                        name.get_ref(),
+                        run.file
+                    );
+                    return Err(place.at(name.span().start, &message));
+                }
+            }
+            let measured = |k: usize| table.columns[inputs.len() + k].iter().any(|v| v.is_finite());
+            if run.start == Start::Measured
+                && !outputs.iter().enumerate().any(|(k, c)| c.node().is_some() && measured(k))
+            {
+                let message = format!(
+                    "{} is to start as measured, and no temperature of the motor is measured in it",
+                    run.file
+                );
+                return Err(place.at(start, &message));
+            }
             let (file, role, window, start) = (run.file.clone(), run.role, run.window_s, run.start);
-            runs.push(Run { file, role, window, start, table });
+            runs.push(Run { file, role, window, start, set, table });
         }
         if !runs.iter().any(|r| r.role == Role::Fit) {
             return Err(CalibrateError(format!("{}: no run has role = \"fit\"", place.file)));
@@ -207,6 +236,7 @@ impl Experiment {
                 notes.push(note.clone());
             }
         }
+        notes.extend(clock::notes(&inputs, &outputs, &runs));
         Ok(Experiment {
             name: head.name.clone(),
             model: declaration.name.to_string(),
@@ -229,30 +259,42 @@ fn model(name: &Spanned<String>, place: &Place) -> Result<&'static ModelType, Ca
     })
 }
 
-/// The channels of a list of columns, each of which must have a `role` in the model.
+/// The channels of a list of columns; `possible` are those that the model has a variable for in this role.
 fn channels(
     columns: &[Spanned<String>],
     word: &str,
-    role: impl Fn(&Channel) -> Option<&'static str>,
+    possible: Vec<&'static Channel>,
     declaration: &Declaration,
     place: &Place,
 ) -> Result<Vec<&'static Channel>, CalibrateError> {
     let mut found: Vec<&'static Channel> = Vec::new();
     for column in columns {
         let name = column.get_ref();
-        let known = Channel::of(name)
-            .filter(|c| role(c).is_some_and(|variable| declaration.by_name(variable).is_some()));
-        let channel = known.ok_or_else(|| {
-            let all: Vec<&str> = CHANNELS.iter().filter(|c| role(c).is_some()).map(|c| c.column).collect();
+        let channel = possible.iter().find(|c| c.column == name).ok_or_else(|| {
+            let all: Vec<&str> = possible.iter().map(|c| c.column).collect();
             let message = format!("{name} is no {word} of {}; there is {}", declaration.name, all.join(", "));
             place.at(column.span().start, &message)
         })?;
-        if found.contains(&channel) {
+        if found.contains(channel) {
             return Err(place.at(column.span().start, &format!("{name} stands twice among the {word}s")));
         }
         found.push(channel);
     }
     Ok(found)
+}
+
+/// Start values of a table: name and number.
+fn settings(
+    table: &BTreeMap<Spanned<String>, Value>,
+    declaration: &Declaration,
+    place: &Place,
+) -> Result<Vec<(String, f64)>, CalibrateError> {
+    let one = |(name, value)| {
+        let entry = parameter(name, declaration, place)?;
+        let number = number(entry, value).map_err(|m| place.at(name.span().start, &m))?;
+        Ok((entry.name.clone(), number))
+    };
+    table.iter().map(one).collect()
 }
 
 /// Modes that follow from what drives the motor.

@@ -6,7 +6,7 @@
 use crate::CalibrateError;
 use crate::candidate::Change;
 use crate::experiment::{Channel, Experiment, Run, Start};
-use physics::model::{Declaration, Model, ModelType, Slot};
+use physics::model::{Declaration, Model, ModelType, Node, Slot};
 
 /// A model with the start values of an experiment, ready to be run with other parameters.
 pub struct Bench {
@@ -18,12 +18,23 @@ pub struct Bench {
 }
 
 /// One run as the simulation takes it: every input known at every row.
+#[derive(Clone)]
 pub struct Drive {
     /// Time of each row, s.
     pub time: Vec<f64>,
     /// Inputs by row, in SI units.
     inputs: Vec<Vec<f64>>,
+    /// Start values that hold in this run alone.
+    set: Vec<(Slot, f64)>,
+    /// Where the nodes start, if not at the ambient temperature: node, its place among the outputs, and its first
+    /// reading, K.
+    warm: Vec<(Node, usize, f64)>,
 }
+
+/// A sensor shows what was read to this, K.
+const SHOWN: f64 = 1e-9;
+/// Most tries until it does.
+const TRIES: usize = 50;
 
 impl Bench {
     /// The bench of an experiment; `preset` are the start values of its preset, by value reference.
@@ -60,9 +71,42 @@ impl Bench {
         last.map_or_else(|| (self.kind.new)().get(slot), |(_, value)| *value)
     }
 
+    /// Every start value with a change and what a run says of itself, by full name; of several the last.
+    pub fn values(&self, drive: &Drive, change: &Change) -> Vec<(String, f64)> {
+        let mut values: Vec<(String, f64)> = Vec::new();
+        for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
+            let entry = self.declaration().entries.iter().find(|e| e.slot == *slot);
+            let Some(name) = entry.map(|e| &e.name) else { continue };
+            match values.iter_mut().find(|(known, _)| known == name) {
+                Some((_, place)) => *place = *value,
+                None => values.push((name.clone(), *value)),
+            }
+        }
+        values
+    }
+
     /// The model's declaration.
     pub fn declaration(&self) -> &'static Declaration {
         (self.kind.declaration)()
+    }
+
+    /// The model changed, and started as the run starts.
+    ///
+    /// # Errors
+    /// What the model says where it cannot start.
+    pub fn begin(&self, drive: &Drive, change: &Change) -> Result<Box<dyn Model>, CalibrateError> {
+        let mut model = (self.kind.new)();
+        // What a run says of itself holds in it, whatever is tried elsewhere.
+        for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
+            model.set(*slot, *value);
+        }
+        if !change.terms.is_empty() && !model.set_terms(&change.terms) {
+            return Err(CalibrateError(format!("{} carries no such terms", model.declaration().name)));
+        }
+        drive.hold(model.as_mut(), &self.inputs, 0);
+        model.start(drive.time[0]).map_err(refused)?;
+        self.warm(model.as_mut(), &drive.warm)?;
+        Ok(model)
     }
 
     /// Outputs at every row, with the model changed: one column for each output, in SI units.
@@ -70,22 +114,29 @@ impl Bench {
     /// # Errors
     /// What the model says where it cannot start or step.
     pub fn run(&self, drive: &Drive, change: &Change) -> Result<Vec<Vec<f64>>, CalibrateError> {
-        let mut model = (self.kind.new)();
-        for (slot, value) in self.starts.iter().chain(&change.values) {
-            model.set(*slot, *value);
-        }
-        if !change.terms.is_empty() && !model.set_terms(&change.terms) {
-            return Err(CalibrateError(format!("{} carries no such terms", model.declaration().name)));
-        }
-        let refused = |fault: physics::model::Fault| CalibrateError(fault.to_string());
-        drive.hold(model.as_mut(), &self.inputs, 0);
-        model.start(drive.time[0]).map_err(refused)?;
+        let mut model = self.begin(drive, change)?;
         let rows = drive.time.len();
         let mut shown = vec![Vec::with_capacity(rows); self.outputs.len()];
-        for k in 0..rows {
+        self.along(drive, model.as_mut(), |model, _| {
             for (column, slot) in shown.iter_mut().zip(&self.outputs) {
                 column.push(model.get(*slot));
             }
+        })?;
+        Ok(shown)
+    }
+
+    /// Drives a started model along a run and shows it at every row.
+    ///
+    /// # Errors
+    /// What the model says where it cannot step.
+    pub fn along(
+        &self,
+        drive: &Drive,
+        model: &mut dyn Model,
+        mut see: impl FnMut(&mut dyn Model, usize),
+    ) -> Result<(), CalibrateError> {
+        for k in 0..drive.time.len() {
+            see(model, k);
             let Some(next) = drive.time.get(k + 1) else { break };
             let h = next - drive.time[k];
             for (input, slot) in drive.inputs.iter().zip(&self.inputs) {
@@ -93,21 +144,54 @@ impl Bench {
             }
             model.step(drive.time[k], h).map_err(refused)?;
             // To the last bit what was measured, whatever the slopes have added up to.
-            drive.hold(model.as_mut(), &self.inputs, k + 1);
+            drive.hold(model, &self.inputs, k + 1);
         }
-        Ok(shown)
+        Ok(())
+    }
+
+    /// The outputs' places in the model, in the experiment's order.
+    pub fn outputs(&self) -> &[Slot] {
+        &self.outputs
+    }
+
+    /// The inputs' places in the model, in the experiment's order.
+    pub fn inputs(&self) -> &[Slot] {
+        &self.inputs
+    }
+
+    /// Puts the nodes where their sensors show the first readings. A sensor need not show its node's temperature (an
+    /// offset, a stem loss), so that each is moved by what its sensor is off until it is not.
+    fn warm(&self, model: &mut dyn Model, warm: &[(Node, usize, f64)]) -> Result<(), CalibrateError> {
+        let mut known: Vec<(Node, f64)> = warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
+        for _ in 0..if warm.is_empty() { 0 } else { TRIES } {
+            if !model.warm_start(&known) {
+                let name = model.declaration().name;
+                return Err(CalibrateError(format!("{name} cannot start at measured temperatures")));
+            }
+            let mut worst = 0.0f64;
+            for ((_, at), (_, output, reading)) in known.iter_mut().zip(warm) {
+                let off = reading - model.get(self.outputs[*output]);
+                *at += off;
+                worst = worst.max(off.abs());
+            }
+            if worst <= SHOWN {
+                break;
+            }
+        }
+        Ok(())
     }
 }
 
+fn refused(fault: physics::model::Fault) -> CalibrateError {
+    CalibrateError(fault.to_string())
+}
+
 impl Drive {
-    /// The inputs of a run.
+    /// The inputs of a run, and where it starts.
     ///
     /// # Errors
-    /// An input without a single reading; nodes that are to start as measured.
+    /// An input without a single reading.
     pub fn new(experiment: &Experiment, run: &Run) -> Result<Drive, CalibrateError> {
-        if run.start == Start::Measured {
-            return Err(CalibrateError(format!("{}: start = \"measured\" is not supported yet", run.file)));
-        }
         let time = run.table.time.clone();
         let columns = experiment.inputs.iter().zip(&run.table.columns);
         let inputs = columns
@@ -117,10 +201,53 @@ impl Drive {
                 })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Drive { time, inputs })
+        let model = physics::models::by_name(&experiment.model);
+        let slot = |name: &str| model.and_then(|m| Some((m.declaration)().by_name(name)?.slot));
+        let set = run.set.iter().filter_map(|(name, value)| Some((slot(name)?, *value))).collect();
+        let mut warm = Vec::new();
+        if run.start == Start::Measured {
+            for (k, channel) in experiment.outputs.iter().enumerate() {
+                let first = run.table.columns[experiment.inputs.len() + k].iter().find(|v| v.is_finite());
+                warm.extend(channel.node().zip(first).map(|(node, first)| (node, k, *first)));
+            }
+        }
+        Ok(Drive { time, inputs, set, warm })
     }
 
-    fn hold(&self, model: &mut dyn Model, slots: &[Slot], row: usize) {
+    /// A run that was never driven: inputs by row, in SI units.
+    pub fn of(time: Vec<f64>, inputs: Vec<Vec<f64>>) -> Drive {
+        Drive { time, inputs, set: Vec::new(), warm: Vec::new() }
+    }
+
+    /// The greatest value of an input.
+    pub fn greatest(&self, input: usize) -> f64 {
+        self.inputs[input].iter().fold(0.0, |most, x| most.max(*x))
+    }
+
+    /// An input at a row, in SI units.
+    pub fn input(&self, input: usize, row: usize) -> f64 {
+        self.inputs[input][row]
+    }
+
+    /// The greatest size of an input, at least 1.
+    pub fn scale(&self, input: usize) -> f64 {
+        self.inputs[input].iter().fold(1.0, |most, x| most.max(x.abs()))
+    }
+
+    /// The same run with one input moved throughout.
+    pub fn with_input_moved(&self, input: usize, way: f64) -> Drive {
+        let mut inputs = self.inputs.clone();
+        inputs[input].iter_mut().for_each(|x| *x += way);
+        Drive { inputs, ..self.clone() }
+    }
+
+    /// Inputs by row, in the experiment's order, in SI units: every one known at every row.
+    pub fn inputs(&self) -> &[Vec<f64>] {
+        &self.inputs
+    }
+
+    /// Gives the inputs of a row to a model.
+    pub fn hold(&self, model: &mut dyn Model, slots: &[Slot], row: usize) {
         for (input, slot) in self.inputs.iter().zip(slots) {
             model.set(*slot, input[row]);
         }
@@ -154,5 +281,69 @@ mod tests {
         let full = filled(&[0.0, 1.0, 2.0, 4.0, 5.0], &[blank, 2.0, blank, 8.0, blank]).unwrap();
         assert_eq!(full, [2.0, 2.0, 4.0, 8.0, 8.0]);
         assert_eq!(filled(&[0.0, 1.0], &[blank, blank]), None);
+    }
+
+    /// A bench of two rows, and a run as the text says it.
+    fn bench(run: &str, rows: &str) -> (Experiment, Bench) {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.csv"), rows).unwrap();
+        let text = format!(
+            "[experiment]\nname = \"a\"\nmodel = \"AnnulusCooledMotor\"\npreset = \"maxon-305015\"\n\
+             inputs = [\"electrical_power_W\", \"ambient_temperature_degC\"]\n\
+             outputs = [\"winding_temperature_degC\", \"housing_temperature_degC\"]\n\
+             [set]\ncooling_mode = \"conductance\"\n\"conductance.G_still\" = 0.2\n\
+             [[run]]\nfile = \"a.csv\"\nrole = \"fit\"\n{run}"
+        );
+        let path = folder.path().join("EXPERIMENT.toml");
+        std::fs::write(&path, text).unwrap();
+        let experiment = Experiment::read(&path).unwrap();
+        let bench = Bench::new(&experiment, &[]).unwrap();
+        (experiment, bench)
+    }
+
+    const ROWS: &str = "time_s,electrical_power_W,ambient_temperature_degC,winding_temperature_degC,\
+                        housing_temperature_degC\n0,0,20,,45\n10,0,20,60,44\n7200,0,20,20,20\n";
+
+    #[test]
+    fn a_run_starts_where_it_was_measured_whatever_its_sensors_are_off() {
+        let (experiment, bench) = bench("start = \"measured\"\n", ROWS);
+        let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
+        let slot = |name: &str| bench.declaration().by_name(name).unwrap().slot;
+        let off = |k: f64| Change {
+            values: vec![
+                (slot("effect.winding_sensor_offset.offset"), 3.0 * k),
+                (slot("effect.housing_sensor_stem_loss.k"), 0.2 * k),
+            ],
+            terms: Vec::new(),
+        };
+        let shown = [0.0, 1.0].map(|k| bench.run(&drive, &off(k)).unwrap());
+        for columns in &shown {
+            // The winding's first reading comes later; it stands for the start.
+            assert!((columns[0][0] - 333.15).abs() < 1e-6 && (columns[1][0] - 318.15).abs() < 1e-6);
+        }
+        // The nodes behind the same readings are others, and after hours an offset is what is left.
+        assert!((shown[1][0][2] - shown[0][0][2] - 3.0).abs() < 0.01);
+        let (experiment, bench) = self::bench("", ROWS);
+        let cold = bench.run(&Drive::new(&experiment, &experiment.runs[0]).unwrap(), &off(0.0)).unwrap();
+        assert_eq!(cold[0][0], 293.15);
+    }
+
+    #[test]
+    fn what_a_run_sets_holds_in_it_alone() {
+        let rows = ROWS.replace(",0,20,", ",10,20,");
+        let (experiment, bench) = bench(
+            "[run.set]\n\"conductance.G_still\" = 0.4\n[[run]]\nfile = \"a.csv\"\nrole = \"test\"\n",
+            &rows,
+        );
+        let rise = |run: usize, change: &Change| {
+            let drive = Drive::new(&experiment, &experiment.runs[run]).unwrap();
+            bench.run(&drive, change).unwrap()[1][2] - 293.15
+        };
+        // 10 W through the conductance, six time constants on.
+        assert!((rise(0, &Change::default()) - 25.0).abs() < 0.1);
+        assert!((rise(1, &Change::default()) - 50.0).abs() < 0.2);
+        let slot = bench.declaration().by_name("conductance.G_still").unwrap().slot;
+        let tried = Change { values: vec![(slot, 0.8)], terms: Vec::new() };
+        assert!((rise(0, &tried) - 25.0).abs() < 0.1 && (rise(1, &tried) - 12.5).abs() < 0.1);
     }
 }

@@ -14,6 +14,8 @@ fn before_and_refit_are_those_of_the_truth() {
     for set in std::fs::read_dir(&folder).unwrap().flatten().filter(|e| e.path().is_dir()) {
         sets += 1;
         let experiment = Experiment::read(&set.path().join("experiment.toml")).unwrap();
+        // Four runs one after the other, whose channels move together.
+        assert_eq!(experiment.notes, Vec::<String>::new());
         let truth: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(set.path().join("truth.json")).unwrap()).unwrap();
         let preset = Preset::load(&experiment.preset).unwrap().starts.entries();

@@ -1,6 +1,7 @@
 //! The motor-fmu command.
 
 mod build;
+mod close_loop;
 mod reproduce;
 mod simulate;
 mod study;
@@ -10,7 +11,7 @@ use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
 
-/// FMUs of a thermo-electromechanical motor: build, validate, simulate.
+/// FMUs of a thermo-electromechanical motor: build, validate, simulate, calibrate.
 ///
 /// Exit codes: 0 fine, 1 the answer is no, 2 it could not be done.
 #[derive(Parser)]
@@ -28,6 +29,7 @@ enum Command {
     Steady(study::SteadyArgs),
     Sweep(study::SweepArgs),
     Reproduce(reproduce::Args),
+    CloseLoop(close_loop::Args),
     #[command(hide = true)]
     Probe(validate::ProbeArgs),
 }
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Command::Steady(args) => study::run_steady(&args),
         Command::Sweep(args) => study::run_sweep(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::CloseLoop(args) => close_loop::run(&args),
         Command::Probe(args) => validate::probe(&args),
     };
     outcome.unwrap_or_else(|Failure(sentence)| {

@@ -1,6 +1,16 @@
 //! Figures as SVG that read on light and dark: lines, points, labelled axes with units, a legend.
 
+mod rows;
+
+pub use rows::{Mark, Row, Rows};
+
 use std::fmt::Write;
+
+/// What can be drawn.
+pub trait Drawing {
+    /// The SVG, complete in itself.
+    fn svg(&self) -> String;
+}
 
 /// Size of a figure and of its margins: left, right, top, bottom.
 const SIZE: (f64, f64) = (660.0, 400.0);
@@ -35,7 +45,8 @@ fn style() -> String {
     format!(
         "\n.f text{{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:12px}}\n\
          .f .t{{font-size:14px;font-weight:600}}.f .l{{fill:none;stroke-width:2;stroke-linejoin:round}}\
-         .f .p{{stroke-width:1.2}}.f .n{{stroke-dasharray:3 4}}\n{}\n\
+         .f .p{{stroke-width:1.2}}.f .n{{stroke-dasharray:3 4}}\
+         .f .h{{stroke-width:1}}.f .w{{fill-opacity:.22;stroke:none}}\n{}\n\
          @media (prefers-color-scheme:dark){{{}}}\n",
         colours(&LIGHT),
         colours(&DARK)
@@ -67,6 +78,7 @@ enum Kind {
     Line,
     Dashed,
     Points,
+    Band,
 }
 
 #[derive(Clone, Debug)]
@@ -75,7 +87,7 @@ struct Series {
     kind: Kind,
     colour: usize,
     points: Vec<(f64, f64)>,
-    /// Half-lengths of the error bars of points.
+    /// Half-lengths of the error bars of points; half-widths of a band.
     bars: Vec<f64>,
 }
 
@@ -89,13 +101,14 @@ pub struct Figure {
     notes: Vec<(f64, String)>,
     categories: Vec<String>,
     next_colour: usize,
+    hair: bool,
 }
 
 impl Figure {
     /// An empty figure.
     pub fn new(title: &str, x: Axis, y: Axis) -> Figure {
         let (series, notes, categories) = (Vec::new(), Vec::new(), Vec::new());
-        Figure { title: title.to_owned(), x, y, series, notes, categories, next_colour: 0 }
+        Figure { title: title.to_owned(), x, y, series, notes, categories, next_colour: 0, hair: false }
     }
 
     fn with(mut self, label: &str, kind: Kind, points: Vec<(f64, f64)>) -> Figure {
@@ -126,6 +139,21 @@ impl Figure {
         if let Some(last) = self.series.last_mut() {
             last.bars = bars;
         }
+        self
+    }
+
+    /// With a band of these half-widths about a line.
+    pub fn band(mut self, label: &str, line: Vec<(f64, f64)>, widths: Vec<f64>) -> Figure {
+        self = self.with(label, Kind::Band, line);
+        if let Some(last) = self.series.last_mut() {
+            last.bars = widths;
+        }
+        self
+    }
+
+    /// With hairlines, for what trembles.
+    pub fn hairlines(mut self) -> Figure {
+        self.hair = true;
         self
     }
 
@@ -181,7 +209,7 @@ impl Figure {
             );
         }
         for series in &self.series {
-            draw_series(&mut out, series, &x, &y);
+            draw_series(&mut out, series, &x, &y, self.hair);
         }
         for (series, (px, py)) in self.series.iter().filter(|s| !s.label.is_empty()).zip(places) {
             let colour = series.colour;
@@ -189,6 +217,13 @@ impl Figure {
             let _ = match series.kind {
                 Kind::Points => {
                     write!(out, "<circle class=\"p d{colour}\" cx=\"{}\" cy=\"{py}\" r=\"4.5\"/>", px + 9.0)
+                }
+                Kind::Band => {
+                    write!(
+                        out,
+                        "<rect class=\"w d{colour}\" x=\"{px}\" y=\"{}\" width=\"18\" height=\"10\"/>",
+                        py - 5.0
+                    )
                 }
                 _ => write!(out, "<path class=\"l k{colour}\"{dash} d=\"M{px} {py}h18\"/>"),
             };
@@ -219,7 +254,17 @@ impl Figure {
         if let Some(range) = axis.range {
             return range;
         }
-        let values = self.series.iter().flat_map(|s| &s.points).map(of).filter(|v| v.is_finite());
+        let edges = |s: &Series| {
+            let band = matches!(s.kind, Kind::Band);
+            let width =
+                move |k: usize, bars: &[f64]| if band { bars.get(k).copied().unwrap_or(0.0) } else { 0.0 };
+            let edge = |sign: f64| {
+                let points = s.points.iter().enumerate();
+                points.map(move |(k, p)| (p.0, p.1 + sign * width(k, &s.bars))).collect::<Vec<_>>()
+            };
+            [edge(1.0), edge(-1.0)].concat()
+        };
+        let values = self.series.iter().flat_map(edges).map(|p| of(&p)).filter(|v| v.is_finite());
         let (low, high) = values.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
         if low > high {
             return (0.0, 1.0);
@@ -278,8 +323,12 @@ impl Figure {
     }
 }
 
-fn draw_series(out: &mut String, series: &Series, x: &Scale, y: &Scale) {
+fn draw_series(out: &mut String, series: &Series, x: &Scale, y: &Scale, hair: bool) {
     let colour = series.colour;
+    if let Kind::Band = series.kind {
+        draw_band(out, series, x, y);
+        return;
+    }
     if let Kind::Points = series.kind {
         for (k, (a, b)) in
             series.points.iter().enumerate().filter(|(_, p)| p.0.is_finite() && p.1.is_finite())
@@ -304,7 +353,25 @@ fn draw_series(out: &mut String, series: &Series, x: &Scale, y: &Scale) {
         pen_down = inside;
     }
     let dash = if matches!(series.kind, Kind::Dashed) { " stroke-dasharray=\"6 4\"" } else { "" };
-    let _ = write!(out, "<path class=\"l k{colour}\"{dash} d=\"{path}\"/>");
+    let hair = if hair { " h" } else { "" };
+    let _ = write!(out, "<path class=\"l k{colour}{hair}\"{dash} d=\"{path}\"/>");
+}
+
+/// The outline of a band: along its upper edge, and back along its lower one.
+fn draw_band(out: &mut String, series: &Series, x: &Scale, y: &Scale) {
+    let known = series.points.iter().zip(&series.bars).filter(|((a, b), w)| (a + b + **w).is_finite());
+    let edge = |sign: f64| move |((a, b), w): (&(f64, f64), &f64)| (*a, b + sign * w);
+    let outline = known.clone().map(edge(1.0)).chain(known.rev().map(edge(-1.0)));
+    let inside = |v: f64| v.clamp(y.span.0.min(y.span.1), y.span.0.max(y.span.1));
+    let points: Vec<String> =
+        outline.map(|(a, b)| format!("{:.1} {:.1}", x.at(a), y.at(inside(b)))).collect();
+    let _ = write!(out, "<path class=\"w d{}\" d=\"M{}Z\"/>", series.colour, points.join("L"));
+}
+
+impl Drawing for Figure {
+    fn svg(&self) -> String {
+        Figure::svg(self)
+    }
 }
 
 /// From values to pixels.
@@ -382,6 +449,17 @@ mod tests {
         let path = svg.split(" d=\"").find(|p| p.contains('L')).unwrap();
         assert_eq!(path.split('"').next().unwrap().matches('M').count(), 2);
         assert!(svg.contains("a &lt; b") && svg.starts_with("<svg") && svg.ends_with("</svg>"));
+    }
+
+    /// Half a unit up and down about a line at 1: the axis holds it, and the outline closes.
+    #[test]
+    fn a_band_is_held_by_the_axis() {
+        let line = vec![(0.0, 1.0), (1.0, 1.0)];
+        let figure = Figure::new("t", Axis::new("x"), Axis::new("y")).band("b", line, vec![0.5, 0.5]);
+        let svg = figure.svg();
+        let path = svg.split("<path class=\"w d0\" d=\"").nth(1).unwrap();
+        assert_eq!(path.split('"').next().unwrap().matches(['M', 'L', 'Z']).count(), 5);
+        assert_eq!(figure.span(&figure.y, |p| p.1, false), (0.5, 1.5));
     }
 
     #[test]

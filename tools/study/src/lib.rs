@@ -7,6 +7,7 @@ pub mod bench;
 pub mod figure;
 pub mod fit;
 pub mod numeric;
+pub mod page;
 pub mod reproduce;
 pub mod steady;
 pub mod sweep;

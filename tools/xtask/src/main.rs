@@ -1,6 +1,7 @@
 //! Set-up, tests, demo, benchmarks and tidiness of the workspace: `cargo xtask <command>`.
 
 mod bench;
+mod blind;
 mod demo;
 mod describe;
 mod mutants;
@@ -27,6 +28,11 @@ const COMMANDS: &[Command] = &[
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
     ("describe", "write model-description/ anew (with --check: compare only)", describe::run),
     ("bench", "benchmarks; further arguments go to criterion", bench::run),
+    (
+        "blind",
+        "a hundred and more synthetic benches through the closed loop, into docs/blind-suite.md",
+        blind::run,
+    ),
     ("mutants", "break the physics by hand and see the tests fail; arguments name mutants", mutants::run),
     ("removals", "take each effect out in turn and see the physics compile", mutants::removal::run),
 ];

@@ -1,4 +1,11 @@
 //! The columns of a bench file: name, unit, and the variable of the model that each belongs to.
+//!
+//! A column may stand in the list more than once, where models have other variables for it; the first that fits the
+//! model counts. What fits one model must not mean another thing in the next: power_electrical is what one motor takes
+//! at its terminals and the copper heat alone of the other, so supply_power stands before it.
+
+use physics::declare::Causality;
+use physics::model::{Declaration, Node};
 
 /// A quantity that a bench records, with its column in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,15 +21,42 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// The channel of a column.
+    /// The channel of a column, whatever the model.
     pub fn of(column: &str) -> Option<&'static Channel> {
         CHANNELS.iter().find(|c| c.column == column)
+    }
+
+    /// The channels that can drive a model.
+    pub fn inputs_of(model: &Declaration) -> impl Iterator<Item = &'static Channel> {
+        CHANNELS.iter().filter(|c| has(model, c.input, Causality::Input))
+    }
+
+    /// The channels that a model can be compared with.
+    pub fn outputs_of(model: &Declaration) -> impl Iterator<Item = &'static Channel> {
+        CHANNELS.iter().filter(|c| has(model, c.output, Causality::Output))
+    }
+
+    /// The node whose temperature it is.
+    pub fn node(&self) -> Option<Node> {
+        match self.output? {
+            "winding_temperature" => Some(Node::Winding),
+            "stator_temperature" => Some(Node::Stator),
+            "magnet_temperature" => Some(Node::Magnets),
+            "housing_temperature" => Some(Node::Housing),
+            "box_temperature" => Some(Node::Box),
+            _ => None,
+        }
     }
 
     /// Whether it is a temperature.
     pub fn is_temperature(&self) -> bool {
         self.offset != 0.0
     }
+}
+
+/// Whether a model has this variable in this role.
+fn has(model: &Declaration, name: Option<&str>, causality: Causality) -> bool {
+    name.and_then(|name| model.by_name(name)).is_some_and(|entry| entry.row.causality == causality)
 }
 
 /// Celsius in a file, kelvin in the model.
@@ -40,8 +74,11 @@ const fn channel(
 /// Every column that a file may have beside `time_s`.
 pub const CHANNELS: &[Channel] = &[
     channel("voltage_V", Some("voltage"), Some("terminal_voltage"), 0.0),
+    channel("voltage_V", None, Some("voltage"), 0.0),
+    channel("supply_voltage_V", Some("supply_voltage"), None, 0.0),
     channel("current_A", Some("current_command"), Some("current"), 0.0),
     channel("duty_1", Some("duty"), None, 0.0),
+    channel("electrical_power_W", None, Some("supply_power"), 0.0),
     channel("electrical_power_W", Some("electrical_power"), Some("power_electrical"), 0.0),
     channel("speed_rad_per_s", Some("imposed_speed"), Some("shaft_speed"), 0.0),
     channel("load_torque_Nm", Some("load_torque"), None, 0.0),
@@ -52,6 +89,7 @@ pub const CHANNELS: &[Channel] = &[
     channel("winding_temperature_degC", None, Some("winding_temperature"), CELSIUS),
     channel("stator_temperature_degC", None, Some("stator_temperature"), CELSIUS),
     channel("housing_temperature_degC", None, Some("housing_temperature"), CELSIUS),
+    channel("box_temperature_degC", None, Some("box_temperature"), CELSIUS),
     channel("magnet_temperature_degC", None, Some("magnet_temperature"), CELSIUS),
     channel("air_outlet_temperature_degC", None, Some("air_outlet_temperature"), CELSIUS),
 ];
@@ -59,26 +97,62 @@ pub const CHANNELS: &[Channel] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use physics::declare::{Causality, Unit};
+    use physics::declare::Unit;
 
-    /// Every column names variables that the model has, of the right kind, and in the unit that its name says.
+    fn declaration(model: &str) -> &'static Declaration {
+        (physics::models::by_name(model).unwrap().declaration)()
+    }
+
+    /// Every column names variables that a model has, of the right kind, and in the unit that its name says.
     #[test]
-    fn columns_are_variables_of_the_motor() {
-        let declaration = (physics::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
+    fn columns_are_variables_of_a_model() {
         for channel in CHANNELS {
-            for (name, causality) in [(channel.input, Causality::Input), (channel.output, Causality::Output)]
-            {
-                let Some(name) = name else { continue };
-                let entry = declaration.by_name(name).unwrap_or_else(|| panic!("{name}"));
-                assert_eq!(entry.row.causality, causality, "{name}");
-                let unit = match entry.row.unit {
-                    Unit::Kelvin => "degC",
-                    Unit::NewtonMetre => "Nm",
-                    Unit::RadianPerSecond => "rad_per_s",
-                    other => other.name(),
-                };
-                assert!(channel.column.ends_with(unit), "{} and {unit}", channel.column);
+            let mut found = 0;
+            for model in physics::models::ALL.iter().map(|m| (m.declaration)()) {
+                for name in [channel.input, channel.output].into_iter().flatten() {
+                    let Some(entry) = model.by_name(name) else { continue };
+                    let unit = match entry.row.unit {
+                        Unit::Kelvin => "degC",
+                        Unit::NewtonMetre => "Nm",
+                        Unit::RadianPerSecond => "rad_per_s",
+                        other => other.name(),
+                    };
+                    assert!(channel.column.ends_with(unit), "{} and {unit}", channel.column);
+                    found += 1;
+                }
             }
+            let roles = [channel.input, channel.output].into_iter().flatten().count();
+            assert!(roles > 0 && found >= roles, "{}", channel.column);
+        }
+    }
+
+    #[test]
+    fn a_column_belongs_to_other_variables_in_other_models() {
+        let (motor, gearmotor) = (declaration("AnnulusCooledMotor"), declaration("BrushedGearmotor"));
+        let output =
+            |model, column| Channel::outputs_of(model).find(|c| c.column == column).and_then(|c| c.output);
+        let input =
+            |model, column| Channel::inputs_of(model).find(|c| c.column == column).and_then(|c| c.input);
+        assert_eq!(output(motor, "voltage_V"), Some("terminal_voltage"));
+        assert_eq!(output(gearmotor, "voltage_V"), Some("voltage"));
+        assert_eq!((input(motor, "voltage_V"), input(gearmotor, "voltage_V")), (Some("voltage"), None));
+        assert_eq!(output(motor, "electrical_power_W"), Some("power_electrical"));
+        assert_eq!(output(gearmotor, "electrical_power_W"), Some("supply_power"));
+        assert_eq!(input(gearmotor, "supply_voltage_V"), Some("supply_voltage"));
+        assert_eq!(output(gearmotor, "box_temperature_degC"), Some("box_temperature"));
+        assert_eq!(output(motor, "box_temperature_degC"), None);
+        // What both have is the same thing in both.
+        for column in ["duty_1", "load_torque_Nm", "ambient_temperature_degC"] {
+            assert!(
+                input(motor, column).is_some() && input(motor, column) == input(gearmotor, column),
+                "{column}"
+            );
+        }
+        for column in ["current_A", "speed_rad_per_s", "shaft_torque_Nm", "winding_temperature_degC"] {
+            assert!(
+                output(motor, column).is_some() && output(motor, column) == output(gearmotor, column),
+                "{column}"
+            );
         }
     }
 }

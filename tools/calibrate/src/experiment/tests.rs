@@ -23,6 +23,9 @@ file = "a.csv"
 role = "test"
 window_s = [1.0, 4.0]
 start = "measured"
+[run.set]
+cooling_mode = "bare"
+"housing.emissivity" = 0.3
 "#;
 const RUN: &str = "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,winding_temperature_degC\n\
                    0,1,100,23,3,23\n2,1,100,23,3,24\n4,1,100,23,3,25\n";
@@ -47,6 +50,9 @@ fn an_experiment_in_full() {
     let last = &found.runs[1];
     assert_eq!((last.role, last.window, last.start), (Role::Test, Some((1.0, 4.0)), Start::Measured));
     assert_eq!(last.table.columns[4], [296.15, 297.15, 298.15]);
+    // Bare is the second of the modes.
+    assert_eq!(last.set, [("cooling_mode".to_string(), 2.0), ("housing.emissivity".to_string(), 0.3)]);
+    assert!(found.runs[0].set.is_empty());
 }
 
 #[test]
@@ -78,6 +84,11 @@ fn what_cannot_be_is_named_with_file_and_line() {
         ("role = \"fit\"", "role = \"fitt\"", ["e.toml:17:", "fitt"]),
         ("role = \"fit\"", "role = \"validate\"", ["e.toml:", "no run has role"]),
         ("file = \"a.csv\"\nrole = \"fit\"", "file = \"b.csv\"\nrole = \"fit\"", ["b.csv", "cannot be read"]),
+        ("= 0.3", "= 1.3", ["e.toml:25:", "outside its limits"]),
+        ("\"bare\"", "\"steam\"", ["e.toml:24:", "none of conductance, bare"]),
+        ("\"housing.emissivity\"", "\"housing.emission\"", ["e.toml:25:", "is no parameter"]),
+        ("\"housing.emissivity\"", "\"motor.R_ref\"", ["e.toml:25:", "motor.R_ref has a prior"]),
+        (", \"winding_temperature_degC\"]", ", \"shaft_torque_Nm\"]", ["e.toml:", "is no input or output"]),
         ("preset = ", "present = ", ["e.toml:4:", "present"]),
     ] {
         assert!(all.contains(from), "{from}");
@@ -85,4 +96,69 @@ fn what_cannot_be_is_named_with_file_and_line() {
         assert!(parts.iter().all(|part| sentence.contains(part)), "{to}: {sentence}");
         assert!(!sentence.contains('\n'), "{sentence}");
     }
+}
+
+/// What a file has wrong is found when the experiment is read, and named with that file.
+#[test]
+fn what_a_file_has_wrong_is_named_when_the_experiment_is_read() {
+    for (from, to, parts) in [
+        ("2,1,100", "2,NaN,100", ["a.csv:3:", "current_A = NaN is not a finite"]),
+        ("2,1,100", "2,one,100", ["a.csv:3:", "current_A = one is not a number"]),
+        (",voltage_V,", ",volts,", ["a.csv:1:", "the column voltage_V is missing"]),
+        ("4,1,100", "1,1,100", ["a.csv:4:", "does not come after 2 s"]),
+    ] {
+        assert!(RUN.contains(from), "{from}");
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.csv"), RUN.replacen(from, to, 1)).unwrap();
+        let path = folder.path().join("EXPERIMENT.toml");
+        std::fs::write(&path, format!("{HEAD}{REST}")).unwrap();
+        let sentence = Experiment::read(&path).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| sentence.contains(part)), "{to}: {sentence}");
+        assert!(!sentence.contains('\n'), "{sentence}");
+    }
+    let sentence = Experiment::read(Path::new("no/such/EXPERIMENT.toml")).unwrap_err().to_string();
+    assert!(sentence.contains("no/such/EXPERIMENT.toml cannot be read"), "{sentence}");
+}
+
+#[test]
+fn a_warm_start_needs_a_temperature() {
+    let all = format!("{HEAD}{REST}")
+        .replace(", \"winding_temperature_degC\"]", "]")
+        .replace("winding_temperature_degC = 0.1", "");
+    let sentence = read(&all).unwrap_err().to_string();
+    assert!(
+        sentence.contains("e.toml:18:") && sentence.contains("no temperature of the motor"),
+        "{sentence}"
+    );
+}
+
+/// The gearmotor of the paper has columns of its own, and no modes.
+#[test]
+fn a_gearmotor_has_an_experiment_too() {
+    let text = r#"[experiment]
+name = "box"
+model = "BrushedGearmotor"
+preset = "bdcm-37d"
+inputs = ["duty_1", "supply_voltage_V", "ambient_temperature_degC"]
+outputs = ["voltage_V", "current_A", "box_temperature_degC"]
+[[run]]
+file = "b.csv"
+role = "fit"
+"#;
+    let folder = tempfile::tempdir().unwrap();
+    let run = "time_s,duty_1,supply_voltage_V,ambient_temperature_degC,voltage_V,current_A,box_temperature_degC\n\
+               0,1,12,20,9,0.2,20\n2,1,12,20,9,0.2,20\n";
+    std::fs::write(folder.path().join("b.csv"), run).unwrap();
+    let parse = |text: &str| Experiment::parse(text, "e.toml".to_string(), folder.path());
+    let found = parse(text).unwrap();
+    assert!(found.set.is_empty());
+    let outputs: Vec<_> = found.outputs.iter().filter_map(|c| c.output).collect();
+    assert_eq!(outputs, ["voltage", "current", "box_temperature"]);
+    let sentence = parse(&text.replace("\"duty_1\"", "\"voltage_V\"")).unwrap_err().to_string();
+    assert!(
+        sentence.starts_with(
+            "e.toml:5: voltage_V is no input of BrushedGearmotor; there is supply_voltage_V, duty_1,"
+        ),
+        "{sentence}"
+    );
 }

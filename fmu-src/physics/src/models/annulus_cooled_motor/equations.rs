@@ -297,6 +297,11 @@ impl<'a> Step<'a> {
         self
     }
 
+    /// True temperature of the surroundings at the start of the step, K.
+    pub(super) fn ambient_at_start(&self) -> f64 {
+        self.ambient.start
+    }
+
     fn is_free(&self) -> bool {
         self.constants.inverse_j != 0.0
     }

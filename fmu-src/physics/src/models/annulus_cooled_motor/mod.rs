@@ -6,6 +6,7 @@
 mod equations;
 mod march;
 pub mod network;
+mod states;
 mod surroundings;
 mod variables;
 
@@ -21,9 +22,9 @@ use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
 use crate::effects::{Effect, Effects, IMMINENT, PerNode};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
+use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split, State};
-use crate::terms::GenericTerm;
+use crate::terms::{Drivers, GenericTerm};
 use network::{Body, Network};
 
 /// What the motor is made of, and how it is used.
@@ -340,6 +341,10 @@ impl Model for AnnulusCooledMotor {
         Ok(())
     }
 
+    fn warm_start(&mut self, known: &[(Node, f64)]) -> bool {
+        self.put_temperatures(known).is_some()
+    }
+
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         if !self.constants.eventful {
             return self.advance(time, h);
@@ -419,6 +424,26 @@ impl Model for AnnulusCooledMotor {
             *self = copy;
         }
         complete
+    }
+
+    fn states(&self, out: &mut Vec<f64>) {
+        self.push_states(out);
+    }
+
+    fn set_states(&mut self, time: f64, states: &[f64]) -> bool {
+        let taken = self.take_states(states);
+        if taken {
+            self.time = time;
+        }
+        taken
+    }
+
+    fn rates(&mut self, out: &mut Vec<f64>) {
+        self.push_rates(out);
+    }
+
+    fn drivers(&self) -> Drivers {
+        self.drivers_at(self.time)
     }
 
     fn boxed_clone(&self) -> Box<dyn Model> {

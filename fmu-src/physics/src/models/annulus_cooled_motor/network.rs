@@ -109,6 +109,13 @@ impl Network {
         self.tangent = Tangent::NONE;
     }
 
+    /// Puts rotor and housing at these temperatures, K; the tube stays where it is.
+    pub fn put_temperatures(&mut self, rotor: f64, housing: f64) {
+        self.states[ROTOR] = rotor;
+        self.states[FIRST..FIRST + self.body.segments].fill(housing);
+        self.forget();
+    }
+
     fn housing(&self) -> &[f64] {
         &self.states[FIRST..FIRST + self.body.segments]
     }
@@ -121,6 +128,16 @@ impl Network {
     /// Temperature of the rotor with its magnets; that of the housing where there is no such node, K.
     pub fn rotor_temperature(&self) -> f64 {
         if self.body.has(ROTOR) { self.states[ROTOR] } else { self.housing_temperature() }
+    }
+
+    /// Temperatures by place ([`Body::nodes`]), K.
+    pub fn temperatures(&self) -> &States {
+        &self.states
+    }
+
+    /// The same, to be written.
+    pub fn temperatures_mut(&mut self) -> &mut States {
+        &mut self.states
     }
 
     /// Energy stored in the network above 0 K, J.

@@ -17,8 +17,9 @@ use crate::components::enclosure::Enclosure;
 use crate::components::gear::Gear;
 use crate::effects::{Effect, Effects, IMMINENT};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
+use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split};
+use crate::terms::Drivers;
 
 /// What the gearmotor is made of, and how it is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -206,6 +207,22 @@ impl Model for BrushedGearmotor {
         Ok(())
     }
 
+    fn warm_start(&mut self, known: &[(Node, f64)]) -> bool {
+        use Node::{Box, Housing, Magnets, Stator, Winding};
+        // The armature is winding and stator in one; magnets and gear go with the housing.
+        let from = |order: &[Node]| Node::nearest(known, order);
+        let winding = from(&[Winding, Stator, Housing, Magnets, Box]);
+        let housing = from(&[Housing, Magnets, Winding, Stator, Box]);
+        let enclosure = from(&[Box, Housing, Magnets, Winding, Stator]);
+        let (Some(winding), Some(housing), Some(enclosure)) = (winding, housing, enclosure) else {
+            return false;
+        };
+        self.state.temperature = Temperatures::new(winding, housing, enclosure);
+        self.opening = self.step_equations().opening(&self.state);
+        self.outputs_are_stale = true;
+        true
+    }
+
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         let end = time + h;
         let event = self.next_event(time);
@@ -274,6 +291,41 @@ impl Model for BrushedGearmotor {
             *self = copy;
         }
         complete
+    }
+
+    /// Current, speed and the temperatures.
+    fn states(&self, out: &mut Vec<f64>) {
+        out.extend(self.state.x.iter().chain(self.state.temperature.iter()));
+    }
+
+    fn set_states(&mut self, time: f64, states: &[f64]) -> bool {
+        let fits = states.len() == 2 + NODES;
+        if fits {
+            self.state.x.copy_from_slice(&states[..2]);
+            self.state.temperature.copy_from_slice(&states[2..]);
+            self.time = time;
+            self.outputs_are_stale = true;
+        }
+        fits
+    }
+
+    fn rates(&mut self, out: &mut Vec<f64>) {
+        let point = self.step_equations().point(0.0, &self.state.x, &self.state.temperature);
+        out.extend(point.fast.iter().chain(point.warming.iter()));
+    }
+
+    fn drivers(&self) -> Drivers {
+        let (x, temperature) = (&self.state.x, &self.state.temperature);
+        Drivers {
+            speed: x[1],
+            current: x[0],
+            load_torque: self.inputs.load_torque,
+            winding_temperature: temperature[0],
+            housing_temperature: temperature[1],
+            ambient_temperature: self.inputs.ambient_temperature,
+            fan_command: 0.0,
+            time: self.time,
+        }
     }
 
     fn boxed_clone(&self) -> Box<dyn Model> {

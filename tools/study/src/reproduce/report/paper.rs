@@ -1,7 +1,8 @@
 //! Figures of the paper.
 
-use super::{Content, Page, Plate, page};
+use super::{Content, Page, page};
 use crate::figure::{Axis, Figure};
+use crate::page::Plate;
 use crate::reproduce::paper::published::{self, DUTIES, Point};
 use crate::reproduce::paper::{Paper, Parts, Run, Sample};
 

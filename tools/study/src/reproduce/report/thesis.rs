@@ -1,8 +1,9 @@
 //! Figures and tables of the thesis.
 
-use super::{Content, Page, Plate, page, table};
+use super::{Content, Page, page};
 use crate::figure::{Axis, Figure, escaped};
 use crate::numeric::linspace;
+use crate::page::{Plate, table};
 use crate::reproduce::significant;
 use crate::reproduce::thesis::measured::{FAN_FLOW, MOTOR_DIAMETER, NARROW, T_25, T_REF, WIDE};
 use crate::reproduce::thesis::published::{self, Annulus, RE_SWITCH};

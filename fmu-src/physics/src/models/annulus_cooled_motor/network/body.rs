@@ -96,6 +96,13 @@ impl Body {
         FIRST + self.segments + 1
     }
 
+    /// Places of the temperatures that move: rotor and tube where they are there, then the segments.
+    pub fn nodes(&self) -> impl Iterator<Item = usize> + use<> {
+        let (rotor, tube) = (self.has(super::ROTOR), self.has(super::TUBE));
+        let beside = [(super::ROTOR, rotor), (super::TUBE, tube)];
+        beside.into_iter().filter(|(_, there)| *there).map(|(k, _)| k).chain(FIRST..FIRST + self.segments)
+    }
+
     /// Whether a node is there.
     pub(super) fn has(&self, node: usize) -> bool {
         self.capacity[node] > 0.0

@@ -1,0 +1,89 @@
+//! States and rates say what steps do, in every mode, and states that were set are those that come back.
+
+mod common;
+use common::{all_effects, motor};
+use physics::effects::Effects;
+use physics::model::Model;
+use physics::models::annulus_cooled_motor::{CoolingMode, DriveMode, MechanicalMode};
+use physics::models::brushed_gearmotor::BrushedGearmotor;
+
+/// A step so short that a difference is a derivative, s.
+const SHORT: f64 = 1e-6;
+
+/// Differences over a short step against the mean of the rates at its ends, which is right to second order: the fast
+/// states bend within it. Beside 1e-4 of the rate, what rounding leaves of a difference near 400.
+fn assert_rates(model: &mut dyn Model, what: &str) {
+    let (mut before, mut start, mut after, mut end) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    model.states(&mut before);
+    model.rates(&mut start);
+    assert_eq!(before.len(), start.len(), "{what}");
+    model.step(model.time(), SHORT).unwrap();
+    model.states(&mut after);
+    model.rates(&mut end);
+    for k in 0..before.len() {
+        let (difference, rate) = ((after[k] - before[k]) / SHORT, 0.5 * (start[k] + end[k]));
+        let tolerance = 1e-4 * rate.abs() + 1e-6;
+        assert!((difference - rate).abs() <= tolerance, "{what}: state {k}: {difference} and {rate}");
+    }
+}
+
+#[test]
+fn rates_are_what_steps_do() {
+    let mut cases = 0;
+    for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
+        for coupling in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
+            for cooling in [
+                CoolingMode::Conductance,
+                CoolingMode::Bare,
+                CoolingMode::FanCrossflow,
+                CoolingMode::AnnulusPush,
+                CoolingMode::AnnulusPull,
+            ] {
+                for effects in [Effects::default(), all_effects()] {
+                    let mut m = motor(drive, coupling);
+                    m.parameters.choices.cooling_mode = cooling;
+                    m.parameters.choices.air_segments = 3;
+                    m.parameters.effects = effects;
+                    m.parameters.effects.demagnetisation.time = 1e6;
+                    m.inputs.voltage = 12.0;
+                    m.inputs.duty = 0.6;
+                    m.inputs.current_command = 6.0;
+                    m.inputs.electrical_power = 40.0;
+                    m.inputs.imposed_speed = 300.0;
+                    m.inputs.load_torque = 0.02;
+                    m.inputs.fan_command = 0.7;
+                    m.start(0.0).unwrap();
+                    m.step(0.0, 30.0).unwrap();
+                    let what = format!("{drive:?} {coupling:?} {cooling:?}");
+                    assert_rates(&mut m, &what);
+                    let (mut states, mut again) = (Vec::new(), Vec::new());
+                    m.states(&mut states);
+                    for (k, state) in states.iter_mut().enumerate() {
+                        *state += 0.5 + 0.1 * k as f64;
+                    }
+                    assert!(m.set_states(m.time(), &states) && !m.set_states(0.0, &states[1..]));
+                    m.states(&mut again);
+                    assert_eq!(states, again, "{what}");
+                    assert_rates(&mut m, &what);
+                    cases += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(cases, 80);
+}
+
+#[test]
+fn rates_of_the_gearmotor() {
+    let mut m = BrushedGearmotor::default();
+    m.inputs.duty = 1.0;
+    m.inputs.supply_voltage = 10.0;
+    m.start(0.0).unwrap();
+    m.step(0.0, 30.0).unwrap();
+    assert_rates(&mut m, "settled");
+    let mut states = Vec::new();
+    m.states(&mut states);
+    states[2] += 20.0;
+    assert!(m.set_states(m.time(), &states) && !m.set_states(0.0, &[]));
+    assert_rates(&mut m, "warmer");
+}

@@ -1,0 +1,309 @@
+//! The whole loop: fit, find what is missing, add it, and judge it on what was not fitted.
+//!
+//! 1. The preset as it is, and the naive fit of the declared parameters (`fit.rs`).
+//! 2. The fitted model is linearised (`point.rs`) and everything it may lack is scored (`search.rs`).
+//! 3. The best compete and pass a gate (`rounds.rs`); what is taken is the new model, and 2. begins anew, three times at most.
+//! 4. What no present value of a driver explains but a force that is free in time does, follows its history.
+//! 5. The test runs are opened.
+
+use crate::CalibrateError;
+use crate::experiment::{Experiment, Role};
+use crate::fit::{Fitted, Slopes};
+use crate::hypothesis::Hypothesis;
+use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
+use crate::point::Point;
+use crate::rounds::{Contender, LEAST, Round, acting, compete, per_number};
+use crate::search::{Scored, search};
+use crate::separate::separate;
+use crate::setup::Setup;
+use crate::tangent::Probe;
+use crate::telling;
+use physics::terms::{MOST_TERMS, Port};
+
+/// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
+/// of what there is to explain (slopes mislead by some hundredths), and a number.
+const HISTORY: (f64, f64) = (0.03, 30.0);
+/// What is left unexplained is said from this evidence on.
+const SAID: f64 = 40.0;
+
+/// Closes the loop over an experiment; `preset` are the start values of its preset, by value reference. `progress` hears
+/// the share that is done, and what is done next.
+///
+/// # Errors
+/// A run that the model cannot be driven with; parameters that the runs do not show.
+pub fn run(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    progress: &dyn Fn(f64, &str),
+) -> Result<Outcome, CalibrateError> {
+    let begun = std::time::Instant::now();
+    progress(0.0, "fitting the declared parameters");
+    let mut setup = Setup::new(experiment, preset)?;
+    let fit = setup.runs(Role::Fit);
+    let refit = setup.fit(setup.preset(), &fit)?;
+    setup.hear_inputs(&refit, &fit)?;
+    let setup = setup;
+    progress(0.15, "looking for what is missing");
+    let refit = setup.fit(refit.hypothesis, &fit)?;
+    let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
+    search_of.rounds(progress)?;
+    progress(0.8, "judging what was found");
+    let verdict = search_of.verdict()?;
+    let mut outcome = telling::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
+    outcome.seconds = begun.elapsed().as_secs_f64();
+    progress(1.0, outcome.verdict.name());
+    Ok(outcome)
+}
+
+/// What was found on the way.
+struct Search<'a> {
+    setup: &'a Setup<'a>,
+    /// The naive fit.
+    first: Point<'a>,
+    /// What was scored there.
+    scored: Vec<Scored>,
+    /// The rounds, each from the model that the one before has taken.
+    rounds: Vec<Round<'a>>,
+    /// What was scored last.
+    left: Vec<Scored>,
+}
+
+/// What a search has come to.
+pub struct Judgement<'a> {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The model, linearised; `None` where it is the naive fit.
+    pub point: Option<Point<'a>>,
+    /// The model with the runs in which everything acts, the runs that were not fitted included.
+    pub hypothesis: Hypothesis,
+    /// What was added, but for its numbers.
+    pub effects: Vec<Found>,
+    /// What has no name.
+    pub unexplained: Option<Unexplained>,
+    /// Where the residual sat.
+    pub localised: Vec<Localised>,
+    /// What was tried.
+    pub ladder: Vec<Evidence>,
+    /// What is odd.
+    pub notes: Vec<String>,
+}
+
+impl<'a> Search<'a> {
+    fn new(setup: &'a Setup<'a>, refit: Fitted, fit: &[usize]) -> Result<Search<'a>, CalibrateError> {
+        let first = Point::new(setup, refit, fit)?;
+        let scored = search(&first);
+        Ok(Search { setup, first, left: scored.clone(), scored, rounds: Vec::new() })
+    }
+
+    /// The contender that the last round has taken.
+    fn taken(&self) -> Option<&Contender<'a>> {
+        let taken = |round: &'_ Round<'a>| round.taken;
+        self.rounds.iter().rev().find_map(|round| taken(round).map(|k| &round.contenders[k]))
+    }
+
+    fn point(&self) -> &Point<'a> {
+        self.taken().map_or(&self.first, |c| &c.point)
+    }
+
+    fn rounds(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
+        for round in 0..MOST_TERMS {
+            if self.left.first().is_none_or(|s| s.evidence <= LEAST || s.raw <= LEAST) {
+                break;
+            }
+            let round_of = compete(self.point(), &self.left)?;
+            let ended = round_of.taken.is_none();
+            self.rounds.push(round_of);
+            if ended {
+                break;
+            }
+            let found = self.point().fitted.hypothesis.additions.last().map_or("", |a| &a.id).to_string();
+            progress(0.2 + 0.2 * (round + 1) as f64, &format!("{found}; is there more?"));
+            self.left = search(self.point());
+        }
+        Ok(())
+    }
+
+    /// The force that knows its past, where nothing that was added comes near what it would explain.
+    fn history(&self) -> Option<&Scored> {
+        let free = self.scored.iter().find(|s| s.follows == Follows::History && !s.listed)?;
+        let (before, after) = (self.first.evidence.cost(), self.point().evidence.cost());
+        let explained = before.0 - after.0;
+        let (share, least) = HISTORY;
+        let ahead = |evidence: f64, explained: f64| evidence - explained > least.max(share * evidence.abs());
+        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1)).then_some(free)
+    }
+
+    fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
+        let ladder: Vec<Evidence> =
+            self.rounds.iter().enumerate().flat_map(|(k, round)| round.ladder(k + 1)).collect();
+        let localised = self.localised();
+        let mut judgement = Judgement {
+            verdict: Verdict::Nothing,
+            point: None,
+            hypothesis: self.first.fitted.hypothesis.clone(),
+            effects: Vec::new(),
+            unexplained: None,
+            localised,
+            ladder,
+            notes: Vec::new(),
+        };
+        if let Some(free) = self.history().cloned() {
+            judgement.verdict = Verdict::Unexplained;
+            judgement.unexplained = Some(told(&free, false));
+            return Ok(judgement);
+        }
+        let setup = self.setup;
+        let unfitted: Vec<usize> = [Role::Validate, Role::Test].iter().flat_map(|r| setup.runs(*r)).collect();
+        let mut effects = Vec::new();
+        for round in &self.rounds {
+            let Some(taken) = round.taken else { continue };
+            effects.push(self.found(round, taken)?);
+        }
+        let unnamed = effects.iter().position(|f| f.term.is_some());
+        let class = effects.iter().any(|f| !f.alternatives.is_empty());
+        judgement.verdict = match (effects.is_empty(), unnamed, class) {
+            (true, ..) => Verdict::Nothing,
+            (_, Some(_), _) => Verdict::Unexplained,
+            (_, None, true) => Verdict::Class,
+            (_, None, false) => Verdict::Named,
+        };
+        if let Some(k) = unnamed {
+            // The shape that the data draws by itself, beside the law that was taken.
+            let found = &effects[k];
+            let same = |s: &&Scored| s.port == found.port && s.follows == found.follows && s.shape.len() > 2;
+            let shape = self.scored.iter().find(same).map(|s| s.shape.clone()).unwrap_or_default();
+            judgement.unexplained =
+                Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
+        } else if effects.is_empty() {
+            if let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.evidence > SAID && s.raw > SAID) {
+                judgement.verdict = Verdict::Unexplained;
+                judgement.unexplained = Some(told(rest, false));
+            }
+        }
+        judgement.effects = effects;
+        if let Some(taken) = self.rounds.iter().rposition(|r| r.taken.is_some()) {
+            let mut rounds = std::mem::take(&mut self.rounds);
+            let round = rounds.swap_remove(taken);
+            let point = round.contenders.into_iter().nth(round.taken.unwrap_or(0)).map(|c| c.point);
+            if let Some(point) = point {
+                judgement.hypothesis = point.fitted.hypothesis.clone();
+                judgement.point = Some(point);
+            }
+        }
+        let partly: Vec<bool> = judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
+        acting(setup, &mut judgement.hypothesis, &unfitted)?;
+        for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {
+            let runs = || setup.experiment.runs.iter().zip(&addition.active);
+            judgement.effects[a].runs = runs().filter(|(_, on)| **on).map(|(r, _)| r.file.clone()).collect();
+            let decided: Vec<&str> = runs()
+                .filter(|(r, _)| r.role != Role::Fit)
+                .map(|(r, _)| r.file.as_str())
+                .collect();
+            if !decided.is_empty() {
+                judgement.notes.push(format!(
+                    "{} acts in some runs only; whether it acts in {} was decided by which predicts that run better, its size kept",
+                    addition.id,
+                    decided.join(", ")
+                ));
+            }
+        }
+        Ok(judgement)
+    }
+
+    /// What a round has taken, but for its numbers.
+    fn found(&self, round: &Round, taken: usize) -> Result<Found, CalibrateError> {
+        let setup = self.setup;
+        let contender = &round.contenders[taken];
+        let addition = contender.addition();
+        let mut alternatives: Vec<String> = Vec::new();
+        let mut separating = None;
+        for other in round.alike.iter().map(|k| &round.contenders[*k]) {
+            let id = &other.addition().id;
+            if *id == addition.id || alternatives.contains(id) {
+                continue;
+            }
+            alternatives.push(id.clone());
+            if separating.is_none() {
+                let names = [addition.id.as_str(), id.as_str()];
+                separating = separate(setup, &contender.point.fitted.hypothesis, &other.point.fitted.hypothesis, names);
+            }
+        }
+        let runs = setup.experiment.runs.iter().zip(&addition.active);
+        Ok(Found {
+            id: addition.id.clone(),
+            port: addition.port,
+            follows: addition.follows,
+            alternatives,
+            runs: runs.filter(|(_, on)| **on).map(|(r, _)| r.file.clone()).collect(),
+            everywhere: addition.active.iter().all(|on| *on),
+            parameters: Vec::new(),
+            term: addition.term(),
+            separating_experiment: separating,
+            delta_bic: contender.delta.1,
+            delta_bic_whitened: contender.delta.0,
+            validation_ratio: contender.validation,
+            magnitude: telling::magnitude(&contender.point),
+        })
+    }
+
+    /// How much of the naive fit's residual a force that is free in time would explain, port by port.
+    fn localised(&self) -> Vec<Localised> {
+        let (_, raw) = self.first.evidence.cost();
+        let excess = (raw - self.first.evidence.values() as f64).max(1.0);
+        let of = |port: &Port| {
+            let free = self.scored.iter().find(|s| s.port == *port && s.name.ends_with("free in time"))?;
+            let with_driver =
+                self.scored.iter().find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
+            let follows = with_driver.map_or(Follows::History, |s| s.follows);
+            let gain = free.raw + 2.0 * per_number(&self.first);
+            Some(Localised { port: *port, share: (gain / excess).clamp(0.0, 1.0), follows })
+        };
+        let mut all: Vec<Localised> = Port::ALL.iter().filter_map(of).collect();
+        all.sort_by(|a, b| b.share.total_cmp(&a.share));
+        all
+    }
+}
+
+fn told(scored: &Scored, added: bool) -> Unexplained {
+    Unexplained { port: scored.port, follows: scored.follows, shape: scored.shape.clone(), added }
+}
+
+impl Setup<'_> {
+    /// Adds to the noise of each output what the noise of the inputs does to it at once.
+    fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
+        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let (direct, _) = self.input_noise(&fitted.hypothesis, runs)?;
+        for output in 0..m {
+            let own = self.noise[inputs + output];
+            self.noise[inputs + output] = (own * own + direct[output]).sqrt();
+        }
+        Ok(())
+    }
+
+    /// Mean variance of each output that white noise on the inputs makes over runs: at once, and in all.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn input_noise(
+        &self,
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+    ) -> Result<(Vec<f64>, Vec<f64>), CalibrateError> {
+        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let probes: Vec<Probe> = (0..inputs).map(Probe::Input).collect();
+        let slopes = Slopes::new(self, hypothesis, runs, &probes)?;
+        let (mut direct, mut whole, mut rows) = (vec![0.0; m], vec![0.0; m], 0.0);
+        for r in 0..runs.len() {
+            let known = slopes.further(r, inputs).iter().zip(&self.noise);
+            let noises: Vec<_> = known.filter_map(|(d, sigma)| Some((d.as_ref()?, *sigma))).collect();
+            let (at_once, all) = slopes.tangents[r].variance(&noises);
+            for (k, (a, b)) in at_once.iter().zip(&all).enumerate() {
+                direct[k % m] += a;
+                whole[k % m] += b;
+            }
+            rows += (at_once.len() / m) as f64;
+        }
+        let mean = |sums: Vec<f64>| sums.into_iter().map(|s| s / rows).collect();
+        Ok((mean(direct), mean(whole)))
+    }
+}

@@ -1,0 +1,255 @@
+//! Clocks that do not agree, as far as the files show it.
+//!
+//! All files of a set share one clock, so two of them cannot overlap in time. Within a file, what follows an input at
+//! once must change in the row in which the input changes: of all shifts l of an output, that by 0 must explain it best,
+//!
+//! dy(k + l) = sum_j b_j du_j(k) + rest,    R^2(l) = 1 - |rest|^2 / |dy|^2                          (1)
+//!
+//! with d the change from row to row. At once follow the electrical and mechanical channels; of the winding the
+//! *change* of its warming does, when its heat changes.
+//! *Assumes* rows close enough to equidistant; finds no mismatch that is the same in all channels, nor one in a
+//! run whose inputs hardly move.
+//! *Source*: cross-correlation of increments, Ljung, System Identification (2nd ed., 1999), ch. 6.1.
+
+use super::{Channel, Run};
+use nalgebra::{DMatrix, DVector};
+
+/// Shifts that are looked at, rows.
+const FAR: usize = 40;
+/// Rows that are looked at.
+const MOST_ROWS: usize = 8000;
+/// Fewest rows that tell anything.
+const LEAST_ROWS: usize = 4 * FAR;
+/// Columns that take part in what changes at once.
+const AT_ONCE: [&str; 7] = [
+    "voltage_V",
+    "supply_voltage_V",
+    "current_A",
+    "duty_1",
+    "electrical_power_W",
+    "speed_rad_per_s",
+    "shaft_torque_Nm",
+];
+/// Columns that heat the winding.
+const HEAT: [&str; 2] = ["current_A", "electrical_power_W"];
+/// The column that the heat shows in.
+const WINDING: &str = "winding_temperature_degC";
+
+/// What a shift must explain and by how much more than none, and how large it must be, rows.
+struct Bar {
+    explained: f64,
+    more: f64,
+    rows: usize,
+}
+/// Changes at once: noise of a channel alone can hide them.
+const INSTANT: Bar = Bar { explained: 0.5, more: 0.2, rows: 2 };
+/// A winding answers over its time constant, and its second differences are noisy.
+const WARMING: Bar = Bar { explained: 0.3, more: 0.2, rows: 4 };
+
+/// What is odd with the clocks, in sentences.
+pub fn notes(inputs: &[&'static Channel], outputs: &[&'static Channel], runs: &[Run]) -> Vec<String> {
+    let mut files: Vec<&Run> = Vec::new();
+    for run in runs {
+        // A file may appear in several roles.
+        if !files.iter().any(|r| r.file == run.file) {
+            files.push(run);
+        }
+    }
+    let mut notes = overlaps(&files);
+    for run in &files {
+        for (k, output) in outputs.iter().enumerate() {
+            notes.extend(shifted(run, inputs, output, &run.table.columns[inputs.len() + k]));
+        }
+    }
+    notes
+}
+
+fn overlaps(files: &[&Run]) -> Vec<String> {
+    let mut order: Vec<(&str, f64, f64)> = files
+        .iter()
+        .filter_map(|r| Some((r.file.as_str(), *r.table.time.first()?, *r.table.time.last()?)))
+        .collect();
+    if let [(_, begin, _), _, ..] = order.as_slice()
+        && order.iter().all(|(_, other, _)| other == begin)
+    {
+        return vec![format!(
+            "every file begins at {begin} s, so each has a clock of its own: what drifts from run to run cannot be seen"
+        )];
+    }
+    order.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut notes = Vec::new();
+    let mut latest: Option<(&str, f64)> = None;
+    for (file, begin, end) in order {
+        if let Some((before, until)) = latest
+            && begin <= until
+        {
+            notes.push(format!(
+                "{file} begins at {begin} s, before {before} ends at {until} s: the clocks of the two do not agree"
+            ));
+        }
+        if latest.is_none_or(|(_, until)| end > until) {
+            latest = Some((file, end));
+        }
+    }
+    notes
+}
+
+/// A sentence where an output is best explained by inputs of other rows.
+fn shifted(run: &Run, inputs: &[&'static Channel], output: &Channel, column: &[f64]) -> Option<String> {
+    let time = &run.table.time;
+    let rows = time.len().min(MOST_ROWS);
+    if rows < LEAST_ROWS {
+        return None;
+    }
+    let is_winding = output.column == WINDING;
+    let (drivers, bar): (&[&str], &Bar) = match output.column {
+        WINDING => (&HEAT, &WARMING),
+        name if AT_ONCE.contains(&name) => (&AT_ONCE, &INSTANT),
+        _ => return None,
+    };
+    let causes: Vec<Vec<f64>> = inputs
+        .iter()
+        .zip(&run.table.columns)
+        .filter(|(channel, _)| drivers.contains(&channel.column))
+        .map(|(channel, column)| {
+            let squared = is_winding && channel.column == "current_A";
+            let of = |x: &f64| if squared { x * x } else { *x };
+            changes(&column[..rows].iter().map(of).collect::<Vec<_>>())
+        })
+        .collect();
+    // The inner rows, so that every shift sees as many.
+    let inner = FAR..rows - 1 - FAR;
+    let mut target = changes(&column[..rows]);
+    if is_winding {
+        target = changes(&target);
+        target.push(0.0);
+    }
+    let matrix = DMatrix::from_fn(inner.len(), causes.len(), |k, j| causes[j][FAR + k]);
+    let information = (matrix.transpose() * &matrix).cholesky()?;
+    let explained = |shift: isize| {
+        let from = (FAR as isize + shift) as usize;
+        let y = DVector::from_column_slice(&target[from..from + inner.len()]);
+        let b = matrix.transpose() * &y;
+        b.dot(&information.solve(&b)) / y.norm_squared()
+    };
+    let far = FAR as isize;
+    let (shift, best) = (-far..=far)
+        .map(|l| (l, explained(l)))
+        .filter(|(_, r)| r.is_finite())
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let near = (1 - bar.rows as isize..bar.rows as isize).map(explained).fold(0.0, f64::max);
+    let seen = shift.unsigned_abs() >= bar.rows && best >= bar.explained && best >= near + bar.more;
+    seen.then(|| {
+        let step = (time[rows - 1] - time[0]) / (rows - 1) as f64;
+        let side = if shift > 0 { "after" } else { "before" };
+        let (count, seconds) = (shift.unsigned_abs(), step * shift.unsigned_abs() as f64);
+        format!(
+            "{}: {} moves {count} rows (about {seconds:.3} s) {side} the inputs that move it: their clocks do not agree",
+            run.file, output.column
+        )
+    })
+}
+
+/// Changes from row to row; none where one of the two was not measured.
+fn changes(column: &[f64]) -> Vec<f64> {
+    let change = |w: &[f64]| if (w[1] - w[0]).is_finite() { w[1] - w[0] } else { 0.0 };
+    column.windows(2).map(change).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Role, Start, Table};
+    use super::*;
+
+    const INPUTS: [&str; 2] = ["current_A", "speed_rad_per_s"];
+    const OUTPUTS: [&str; 2] = ["voltage_V", WINDING];
+
+    fn channels(columns: [&str; 2]) -> Vec<&'static Channel> {
+        columns.iter().map(|c| Channel::of(c).unwrap()).collect()
+    }
+
+    /// A motor under steps of current every 60 rows of 2 s with noise, its outputs `late` rows late: voltage, winding.
+    fn run(file: &str, begin: f64, late: [usize; 2]) -> Run {
+        let mut seed = 7u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let time: Vec<f64> = (0..1200).map(|k| begin + 2.0 * f64::from(k)).collect();
+        let current = |k: usize| [1.0, 6.0, 3.0, 8.0, 0.0][k / 60 % 5];
+        let speed = |k: usize| [100.0, 400.0, 900.0][k / 100 % 3];
+        let (mut winding, mut body) = (20.0, 20.0);
+        let temperature: Vec<f64> = (0..1200)
+            .map(|k| {
+                let shown = winding;
+                for _ in 0..20 {
+                    let across = (winding - body) / 0.21;
+                    winding += 0.1 * (0.39 * current(k) * current(k) - across) / 10.0;
+                    body += 0.1 * (across - 0.14 * (body - 20.0)) / 150.0;
+                }
+                shown
+            })
+            .collect();
+        let columns = vec![
+            (0..1200).map(|k| current(k) + 0.01 * noise()).collect(),
+            (0..1200).map(|k| speed(k) + noise()).collect(),
+            (0..1200)
+                .map(|k: usize| k.saturating_sub(late[0]))
+                .map(|k| 0.39 * current(k) + 0.0276 * speed(k) + 0.05 * noise())
+                .collect(),
+            (0..1200).map(|k: usize| temperature[k.saturating_sub(late[1])] + 0.3 * noise()).collect(),
+        ];
+        let table = Table { time, columns, notes: Vec::new() };
+        Run {
+            file: file.to_string(),
+            role: Role::Fit,
+            window: None,
+            start: Start::Ambient,
+            set: Vec::new(),
+            table,
+        }
+    }
+
+    fn notes_of(runs: &[Run]) -> Vec<String> {
+        notes(&channels(INPUTS), &channels(OUTPUTS), runs)
+    }
+
+    #[test]
+    fn a_channel_on_another_clock_is_noted() {
+        assert_eq!(notes_of(&[run("a.csv", 0.0, [0, 0])]), Vec::<String>::new());
+        let late = notes_of(&[run("a.csv", 0.0, [3, 0])]);
+        assert_eq!(late.len(), 1, "{late:?}");
+        assert!(late[0].starts_with("a.csv: voltage_V moves 3 rows (about 6.000 s) after"), "{late:?}");
+        let late = notes_of(&[run("a.csv", 0.0, [0, 12])]);
+        assert_eq!(late.len(), 1, "{late:?}");
+        assert!(late[0].starts_with("a.csv: winding_temperature_degC moves 12 rows"), "{late:?}");
+        // The inputs are late: the same, seen from the other side.
+        let mut early = run("a.csv", 0.0, [0, 0]);
+        for column in &mut early.table.columns[..2] {
+            column.rotate_right(5);
+        }
+        let early = notes_of(&[early]);
+        assert!(
+            early.len() == 2 && early.iter().all(|n| n.contains("5 rows (about 10.000 s) before")),
+            "{early:?}"
+        );
+    }
+
+    #[test]
+    fn files_that_overlap_are_noted() {
+        let at = |begin: f64, file: &str| run(file, begin, [0, 0]);
+        assert_eq!(notes_of(&[at(0.0, "a.csv"), at(3000.0, "b.csv")]), Vec::<String>::new());
+        // The same file twice is one.
+        assert_eq!(
+            notes_of(&[at(0.0, "a.csv"), at(0.0, "a.csv"), at(3000.0, "b.csv")]),
+            Vec::<String>::new()
+        );
+        let found = notes_of(&[at(2000.0, "b.csv"), at(0.0, "a.csv"), at(5000.0, "c.csv")]);
+        assert_eq!(
+            found,
+            ["b.csv begins at 2000 s, before a.csv ends at 2398 s: the clocks of the two do not agree"]
+        );
+        let found = notes_of(&[at(0.0, "a.csv"), at(0.0, "b.csv")]);
+        assert!(found.len() == 1 && found[0].starts_with("every file begins at 0 s"), "{found:?}");
+    }
+}

@@ -1,0 +1,240 @@
+//! Numbers of a hypothesis from data: bounded Gauss-Newton with priors.
+//!
+//! minimise  sum_k [(y_k - y(t_k; p)) / sigma]^2 + sum_j [(p_j - p_j0) / s_j]^2             (1)
+//!
+//! y over all counted rows of the runs that are fitted, p_j0 the preset's value and s_j the standard deviation of its
+//! prior; what was added has none. Slopes come from the linearised model ([`crate::tangent`]), once for several steps
+//! (chords): near the answer they hardly change, and a step then costs one simulation. A step that does not help is
+//! halved; each number stops at its limits.
+//! *Source*: Bates, Watts, Nonlinear Regression Analysis (1988), ch. 2 and 3; priors as in PEtab.
+
+use crate::CalibrateError;
+use crate::hypothesis::{Hypothesis, Shape};
+use crate::setup::{Setup, Shown};
+use crate::tangent::{Direction, Probe, Tangent};
+use nalgebra::{DMatrix, DVector};
+use physics::terms::Port;
+use rayon::prelude::*;
+
+/// Most times that slopes are found anew.
+const ROUNDS: usize = 6;
+/// Most steps with the same slopes.
+const CHORDS: usize = 5;
+/// A step that lowers (1) by less than this is the last.
+const SETTLED: f64 = 1e-2;
+
+/// A hypothesis that was fitted.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// With its numbers.
+    pub hypothesis: Hypothesis,
+    /// What it shows in the runs that were fitted.
+    pub shown: Vec<Shown>,
+    /// The sum of squares over the readings.
+    pub chi_square: f64,
+    /// Eq. (1).
+    pub cost: f64,
+    /// Number of readings.
+    pub readings: usize,
+}
+
+/// A hypothesis linearised along runs.
+pub struct Slopes {
+    /// One for each run.
+    pub tangents: Vec<Tangent>,
+    /// What leads to each number that slopes find: a probe, and which number of which addition its shape is.
+    leads: Vec<(usize, Option<(usize, usize)>)>,
+    runs: Vec<usize>,
+}
+
+impl Slopes {
+    /// Linearises a hypothesis along runs, with further probes, which stand last among the directions.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn new(
+        setup: &Setup,
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+        further: &[Probe],
+    ) -> Result<Slopes, CalibrateError> {
+        let mut probes: Vec<Probe> = Vec::new();
+        let mut leads = Vec::new();
+        for (d, value) in setup.declared.iter().zip(&hypothesis.declared) {
+            leads.push((probes.len(), None));
+            let mut way = 1e-4 * value.abs().max(d.deviation);
+            if value + way > d.limits.1 {
+                way = -way;
+            }
+            probes.push(Probe::Parameter { slot: d.slot, with: Vec::new(), way });
+        }
+        let mut ports: Vec<(Port, usize)> = Vec::new();
+        for (a, addition) in hypothesis.additions.iter().enumerate() {
+            for (n, number) in addition.numbers.iter().enumerate().filter(|(_, n)| n.sloped) {
+                if let Shape::Listed { slots, with } = &addition.shape {
+                    leads.push((probes.len(), Some((a, n))));
+                    let mut way = 1e-4 * number.value.abs().max(number.scale);
+                    if number.value + way > number.limits.1 {
+                        way = -way;
+                    }
+                    probes.push(Probe::Parameter { slot: slots[n], with: with.clone(), way });
+                } else {
+                    let known = ports.iter().find(|(port, _)| *port == addition.port).map(|(_, k)| *k);
+                    let k = known.unwrap_or_else(|| {
+                        ports.push((addition.port, probes.len()));
+                        probes.push(Probe::Port(addition.port));
+                        probes.len() - 1
+                    });
+                    leads.push((k, Some((a, n))));
+                }
+            }
+        }
+        probes.extend(further.iter().cloned());
+        let tangents = runs
+            .par_iter()
+            .map(|&run| Tangent::new(&setup.bench, &setup.drives[run], &setup.change(hypothesis, run), &probes))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Slopes { tangents, leads, runs: runs.to_vec() })
+    }
+
+    /// Directions of the further probes of a run, from the `k`-th on.
+    pub fn further(&self, run: usize, count: usize) -> &[Option<Direction>] {
+        let all = &self.tangents[run].directions;
+        &all[all.len() - count..]
+    }
+
+    /// What the outputs of the `r`-th run answer to a unit of the `k`-th number, rows times outputs; `None` for nothing.
+    pub fn answer(&self, hypothesis: &Hypothesis, r: usize, k: usize) -> Option<Vec<f64>> {
+        let tangent = &self.tangents[r];
+        let (probe, shape) = self.leads[k];
+        let direction = tangent.directions[probe].as_ref()?;
+        match shape {
+            None => Some(tangent.response(direction, |_| 1.0)),
+            Some((a, n)) => {
+                let addition = &hypothesis.additions[a];
+                addition.active[self.runs[r]]
+                    .then(|| tangent.response(direction, |row| addition.slope(n, &tangent.drivers[row])))
+            }
+        }
+    }
+
+    /// Number of numbers.
+    pub fn count(&self) -> usize {
+        self.leads.len()
+    }
+}
+
+impl Setup<'_> {
+    /// Units in which numbers are fitted, their limits, and for the declared ones the prior.
+    pub fn scales(&self, hypothesis: &Hypothesis) -> Vec<(f64, (f64, f64), Option<f64>)> {
+        let declared = self.declared.iter().map(|d| (d.deviation, d.limits, Some(d.prior)));
+        let added = hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
+        declared.chain(added.map(|n| (n.scale, n.limits, None))).collect()
+    }
+
+    fn judged(&self, hypothesis: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
+        let shown = self.show(&hypothesis, runs)?;
+        let (chi_square, readings) = self.chi_square(runs, &shown);
+        let prior: f64 = self
+            .declared
+            .iter()
+            .zip(&hypothesis.declared)
+            .map(|(d, value)| ((value - d.prior) / d.deviation).powi(2))
+            .sum();
+        Ok(Fitted { hypothesis, shown, chi_square, cost: chi_square + prior, readings })
+    }
+
+    /// Fits the numbers of a hypothesis to runs, from where it stands.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn fit(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
+        let scales = self.scales(&start);
+        let mut now = self.judged(start, runs)?;
+        for _ in 0..ROUNDS {
+            let slopes = Slopes::new(self, &now.hypothesis, runs, &[])?;
+            let columns: Vec<Vec<Option<Vec<f64>>>> = (0..runs.len())
+                .into_par_iter()
+                .map(|r| (0..slopes.count()).map(|k| slopes.answer(&now.hypothesis, r, k)).collect())
+                .collect();
+            let p = scales.len();
+            let mut information = DMatrix::<f64>::zeros(p, p);
+            for (r, run) in runs.iter().enumerate() {
+                self.each(*run, &now.shown[r], |row, output, _| {
+                    let place = row * self.outputs() + output;
+                    let slope = |k: usize| {
+                        columns[r][k].as_ref().map_or(0.0, |c| c[place]) * scales[k].0 / self.sigma(output)
+                    };
+                    let values: Vec<f64> = (0..p).map(slope).collect();
+                    for a in 0..p {
+                        for b in 0..=a {
+                            information[(a, b)] += values[a] * values[b];
+                        }
+                    }
+                });
+            }
+            for a in 0..p {
+                for b in 0..a {
+                    information[(b, a)] = information[(a, b)];
+                }
+                information[(a, a)] += if scales[a].2.is_some() { 1.0 } else { 1e-9 };
+            }
+            let Some(factor) = information.cholesky() else {
+                return Err(CalibrateError("the parameters cannot be told apart by these runs".to_string()));
+            };
+            let before = now.cost;
+            let mut far = false;
+            for _ in 0..CHORDS {
+                let mut uphill = DVector::<f64>::zeros(p);
+                for (r, run) in runs.iter().enumerate() {
+                    self.each(*run, &now.shown[r], |row, output, off| {
+                        let place = row * self.outputs() + output;
+                        for k in 0..p {
+                            if let Some(column) = &columns[r][k] {
+                                uphill[k] += column[place] * scales[k].0 * off / self.sigma(output).powi(2);
+                            }
+                        }
+                    });
+                }
+                let numbers = now.hypothesis.numbers();
+                for (k, (scale, _, prior)) in scales.iter().enumerate() {
+                    if let Some(prior) = prior {
+                        uphill[k] += (prior - numbers[k]) / scale;
+                    }
+                }
+                let step = factor.solve(&uphill);
+                let mut share = 1.0f64;
+                let mut better = None;
+                while better.is_none() && share > 0.05 {
+                    let next: Vec<f64> = (0..p)
+                        .map(|k| {
+                            let (scale, (least, most), _) = scales[k];
+                            (numbers[k] + share * step[k] * scale).clamp(least, most)
+                        })
+                        .collect();
+                    let mut trial = now.hypothesis.clone();
+                    trial.take(&next);
+                    match self.judged(trial, runs) {
+                        Ok(found) if found.cost < now.cost => better = Some(found),
+                        _ => share *= 0.3,
+                    }
+                }
+                far |= (0..p).any(|k| {
+                    let (way, is_prior) = ((step[k] * scales[k].0).abs(), scales[k].2.is_some());
+                    if is_prior { step[k].abs() > 0.3 } else { way > 0.05 * numbers[k].abs().max(scales[k].0) }
+                });
+                let Some(found) = better else { break };
+                let fall = now.cost - found.cost;
+                now = found;
+                if fall < SETTLED {
+                    break;
+                }
+            }
+            // Slopes are found anew only where the numbers have gone far, or the chords have not settled it.
+            if !far || before - now.cost < SETTLED {
+                break;
+            }
+        }
+        Ok(now)
+    }
+}

@@ -1,0 +1,290 @@
+//! A fitted model as the point from which further effects are looked for: linearised along its runs, with what is left.
+
+use crate::CalibrateError;
+use crate::catalogue::{LISTED, Listed, Way};
+use crate::evidence::Evidence;
+use crate::fit::{Fitted, Slopes};
+use crate::hypothesis::{Addition, Shape, hat};
+use crate::setup::{Setup, Shown};
+use crate::tangent::{Direction, Probe};
+use nalgebra::{DMatrix, DVector};
+use physics::terms::{Drivers, Port};
+use rayon::prelude::*;
+
+/// Distance of the points between which a drifting sensor runs, s, at least.
+const KNOT: f64 = 900.0;
+/// Most such points over the whole clock.
+const MOST_KNOTS: usize = 24;
+
+/// A fitted model, linearised.
+pub struct Point<'a> {
+    /// The experiment.
+    pub setup: &'a Setup<'a>,
+    /// The model.
+    pub fitted: Fitted,
+    /// The runs that are looked at.
+    pub runs: Vec<usize>,
+    /// The model along them.
+    pub slopes: Slopes,
+    /// The residual with all that explains it already.
+    pub evidence: Evidence,
+    /// Effects that a slope finds, with the index of their direction among the further ones.
+    listed: Vec<(&'static Listed, Addition)>,
+    inputs: usize,
+}
+
+impl<'a> Point<'a> {
+    /// The point of a fitted model over the runs that it was fitted to.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn new(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
+        let all = vec![true; setup.experiment.runs.len()];
+        let declaration = setup.bench.declaration();
+        let known = |listed: &Listed, addition: &Addition| {
+            let Shape::Listed { slots, .. } = &addition.shape else { return true };
+            let taken = fitted.hypothesis.additions.iter().any(|a| a.id == listed.id);
+            let set = setup.bench.start_of(slots[0]) != 0.0 && !listed.may_vary;
+            taken || set || setup.declared.iter().any(|d| slots.contains(&d.slot))
+        };
+        let listed: Vec<(&'static Listed, Addition)> = LISTED
+            .iter()
+            .filter(|l| l.way == Way::Slope)
+            .filter_map(|l| Some((l, l.addition(declaration, &all)?)))
+            .filter(|(l, a)| !known(l, a))
+            .collect();
+        let mut further: Vec<Probe> = Port::ALL.iter().map(|port| Probe::Port(*port)).collect();
+        let inputs = setup.experiment.inputs.len();
+        further.extend((0..inputs).map(Probe::Input));
+        for (_, addition) in &listed {
+            let Shape::Listed { slots, with } = &addition.shape else { continue };
+            let way = 1e-3 * addition.numbers[0].scale;
+            further.push(Probe::Parameter { slot: slots[0], with: with.clone(), way });
+        }
+        let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
+        let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), Port::ALL.len())?;
+        Ok(Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, listed, inputs })
+    }
+
+    fn further(&self, r: usize) -> &[Option<Direction>] {
+        self.slopes.further(r, Port::ALL.len() + self.inputs + self.listed.len())
+    }
+
+    /// Effects that a slope finds and that the model has not.
+    pub fn listed(&self) -> impl Iterator<Item = &(&'static Listed, Addition)> {
+        self.listed.iter()
+    }
+
+    /// The size that an effect of the list has before it is looked for.
+    pub fn base(&self, addition: &Addition) -> f64 {
+        match &addition.shape {
+            Shape::Listed { slots, .. } => self.setup.bench.start_of(slots[0]),
+            _ => 0.0,
+        }
+    }
+
+    /// The column of the `k`-th of [`listed`](Self::listed), in the runs that `active` says (by place among the point's runs).
+    pub fn listed_column(&self, k: usize, active: &[bool]) -> Option<DMatrix<f64>> {
+        let place = Port::ALL.len() + self.inputs + k;
+        self.columns(1, |r, _| {
+            if !active[r] {
+                return Some(None);
+            }
+            let direction = self.further(r)[place].as_ref()?;
+            Some(Some(self.slopes.tangents[r].response(direction, |_| 1.0)))
+        })
+    }
+
+    /// Columns of forces at a port, one for each of `count` shapes; a shape sees run, row and drivers.
+    pub fn port_columns(
+        &self,
+        port: Port,
+        count: usize,
+        shape: impl Fn(usize, usize, usize, &Drivers) -> f64,
+    ) -> Option<DMatrix<f64>> {
+        let place = Port::ALL.iter().position(|p| *p == port)?;
+        self.columns(count, |r, k| {
+            let direction = self.further(r)[place].as_ref()?;
+            let tangent = &self.slopes.tangents[r];
+            let values: Vec<f64> =
+                tangent.drivers.iter().enumerate().map(|(row, d)| shape(k, r, row, d)).collect();
+            Some(values.iter().any(|v| *v != 0.0).then(|| tangent.response(direction, |row| values[row])))
+        })
+    }
+
+    /// The greatest change that the last addition makes in each output, to first order, in SI units.
+    pub fn reach(&self) -> Vec<f64> {
+        let mut most = vec![0.0f64; self.setup.outputs()];
+        for own in 0..self.runs.len() {
+            for (k, x) in self.amplitude(own, own).flatten().into_iter().flatten().enumerate() {
+                let output = k % most.len();
+                most[output] = most[output].max(x.abs());
+            }
+        }
+        most
+    }
+
+    /// The column of the last addition's answer in one of the runs alone, by place: what a share more of it would do there.
+    pub fn amplitude_column(&self, own: usize) -> Option<DMatrix<f64>> {
+        self.columns(1, |r, _| self.amplitude(r, own))
+    }
+
+    /// The answer of the `r`-th run to a share more of the last addition, where that is the run asked for.
+    fn amplitude(&self, r: usize, own: usize) -> Option<Option<Vec<f64>>> {
+        let hypothesis = &self.fitted.hypothesis;
+        let addition = hypothesis.additions.last()?;
+        if r != own {
+            return Some(None);
+        }
+        let sloped: Vec<f64> = addition.numbers.iter().filter(|n| n.sloped).map(|n| n.value).collect();
+        // The exponent of a power and what stands behind a new node are no sizes.
+        let sizes = if matches!(addition.shape, Shape::Table { .. }) { sloped.len() } else { 1 };
+        let first = self.slopes.count() - sloped.len();
+        let mut sum: Option<Vec<f64>> = None;
+        for (k, value) in sloped[..sizes].iter().enumerate() {
+            let answer = self.slopes.answer(hypothesis, r, first + k)?;
+            let sum = sum.get_or_insert_with(|| vec![0.0; answer.len()]);
+            sum.iter_mut().zip(&answer).for_each(|(s, a)| *s += value * a);
+        }
+        Some(sum)
+    }
+
+    /// A column of what simulations with an addition of a given size differ by from the point.
+    pub fn simulated_column(&self, addition: &Addition) -> Option<DMatrix<f64>> {
+        let mut larger = self.fitted.hypothesis.clone();
+        larger.additions.push(addition.clone());
+        let shown: Vec<Shown> = self.setup.show(&larger, &self.runs).ok()?;
+        self.columns(1, |r, _| {
+            Some(Some(shown[r].iter().zip(&self.fitted.shown[r]).map(|(a, b)| a - b).collect()))
+        })
+    }
+
+    /// Columns over the blocks of all runs; `answer` gives rows times outputs for run and column, `Some(None)` for zero.
+    fn columns(
+        &self,
+        count: usize,
+        answer: impl Fn(usize, usize) -> Option<Option<Vec<f64>>>,
+    ) -> Option<DMatrix<f64>> {
+        let mut all = Vec::with_capacity(self.evidence.values() * count);
+        for k in 0..count {
+            for (r, run) in self.runs.iter().enumerate() {
+                match answer(r, k)? {
+                    Some(values) => self.setup.means(*run, &values, &mut all),
+                    None => all.extend(self.setup.blocks[*run].iter().map(|_| 0.0)),
+                }
+            }
+        }
+        Some(DMatrix::from_vec(self.evidence.values(), count, all))
+    }
+
+    /// The values of what terms may follow, at the rows of the runs.
+    pub fn drivers(&self) -> impl Iterator<Item = &Drivers> {
+        self.slopes.tangents.iter().flat_map(|t| &t.drivers)
+    }
+}
+
+/// The residual of a fitted model with what may explain it already: its own numbers, drifting temperature sensors, and the
+/// first reading of the room, at which every node starts.
+fn evidence(
+    setup: &Setup,
+    fitted: &Fitted,
+    runs: &[usize],
+    slopes: &Slopes,
+    further: usize,
+    before_inputs: usize,
+) -> Result<Evidence, CalibrateError> {
+    let blocks: usize = runs.iter().map(|r| setup.blocks[*r].len()).sum();
+    let mut residual = Vec::with_capacity(blocks);
+    for (r, run) in runs.iter().enumerate() {
+        setup.residual(*run, &fitted.shown[r], &mut residual);
+    }
+    let gather = |answer: &(dyn Fn(usize) -> Option<Vec<f64>> + Sync)| -> Vec<f64> {
+        let mut all = Vec::with_capacity(blocks);
+        for (r, run) in runs.iter().enumerate() {
+            match answer(r) {
+                Some(values) => setup.means(*run, &values, &mut all),
+                None => all.extend(setup.blocks[*run].iter().map(|_| 0.0)),
+            }
+        }
+        all
+    };
+    // The numbers of the model.
+    let mut apart: Vec<f64> = setup
+        .declared
+        .iter()
+        .zip(&fitted.hypothesis.declared)
+        .map(|(d, value)| (value - d.prior) / d.deviation)
+        .collect();
+    let added = fitted.hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
+    let scales: Vec<f64> =
+        setup.declared.iter().map(|d| d.deviation).chain(added.map(|n| n.scale)).collect();
+    let mut columns: Vec<Vec<f64>> = (0..slopes.count())
+        .into_par_iter()
+        .map(|k| {
+            let mut column = gather(&|r| slopes.answer(&fitted.hypothesis, r, k));
+            column.iter_mut().for_each(|x| *x *= scales[k]);
+            column
+        })
+        .collect();
+    apart.resize(columns.len(), f64::NAN);
+    // Where the nodes start, run by run.
+    let ambient = setup.experiment.inputs.iter().position(|c| c.is_temperature());
+    if let Some(ambient) = ambient {
+        for own in 0..runs.len() {
+            let noise = setup.noise[ambient];
+            let column = gather(&|r| {
+                let direction = slopes.further(r, further)[before_inputs + ambient].as_ref()?;
+                let first = |row: usize| if row == 0 { noise } else { 0.0 };
+                (r == own).then(|| slopes.tangents[r].response(direction, first))
+            });
+            columns.push(column);
+            apart.push(0.0);
+        }
+    }
+    let known = columns.len();
+    // What drifting sensors would do.
+    let clock = |r: usize| &setup.drives[runs[r]].time;
+    let (from, to) = (0..runs.len()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), r| {
+        let t = clock(r);
+        (a.min(t[0]), b.max(t[t.len() - 1]))
+    });
+    let count = (((to - from) / KNOT).ceil() as usize).clamp(1, MOST_KNOTS) + 1;
+    let points: Vec<f64> = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect();
+    let sensors: Vec<usize> =
+        (0..setup.outputs()).filter(|m| setup.experiment.outputs[*m].is_temperature()).collect();
+    // Sensors of one kind drift alike: as large as the noise of the loudest.
+    let inputs = setup.experiment.inputs.len();
+    let loudest = sensors.iter().map(|s| setup.noise[inputs + s]).fold(0.0, f64::max);
+    let m = setup.outputs();
+    let mut knots = Vec::new();
+    for sensor in sensors.iter().map(|s| Some(*s)).chain(ambient.map(|_| None)) {
+        for (k, point) in points.iter().enumerate() {
+            let column = gather(&|r| {
+                let time = clock(r);
+                match sensor {
+                    Some(output) => {
+                        let mut values = vec![0.0; time.len() * m];
+                        for (row, t) in time.iter().enumerate() {
+                            values[row * m + output] = loudest * hat(&points, k, *t);
+                        }
+                        Some(values)
+                    }
+                    None => {
+                        let direction = slopes.further(r, further)[before_inputs + ambient?].as_ref()?;
+                        Some(slopes.tangents[r].response(direction, |row| loudest * hat(&points, k, time[row])))
+                    }
+                }
+            });
+            if column.iter().any(|x| *x != 0.0) {
+                columns.push(column);
+                knots.push((*point, sensor.unwrap_or(m)));
+            }
+        }
+    }
+    let matrix = |columns: &[Vec<f64>]| {
+        DMatrix::from_iterator(blocks, columns.len(), columns.iter().flatten().copied())
+    };
+    let (slopes, drift) = (matrix(&columns[..known]), matrix(&columns[known..]));
+    Evidence::new(DVector::from_vec(residual), &slopes, &apart, &drift, &knots)
+        .ok_or_else(|| CalibrateError("the parameters cannot be told apart by these runs".to_string()))
+}

@@ -1,0 +1,379 @@
+//! `report.json`: what closing the loop has come to, for a script.
+//!
+//! The keys `name`, `verdict`, `seconds`, `effects`, `unexplained`, `parameters`, `error` and `fmu` are the contract;
+//! the others tell the rest of [`Outcome`] in its own words. A number that is not finite is null.
+
+use crate::experiment::Role;
+use crate::outcome::{self, Estimate, Found, Outcome};
+use physics::terms::{Driver, GenericTerm, Law, Port};
+use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+
+/// The roles in the order in which they are told.
+pub const ROLES: [Role; 3] = [Role::Fit, Role::Validate, Role::Test];
+
+/// Name of a role in experiments and reports.
+pub fn role_name(role: Role) -> &'static str {
+    match role {
+        Role::Fit => "fit",
+        Role::Validate => "validate",
+        Role::Test => "test",
+    }
+}
+
+/// Unit of a driver; 1 for a pure number.
+pub fn driver_unit(driver: Driver) -> &'static str {
+    match driver {
+        Driver::Speed => "rad/s",
+        Driver::Current => "A",
+        Driver::LoadTorque => "N.m",
+        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => "K",
+        Driver::FanCommand => "1",
+        Driver::Time => "s",
+    }
+}
+
+/// The exported FMUs against the model that they are made of.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Replay {
+    /// Greatest difference of an error (RMSE), as a share of its channel's range.
+    pub greatest_difference: f64,
+    /// Greatest difference of a single value, as a share of its channel's range.
+    pub greatest_difference_of_a_value: f64,
+    /// What the former must not exceed.
+    pub limit: f64,
+    /// Whether it does not.
+    pub agrees: bool,
+    /// The role whose runs were replayed.
+    pub role: &'static str,
+    /// Every output in both standards.
+    pub channels: Vec<ReplayedChannel>,
+}
+
+/// One output of the replay in one standard.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReplayedChannel {
+    /// Folder of the archive, which is the standard's name: `fmi2` or `fmi3`.
+    pub standard: &'static str,
+    /// The column.
+    pub column: &'static str,
+    /// Error of the FMU, in the channel's unit.
+    pub rmse: f64,
+    /// Error of the native model.
+    pub after: f64,
+    /// Greatest less least measured value.
+    pub range: f64,
+    /// Difference of the errors as a share of the range.
+    pub difference: f64,
+    /// Greatest difference of a value as a share of the range, where the native values are known.
+    pub difference_of_a_value: f64,
+}
+
+/// The file.
+#[derive(Debug, Serialize)]
+pub struct Report<'a> {
+    name: &'a str,
+    model: &'static str,
+    verdict: &'static str,
+    seconds: f64,
+    seconds_search: f64,
+    effects: Vec<Effect<'a>>,
+    unexplained: Option<Unexplained>,
+    parameters: InOrder<'a, Parameter>,
+    error: BTreeMap<&'static str, InOrder<'a, Errors>>,
+    fmu: &'a [String],
+    replay: Option<&'a Replay>,
+    notes: &'a [String],
+    refit: InOrder<'a, Parameter>,
+    correlated: Vec<Pair<'a>>,
+    localised: Vec<Localised>,
+    ladder: Vec<Rung<'a>>,
+    whiteness: InOrder<'a, Whiteness>,
+    detection_limits: Vec<Limit<'a>>,
+}
+
+/// A list of named things that is written as an object, in this order.
+#[derive(Debug)]
+struct InOrder<'a, T>(Vec<(&'a str, T)>);
+
+impl<T: Serialize> Serialize for InOrder<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Effect<'a> {
+    id: &'a str,
+    port: &'static str,
+    driver: Option<&'static str>,
+    alternatives: &'a [String],
+    runs: &'a [String],
+    everywhere: bool,
+    parameters: InOrder<'a, Parameter>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    law: Option<LawText>,
+    magnitude: &'a str,
+    separating_experiment: Option<&'a str>,
+    evidence: Support,
+}
+
+#[derive(Debug, Serialize)]
+struct Support {
+    delta_bic: f64,
+    delta_bic_whitened: f64,
+    validation_rmse_ratio: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Parameter {
+    value: f64,
+    ci95: (f64, f64),
+    prior: f64,
+    unit: &'static str,
+}
+
+/// A term's law: value = coefficient * product of ((driver - offset) / reference)^exponent, or a table.
+#[derive(Debug, Serialize)]
+struct LawText {
+    unit: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coefficient: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    drivers: Vec<FactorText>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    table: Option<TableText>,
+}
+
+#[derive(Debug, Serialize)]
+struct FactorText {
+    driver: &'static str,
+    offset: f64,
+    reference: f64,
+    exponent: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct TableText {
+    driver: &'static str,
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Unexplained {
+    port: &'static str,
+    driver: Option<&'static str>,
+    added: bool,
+    unit: &'static str,
+    driver_unit: Option<&'static str>,
+    shape: Vec<Point>,
+}
+
+#[derive(Debug, Serialize)]
+struct Point {
+    driver: f64,
+    value: f64,
+    deviation: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Errors {
+    before: f64,
+    refit: f64,
+    after: f64,
+    floor: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Pair<'a> {
+    parameters: (&'a str, &'a str),
+    correlation: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Localised {
+    port: &'static str,
+    share: f64,
+    driver: Option<&'static str>,
+}
+
+#[derive(Debug, Serialize)]
+struct Rung<'a> {
+    round: usize,
+    name: &'a str,
+    port: &'static str,
+    delta_bic: f64,
+    delta_bic_whitened: f64,
+    validation_rmse_ratio: Option<f64>,
+    accepted: bool,
+    reason: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct Whiteness {
+    blocks_refit: f64,
+    blocks_after: f64,
+    autocorrelation_refit: f64,
+    autocorrelation_after: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Limit<'a> {
+    id: &'a str,
+    symbol: &'static str,
+    size: f64,
+    unit: &'static str,
+}
+
+impl<'a> Report<'a> {
+    /// The report of an outcome; `fmu` are the archives that were written, relative to the report, `notes` are the
+    /// outcome's with what was odd since, `seconds` is the wall time of all that was done.
+    pub fn new(
+        outcome: &'a Outcome,
+        fmu: &'a [String],
+        replay: Option<&'a Replay>,
+        notes: &'a [String],
+        seconds: f64,
+    ) -> Report<'a> {
+        let errors = |role: Role| {
+            let of_role = outcome.errors.iter().filter(|e| e.role == role);
+            let numbers = of_role.map(|e| {
+                (e.column, Errors { before: e.before, refit: e.refit, after: e.after, floor: e.floor })
+            });
+            (role_name(role), InOrder(numbers.collect()))
+        };
+        Report {
+            name: &outcome.name,
+            model: outcome.model,
+            verdict: outcome.verdict.name(),
+            seconds,
+            seconds_search: outcome.seconds,
+            effects: outcome.effects.iter().map(effect).collect(),
+            unexplained: outcome.unexplained.as_ref().map(unexplained),
+            parameters: parameters(&outcome.parameters),
+            error: ROLES.map(errors).into_iter().collect(),
+            fmu,
+            replay,
+            notes,
+            refit: parameters(&outcome.refit),
+            correlated: outcome
+                .correlated
+                .iter()
+                .map(|(a, b, r)| Pair { parameters: (a, b), correlation: *r })
+                .collect(),
+            localised: outcome
+                .localised
+                .iter()
+                .map(|l| Localised { port: l.port.name(), share: l.share, driver: l.follows.name() })
+                .collect(),
+            ladder: outcome.ladder.iter().map(rung).collect(),
+            whiteness: InOrder(outcome.whiteness.iter().map(whiteness).collect()),
+            detection_limits: outcome
+                .limits
+                .iter()
+                .map(|l| Limit { id: &l.id, symbol: l.symbol, size: l.size, unit: l.unit })
+                .collect(),
+        }
+    }
+}
+
+fn effect(found: &Found) -> Effect<'_> {
+    Effect {
+        id: &found.id,
+        port: found.port.name(),
+        driver: found.follows.name(),
+        alternatives: &found.alternatives,
+        runs: &found.runs,
+        everywhere: found.everywhere,
+        parameters: parameters(&found.parameters),
+        law: found.term.as_ref().map(law),
+        magnitude: &found.magnitude,
+        separating_experiment: found.separating_experiment.as_deref(),
+        evidence: Support {
+            delta_bic: found.delta_bic,
+            delta_bic_whitened: found.delta_bic_whitened,
+            validation_rmse_ratio: found.validation_ratio,
+        },
+    }
+}
+
+fn parameters(estimates: &[Estimate]) -> InOrder<'_, Parameter> {
+    let text = |e: &'_ Estimate| Parameter { value: e.value, ci95: e.ci95, prior: e.prior, unit: e.unit };
+    InOrder(estimates.iter().map(|e| (e.name.as_str(), text(e))).collect())
+}
+
+fn law(term: &GenericTerm) -> LawText {
+    let unit = unit(term.port);
+    match &term.law {
+        Law::Product(product) => LawText {
+            unit,
+            coefficient: Some(product.coefficient),
+            drivers: product
+                .factors
+                .iter()
+                .flatten()
+                .map(|f| FactorText {
+                    driver: f.driver.name(),
+                    offset: f.offset,
+                    reference: f.reference,
+                    exponent: f.exponent,
+                })
+                .collect(),
+            table: None,
+        },
+        Law::Table(table) => {
+            let (x, y) = table.points();
+            let table = TableText { driver: table.driver.name(), x: x.to_vec(), y: y.to_vec() };
+            LawText { unit, coefficient: None, drivers: Vec::new(), table: Some(table) }
+        }
+    }
+}
+
+/// Unit of a value at a port.
+pub fn unit(port: Port) -> &'static str {
+    port.unit().name()
+}
+
+fn unexplained(found: &outcome::Unexplained) -> Unexplained {
+    let driver = match found.follows {
+        outcome::Follows::Driver(driver) => Some(driver_unit(driver)),
+        _ => None,
+    };
+    let point = |(driver, value, deviation): &(f64, f64, f64)| Point {
+        driver: *driver,
+        value: *value,
+        deviation: *deviation,
+    };
+    Unexplained {
+        port: found.port.name(),
+        driver: found.follows.name(),
+        added: found.added,
+        unit: unit(found.port),
+        driver_unit: driver,
+        shape: found.shape.iter().map(point).collect(),
+    }
+}
+
+fn rung(evidence: &outcome::Evidence) -> Rung<'_> {
+    Rung {
+        round: evidence.round,
+        name: &evidence.name,
+        port: evidence.port.name(),
+        delta_bic: evidence.delta_bic,
+        delta_bic_whitened: evidence.delta_bic_whitened,
+        validation_rmse_ratio: evidence.validation_ratio,
+        accepted: evidence.accepted,
+        reason: &evidence.reason,
+    }
+}
+
+fn whiteness(found: &outcome::Whiteness) -> (&str, Whiteness) {
+    let numbers = Whiteness {
+        blocks_refit: found.blocks_refit,
+        blocks_after: found.blocks_after,
+        autocorrelation_refit: found.autocorrelation.0,
+        autocorrelation_after: found.autocorrelation.1,
+    };
+    (found.column, numbers)
+}

@@ -1,0 +1,318 @@
+//! One further effect at a time: the best of what was scored are fitted with all the other numbers, compete, and have to
+//! pass the gate.
+//!
+//! cost = -2 log p + ln n for each number, n the blocks (Schwarz, Annals of Statistics 6 (1978) 461-464)     (1)
+//!
+//! The gate asks, in this order: does (1) fall by more than 10 with the noise taken as white and with its own memory;
+//! are sign and size physical; does every run want the same size; is what was not fitted predicted better. Without it
+//! the cost alone finds effects in every bench whose thermocouples drift.
+
+use crate::CalibrateError;
+use crate::experiment::Role;
+use crate::fit::Fitted;
+use crate::hypothesis::{Addition, Hypothesis};
+use crate::outcome::Evidence;
+use crate::point::Point;
+use crate::search::{CHOICE, Scored};
+use crate::setup::{Setup, Shown};
+use rayon::prelude::*;
+
+/// Fall of the cost that a term needs.
+pub const LEAST: f64 = 10.0;
+/// Costs as near as this cannot be told apart.
+const NEAR: f64 = 6.0;
+/// Contenders: effects of the list, powers, shapes.
+const CONTENDERS: [usize; 3] = [5, 3, 2];
+/// Share of a run that is held out where no validation run has the effect.
+const HELD_OUT: f64 = 0.25;
+/// A size within this share of itself in every run is the same.
+const ALIKE: f64 = 0.35;
+
+/// A candidate that was fitted.
+pub struct Contender<'a> {
+    /// What it is, in words.
+    pub name: String,
+    /// With everything around it, linearised anew.
+    pub point: Point<'a>,
+    /// Fall of (1) with the noise's own memory, and for white noise.
+    pub delta: (f64, f64),
+    /// Error on what was not fitted, over that without; `None` where there is nothing.
+    pub validation: Option<f64>,
+    /// Why it is not taken, in one sentence.
+    pub refused: Option<String>,
+}
+
+impl Contender<'_> {
+    /// What was added.
+    pub fn addition(&self) -> &Addition {
+        let additions = &self.point.fitted.hypothesis.additions;
+        &additions[additions.len() - 1]
+    }
+}
+
+/// What a round has come to.
+pub struct Round<'a> {
+    /// All that were fitted, the best first.
+    pub contenders: Vec<Contender<'a>>,
+    /// The one that is taken, by its place.
+    pub taken: Option<usize>,
+    /// Others that the data cannot tell from it.
+    pub alike: Vec<usize>,
+}
+
+impl Round<'_> {
+    /// The round as a report tells it.
+    pub fn ladder(&self, round: usize) -> Vec<Evidence> {
+        let best = self.taken.map(|k| self.contenders[k].name.clone());
+        self.contenders
+            .iter()
+            .enumerate()
+            .map(|(k, c)| {
+                let reason = match (&c.refused, &best) {
+                    (Some(refused), _) => refused.clone(),
+                    (None, _) if self.taken == Some(k) => "explains most of all, and passes the gate".to_string(),
+                    (None, Some(best)) if self.alike.contains(&k) => {
+                        format!("explains as much as {best}: this data cannot tell them apart")
+                    }
+                    (None, Some(best)) => format!("explains less than {best}"),
+                    (None, None) => "is not the best".to_string(),
+                };
+                Evidence {
+                    round,
+                    name: c.name.clone(),
+                    port: c.addition().port,
+                    delta_bic: c.delta.1,
+                    delta_bic_whitened: c.delta.0,
+                    validation_ratio: c.validation,
+                    accepted: self.taken == Some(k),
+                    reason,
+                }
+            })
+            .collect()
+    }
+}
+
+/// Lets the best of what was scored at a point compete.
+///
+/// # Errors
+/// What the model says where it cannot be run.
+pub fn compete<'a>(point: &Point<'a>, scored: &[Scored]) -> Result<Round<'a>, CalibrateError> {
+    let chosen = choose(scored);
+    let fitted: Vec<Result<Contender<'a>, CalibrateError>> =
+        chosen.par_iter().map(|scored| fitted(point, scored)).collect();
+    // A candidate that the model cannot be run with is none.
+    let mut contenders: Vec<Contender<'a>> = fitted.into_iter().filter_map(Result::ok).collect();
+    contenders.sort_by(|a, b| b.delta.0.total_cmp(&a.delta.0));
+    let mut taken = None;
+    let mut alike = Vec::new();
+    // An effect of the list stands for a shape that explains hardly more.
+    let best = contenders.first().map_or(0.0, |c| c.delta.0);
+    let mut order: Vec<usize> = (0..contenders.len()).collect();
+    order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].delta.0 < LEAST));
+    for k in order {
+        // Who explains far less than one that was taken is not looked at.
+        if taken.is_some_and(|t: usize| contenders[t].delta.0 - contenders[k].delta.0 > NEAR) {
+            continue;
+        }
+        if taken.is_some() && !contenders[k].addition().is_listed() {
+            continue;
+        }
+        let (validation, refused) = gate(point, &contenders[k])?;
+        contenders[k].validation = validation;
+        let passes = refused.is_none();
+        contenders[k].refused = refused;
+        match (passes, taken) {
+            (true, None) => taken = Some(k),
+            (true, Some(_)) if contenders[k].addition().is_listed() => alike.push(k),
+            _ => {}
+        }
+    }
+    if taken.is_some_and(|t| !contenders[t].addition().is_listed()) {
+        alike.clear();
+    }
+    Ok(Round { contenders, taken, alike })
+}
+
+/// The most promising of each kind, of different effects, ports or drivers.
+fn choose(scored: &[Scored]) -> Vec<&Scored> {
+    let mut chosen: Vec<&Scored> = Vec::new();
+    let kind = |s: &Scored| match (&s.addition, s.listed) {
+        (_, true) => 0,
+        (Some(a), false) if a.numbers.len() == 2 => 1,
+        _ => 2,
+    };
+    let best = scored.first().map_or(0.0, |s| s.evidence);
+    for candidate in scored.iter().filter(|s| s.addition.is_some() && s.evidence > 0.0) {
+        let k = kind(candidate);
+        let alike = chosen.iter().filter(|c| kind(c) == k);
+        // A slope misleads where an effect is large: what explains a good part of the best may be the best.
+        let far = candidate.evidence < 0.3 * best;
+        let enough = alike.clone().count() >= CONTENDERS[k] || (far && alike.clone().count() >= 1);
+        let twice = alike.clone().filter(|c| c.name == candidate.name).count() > 0 && k != 0
+            || alike.clone().filter(|c| c.name == candidate.name).count() > 1;
+        if !enough && !twice {
+            chosen.push(candidate);
+        }
+    }
+    chosen
+}
+
+/// The point's numbers with a further addition, moved as to first order they would be.
+fn begun(point: &Point, addition: &Addition) -> Hypothesis {
+    let mut hypothesis = point.fitted.hypothesis.clone();
+    hypothesis.additions.push(addition.clone());
+    hypothesis
+}
+
+fn fitted<'a>(point: &Point<'a>, scored: &Scored) -> Result<Contender<'a>, CalibrateError> {
+    let Some(addition) = &scored.addition else {
+        return Err(CalibrateError(format!("{} cannot be added", scored.name)));
+    };
+    let setup = point.setup;
+    let fitted = setup.fit(begun(point, addition), &point.runs)?;
+    let larger = Point::new(setup, fitted, &point.runs)?;
+    let cost = per_number(point) * price(addition) + if addition.is_listed() { 0.0 } else { CHOICE };
+    let choice = if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
+    let (before, after) = (point.evidence.cost(), larger.evidence.cost());
+    let delta = (before.0 - after.0 - cost - choice, before.1 - after.1 - cost - choice);
+    Ok(Contender { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
+}
+
+/// ln n.
+pub fn per_number(point: &Point) -> f64 {
+    (point.evidence.values() as f64).ln()
+}
+
+/// Numbers that an addition costs: of a table, half, since neighbours are alike.
+fn price(addition: &Addition) -> f64 {
+    let count = addition.numbers.len() as f64;
+    if count > 3.0 { 0.5 * count } else { count }
+}
+
+type Judged = (Option<f64>, Option<String>);
+
+/// Whether a contender passes: its error on what was not fitted over that without, and why not.
+fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError> {
+    let (white, raw) = contender.delta;
+    if raw <= LEAST || white <= LEAST {
+        let sentence = format!(
+            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {LEAST} is asked for"
+        );
+        return Ok((None, Some(sentence)));
+    }
+    let addition = contender.addition();
+    for number in &addition.numbers {
+        let (least, most) = number.limits;
+        if (number.value <= least && least != 0.0) || number.value >= most {
+            return Ok((None, Some(format!("{} = {:.4} stands at its limit", number.symbol, number.value))));
+        }
+    }
+    if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
+        return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
+    }
+    let unlike = unlike(contender);
+    let validation = validation(before, contender)?;
+    if let Some(sentence) = unlike {
+        return Ok((validation, Some(sentence)));
+    }
+    if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0) {
+        let sentence = format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
+        return Ok((validation, Some(sentence)));
+    }
+    Ok((validation, None))
+}
+
+/// A run that wants another size than the others, in one sentence: what leaving it out would show.
+fn unlike(contender: &Contender) -> Option<String> {
+    let (point, addition) = (&contender.point, contender.addition());
+    let active: Vec<usize> = (0..point.runs.len()).filter(|r| addition.active[point.runs[*r]]).collect();
+    if active.len() < 2 {
+        return None;
+    }
+    for own in active {
+        let Some(column) = point.amplitude_column(own) else { continue };
+        let Some(gain) = point.evidence.gain(&column) else { continue };
+        let (off, deviation) = (gain.size[0], gain.covariance[(0, 0)].sqrt());
+        if off.abs() > ALIKE + 4.0 * deviation {
+            let file = &point.setup.experiment.runs[point.runs[own]].file;
+            return Some(format!(
+                "is not the same in every run: {file} wants {:.0} % of the size that the others have",
+                100.0 * (1.0 + off)
+            ));
+        }
+    }
+    None
+}
+
+/// Error on what was not fitted with a contender over that without: on the validation runs, and where it acts in none of them on
+/// the end of the runs in which it acts, fitted without it.
+fn validation(before: &Point, contender: &Contender) -> Result<Option<f64>, CalibrateError> {
+    let setup = before.setup;
+    let runs = setup.runs(Role::Validate);
+    let addition = contender.addition();
+    let partly = addition.active.iter().any(|on| !on);
+    if !runs.is_empty() {
+        let without = setup.show(&before.fitted.hypothesis, &runs)?;
+        let mut with = contender.point.fitted.hypothesis.clone();
+        let active = acting(setup, &mut with, &runs)?;
+        let shown = setup.show(&with, &runs)?;
+        if !partly || active {
+            let (a, b) = (setup.chi_square(&runs, &shown).0, setup.chi_square(&runs, &without).0);
+            return Ok(Some((a / b).sqrt()));
+        }
+    }
+    let mut part = setup.clone();
+    let mut judged = setup.clone();
+    let mut held = Vec::new();
+    for run in before.runs.iter().filter(|run| addition.active[**run]) {
+        let Some((from, to)) = setup.counted(*run) else { continue };
+        let cut = to - HELD_OUT * (to - from);
+        part = part.with_window(*run, (from, cut));
+        judged = judged.with_window(*run, (cut, to));
+        held.push(*run);
+    }
+    if held.is_empty() {
+        return Ok(None);
+    }
+    let without = part.fit(before.fitted.hypothesis.clone(), &before.runs)?;
+    let with = part.fit(contender.point.fitted.hypothesis.clone(), &before.runs)?;
+    let error = |fitted: &Fitted| -> Result<f64, CalibrateError> {
+        let shown = judged.show(&fitted.hypothesis, &held)?;
+        Ok(judged.chi_square(&held, &shown).0)
+    };
+    Ok(Some((error(&with)? / error(&without)?).sqrt()))
+}
+
+/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better; whether any
+/// does.
+///
+/// # Errors
+/// What the model says where it cannot be run.
+pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<bool, CalibrateError> {
+    let mut any = false;
+    for a in 0..hypothesis.additions.len() {
+        let fits: Vec<bool> = setup.runs(Role::Fit).iter().map(|r| hypothesis.additions[a].active[*r]).collect();
+        if fits.iter().all(|on| *on) {
+            any = true;
+            continue;
+        }
+        for run in runs {
+            // The same file has the same effects, whatever rows are asked for.
+            let file = &setup.experiment.runs[*run].file;
+            let same = setup.runs(Role::Fit).into_iter().find(|r| setup.experiment.runs[*r].file == *file);
+            let on = if let Some(same) = same {
+                hypothesis.additions[a].active[same]
+            } else {
+                let mut error = |on: bool| -> Result<f64, CalibrateError> {
+                    hypothesis.additions[a].active[*run] = on;
+                    let shown: Vec<Shown> = setup.show(hypothesis, &[*run])?;
+                    Ok(setup.chi_square(&[*run], &shown).0)
+                };
+                error(true)? < error(false)?
+            };
+            hypothesis.additions[a].active[*run] = on;
+            any |= on;
+        }
+    }
+    Ok(any)
+}

@@ -1,0 +1,447 @@
+//! What a model may lack, by how much each would explain: effects of the list, and forces at every port.
+//!
+//! | what is tried | numbers |
+//! |---|---|
+//! | an effect of the list, in all runs or in some | size |
+//! | at every port a smooth shape over every driver | as many as the data wants, [`Evidence::shape`](crate::evidence) |
+//! | at every port a power of every driver | coefficient, exponent |
+//! | at every port a force that is free in time | as many as the data wants |
+//! | at the ports that those single out: what latches, switches with hysteresis, comes and goes | size and threshold, width or period |
+//!
+//! Everything is compared by the fall of the evidence's cost less ln n for each number (Schwarz), n the blocks.
+
+use crate::catalogue::{LISTED, Way};
+use crate::evidence::Gain;
+use crate::hypothesis::{Addition, Number, Shape, hat, power};
+use crate::outcome::Follows;
+use crate::point::Point;
+use nalgebra::DMatrix;
+use physics::terms::{Driver, Factor, Port};
+use rayon::prelude::*;
+
+/// Points of a smooth shape over a driver.
+const KNOTS: usize = 7;
+/// Points of a force that is free in time, in each run.
+const INSTANTS: usize = 24;
+/// Times over a run that are tried for a step, before those near the best.
+const TIMES: usize = 60;
+/// A driver that moves by less than this share of its size has no shape to show.
+const STILL: f64 = 0.01;
+/// Shapes for which powers are tried: the best.
+const LIKELY: usize = 16;
+/// What a choice among so many ports and drivers costs, beside the numbers.
+pub const CHOICE: f64 = 9.3;
+/// Exponents that are tried.
+const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
+
+/// Something that a model may lack, with what it would explain.
+#[derive(Clone, Debug)]
+pub struct Scored {
+    /// As it would be added, with its numbers to first order; `None` for what no addition can carry.
+    pub addition: Option<Addition>,
+    /// What it is, in words.
+    pub name: String,
+    /// Where it acts.
+    pub port: Port,
+    /// What it follows.
+    pub follows: Follows,
+    /// Whether it stands in the list.
+    pub listed: bool,
+    /// Fall of the cost less ln n for each number, with the noise's own memory.
+    pub evidence: f64,
+    /// The same for white noise.
+    pub raw: f64,
+    /// The numbers' shape: driver and value, with its deviation.
+    pub shape: Vec<(f64, f64, f64)>,
+}
+
+/// The runs' values of a driver: least, greatest, and points between that hold as many rows each.
+fn knots(point: &Point, driver: Driver) -> Option<Vec<f64>> {
+    let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
+    values.sort_by(f64::total_cmp);
+    let (least, most) = (values[0], values[values.len() - 1]);
+    let span = most - least;
+    let size = match driver {
+        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => 20.0,
+        _ => most.abs().max(least.abs()),
+    };
+    if !(span > STILL * size) {
+        return None;
+    }
+    let mut all: Vec<f64> = Vec::new();
+    for k in 0..KNOTS {
+        let share = k as f64 / (KNOTS - 1) as f64;
+        // Half by rows, half by span: points where the data is, but no two alike.
+        let by_rows = values[((values.len() - 1) as f64 * share) as usize];
+        let x = 0.5 * by_rows + 0.5 * (least + span * share);
+        if all.last().is_none_or(|last| x - last > 0.02 * span) {
+            all.push(x);
+        }
+    }
+    Some(all)
+}
+
+/// Covariance of a shape's numbers: near points are alike.
+fn alike(knots: &[f64]) -> DMatrix<f64> {
+    let span = knots[knots.len() - 1] - knots[0];
+    DMatrix::from_fn(knots.len(), knots.len(), |a, b| (-(knots[a] - knots[b]).abs() / span).exp())
+}
+
+/// Zero and usual size of a driver.
+pub fn scale(point: &Point, driver: Driver) -> Factor {
+    let offset = match driver {
+        Driver::WindingTemperature | Driver::HousingTemperature => 298.15,
+        Driver::AmbientTemperature => 293.15,
+        _ => 0.0,
+    };
+    let most = point.drivers().map(|d| (d.of(driver) - offset).abs()).fold(0.0, f64::max);
+    Factor { driver, offset, reference: most.max(1e-9), exponent: 1.0 }
+}
+
+/// Everything that a model may lack at a point, the one with the most evidence first.
+pub fn search(point: &Point) -> Vec<Scored> {
+    let per_number = (point.evidence.values() as f64).ln();
+    let mut all = listed(point, per_number);
+    let jobs: Vec<(Port, Driver)> =
+        Port::ALL.iter().flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d))).collect();
+    let mut shapes: Vec<(Port, Driver, Scored)> = jobs
+        .par_iter()
+        .filter_map(|(port, driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?)))
+        .collect();
+    shapes.sort_by(|a, b| b.2.evidence.total_cmp(&a.2.evidence));
+    // A power is a shape as well: where no shape explains much, none does.
+    let likely = &shapes[..shapes.len().min(LIKELY)];
+    all.par_extend(
+        likely.par_iter().flat_map_iter(|(port, driver, _)| powers(point, *port, *driver, per_number)),
+    );
+    all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
+    let mut free: Vec<Scored> = Port::ALL.par_iter().filter_map(|port| in_time(point, *port, per_number)).collect();
+    free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
+    all.par_extend(ports.par_iter().flat_map_iter(|port| histories(point, *port, per_number)));
+    all.extend(free);
+    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    all
+}
+
+fn within(value: f64, limits: (f64, f64)) -> bool {
+    (limits.0..=limits.1).contains(&value)
+}
+
+fn listed(point: &Point, per_number: f64) -> Vec<Scored> {
+    let runs = point.runs.len();
+    let known: Vec<_> = point.listed().collect();
+    let mut all: Vec<Scored> = (0..known.len())
+        .into_par_iter()
+        .flat_map_iter(|k| {
+            let (listed, addition) = known[k];
+            let patterns: Vec<Vec<bool>> = if listed.may_vary && runs <= 6 {
+                (1..1usize << runs).map(|bits| (0..runs).map(|r| bits >> r & 1 == 1).collect()).collect()
+            } else {
+                vec![vec![true; runs]]
+            };
+            let everywhere = patterns.len();
+            patterns
+                .into_iter()
+                .filter_map(|pattern| {
+                    let gain = point.evidence.gain(&point.listed_column(k, &pattern)?)?;
+                    let partly = pattern.iter().any(|on| !on);
+                    let base = point.base(addition);
+                    // What is declared to act everywhere may act otherwise in some runs.
+                    if (base != 0.0 && !partly) || !within(base + gain.size[0], addition.numbers[0].limits) {
+                        return None;
+                    }
+                    let mut addition = addition.clone();
+                    addition.numbers[0].value = base + gain.size[0];
+                    if partly {
+                        // Runs that are not looked at: as if it were not there, until they are.
+                        addition.active.fill(false);
+                        point.runs.iter().zip(&pattern).for_each(|(run, on)| addition.active[*run] = *on);
+                    }
+                    // Which runs, out of so many: a choice costs as its number of answers.
+                    let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
+                    let shape = vec![(0.0, gain.size[0], gain.covariance[(0, 0)].sqrt())];
+                    let name = if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
+                    Some(Scored {
+                        addition: Some(addition),
+                        name,
+                        port: listed.port,
+                        follows: listed.follows,
+                        listed: true,
+                        evidence: gain.whitened - per_number - choice,
+                        raw: gain.raw - per_number - choice,
+                        shape,
+                    })
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    let everywhere = vec![true; point.setup.experiment.runs.len()];
+    for listed in LISTED.iter().filter(|l| l.way != Way::Slope) {
+        if point.fitted.hypothesis.additions.iter().any(|a| a.id == listed.id) {
+            continue;
+        }
+        let Some(addition) = listed.addition(point.setup.bench.declaration(), &everywhere) else { continue };
+        let found = match listed.way {
+            Way::Step => step(point, addition),
+            _ => store(point, addition),
+        };
+        if let Some((addition, gain)) = found {
+            let cost = per_number * addition.numbers.len() as f64;
+            let shape = vec![(0.0, gain.size[0], gain.covariance[(0, 0)].sqrt())];
+            all.push(Scored {
+                addition: Some(addition),
+                name: listed.id.to_string(),
+                port: listed.port,
+                follows: listed.follows,
+                listed: true,
+                evidence: gain.whitened - cost,
+                raw: gain.raw - cost,
+                shape,
+            });
+        }
+    }
+    all
+}
+
+/// A step at a time that is tried: first all over the clock, then at every row near the best.
+fn step(point: &Point, mut addition: Addition) -> Option<(Addition, Gain)> {
+    let clock = |r: usize, row: usize| point.setup.drives[point.runs[r]].time[row];
+    let best = |times: Vec<f64>| -> Vec<(f64, Gain)> {
+        let mut gains: Vec<(f64, Gain)> = times
+            .par_iter()
+            .filter_map(|at| {
+                let after = |r: usize, row: usize| if clock(r, row) >= *at { -1.0 } else { 0.0 };
+                let column = point.port_columns(addition.port, 1, |_, r, row, _| after(r, row))?;
+                let gain = point.evidence.gain(&column)?;
+                within(gain.size[0], addition.numbers[0].limits).then_some((*at, gain))
+            })
+            .collect();
+        gains.sort_by(|a, b| b.1.whitened.total_cmp(&a.1.whitened));
+        gains
+    };
+    let every = |run: &usize| {
+        let time = &point.setup.drives[*run].time;
+        time.iter().step_by(time.len().div_ceil(TIMES)).copied().collect::<Vec<f64>>()
+    };
+    let coarse = best(point.runs.iter().flat_map(every).collect());
+    let about = coarse.first()?.0;
+    let near = |run: &usize| {
+        let time = &point.setup.drives[*run].time;
+        let reach = (time[time.len() - 1] - time[0]) / TIMES as f64;
+        time.iter().filter(|t| (*t - about).abs() <= reach).copied().collect::<Vec<f64>>()
+    };
+    let mut fine = best(point.runs.iter().flat_map(near).collect());
+    let likely: Vec<f64> =
+        fine.iter().filter(|(_, g)| fine[0].1.whitened - g.whitened < 3.84).map(|(at, _)| *at).collect();
+    let (at, gain) = if fine.is_empty() { coarse.into_iter().next()? } else { fine.swap_remove(0) };
+    addition.numbers[0].value = gain.size[0];
+    addition.numbers[1].value = at;
+    // Half of what is likely, at least one row: the interval of a time that no slope finds.
+    let (least, most) = likely.iter().fold((at, at), |(a, b), t| (a.min(*t), b.max(*t)));
+    let row = point.setup.drives[point.runs[0]].time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    addition.numbers[1].scale = 0.25 * (most - least) + 0.5 * row;
+    Some((addition, gain))
+}
+
+/// Sizes that are tried for an effect with a store of its own: to the answer of each, a size to first order.
+fn store(point: &Point, addition: Addition) -> Option<(Addition, Gain)> {
+    let declaration = point.setup.bench.declaration();
+    let of = |name: &str| {
+        let declared = point.setup.declared.iter().position(|d| d.name == name);
+        declared.map_or_else(
+            || declaration.by_name(name).map(|e| point.setup.bench.start_of(e.slot)),
+            |k| Some(point.fitted.hypothesis.declared[k]),
+        )
+    };
+    let trials: Vec<Vec<f64>> = match addition.numbers.len() {
+        1 => [10.0, 30.0, 90.0].iter().map(|tau| vec![*tau]).collect(),
+        _ => {
+            // Shares of what stands on either side of the new node.
+            let (capacity, resistance) = (of("thermal.C_h")?, of("thermal.R_wh")?);
+            [(0.15, 0.5), (0.15, 1.5), (0.4, 0.5), (0.4, 1.5)]
+                .iter()
+                .map(|(c, r)| vec![c * capacity, r * resistance])
+                .collect()
+        }
+    };
+    let tried: Vec<(Addition, Gain)> = trials
+        .par_iter()
+        .filter_map(|values| {
+            let mut trial = addition.clone();
+            trial.numbers.iter_mut().zip(values).for_each(|(n, v)| n.value = *v);
+            let gain = point.evidence.gain(&point.simulated_column(&trial)?)?;
+            // The size is the share of the trial that the data wants.
+            (gain.size[0] > 0.1).then_some((trial, gain))
+        })
+        .collect();
+    tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))
+}
+
+fn scored(name: String, port: Port, follows: Follows, gain: &Gain, cost: f64, x: &[f64]) -> Scored {
+    let shape = x.iter().enumerate().map(|(k, x)| (*x, gain.size[k], gain.covariance[(k, k)].sqrt())).collect();
+    Scored {
+        addition: None,
+        name,
+        port,
+        follows,
+        listed: false,
+        evidence: gain.whitened - cost,
+        raw: gain.raw - cost,
+        shape,
+    }
+}
+
+fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
+    let knots = knots(point, driver)?;
+    let columns = point.port_columns(port, knots.len(), |k, _, _, d| hat(&knots, k, d.of(driver)))?;
+    let gain = point.evidence.shape(&columns, &alike(&knots))?;
+    let name = format!("{} over {}", port.name(), driver.name());
+    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + CHOICE, &knots);
+    let numbers = knots.iter().enumerate().map(|(k, x)| Number {
+        symbol: format!("value at {} = {x:.4}", driver.name()),
+        value: gain.size[k],
+        limits: (f64::NEG_INFINITY, f64::INFINITY),
+        unit: port.unit().name(),
+        scale: gain.covariance[(k, k)].sqrt(),
+        sloped: true,
+    });
+    found.addition = Some(Addition {
+        id: "generic_term".to_string(),
+        port,
+        follows: Follows::Driver(driver),
+        numbers: numbers.collect(),
+        shape: Shape::Table { driver, knots },
+        active: vec![true; point.setup.experiment.runs.len()],
+    });
+    Some(found)
+}
+
+fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
+    knots(point, driver)?;
+    let factor = scale(point, driver);
+    let of = |exponent: f64| {
+        let value = |x: f64| power(((x - factor.offset) / factor.reference).abs(), exponent);
+        let gain = point.evidence.gain(&point.port_columns(port, 1, |_, _, _, d| value(d.of(driver)))?)?;
+        // A drag or a drop that drives is none.
+        let physical = !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
+        physical.then_some((exponent, gain))
+    };
+    let (exponent, gain) = EXPONENTS
+        .iter()
+        .filter_map(|e| of(*e))
+        .max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+    let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
+    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + CHOICE, &[0.0]);
+    let number = |symbol: &str, value: f64, limits: (f64, f64), unit: &'static str, scale: f64| Number {
+        symbol: symbol.to_string(),
+        value,
+        limits,
+        unit,
+        scale,
+        sloped: true,
+    };
+    let spread = gain.covariance[(0, 0)].sqrt();
+    found.addition = Some(Addition {
+        id: "generic_term".to_string(),
+        port,
+        follows: Follows::Driver(driver),
+        shape: Shape::Power { factor: Factor { exponent, ..factor } },
+        numbers: vec![
+            number("coefficient", gain.size[0], (f64::NEG_INFINITY, f64::INFINITY), port.unit().name(), spread),
+            number("exponent", exponent, (0.1, 5.0), "1", 0.05),
+        ],
+        active: vec![true; point.setup.experiment.runs.len()],
+    });
+    Some(found)
+}
+
+/// The clock of each row of each run.
+fn clock<'a>(point: &'a Point, r: usize) -> &'a [f64] {
+    &point.setup.drives[point.runs[r]].time
+}
+
+fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
+    let mut instants: Vec<(usize, Vec<f64>)> = Vec::new();
+    for r in 0..point.runs.len() {
+        let time = clock(point, r);
+        let (from, to) = (time[0], time[time.len() - 1]);
+        let count = INSTANTS.min(time.len()).max(2);
+        instants.push((r, (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()));
+    }
+    let places: Vec<(usize, usize)> =
+        instants.iter().flat_map(|(r, times)| (0..times.len()).map(move |k| (*r, k))).collect();
+    let at: Vec<f64> = places.iter().map(|(r, k)| instants[*r].1[*k]).collect();
+    let columns = point.port_columns(port, places.len(), |place, r, row, _| {
+        let (own, k) = places[place];
+        if own == r { hat(&instants[r].1, k, clock(point, r)[row]) } else { 0.0 }
+    })?;
+    let memory = 600.0;
+    let kernel = DMatrix::from_fn(at.len(), at.len(), |a, b| (-(at[a] - at[b]).abs() / memory).exp());
+    let gain = point.evidence.shape(&columns, &kernel)?;
+    let name = format!("{} free in time", port.name());
+    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + CHOICE, &at))
+}
+
+/// What knows its past: it latches, switches with hysteresis, or comes and goes.
+fn histories(point: &Point, port: Port, per_number: f64) -> Vec<Scored> {
+    let mut all = Vec::new();
+    let mut best = |name: &str, numbers: f64, tried: Vec<(f64, Gain)>| {
+        if let Some((at, gain)) = tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened)) {
+            let name = format!("{} {name} {at:.4}", port.name());
+            let cost = numbers * per_number + CHOICE;
+            let mut found = scored(name, port, Follows::History, &gain, cost, &[at]);
+            found.shape.truncate(1);
+            all.push(found);
+        }
+    };
+    for driver in [Driver::WindingTemperature, Driver::HousingTemperature, Driver::Current, Driver::Speed] {
+        let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
+        values.sort_by(f64::total_cmp);
+        let thresholds: Vec<f64> = (1..16).map(|k| values[(values.len() - 1) * k / 16]).collect();
+        let switched = |up: f64, down: f64| -> Vec<Vec<f64>> {
+            point
+                .slopes
+                .tangents
+                .iter()
+                .map(|t| {
+                    let mut on = false;
+                    t.drivers
+                        .iter()
+                        .map(|d| {
+                            let x = d.of(driver);
+                            on = x > if on { down } else { up };
+                            f64::from(u8::from(on))
+                        })
+                        .collect()
+                })
+                .collect()
+        };
+        let gain = |states: Vec<Vec<f64>>| {
+            let moves = states.iter().any(|run| run.iter().any(|on| *on != states[0][0]));
+            let columns = moves.then(|| point.port_columns(port, 1, |_, r, row, _| states[r][row]))??;
+            point.evidence.gain(&columns)
+        };
+        let latched = thresholds.iter().filter_map(|x| Some((*x, gain(switched(*x, f64::NEG_INFINITY))?)));
+        best(&format!("latched by {} above", driver.name()), 3.0, latched.collect());
+        if matches!(driver, Driver::WindingTemperature | Driver::HousingTemperature) {
+            let widths = [3.0, 6.0, 12.0];
+            let tried = thresholds.iter().flat_map(|x| widths.iter().map(move |w| (*x, *w)));
+            let tried = tried.filter_map(|(x, w)| Some((x, gain(switched(x, x - w))?)));
+            best(&format!("switched by {} with hysteresis above", driver.name()), 4.0, tried.collect());
+        }
+    }
+    let longest = point.runs.iter().enumerate().map(|(r, _)| clock(point, r)).map(|t| t[t.len() - 1] - t[0]);
+    let longest = longest.fold(0.0, f64::max);
+    let periods = (0..24).map(|k| 0.8 * longest * 0.87f64.powi(k));
+    let periodic = periods.filter_map(|period| {
+        let turn = std::f64::consts::TAU / period;
+        let columns = point.port_columns(port, 3, |k, r, row, _| {
+            let angle = turn * clock(point, r)[row];
+            [1.0, angle.sin(), angle.cos()][k]
+        })?;
+        Some((period, point.evidence.gain(&columns)?))
+    });
+    best("with a period of", 4.0, periodic.collect());
+    all
+}

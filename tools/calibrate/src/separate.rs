@@ -1,0 +1,167 @@
+//! The further run, or the further reading, that would tell two models apart which the data cannot: computed from both.
+//!
+//! Every output that a bench could read is compared over the runs that there are and over runs of half an hour that the inputs'
+//! ranges allow, half of it loaded and half at rest. The greatest difference wins, in noise levels where the reading is one of the
+//! experiment's, else in hundredths of its own greatest value.
+
+use crate::experiment::{CHANNELS, Channel};
+use crate::hypothesis::Hypothesis;
+use crate::setup::Setup;
+use crate::simulate::Drive;
+use physics::model::{Model, Slot};
+
+/// Rows of a run that is thought of, and their distance, s.
+const ROWS: (usize, f64) = (180, 10.0);
+/// Shares of an input's greatest value at which it is held.
+const LEVELS: [f64; 3] = [0.0, 0.5, 1.0];
+
+/// A reading that would differ.
+struct Reading {
+    name: &'static str,
+    slot: Slot,
+    /// What it reads to.
+    noise: Option<f64>,
+    is_temperature: bool,
+}
+
+/// One difference.
+struct Difference {
+    sentence: String,
+    levels: f64,
+}
+
+/// What would tell the `other` model from `one`, in one sentence; `names` are theirs.
+pub fn separate(setup: &Setup, one: &Hypothesis, other: &Hypothesis, names: [&str; 2]) -> Option<String> {
+    let readings = readings(setup);
+    let mut best: Option<Difference> = None;
+    let mut consider = |what: &str, drive: &Drive, run: usize, new: bool| {
+        let Some(found) = compare(setup, one, other, drive, run, &readings, what, new) else { return };
+        if best.as_ref().is_none_or(|b| found.levels > b.levels) {
+            best = Some(found);
+        }
+    };
+    let last = active_run(setup, one, other);
+    for run in 0..setup.experiment.runs.len() {
+        let file = &setup.experiment.runs[run].file;
+        consider(&format!("in {file} as it was run"), &setup.drives[run], run, false);
+    }
+    for (what, drive) in designs(setup) {
+        consider(&what, &drive, last, true);
+    }
+    let best = best?;
+    let [a, b] = names;
+    Some(format!("{} between {a} and {b}", best.sentence))
+}
+
+/// A run in which what the models have acts.
+fn active_run(setup: &Setup, one: &Hypothesis, other: &Hypothesis) -> usize {
+    let all = |h: &Hypothesis, run: usize| h.additions.iter().filter(|a| a.active[run]).count();
+    let runs = 0..setup.experiment.runs.len();
+    runs.max_by_key(|run| all(one, *run) + all(other, *run)).unwrap_or(0)
+}
+
+fn readings(setup: &Setup) -> Vec<Reading> {
+    let declaration = setup.bench.declaration();
+    let measured = |c: &Channel| setup.experiment.outputs.iter().position(|o| o.column == c.column);
+    let driven = |c: &Channel| setup.experiment.inputs.iter().any(|i| i.column == c.column);
+    let channels = CHANNELS.iter().filter(|c| !driven(c)).filter_map(|c| {
+        let slot = declaration.by_name(c.output?)?.slot;
+        let noise = measured(c).map(|output| setup.sigma(output));
+        Some(Reading { name: c.column, slot, noise, is_temperature: c.is_temperature() })
+    });
+    let resistance = declaration.by_name("winding_resistance").map(|entry| Reading {
+        name: "winding_resistance (at a short pause)",
+        slot: entry.slot,
+        noise: None,
+        is_temperature: false,
+    });
+    channels.chain(resistance).collect()
+}
+
+/// Runs that the inputs' ranges allow: every input at a level, half a run long, then at rest.
+fn designs(setup: &Setup) -> Vec<(String, Drive)> {
+    let inputs = &setup.experiment.inputs;
+    let most: Vec<f64> = (0..inputs.len())
+        .map(|k| setup.drives.iter().map(|d| d.greatest(k)).fold(0.0, f64::max))
+        .collect();
+    let rest: Vec<f64> = (0..inputs.len()).map(|k| setup.drives[0].input(k, 0)).collect();
+    let moves: Vec<usize> =
+        (0..inputs.len()).filter(|k| !inputs[*k].is_temperature() && most[*k] > 0.0).take(4).collect();
+    let mut all = Vec::new();
+    let mut counter = vec![0usize; moves.len()];
+    loop {
+        let (rows, step) = ROWS;
+        let time: Vec<f64> = (0..rows).map(|k| step * k as f64).collect();
+        let mut columns: Vec<Vec<f64>> = rest.iter().map(|x| vec![*x; rows]).collect();
+        let mut what = Vec::new();
+        for (place, k) in moves.iter().enumerate() {
+            let level = LEVELS[counter[place]] * most[*k];
+            columns[*k][1..rows / 2].fill(level);
+            columns[*k][rows / 2..].fill(0.0);
+            what.push(format!("{} = {level:.3}", inputs[*k].column));
+        }
+        all.push((
+            format!("in a further run with {} for a quarter of an hour, then at rest", what.join(", ")),
+            Drive::of(time, columns),
+        ));
+        let mut place = 0;
+        while place < counter.len() && counter[place] + 1 == LEVELS.len() {
+            counter[place] = 0;
+            place += 1;
+        }
+        if place == counter.len() {
+            return all;
+        }
+        counter[place] += 1;
+    }
+}
+
+#[allow(clippy::too_many_arguments)] // two models, a run and what is read of it
+fn compare(
+    setup: &Setup,
+    one: &Hypothesis,
+    other: &Hypothesis,
+    drive: &Drive,
+    run: usize,
+    readings: &[Reading],
+    what: &str,
+    new: bool,
+) -> Option<Difference> {
+    let show = |hypothesis: &Hypothesis| -> Option<Vec<Vec<f64>>> {
+        let mut model = setup.bench.begin(drive, &setup.change(hypothesis, run)).ok()?;
+        let mut all = vec![Vec::new(); readings.len()];
+        let see = |model: &mut dyn Model, _: usize| {
+            all.iter_mut().zip(readings).for_each(|(column, r)| column.push(model.get(r.slot)));
+        };
+        setup.bench.along(drive, model.as_mut(), see).ok()?;
+        Some(all)
+    };
+    let (a, b) = (show(one)?, show(other)?);
+    let differences = readings.iter().enumerate().filter_map(|(k, reading)| {
+        // What was measured already and could not tell them apart is no news.
+        if !new && reading.noise.is_some() {
+            return None;
+        }
+        let apart = a[k].iter().zip(&b[k]).enumerate().map(|(row, (x, y))| (row, x - y));
+        let (row, apart) = apart.max_by(|p, q| p.1.abs().total_cmp(&q.1.abs()))?;
+        let span = a[k].iter().chain(&b[k]).fold(0.0f64, |m, x| m.max((x - a[k][0]).abs()));
+        let size = if reading.is_temperature { span } else { a[k].iter().fold(0.0f64, |m, x| m.max(x.abs())) };
+        let levels = match reading.noise {
+            Some(noise) => apart.abs() / noise,
+            None => 100.0 * apart.abs() / size.max(1e-12),
+        };
+        // A hundredth of a reading that hardly moves is nothing.
+        (levels.is_finite() && apart.abs() > 1e-9).then(|| Difference {
+            sentence: format!(
+                "{what}, {} would differ by {:.3} ({:.0} {}) after {:.0} s",
+                reading.name,
+                apart.abs(),
+                levels,
+                if reading.noise.is_some() { "noise levels" } else { "% of its own" },
+                drive.time[row] - drive.time[0],
+            ),
+            levels,
+        })
+    });
+    differences.max_by(|p, q| p.levels.total_cmp(&q.levels))
+}

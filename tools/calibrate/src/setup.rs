@@ -1,0 +1,241 @@
+//! An experiment, ready to be asked: the bench, the runs, what may be fitted, the noise.
+
+use crate::CalibrateError;
+use crate::candidate::Change;
+use crate::experiment::{Experiment, Role, Run};
+use crate::hypothesis::Hypothesis;
+use crate::noise;
+use crate::simulate::{Bench, Drive};
+use physics::model::Slot;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Blocks of a run, for each output: a residual is looked at in means over this share of it.
+const BLOCKS: usize = 400;
+
+/// A declared parameter that may differ from specimen to specimen.
+#[derive(Clone, Debug)]
+pub struct Declared {
+    /// Its name.
+    pub name: String,
+    /// Its place in the model.
+    pub slot: Slot,
+    /// The preset's value.
+    pub prior: f64,
+    /// Standard deviation of its prior.
+    pub deviation: f64,
+    /// What it may be.
+    pub limits: (f64, f64),
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// Neighbouring rows of one output, taken together.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// The output.
+    pub output: usize,
+    /// The rows that were measured and count.
+    pub rows: Vec<u32>,
+    /// Time of its middle, s.
+    pub time: f64,
+}
+
+/// An experiment, ready to be asked.
+#[derive(Clone)]
+pub struct Setup<'a> {
+    /// What was measured.
+    pub experiment: &'a Experiment,
+    /// The model, at the experiment's start values.
+    pub bench: Arc<Bench>,
+    /// The runs' inputs.
+    pub drives: Arc<Vec<Drive>>,
+    /// What may be fitted.
+    pub declared: Vec<Declared>,
+    /// Standard deviations of the noise: inputs, then outputs.
+    pub noise: Vec<f64>,
+    /// From and to of the rows that count, run by run, s.
+    pub windows: Vec<(f64, f64)>,
+    /// Blocks of each run.
+    pub blocks: Vec<Vec<Block>>,
+}
+
+/// What a model shows at every row of a run: rows times outputs, in SI units.
+pub type Shown = Vec<f64>;
+
+impl<'a> Setup<'a> {
+    /// The setup of an experiment; `preset` are the start values of its preset, by value reference.
+    ///
+    /// # Errors
+    /// A run that the model cannot be driven with.
+    pub fn new(experiment: &'a Experiment, preset: &[(u32, f64)]) -> Result<Setup<'a>, CalibrateError> {
+        let bench = Bench::new(experiment, preset)?;
+        let drives =
+            experiment.runs.iter().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
+        let declared = experiment.priors.iter().map(|p| {
+            let entry = bench
+                .declaration()
+                .by_name(&p.name)
+                .ok_or_else(|| CalibrateError(format!("{} has no {}", experiment.model, p.name)))?;
+            let prior = bench.start_of(entry.slot);
+            // A prior around 0 is relative to the parameter's usual size.
+            let size = if prior == 0.0 { entry.row.nominal } else { prior };
+            Ok(Declared {
+                name: p.name.clone(),
+                slot: entry.slot,
+                prior,
+                deviation: (p.relative * size).abs(),
+                limits: (entry.row.min, entry.row.max),
+                unit: entry.row.unit.name(),
+            })
+        });
+        let declared = declared.collect::<Result<Vec<_>, CalibrateError>>()?;
+        let noise = noise::of_experiment(experiment);
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let windows: Vec<(f64, f64)> = experiment.runs.iter().map(|run| run.window.unwrap_or(all)).collect();
+        let blocks =
+            experiment.runs.iter().zip(&windows).map(|(run, window)| blocks(experiment, run, *window)).collect();
+        Ok(Setup { experiment, bench: Arc::new(bench), drives: Arc::new(drives), declared, noise, windows, blocks })
+    }
+
+    /// The same with other rows of a run counting.
+    pub fn with_window(&self, run: usize, window: (f64, f64)) -> Setup<'a> {
+        let mut other = self.clone();
+        other.windows[run] = window;
+        other.blocks[run] = blocks(self.experiment, &self.experiment.runs[run], window);
+        other
+    }
+
+    /// From and to of the rows of a run that count and were measured, s; `None` without any.
+    pub fn counted(&self, run: usize) -> Option<(f64, f64)> {
+        let time = &self.drives[run].time;
+        let mut ends: Option<(f64, f64)> = None;
+        for block in &self.blocks[run] {
+            let (a, b) = (time[block.rows[0] as usize], time[block.rows[block.rows.len() - 1] as usize]);
+            ends = Some(ends.map_or((a, b), |(from, to)| (from.min(a), to.max(b))));
+        }
+        ends
+    }
+
+    /// Number of outputs.
+    pub fn outputs(&self) -> usize {
+        self.experiment.outputs.len()
+    }
+
+    /// Noise of an output.
+    pub fn sigma(&self, output: usize) -> f64 {
+        self.noise[self.experiment.inputs.len() + output]
+    }
+
+    /// The runs of a role.
+    pub fn runs(&self, role: Role) -> Vec<usize> {
+        (0..self.experiment.runs.len()).filter(|r| self.experiment.runs[*r].role == role).collect()
+    }
+
+    /// The preset, untouched.
+    pub fn preset(&self) -> Hypothesis {
+        Hypothesis { declared: self.declared.iter().map(|d| d.prior).collect(), additions: Vec::new() }
+    }
+
+    /// The change that a hypothesis makes in a run.
+    pub fn change(&self, hypothesis: &Hypothesis, run: usize) -> Change {
+        let mut change = Change::default();
+        let declared = self.declared.iter().zip(&hypothesis.declared);
+        change.values.extend(declared.map(|(d, value)| (d.slot, *value)));
+        hypothesis.additions.iter().filter(|a| a.active[run]).for_each(|a| a.apply(&mut change));
+        change
+    }
+
+    /// What the model shows in each of these runs.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn show(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Vec<Shown>, CalibrateError> {
+        runs.par_iter()
+            .map(|&run| {
+                let columns = self.bench.run(&self.drives[run], &self.change(hypothesis, run))?;
+                let rows = self.drives[run].time.len();
+                Ok((0..rows).flat_map(|row| columns.iter().map(move |c| c[row])).collect())
+            })
+            .collect()
+    }
+
+    /// Measured minus shown in every counted row of a run, with the output: called row by row.
+    pub fn each(&self, run: usize, shown: &Shown, mut tell: impl FnMut(usize, usize, f64)) {
+        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let window = self.windows[run];
+        let run = &self.experiment.runs[run];
+        for (row, _) in run.table.time.iter().enumerate().filter(|(_, t)| within(window, **t)) {
+            for output in 0..m {
+                let measured = run.table.columns[inputs + output][row];
+                if measured.is_finite() {
+                    tell(row, output, measured - shown[row * m + output]);
+                }
+            }
+        }
+    }
+
+    /// The weighted sum of squares over runs, and its number of readings.
+    pub fn chi_square(&self, runs: &[usize], shown: &[Shown]) -> (f64, usize) {
+        let (mut sum, mut count) = (0.0, 0);
+        for (run, shown) in runs.iter().zip(shown) {
+            self.each(*run, shown, |_, output, off| {
+                sum += (off / self.sigma(output)).powi(2);
+                count += 1;
+            });
+        }
+        (sum, count)
+    }
+
+    /// Root mean square error of each output over runs; NaN where there is no reading.
+    pub fn rmse(&self, runs: &[usize], shown: &[Shown]) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0usize); self.outputs()];
+        for (run, shown) in runs.iter().zip(shown) {
+            self.each(*run, shown, |_, output, off| {
+                sums[output].0 += off * off;
+                sums[output].1 += 1;
+            });
+        }
+        sums.iter().map(|(sum, count)| (sum / *count as f64).sqrt()).collect()
+    }
+
+    /// Means of values at rows (rows times outputs) over the blocks of a run, in units of their noise.
+    pub fn means(&self, run: usize, values: &[f64], out: &mut Vec<f64>) {
+        let m = self.outputs();
+        out.extend(self.blocks[run].iter().map(|block| {
+            let sum: f64 = block.rows.iter().map(|row| values[*row as usize * m + block.output]).sum();
+            sum / (self.sigma(block.output) * (block.rows.len() as f64).sqrt())
+        }));
+    }
+
+    /// The same of the residual.
+    pub fn residual(&self, run: usize, shown: &Shown, out: &mut Vec<f64>) {
+        let mut off = vec![0.0; shown.len()];
+        let m = self.outputs();
+        self.each(run, shown, |row, output, value| off[row * m + output] = value);
+        self.means(run, &off, out);
+    }
+}
+
+fn within((from, to): (f64, f64), time: f64) -> bool {
+    (from..=to).contains(&time)
+}
+
+fn blocks(experiment: &Experiment, run: &Run, window: (f64, f64)) -> Vec<Block> {
+    let inputs = experiment.inputs.len();
+    let time = &run.table.time;
+    let mut all = Vec::new();
+    for output in 0..experiment.outputs.len() {
+        let column = &run.table.columns[inputs + output];
+        let there: Vec<u32> = (0..time.len())
+            .filter(|k| within(window, time[*k]) && column[*k].is_finite())
+            .map(|k| k as u32)
+            .collect();
+        let length = there.len().div_ceil(BLOCKS).max(1);
+        all.extend(there.chunks(length).map(|rows| {
+            let middle = 0.5 * (time[rows[0] as usize] + time[rows[rows.len() - 1] as usize]);
+            Block { output, rows: rows.to_vec(), time: middle }
+        }));
+    }
+    all
+}

@@ -1,0 +1,258 @@
+//! What closing the loop has come to, put into the words and numbers of a report.
+
+use crate::CalibrateError;
+use crate::close_loop::Judgement;
+use crate::experiment::Role;
+use crate::hypothesis::Hypothesis;
+use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Setting, Whiteness};
+use crate::point::Point;
+use crate::rounds::{LEAST, per_number};
+use crate::setup::{Setup, Shown};
+use nalgebra::DMatrix;
+
+/// Rows of a run in plots, at most.
+const PLOTTED: usize = 600;
+/// Of a normal distribution, 95 % lie within this many deviations.
+const SURE: f64 = 1.96;
+/// From this correlation on, two parameters count as hardly separated.
+const CORRELATED: f64 = 0.9;
+
+/// The outcome; `first` is the naive fit, linearised.
+///
+/// # Errors
+/// What the model says where it cannot be run.
+pub fn outcome(
+    setup: &Setup,
+    first: &Point,
+    refit: &Hypothesis,
+    judged: Judgement,
+) -> Result<Outcome, CalibrateError> {
+    let experiment = setup.experiment;
+    let point = judged.point.as_ref().unwrap_or(first);
+    let mut hypothesis = judged.hypothesis;
+    let (estimates, correlation) = estimates(setup, point, Some(&mut hypothesis));
+    let (naive, _) = estimates_of_naive(setup, first);
+    let mut effects = judged.effects;
+    let declared = setup.declared.len();
+    let mut rest = estimates[declared..].iter();
+    for (found, addition) in effects.iter_mut().zip(&hypothesis.additions) {
+        for number in &addition.numbers {
+            let mut estimate = if number.sloped { rest.next().cloned() } else { None }.unwrap_or_else(|| {
+                let half = SURE * number.scale;
+                let ci95 = (number.value - half, number.value + half);
+                Estimate { name: String::new(), value: number.value, ci95, prior: 0.0, unit: number.unit }
+            });
+            estimate.name = number.symbol.clone();
+            found.parameters.push(estimate);
+        }
+        found.term = addition.term();
+    }
+    let all: Vec<usize> = (0..experiment.runs.len()).collect();
+    let before = setup.show(&setup.preset(), &all)?;
+    let fitted = setup.show(refit, &all)?;
+    let after = setup.show(&hypothesis, &all)?;
+    let mut errors = Vec::new();
+    for role in [Role::Fit, Role::Validate, Role::Test] {
+        let runs = setup.runs(role);
+        let pick = |shown: &[Shown]| runs.iter().map(|r| shown[*r].clone()).collect::<Vec<Shown>>();
+        let rmse = |shown: &[Shown]| setup.rmse(&runs, &pick(shown));
+        if runs.is_empty() {
+            continue;
+        }
+        let (b, r, a) = (rmse(&before), rmse(&fitted), rmse(&after));
+        let (direct, whole) = setup.input_noise(&hypothesis, &runs)?;
+        for (k, channel) in experiment.outputs.iter().enumerate().filter(|(k, _)| b[*k].is_finite()) {
+            // The noise of an output holds already what the inputs' noise does to it at once.
+            let floor = (setup.sigma(k).powi(2) + (whole[k] - direct[k]).max(0.0)).sqrt();
+            let column = channel.column;
+            errors.push(ChannelError { role, column, before: b[k], refit: r[k], after: a[k], floor });
+        }
+    }
+    let names = |k: usize| match setup.declared.get(k) {
+        Some(d) => d.name.clone(),
+        None => {
+            let numbers = hypothesis.additions.iter().flat_map(|a| {
+                a.numbers.iter().filter(|n| n.sloped).map(move |n| format!("{}.{}", a.id, n.symbol))
+            });
+            numbers.collect::<Vec<_>>().get(k - declared).cloned().unwrap_or_default()
+        }
+    };
+    let mut correlated = Vec::new();
+    for a in 0..correlation.nrows() {
+        for b in 0..a {
+            if correlation[(a, b)].abs() > CORRELATED {
+                correlated.push((names(b), names(a), correlation[(a, b)]));
+            }
+        }
+    }
+    let settings: Vec<Setting> = all.iter().map(|run| setting(setup, &hypothesis, *run)).collect();
+    let exported = [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
+    let export = settings[exported.unwrap_or(0)].clone();
+    let mut notes = experiment.notes.clone();
+    notes.extend(judged.notes);
+    Ok(Outcome {
+        name: experiment.name.clone(),
+        model: setup.bench.declaration().name,
+        verdict: judged.verdict,
+        effects,
+        unexplained: judged.unexplained,
+        parameters: estimates[..declared].to_vec(),
+        refit: naive,
+        correlated,
+        errors,
+        localised: judged.localised,
+        ladder: judged.ladder,
+        whiteness: whiteness(setup, first, point),
+        limits: limits(point),
+        curves: all.iter().map(|run| curves(setup, *run, [&before[*run], &fitted[*run], &after[*run]])).collect(),
+        settings,
+        export,
+        notes,
+        seconds: 0.0,
+    })
+}
+
+fn estimates_of_naive(setup: &Setup, first: &Point) -> (Vec<Estimate>, DMatrix<f64>) {
+    let (mut all, correlation) = estimates(setup, first, None);
+    all.truncate(setup.declared.len());
+    (all, correlation)
+}
+
+/// Every number that slopes find, with its interval, and their correlations. Where sensors drift, a `corrected` hypothesis takes
+/// the numbers that are best with that drift.
+fn estimates(setup: &Setup, point: &Point, corrected: Option<&mut Hypothesis>) -> (Vec<Estimate>, DMatrix<f64>) {
+    let hypothesis = &point.fitted.hypothesis;
+    let scales = setup.scales(hypothesis);
+    let p = scales.len();
+    let (moves, covariance) = point.evidence.estimate(p);
+    let mut numbers = hypothesis.numbers();
+    if let Some(corrected) = corrected {
+        if point.evidence.drift().0 > 0.0 {
+            for (k, x) in numbers.iter_mut().enumerate() {
+                *x = (*x + moves[k] * scales[k].0).clamp(scales[k].1.0, scales[k].1.1);
+            }
+        }
+        corrected.take(&numbers);
+    }
+    // What is left beyond noise widens the intervals.
+    let widen = point.evidence.misfit().max(1.0).sqrt();
+    let units = setup.declared.iter().map(|d| (d.name.clone(), d.prior, d.unit));
+    let added = hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
+    let names: Vec<(String, f64, &'static str)> =
+        units.chain(added.map(|n| (n.symbol.clone(), 0.0, n.unit))).collect();
+    let deviation = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+    let all = names.into_iter().enumerate().map(|(k, (name, prior, unit))| {
+        let half = SURE * deviation(k) * scales[k].0 * widen;
+        Estimate { name, value: numbers[k], ci95: (numbers[k] - half, numbers[k] + half), prior, unit }
+    });
+    let all = all.collect();
+    let correlation = DMatrix::from_fn(p, p, |a, b| {
+        let size = deviation(a) * deviation(b);
+        if size > 0.0 { covariance[(a, b)] / size } else { 0.0 }
+    });
+    (all, correlation)
+}
+
+/// How far the last addition moves each output at most, in words.
+pub fn magnitude(point: &Point) -> String {
+    let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
+    let parts: Vec<String> = parts.map(|(channel, reach)| format!("{} by {reach:.3}", channel.column)).collect();
+    format!("moves at most {}", parts.join(", "))
+}
+
+fn limits(point: &Point) -> Vec<Limit> {
+    let least = LEAST + per_number(point);
+    let known: Vec<_> = point.listed().collect();
+    let everywhere = vec![true; point.runs.len()];
+    let found = known.iter().enumerate().filter_map(|(k, (listed, addition))| {
+        if point.base(addition) != 0.0 {
+            return None;
+        }
+        let gain = point.evidence.gain(&point.listed_column(k, &everywhere)?)?;
+        let size = least.sqrt() * gain.covariance[(0, 0)].sqrt();
+        let number = &addition.numbers[0];
+        Some(Limit { id: listed.id.to_string(), symbol: listed.symbols[0], size, unit: number.unit })
+    });
+    let mut all: Vec<Limit> = Vec::new();
+    for limit in found {
+        // An effect of several settings shows by the one that is seen best.
+        match all.iter_mut().find(|l| l.id == limit.id) {
+            Some(known) => known.size = known.size.min(limit.size),
+            None => all.push(limit),
+        }
+    }
+    all
+}
+
+fn whiteness(setup: &Setup, first: &Point, point: &Point) -> Vec<Whiteness> {
+    let blocks = |point: &Point| -> Vec<f64> {
+        let mut sums = vec![(0.0, 0usize); setup.outputs()];
+        for (run, shown) in point.runs.iter().zip(&point.fitted.shown) {
+            let mut values = Vec::new();
+            setup.residual(*run, shown, &mut values);
+            for (block, value) in setup.blocks[*run].iter().zip(&values) {
+                sums[block.output].0 += value * value;
+                sums[block.output].1 += 1;
+            }
+        }
+        sums.iter().map(|(sum, count)| if *count > 0 { sum / *count as f64 } else { f64::NAN }).collect()
+    };
+    let neighbours = |point: &Point| -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); setup.outputs()];
+        for (run, shown) in point.runs.iter().zip(&point.fitted.shown) {
+            let mut last = vec![f64::NAN; setup.outputs()];
+            setup.each(*run, shown, |_, output, off| {
+                if last[output].is_finite() {
+                    sums[output].0 += off * last[output];
+                }
+                sums[output].1 += off * off;
+                last[output] = off;
+            });
+        }
+        sums.iter().map(|(product, square)| product / square).collect()
+    };
+    let (a, b) = (blocks(first), blocks(point));
+    let (c, d) = (neighbours(first), neighbours(point));
+    let all = setup.experiment.outputs.iter().enumerate().filter(|(k, _)| a[*k].is_finite());
+    all.map(|(k, channel)| Whiteness {
+        column: channel.column,
+        blocks_refit: a[k],
+        blocks_after: b[k],
+        autocorrelation: (c[k], d[k]),
+    })
+    .collect()
+}
+
+fn setting(setup: &Setup, hypothesis: &Hypothesis, run: usize) -> Setting {
+    let change = setup.change(hypothesis, run);
+    let of = &setup.experiment.runs[run];
+    Setting {
+        file: of.file.clone(),
+        role: of.role,
+        values: setup.bench.values(&setup.drives[run], &change),
+        terms: change.terms,
+    }
+}
+
+fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3]) -> Curves {
+    let (of, m) = (&setup.experiment.runs[run], setup.outputs());
+    let rows: Vec<usize> = (0..of.table.time.len()).step_by(of.table.time.len().div_ceil(PLOTTED)).collect();
+    let inputs = setup.experiment.inputs.len();
+    let outputs = setup.experiment.outputs.iter().enumerate().map(|(output, channel)| {
+        let shown = |values: &Shown| rows.iter().map(|row| values[row * m + output] - channel.offset).collect();
+        Curve {
+            column: channel.column,
+            measured: rows.iter().map(|row| of.table.columns[inputs + output][*row] - channel.offset).collect(),
+            before: shown(before),
+            refit: shown(refit),
+            after: shown(after),
+        }
+    });
+    Curves {
+        file: of.file.clone(),
+        role: of.role,
+        window: of.window,
+        time: rows.iter().map(|row| of.table.time[*row]).collect(),
+        outputs: outputs.collect(),
+    }
+}

@@ -1,0 +1,135 @@
+//! `motor-fmu close-loop`: from bench data to the effect that the model lacks, and to FMUs that have it.
+
+mod export;
+mod page;
+mod replay;
+mod words;
+
+#[cfg(test)]
+mod sample;
+#[cfg(test)]
+mod tests;
+
+use crate::Failure;
+use calibrate::experiment::Experiment;
+use calibrate::outcome::Outcome;
+use calibrate::report::{Replay, Report};
+use describe::Preset;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Find what the model misses in bench data, add it to the FMU, and say how large the error was and is.
+///
+/// Writes report.json and report.html, preset.toml with the calibrated values, effects.json where the model was given
+/// terms, and the FMUs of both standards, which are run against the data once more.
+/// Exit code 0 whatever the verdict; 1 if an FMU does not show what the report says.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The experiment: TOML file with the runs, their roles, and what may differ from specimen to specimen
+    #[arg(value_name = "EXPERIMENT.toml")]
+    experiment: PathBuf,
+    /// Folder to write to
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print report.json
+    #[arg(long)]
+    json: bool,
+}
+
+/// Share of the progress that the search takes; the rest is export and replay.
+const SEARCH: f64 = 0.9;
+
+/// Runs the command.
+///
+/// # Errors
+/// One sentence: what cannot be read, is no experiment, or cannot be written.
+pub fn run(args: &Args) -> Result<ExitCode, Failure> {
+    let begun = std::time::Instant::now();
+    let experiment = Experiment::read(&args.experiment)?;
+    let preset = preset(&experiment, &args.experiment)?;
+    // Before minutes of work: a folder that cannot be written to is bad input too.
+    std::fs::create_dir_all(&args.out).map_err(|e| unwritten(&args.out, &e))?;
+    let bar = progress_bar();
+    let outcome = calibrate::close_loop::run(&experiment, &preset.starts.entries(), &|share, what| {
+        bar.set_message(what.to_owned());
+        bar.set_position((1000.0 * SEARCH * share.clamp(0.0, 1.0)) as u64);
+    })?;
+    bar.set_message("export");
+    let exported = export::export(&experiment, &outcome, &args.out)?;
+    bar.set_position(950);
+    bar.set_message("replay");
+    let replay = replay::replay(&experiment, &outcome, &exported)?;
+    bar.finish_and_clear();
+    let mut notes = outcome.notes.clone();
+    notes.extend(exported.findings.iter().cloned());
+    if !replay.agrees {
+        notes.push(words::replay(&replay));
+    }
+    let report = Report::new(&outcome, &exported.names, Some(&replay), &notes, begun.elapsed().as_secs_f64());
+    let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
+    put(&args.out.join("report.json"), &json)?;
+    let page = page::page(&experiment, &outcome, &replay, &notes, (exported.kind.declaration)());
+    put(&args.out.join("report.html"), &page)?;
+    crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
+    Ok(if replay.agrees && exported.findings.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The experiment's preset: a file beside the experiment, else a built-in one or a file from here.
+fn preset(experiment: &Experiment, file: &Path) -> Result<Preset, Failure> {
+    let beside = file.parent().unwrap_or(Path::new("")).join(&experiment.preset);
+    let name =
+        if beside.is_file() { beside.to_string_lossy().into_owned() } else { experiment.preset.clone() };
+    let preset = Preset::load(&name).map_err(|e| Failure::new(format!("{}: {e}", file.display())))?;
+    if preset.model != experiment.model {
+        return Err(Failure::new(format!(
+            "{}: the preset {} is for {} and not for {}",
+            file.display(),
+            preset.name,
+            preset.model,
+            experiment.model
+        )));
+    }
+    Ok(preset)
+}
+
+fn unwritten(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(format!("{} cannot be written: {error}", path.display()))
+}
+
+/// Writes a file.
+fn put(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|e| unwritten(path, &e))
+}
+
+/// What a person wants to know first.
+fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> String {
+    let mut text = format!("{}: {}\n", outcome.name, words::verdict(outcome));
+    text += &format!(
+        "\n{:8} {:30} {:>10} {:>10} {:>10} {:>10}\n",
+        "role", "error (RMSE) of", "before", "refit", "after", "noise"
+    );
+    for e in &outcome.errors {
+        let [before, refit, after, floor] = [e.before, e.refit, e.after, e.floor].map(words::number);
+        let role = calibrate::report::role_name(e.role);
+        text += &format!("{role:8} {:30} {before:>10} {refit:>10} {after:>10} {floor:>10}\n", e.column);
+    }
+    text += &format!("\n{}\n", words::replay(replay));
+    for note in notes.iter().filter(|n| **n != words::replay(replay)) {
+        text += &format!("note: {note}\n");
+    }
+    text + &format!("{}: report.html, report.json, preset.toml, fmi2, fmi3\n", out.display())
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn progress_bar() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(1000);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,142 @@
+//! The loop's end: the calibrated preset, the terms, and the FMUs of both standards that carry them.
+
+use super::put;
+use crate::Failure;
+use archive::build::{Contents, Standard, TermText, TermsFile, build, library_path};
+use archive::validate::{Severity, validate};
+use calibrate::experiment::Experiment;
+use calibrate::outcome::{Outcome, Setting};
+use describe::{Declaration, Entry, Kind, ModelType, Preset, models};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// What was written.
+pub struct Exported {
+    /// The model.
+    pub kind: &'static ModelType,
+    /// The FMU library that the archives are made with.
+    pub library: PathBuf,
+    /// The calibrated values.
+    pub preset: Preset,
+    /// The archives with their standards.
+    pub archives: Vec<(Standard, PathBuf)>,
+    /// Their names relative to the folder.
+    pub names: Vec<String>,
+    /// What the validator finds wrong with them, in sentences.
+    pub findings: Vec<String>,
+}
+
+/// Writes preset.toml, effects.json where there are terms, and the archives, and validates these.
+///
+/// # Errors
+/// A file that cannot be written, a library that is not there, values that the model refuses.
+pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<Exported, Failure> {
+    let kind = models::by_name(outcome.model)
+        .ok_or_else(|| Failure::new(format!("{} is no model", outcome.model)))?;
+    let file = out.join("preset.toml");
+    put(&file, &preset_text(experiment, outcome, (kind.declaration)()))?;
+    let preset = Preset::load(&file.to_string_lossy())?;
+    let effects = terms(outcome, &outcome.export)?;
+    let path = out.join("effects.json");
+    match &effects {
+        Some(effects) => put(&path, &effects.text())?,
+        // Of an earlier run, which had terms.
+        None if path.is_file() => std::fs::remove_file(&path).map_err(|e| super::unwritten(&path, &e))?,
+        None => {}
+    }
+    let library = library_path()?;
+    let program =
+        std::env::current_exe().map_err(|e| Failure::new(format!("this program is not to be found: {e}")))?;
+    let (mut archives, mut names, mut findings) = (Vec::new(), Vec::new(), Vec::new());
+    for standard in Standard::ALL {
+        let contents = Contents { preset: Some(&preset), effects: effects.as_ref() };
+        let path = build(kind, standard, contents, &library, out)?;
+        let name = format!("{}/{}.fmu", standard.folder(), outcome.model);
+        let wrong = validate(&path, &program)?.into_iter().filter(|f| f.severity == Severity::Error);
+        findings.extend(wrong.map(|f| format!("{name}: {}: {}", f.place, f.message)));
+        archives.push((standard, path));
+        names.push(name);
+    }
+    Ok(Exported { kind, library, preset, archives, names, findings })
+}
+
+/// The terms of a setting as a file; `None` where it has none.
+pub fn terms(outcome: &Outcome, setting: &Setting) -> Result<Option<TermsFile>, Failure> {
+    if setting.terms.is_empty() {
+        return Ok(None);
+    }
+    let found: Vec<_> = outcome.effects.iter().filter_map(|e| e.term.as_ref().map(|t| (e, t))).collect();
+    let text = |term| {
+        let name = found.iter().find(|(_, t)| *t == term).map_or("unexplained", |(e, _)| e.id.as_str());
+        TermText::of(name, term)
+    };
+    let file = TermsFile::new(setting.terms.iter().map(text).collect());
+    file.terms()?;
+    Ok(Some(file))
+}
+
+/// The values of the repaired model as a preset, each with where it is from.
+fn preset_text(experiment: &Experiment, outcome: &Outcome, declaration: &Declaration) -> String {
+    // JSON and TOML write a text between quotes in the same way.
+    let quoted = |text: &str| serde_json::Value::from(text).to_string();
+    let name = &outcome.name;
+    let mut text = format!(
+        "# Calibrated by motor-fmu close-loop: the preset {} and the experiment {name}, as in {}.\n\
+         name = {}\nmodel = {}\ndescription = {}\n\n[start]\n",
+        experiment.preset.replace('\n', " "),
+        outcome.export.file.replace('\n', " "),
+        quoted(name),
+        quoted(outcome.model),
+        quoted(&format!(
+            "{} after the experiment {name}; verdict: {}",
+            experiment.preset,
+            outcome.verdict.name()
+        ))
+    );
+    for (name, value) in &outcome.export.values {
+        let Some(entry) = declaration.by_name(name) else { continue };
+        let _ = writeln!(
+            text,
+            "{} = {}  # {}",
+            quoted(name),
+            value_text(entry, *value),
+            source(experiment, outcome, name)
+        );
+    }
+    text
+}
+
+/// A value as a preset has it: enumerations by name, reals with their unit.
+fn value_text(entry: &Entry, value: f64) -> String {
+    match entry.row.kind {
+        Kind::Enumeration(table) => {
+            let item = table.items.iter().find(|i| f64::from(i.value) == value);
+            item.map_or(format!("{value}"), |i| format!("\"{}\"", i.name))
+        }
+        Kind::Integer => format!("{value}"),
+        Kind::Boolean => (value != 0.0).to_string(),
+        Kind::Real => format!("{{ value = {value:?}, unit = \"{}\" }}", entry.row.unit.name()),
+    }
+}
+
+/// Where a value is from.
+fn source(experiment: &Experiment, outcome: &Outcome, name: &str) -> String {
+    let interval = |(low, high): (f64, f64)| {
+        format!("95 % {} ... {}", super::words::number(low), super::words::number(high))
+    };
+    if let Some(p) = outcome.parameters.iter().find(|p| p.name == name) {
+        return format!("fitted: {} before, {}", super::words::number(p.prior), interval(p.ci95));
+    }
+    if let Some((id, symbol)) = name.strip_prefix("effect.").and_then(|n| n.split_once('.'))
+        && let Some(found) = outcome.effects.iter().find(|e| e.id == id)
+    {
+        let size = found.parameters.iter().find(|p| p.name == symbol);
+        return size.map_or("part of the effect that was found".to_owned(), |p| {
+            format!("found: {}", interval(p.ci95))
+        });
+    }
+    if experiment.set.iter().any(|(n, _)| n == name) {
+        return "the experiment's".to_owned();
+    }
+    "the preset's".to_owned()
+}

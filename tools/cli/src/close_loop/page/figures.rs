@@ -1,0 +1,166 @@
+//! The figures of the page.
+
+use super::super::words::{number, plain};
+use super::{Plate, port};
+use calibrate::experiment::Experiment;
+use calibrate::outcome::{Curve, Curves, Follows, Outcome, Unexplained};
+use calibrate::report::driver_unit;
+use study::figure::{Axis, Figure, Mark, Row, Rows};
+
+/// 95 % of a normal distribution lie within this many standard deviations.
+const WITHIN_95: f64 = 1.96;
+
+/// A column's name without its unit, and its unit.
+fn split(column: &str) -> (String, &str) {
+    for unit in ["rad_per_s", "degC", "Nm", "Pa", "V", "A", "W", "1"] {
+        if let Some(name) = column.strip_suffix(unit) {
+            let unit = match unit {
+                "degC" => "K",
+                "Nm" => "N·m",
+                "rad_per_s" => "rad/s",
+                other => other,
+            };
+            return (plain(name.trim_end_matches('_')), unit);
+        }
+    }
+    (plain(column), "")
+}
+
+/// Measured less model over time, for every output: with the preset, and once more without.
+pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
+    let mut all = Vec::new();
+    for curve in &curves.outputs {
+        let (name, unit) = split(curve.column);
+        let error = outcome.errors.iter().find(|e| e.role == curves.role && e.column == curve.column);
+        let noise = error.map_or(f64::NAN, |e| e.floor);
+        let figure = |title: &str| {
+            let figure =
+                Figure::new(title, Axis::new("time in s"), Axis::new(&format!("measured − model in {unit}")));
+            windowed(figure.hairlines(), curves)
+        };
+        let left = |model: &[f64]| residual(curves, curve, model);
+        let (before, refit, after) = (left(&curve.before), left(&curve.refit), left(&curve.after));
+        let sizes = |list: &[(&str, &Vec<(f64, f64)>)]| {
+            let list: Vec<String> =
+                list.iter().map(|(word, r)| format!("{} {word}", number(size(r)))).collect();
+            format!("Greatest in {unit}: {}. Noise: {} {unit}.", list.join(", "), number(noise))
+        };
+        all.push(Plate::new(
+            "residual",
+            figure(&name)
+                .line("before", before.clone())
+                .line("refit", refit.clone())
+                .line("after", after.clone()),
+            sizes(&[("before", &before), ("refit", &refit), ("after", &after)]),
+        ));
+        let zero: Vec<(f64, f64)> =
+            [curves.time.first(), curves.time.last()].into_iter().flatten().map(|t| (*t, 0.0)).collect();
+        let caption = sizes(&[("refit", &refit), ("after", &after)]);
+        // The colours are those of the figure beside it; the band has one of its own.
+        let near = figure(&format!("{name}, without the preset")).line("", Vec::new());
+        let near = near.line("refit", refit).line("after", after);
+        all.push(Plate::new("residual", near.band("noise, 95 %", zero, vec![WITHIN_95 * noise; 2]), caption));
+    }
+    all
+}
+
+fn residual(curves: &Curves, curve: &Curve, model: &[f64]) -> Vec<(f64, f64)> {
+    let rows = curves.time.iter().zip(&curve.measured).zip(model);
+    rows.map(|((t, measured), shown)| (*t, measured - shown)).collect()
+}
+
+fn size(points: &[(f64, f64)]) -> f64 {
+    points.iter().map(|p| p.1.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max)
+}
+
+/// With the window that counts, where it is not the whole run.
+fn windowed(mut figure: Figure, curves: &Curves) -> Figure {
+    let (Some((from, to)), Some(first), Some(last)) =
+        (curves.window, curves.time.first(), curves.time.last())
+    else {
+        return figure;
+    };
+    if from > *first && from < *last {
+        figure = figure.note(from, "counts from here");
+    }
+    if to > *first && to < *last {
+        figure = figure.note(to, "counts to here");
+    }
+    figure
+}
+
+/// What a free force at each port would explain.
+pub fn localised(outcome: &Outcome) -> Plate {
+    let mut places: Vec<_> = outcome.localised.iter().collect();
+    places.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let row = |l: &&calibrate::outcome::Localised| {
+        let follows = l.follows.name().map_or("constant".to_owned(), plain);
+        let remark = format!("{:.0} %", 100.0 * l.share);
+        Row {
+            name: format!("{}, {follows}", plain(l.port.name())),
+            marks: vec![(0, Mark::Bar(100.0 * l.share, remark))],
+        }
+    };
+    let figure = Rows::new(
+        "A free force at ...",
+        "share of the residual beyond noise in %",
+        &[],
+        places.iter().map(row).collect(),
+    );
+    Plate::new("localised", figure, "Each place with the driver that its force follows best.")
+}
+
+/// Parameters as their change from the preset, beside what the prior allows.
+pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
+    let row = |p: &calibrate::outcome::Estimate| {
+        let change = |value: f64| 100.0 * (value / p.prior - 1.0);
+        let interval = |(a, b): (f64, f64)| {
+            let (a, b) = (change(a), change(b));
+            (a.min(b), a.max(b))
+        };
+        let mut marks = Vec::new();
+        if let Some(prior) = experiment.priors.iter().find(|q| q.name == p.name) {
+            let half = 100.0 * WITHIN_95 * prior.relative;
+            marks.push((2, Mark::Span(-half, half)));
+        }
+        if let Some(refit) = outcome.refit.iter().find(|r| r.name == p.name) {
+            marks.push((1, Mark::Point(change(refit.value), interval(refit.ci95))));
+        }
+        marks.push((0, Mark::Point(change(p.value), interval(p.ci95))));
+        Row { name: p.name.clone(), marks }
+    };
+    let known = outcome.parameters.iter().filter(|p| p.prior != 0.0);
+    let figure = Rows::new(
+        "Parameters",
+        "change from the preset in %",
+        &["repaired", "refit", "prior"],
+        known.map(row).collect(),
+    );
+    Plate::new(
+        "parameters",
+        figure,
+        "Intervals of 95 %; the prior's is pale. A refit that leaves the prior hides an effect in a parameter.",
+    )
+}
+
+/// What acts at a port over what it follows, with its band.
+pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
+    let (x, y): (Vec<f64>, Vec<(f64, f64)>) = (
+        found.shape.iter().map(|p| WITHIN_95 * p.2).collect(),
+        found.shape.iter().map(|p| (p.0, p.1)).collect(),
+    );
+    let follows = match found.follows {
+        Follows::Driver(driver) if driver_unit(driver) == "1" => plain(driver.name()),
+        Follows::Driver(driver) => format!("{} in {}", plain(driver.name()), driver_unit(driver)),
+        _ => "time in s".to_owned(),
+    };
+    let unit = found.port.unit().name();
+    let value = if unit == "1" { "relative change".to_owned() } else { format!("value in {unit}") };
+    let title = plain(found.port.name());
+    let figure = Figure::new(&title, Axis::new(&follows), Axis::new(&value))
+        .band("95 %", y.clone(), x)
+        .same_colour()
+        .line("found", y);
+    let magnitude = outcome.effects.first().map_or(String::new(), |e| format!(" {}.", e.magnitude));
+    Plate::new("shape", figure, format!("What acts on {}, beside the model.{magnitude}", port(found.port)))
+}

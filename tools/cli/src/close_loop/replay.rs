@@ -1,0 +1,266 @@
+//! The exported FMUs over the runs once more, through the C functions of the standards.
+//!
+//! FMI 2 takes the slopes of inputs, so one step leads from row to row. FMI 3 has no such function, and a held input
+//! costs accuracy: a step between rows is cut into pairs of equal parts, in which an input that runs along a line of
+//! rise d is held at its mean over the pair -+ d / sqrt(12). That keeps the mean of the input and of its square, which
+//! is what heat and charge follow from.                                                                          (1)
+//! Outputs are read at the rows, with the inputs of the row.
+
+use super::export::{Exported, terms};
+use crate::Failure;
+use archive::build::{Contents, build};
+use calibrate::experiment::{Experiment, Role, Run};
+use calibrate::outcome::{Outcome, Setting};
+use calibrate::report::{ROLES, Replay, ReplayedChannel, role_name};
+use calibrate::simulate::Drive;
+use cosim::{Archive, Causality, Instance, Kind, Log, ModelDescription, Value, Variable};
+
+/// What the FMU's error may differ from the model's, as a share of the channel's range.
+const LIMIT: f64 = 1e-6;
+/// Pairs of parts of a step between rows for FMI 3.
+const PAIRS: usize = 16;
+
+/// Runs every test run (without such, every validation run, else those that were fitted) with both archives.
+///
+/// # Errors
+/// What an FMU refuses.
+pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
+    let has = |role: &Role| experiment.runs.iter().any(|r| r.role == *role);
+    let role = ROLES.into_iter().rev().find(has).unwrap_or(Role::Fit);
+    let mut channels = Vec::new();
+    for (standard, path) in &exported.archives {
+        let archive = Archive::open(path)?;
+        let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
+        for (run, setting) in experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role) {
+            let drive = Drive::new(experiment, run)?;
+            let shown = if carries(setting, outcome) {
+                shown(&archive, &differences(setting, outcome, exported), experiment, &drive)?
+            } else {
+                // A run with terms of its own: an archive of its own.
+                let folder =
+                    tempfile::tempdir().map_err(|e| Failure::new(format!("no folder to replay in: {e}")))?;
+                let effects = terms(outcome, setting)?;
+                let contents = Contents { preset: Some(&exported.preset), effects: effects.as_ref() };
+                let path = build(exported.kind, *standard, contents, &exported.library, folder.path())?;
+                shown(&Archive::open(&path)?, &differences(setting, outcome, exported), experiment, &drive)?
+            };
+            compare(experiment, outcome, run, &shown, &mut sums);
+        }
+        for (channel, sum) in experiment.outputs.iter().zip(&sums).filter(|(_, s)| s.count > 0) {
+            let error = outcome.errors.iter().find(|e| e.role == role && e.column == channel.column);
+            let after = error.map_or(f64::NAN, |e| e.after);
+            let rmse = (sum.squares / sum.count as f64).sqrt();
+            // A channel that does not move has no range; its own error is the scale then.
+            let range = if sum.high > sum.low { sum.high - sum.low } else { after.max(f64::MIN_POSITIVE) };
+            channels.push(ReplayedChannel {
+                standard: standard.folder(),
+                column: channel.column,
+                rmse,
+                after,
+                range,
+                difference: (rmse - after).abs() / range,
+                difference_of_a_value: sum.apart / range,
+            });
+        }
+    }
+    let greatest = |of: fn(&ReplayedChannel) -> f64| {
+        // One that is no number is the worst.
+        channels
+            .iter()
+            .map(of)
+            .fold(0.0, |a: f64, b| if b.is_nan() || a.is_nan() { f64::NAN } else { a.max(b) })
+    };
+    let greatest_difference = greatest(|c| c.difference);
+    Ok(Replay {
+        greatest_difference,
+        greatest_difference_of_a_value: greatest(|c| c.difference_of_a_value),
+        limit: LIMIT,
+        agrees: greatest_difference <= LIMIT,
+        role: role_name(role),
+        channels,
+    })
+}
+
+/// The name of the parameter that scales all terms.
+const GAIN: &str = "effect.generic_term.gain";
+
+/// Whether the exported archive can show a run: it has the run's terms, or the run has none and they are switched off.
+fn carries(setting: &Setting, outcome: &Outcome) -> bool {
+    setting.terms == outcome.export.terms || setting.terms.is_empty()
+}
+
+/// Start values that differ from those of the archives.
+fn differences(setting: &Setting, outcome: &Outcome, exported: &Exported) -> Vec<(String, f64)> {
+    let declaration = (exported.kind.declaration)();
+    let export = &outcome.export.values;
+    let of = |values: &[(String, f64)], name: &str| {
+        let found = values.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
+        found.or_else(|| declaration.by_name(name).map(|e| e.row.start))
+    };
+    let names = setting
+        .values
+        .iter()
+        .chain(export.iter().filter(|(n, _)| !setting.values.iter().any(|(s, _)| s == n)));
+    let mut all: Vec<(String, f64)> = names
+        .filter_map(|(name, _)| Some((name, of(&setting.values, name)?, of(export, name)?)))
+        .filter(|(_, here, there)| here != there)
+        .map(|(name, here, _)| (name.clone(), here))
+        .collect();
+    if setting.terms.is_empty() && !outcome.export.terms.is_empty() {
+        all.retain(|(name, _)| name != GAIN);
+        all.push((GAIN.to_owned(), 0.0));
+    }
+    all
+}
+
+/// Outputs of an archive at every row of a run: one column for each output, in SI units.
+fn shown(
+    archive: &Archive,
+    starts: &[(String, f64)],
+    experiment: &Experiment,
+    drive: &Drive,
+) -> Result<Vec<Vec<f64>>, Failure> {
+    let description = archive.description();
+    let inputs = references(description, experiment.inputs.iter().filter_map(|c| c.input))?;
+    let outputs = references(description, experiment.outputs.iter().filter_map(|c| c.output))?;
+    let takes_slopes = description.co_simulation.as_ref().is_some_and(|i| i.can_interpolate_inputs);
+    let mut fmu = Instance::instantiate(archive, &description.model_name, Log::new())?;
+    set(&mut fmu, description, starts)?;
+    fmu.enter_initialization(drive.time[0], None, None)?;
+    let row = |k: usize| drive.inputs().iter().map(move |input| input[k]).collect::<Vec<f64>>();
+    fmu.set_f64(&inputs, &row(0))?;
+    fmu.exit_initialization()?;
+    let rows = drive.time.len();
+    let mut shown = vec![Vec::with_capacity(rows); outputs.len()];
+    let mut values = vec![0.0; outputs.len()];
+    for k in 0..rows {
+        fmu.get_f64(&outputs, &mut values)?;
+        shown.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
+        let Some(next) = drive.time.get(k + 1) else { break };
+        let (from, to, t, h) = (row(k), row(k + 1), drive.time[k], next - drive.time[k]);
+        if takes_slopes {
+            let slopes: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / h).collect();
+            fmu.set_input_derivatives(&inputs, &slopes)?;
+            fmu.do_step(t, h)?;
+        } else {
+            let part = h / (2 * PAIRS) as f64;
+            for n in 0..2 * PAIRS {
+                let share = held_at(n);
+                let held: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + share * (b - a)).collect();
+                fmu.set_f64(&inputs, &held)?;
+                fmu.do_step(t + n as f64 * part, part)?;
+            }
+        }
+        fmu.set_f64(&inputs, &to)?;
+    }
+    fmu.terminate()?;
+    Ok(shown)
+}
+
+/// Where between two rows the inputs are held in part `n`, by (1): 0 at the row before, 1 at the row after.
+fn held_at(n: usize) -> f64 {
+    let pair = 1.0 / PAIRS as f64;
+    let middle = ((n / 2) as f64 + 0.5) * pair;
+    let way = pair / 12f64.sqrt();
+    if n.is_multiple_of(2) { middle - way } else { middle + way }
+}
+
+fn references<'a>(
+    description: &ModelDescription,
+    names: impl Iterator<Item = &'a str>,
+) -> Result<Vec<u32>, Failure> {
+    names.map(|name| Ok(variable(description, name)?.value_reference)).collect()
+}
+
+fn variable<'a>(description: &'a ModelDescription, name: &str) -> Result<&'a Variable, Failure> {
+    let found = description.variable(name);
+    found.ok_or_else(|| Failure::new(format!("the archive of {} has no {name}", description.model_name)))
+}
+
+/// Start values; structural parameters have a mode of their own.
+fn set(fmu: &mut Instance, description: &ModelDescription, starts: &[(String, f64)]) -> Result<(), Failure> {
+    let (mut structural, mut others) = (Vec::new(), Vec::new());
+    for (name, number) in starts {
+        let variable = variable(description, name)?;
+        let value = match variable.kind {
+            Kind::Boolean => Value::Boolean(*number != 0.0),
+            kind if kind.is_float() => Value::Real(*number),
+            _ => Value::Integer(*number as i64),
+        };
+        let of =
+            if variable.causality == Causality::StructuralParameter { &mut structural } else { &mut others };
+        of.push((variable, value));
+    }
+    if !structural.is_empty() {
+        fmu.enter_configuration_mode()?;
+        for (variable, value) in &structural {
+            fmu.set_value(variable, value)?;
+        }
+        fmu.exit_configuration_mode()?;
+    }
+    for (variable, value) in &others {
+        fmu.set_value(variable, value)?;
+    }
+    Ok(())
+}
+
+/// What is summed up over the counted rows of one output.
+struct Sum {
+    squares: f64,
+    count: usize,
+    low: f64,
+    high: f64,
+    /// Greatest difference from a value of the native model.
+    apart: f64,
+}
+
+impl Default for Sum {
+    fn default() -> Sum {
+        Sum { squares: 0.0, count: 0, low: f64::INFINITY, high: f64::NEG_INFINITY, apart: 0.0 }
+    }
+}
+
+/// Adds a run up: what the FMU shows against what was measured, and against the native model where that is kept.
+fn compare(experiment: &Experiment, outcome: &Outcome, run: &Run, shown: &[Vec<f64>], sums: &mut [Sum]) {
+    let inputs = experiment.inputs.len();
+    let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let same =
+        |c: &&calibrate::outcome::Curves| (&c.file, c.role, c.window) == (&run.file, run.role, run.window);
+    let curves = outcome.curves.iter().find(same);
+    for (n, sum) in sums.iter_mut().enumerate() {
+        let measured = &run.table.columns[inputs + n];
+        let counts = |k: &usize| (from..=to).contains(&run.table.time[*k]) && measured[*k].is_finite();
+        for k in (0..measured.len()).filter(counts) {
+            sum.squares += (measured[k] - shown[n][k]).powi(2);
+            sum.count += 1;
+            (sum.low, sum.high) = (sum.low.min(measured[k]), sum.high.max(measured[k]));
+        }
+        let channel = experiment.outputs[n];
+        let Some((curves, curve)) =
+            curves.and_then(|c| Some((c, c.outputs.iter().find(|o| o.column == channel.column)?)))
+        else {
+            continue;
+        };
+        for (t, native) in curves.time.iter().zip(&curve.after).filter(|(_, v)| v.is_finite()) {
+            // Thinned curves stand at rows.
+            if let Ok(k) = run.table.time.binary_search_by(|x| x.total_cmp(t)) {
+                sum.apart = sum.apart.max((shown[n][k] - channel.offset - native).abs());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line from 2 to 5: the held values have its mean, 3.5, and the mean of its square, 13.
+    #[test]
+    fn held_inputs_keep_the_mean_and_that_of_the_square() {
+        let parts = 2 * PAIRS;
+        let mean =
+            |f: fn(f64) -> f64| (0..parts).map(|n| f(2.0 + 3.0 * held_at(n))).sum::<f64>() / parts as f64;
+        assert!((mean(|x| x) - 3.5).abs() < 1e-12);
+        assert!((mean(|x| x * x) - 13.0).abs() < 1e-12);
+    }
+}

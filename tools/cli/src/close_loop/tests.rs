@@ -1,0 +1,128 @@
+use super::*;
+use calibrate::outcome::Verdict;
+use serde_json::{Value, json};
+
+const ALL: [Verdict; 4] = [Verdict::Named, Verdict::Class, Verdict::Unexplained, Verdict::Nothing];
+
+fn json_of(verdict: Verdict) -> Value {
+    let (outcome, replay) = (sample::outcome(verdict), sample::replay());
+    let fmu = ["fmi2/AnnulusCooledMotor.fmu".to_owned()];
+    let report = Report::new(&outcome, &fmu, Some(&replay), &outcome.notes, 4.5);
+    serde_json::from_str(&serde_json::to_string(&report).unwrap()).unwrap()
+}
+
+/// The keys that scripts rely on, with their values where the contract has them.
+#[test]
+fn the_report_is_that_of_the_contract() {
+    let found = json_of(Verdict::Named);
+    assert_eq!(
+        (&found["name"], &found["verdict"], &found["seconds"]),
+        (&json!("bench <17>"), &json!("named"), &json!(4.5))
+    );
+    let effect = &found["effects"][0];
+    for (key, value) in [
+        ("id", json!("iron_loss")),
+        ("port", json!("drag_torque")),
+        ("driver", json!("speed")),
+        ("alternatives", json!(["viscous_friction"])),
+        ("runs", json!(["run-1.csv"])),
+    ] {
+        assert_eq!(effect[key], value, "{key}");
+    }
+    let k = &effect["parameters"]["k"];
+    assert_eq!((&k["value"], &k["unit"]), (&json!(9.5e-5), &json!("N.m.s^0.5")));
+    assert!((k["ci95"][0].as_f64().unwrap() - 9.1e-5).abs() < 1e-12);
+    assert_eq!(effect["evidence"]["delta_bic"], json!(120.0));
+    assert_eq!(effect["evidence"]["validation_rmse_ratio"], json!(0.41));
+    assert!(effect["separating_experiment"].is_string() && found["unexplained"].is_null());
+    assert_eq!(found["parameters"]["motor.R_ref"]["prior"], json!(0.386));
+    let voltage = json!({"before": 1.9, "refit": 0.5, "after": 0.11, "floor": 0.1});
+    assert_eq!(found["error"]["fit"]["voltage_V"], voltage);
+    assert_eq!(found["error"]["validate"], json!({}), "a role without runs is there and empty");
+    assert_eq!(found["fmu"], json!(["fmi2/AnnulusCooledMotor.fmu"]));
+}
+
+#[test]
+fn numbers_that_are_none_are_null() {
+    let found = json_of(Verdict::Named);
+    assert_eq!(found["parameters"]["thermal.C_w"]["ci95"], json!([null, null]));
+    assert!(found["error"]["test"]["winding_temperature_degC"]["before"].is_null());
+}
+
+#[test]
+fn what_has_no_name_has_a_port_a_driver_a_shape_and_a_law() {
+    let found = json_of(Verdict::Unexplained);
+    let unexplained = &found["unexplained"];
+    assert_eq!((&unexplained["port"], &unexplained["driver"]), (&json!("drag_torque"), &json!("speed")));
+    assert_eq!((&unexplained["unit"], &unexplained["driver_unit"]), (&json!("N.m"), &json!("rad/s")));
+    assert_eq!(unexplained["shape"].as_array().unwrap().len(), 8);
+    assert_eq!(found["effects"][0]["law"]["drivers"][0]["exponent"], json!(0.75));
+    let nothing = json_of(Verdict::Nothing);
+    assert_eq!((&nothing["effects"], &nothing["unexplained"]), (&json!([]), &Value::Null));
+    assert_eq!(nothing["detection_limits"][0]["size"], json!(2e-6));
+}
+
+/// Each verdict in a sentence of its own, with what it is about.
+#[test]
+fn verdicts_in_plain_words() {
+    for (verdict, words) in ALL.iter().zip([
+        ["iron loss", "k = 9.5e-5 N.m.s^0.5", "run-1.csv alone"],
+        ["one of iron loss or viscous friction", "cannot tell", "iron loss"],
+        ["the torque against the motion", "follows the speed", "in no list"],
+        ["nothing", "could show", "other parameters"],
+    ]) {
+        let sentence = words::verdict(&sample::outcome(*verdict));
+        assert!(words.iter().all(|w| sentence.contains(w)), "{sentence}");
+        assert!(sentence.ends_with('.') && !sentence.contains('_'), "{sentence}");
+    }
+}
+
+#[test]
+fn numbers_have_four_digits() {
+    for (value, text) in
+        [(0.0, "0"), (9.5e-5, "9.5e-5"), (0.11, "0.11"), (1234.56, "1235"), (f64::NAN, "-"), (2e-9, "2e-9")]
+    {
+        assert_eq!(words::number(value), text);
+    }
+}
+
+fn page_of(verdict: Verdict) -> String {
+    let (outcome, replay) = (sample::outcome(verdict), sample::replay());
+    let declaration = (describe::models::by_name(outcome.model).unwrap().declaration)();
+    page::page(&sample::experiment(), &outcome, &replay, &outcome.notes, declaration)
+}
+
+/// One file that opens without a network, with everything that its verdict has to say.
+#[test]
+fn a_page_is_complete_in_itself() {
+    for (verdict, words) in ALL.iter().zip([
+        ["What the model lacked", "What would tell them apart", "9.1e-5 ... 9.9e-5"],
+        ["one of iron loss or viscous friction", "This data is explained as well by", "What was tried"],
+        ["What has no name", "Its law: drag torque = 0.002 N.m · (speed / 500)^0.75", "given it as a table"],
+        ["What would have been seen", "2e-6", "Nothing was found"],
+    ]) {
+        let page = page_of(*verdict);
+        for word in words.iter().chain(&[
+            "bench &lt;17&gt;",
+            "Where the residual sits",
+            "iron_loss explains the same",
+            "thermal.C_w with thermal.R_wh",
+            "Whether what is left is noise",
+            "fmi3/AnnulusCooledMotor.fmu",
+            "set aside as dead",
+            "counts to here",
+            "noise: 0.1 K",
+            "unknown",
+        ]) {
+            assert!(page.to_lowercase().contains(&word.to_lowercase()), "{}: {word}", verdict.name());
+        }
+        for outside in ["src=", "href=", "@import", "url(", "<script", "NaN", "inf "] {
+            assert!(!page.contains(outside), "{}: {outside}", verdict.name());
+        }
+        if let Ok(folder) = std::env::var("PAGES") {
+            std::fs::write(Path::new(&folder).join(format!("{}.html", verdict.name())), &page).unwrap();
+        }
+    }
+    assert!(!page_of(Verdict::Named).contains("What has no name"));
+    assert!(!page_of(Verdict::Nothing).contains("What the model lacked"));
+}
