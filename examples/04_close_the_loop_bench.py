@@ -142,7 +142,7 @@ def page(answer: dict) -> str:
     parts = [
         "# What did the fan do? A measured run traced to its effects",
         "Made by `examples/04_close_the_loop_bench.py`; the tests run it and compare this page.",
-        "The rig in still air (runs 1 and 5 fitted, this is run 3):",
+        "The rig in still air (runs 1 and 3 fitted, this is run 5):",
         table(answer["still_air"]["validate_K"]),
         *map(effect_words, answer["still_air"]["effects"]),
         f"The run with the fan, the 40 % of it that nothing was fitted to (verdict: {fan['verdict']}):",

@@ -12,5 +12,5 @@ def motor_fmu(*arguments: str) -> str:
         raise FileNotFoundError("motor-fmu is not on the path; run `cargo build --release` and set MOTOR_FMU_BIN to it")
     done = subprocess.run([program, *arguments], capture_output=True, text=True)
     if done.returncode != 0:
-        raise RuntimeError(done.stderr.strip())
+        raise RuntimeError(done.stderr.strip() or f"motor-fmu {arguments[0]} gave exit code {done.returncode}")
     return done.stdout
