@@ -73,11 +73,20 @@ def two_places(raw: Path) -> float:
     return float(second[-5:].mean() / first[-5:].mean())
 
 
-def if_the_thermocouple_is_cooled(reading: float, ambient: float, share: float) -> dict:
-    """Where the winding truly is if its sensor loses a share of the rise, and how much more its resistance then is."""
-    true = ambient + (reading - ambient) / (1.0 - share)
+def two_readings_of_one_number(reading: float, ambient: float, usual: float, more: float) -> dict:
+    """Where the winding is if its sensor shows what it always does, and if the air takes a further share of the rise.
+
+    `usual` is the share of the rise that the sensor loses in still air; the winding's resistance right after switching off would
+    tell: the ratio is that of the hotter winding over the cooler.
+    """
+    as_usual = ambient + (reading - ambient) / (1.0 - usual)
+    cooled = ambient + (as_usual - ambient) / (1.0 - more)
     resistance = lambda celsius: 1.0 + COPPER * (celsius - 20.0)  # noqa: E731
-    return {"winding_degC": true, "resistance_ratio": resistance(true) / resistance(reading)}
+    return {
+        "less_heat_degC": as_usual,
+        "cooled_thermocouple_degC": cooled,
+        "resistance_ratio": resistance(cooled) / resistance(as_usual),
+    }
 
 
 def readings_at_the_end(raw: Path, run: int) -> dict:

@@ -273,7 +273,8 @@ def test_trembling_is_that_of_the_reading(tmp_path):
 
 
 def test_a_cooled_thermocouple_hides_a_hotter_winding():
-    """Reading 170 of a winding that loses 0.32 of its rise over 21.5: 21.5 + 148.5 / 0.68, and copper at that."""
-    hidden = facts.if_the_thermocouple_is_cooled(170.0, 21.5, 0.32)
-    assert hidden["winding_degC"] == pytest.approx(239.88, abs=0.01)
-    assert hidden["resistance_ratio"] == pytest.approx(1.8641 / 1.5895, rel=1e-4)
+    """A sensor that always loses a quarter reads 170 over 20: 200 K of rise; with another fifth lost, 250 K; and copper at that."""
+    hidden = facts.two_readings_of_one_number(170.0, 20.0, 0.25, 0.2)
+    assert hidden["less_heat_degC"] == pytest.approx(220.0)
+    assert hidden["cooled_thermocouple_degC"] == pytest.approx(270.0)
+    assert hidden["resistance_ratio"] == pytest.approx(1.9825 / 1.786)
