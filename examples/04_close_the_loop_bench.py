@@ -46,7 +46,7 @@ def told(report: dict) -> dict:
         "effects": [
             {
                 "id": effect["id"],
-                "runs": effect["runs"],
+                "runs": list(dict.fromkeys(effect["runs"])),  # a file may stand in two roles
                 "alternatives": effect["alternatives"],
                 "parameters": {name: figures(number["value"]) for name, number in effect["parameters"].items()},
                 "separating_experiment": effect["separating_experiment"],
@@ -62,13 +62,13 @@ def errors(report: dict, role: str) -> dict:
     return {name: {stage: figures(report["error"][role][column][stage]) for stage in STAGES} for name, column in CHANNELS.items()}
 
 
-def outside(prepared: dict) -> dict:
-    """Evidence that the fit does not use."""
+def outside(prepared: dict, usual: float) -> dict:
+    """Evidence that the fit does not use; `usual` is what the winding's sensor loses of the rise in still air."""
     rises = {run: facts.first_rise(RAW, run, prepared[f"run-{run}.csv"]["shift_s"]) for run in (*STILL_AIR, FAN)}
     still = sum(rises[run]["K_per_kJ"] for run in STILL_AIR) / len(STILL_AIR)
     less = 1.0 - rises[FAN]["K_per_kJ"] / still
     last = facts.readings_at_the_end(RAW, FAN)
-    cooled = facts.if_the_thermocouple_is_cooled(last[CHANNELS["winding"]], last["ambient_temperature_degC"], less)
+    winding = facts.two_readings_of_one_number(last[CHANNELS["winding"]], last["ambient_temperature_degC"], usual, less)
     return {
         "first_rise_K_per_kJ": {str(run): figures(rise["K_per_kJ"]) for run, rise in rises.items()},
         "less_in_the_fan_run": figures(less),
@@ -80,7 +80,7 @@ def outside(prepared: dict) -> dict:
         },
         "second_thermocouple_shows": figures(facts.two_places(RAW)),
         "winding_reads_at_the_end_degC": figures(last[CHANNELS["winding"]]),
-        "if_cooled": {name: figures(value) for name, value in cooled.items()},
+        "winding_truly": {name: figures(value) for name, value in winding.items()},
     }
 
 
@@ -95,8 +95,8 @@ def study(folder: Path) -> dict:
         "not_trusted": [run for run, one in prepared.items() if not one["energy_trusted"]],
         "still_air": told(still) | {"validate_K": errors(still, "validate")},
         "fan": told(fan) | {"test_K": test, "goal_reached": reached},
-        "body_convection_alone": {"G": told(alone)["parameters"], "test_K": errors(alone, "test")},
-        "outside_the_fit": outside(prepared),
+        "body_convection_alone_K": {name: error["refit"] for name, error in errors(alone, "test").items()},
+        "outside_the_fit": outside(prepared, still["parameters"]["effect.winding_sensor_stem_loss.k"]["value"]),
     }
 
 
@@ -119,11 +119,11 @@ def table(rows: dict) -> str:
 
 def page(answer: dict) -> str:
     """The answer with its numbers."""
-    fan, alone, seen = answer["fan"], answer["body_convection_alone"], answer["outside_the_fit"]
+    fan, alone, seen = answer["fan"], answer["body_convection_alone_K"], answer["outside_the_fit"]
     warmed, body = seen["controller_warmed_K"], seen["tremble_K"]["body"]
     louder = body[str(FAN)] / max(body[str(run)] for run in STILL_AIR)
     excluded = f"""More convection at the body alone is excluded: the best it can do leaves
-        {alone["test_K"]["winding"]["refit"]:.0f} K in the winding and {alone["test_K"]["body"]["refit"]:.0f} K in the body. In the first
+        {alone["winding"]:.0f} K in the winding and {alone["body"]:.0f} K in the body. In the first
         rise the winding warms {100 * seen["less_in_the_fan_run"]:.0f} % less for the same energy, with the body still so near to the
         air that it would need {seen["body_conductance_needed_W_per_K"]:.0f} W/K to carry that off."""
     beside = f"""What the fit does not use speaks, too. After {SPENT_KJ:.0f} kJ the controller had warmed by {warmed["3"]:.0f} and
@@ -133,10 +133,12 @@ def page(answer: dict) -> str:
         thermocouples on the winding of run 12 differ: the second shows {100 * seen["second_thermocouple_shows"]:.0f} % of the
         first's rise. At standstill the phases carry unequal currents, so that less heat where the thermocouple sits needs no lost
         power."""
+    truly = seen["winding_truly"]
     separate = f"""The measurement that separates less heat from a cooled thermocouple: the winding's resistance, right after switching
-        off. At the end of the run the thermocouple reads {seen["winding_reads_at_the_end_degC"]:.0f} °C; if it is cooled, the copper is at
-        {seen["if_cooled"]["winding_degC"]:.0f} °C and has {100 * (seen["if_cooled"]["resistance_ratio"] - 1):.0f} % more resistance than
-        at that reading."""
+        off. At the end of the run the thermocouple reads {seen["winding_reads_at_the_end_degC"]:.0f} °C; if less heat came, the copper
+        is at {truly["less_heat_degC"]:.0f} °C, and if the thermocouple is cooled, at {truly["cooled_thermocouple_degC"]:.0f} °C with
+        {100 * (truly["resistance_ratio"] - 1):.0f} % more resistance. Or: stop fan and power together; a cooled thermocouple's
+        reading then jumps up, the other's falls."""
     fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128)  # noqa: E731
     goal = "reached" if fan["goal_reached"] else "not reached"
     parts = [
