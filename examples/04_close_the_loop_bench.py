@@ -46,6 +46,7 @@ def told(report: dict) -> dict:
         "effects": [
             {
                 "id": effect["id"],
+                "port": effect["port"],
                 "runs": list(dict.fromkeys(effect["runs"])),  # a file may stand in two roles
                 "alternatives": effect["alternatives"],
                 "parameters": {name: figures(number["value"]) for name, number in effect["parameters"].items()},
@@ -103,7 +104,7 @@ def study(folder: Path) -> dict:
 def effect_words(effect: dict) -> str:
     """An effect with its numbers, its runs, and what would do as well."""
     numbers = ", ".join(f"{name} = {value:g}" for name, value in effect["parameters"].items())
-    words = f"- `{effect['id']}` ({numbers}) in {', '.join(effect['runs'])}"
+    words = f"- `{effect['id']}` at the {effect['port'].replace('_', ' ')} ({numbers}) in {', '.join(effect['runs'])}"
     if effect["alternatives"]:
         words += f"; this data cannot tell it from {', '.join(f'`{name}`' for name in effect['alternatives'])}"
     if effect["separating_experiment"]:
