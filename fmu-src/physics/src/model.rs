@@ -281,6 +281,9 @@ pub trait Model: Send {
     /// Derivatives of [`states`](Model::states) at the present states and inputs, per second; of slopes they
     /// know nothing.
     fn rates(&mut self, out: &mut Vec<f64>);
+    /// Lets the steps err by this factor more than they do by default, until the next start: for searches that repeat
+    /// a run many times and look at the answer alone.
+    fn ease(&mut self, factor: f64);
     /// What terms may follow, at the present time.
     fn drivers(&self) -> Drivers;
     /// Everything that the future depends on, as numbers.

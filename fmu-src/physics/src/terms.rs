@@ -1,10 +1,12 @@
 //! Terms that are data: what an effect found in measurements says, where no effect of the list says it.
 //!
-//! y = c prod_i |(x_i - offset_i) / reference_i|^p_i,   up to three drivers x_i             (1)
+//! y = c prod_i b_i^p_i,   b_i = (x_i - offset_i) / reference_i,   up to three drivers x_i      (1)
 //! y = a table in one driver: linear between its points, held at its ends beyond            (2)
 //!
 //! A term is a port and one of these laws. What its value does at the port stands with the effect that carries
 //! terms, `effects/generic_term.rs`; the file that brings terms into an FMU is the matter of the crate `terms`.
+//! Speed, current and load torque count by their size, |b|^p, since a drag or a drop is the same either way. Temperatures, fan
+//! command and time have a side: below their offset the power is that of |b| with the other sign, so that p = 1 is a line.
 //! *Assumes* nothing: (1) and (2) are fits. *Range*: |p| up to [`GREATEST_EXPONENT`]; where p < 0, a base below
 //! [`LEAST_BASE`] counts as that. *Neglects* history: a term knows the present alone.
 
@@ -161,9 +163,23 @@ pub struct Factor {
     pub exponent: f64,
 }
 
+impl Driver {
+    /// Whether a power knows on which side of its offset the driver is.
+    pub fn has_sides(self) -> bool {
+        !matches!(self, Driver::Speed | Driver::Current | Driver::LoadTorque)
+    }
+}
+
 impl Factor {
-    fn of<D: Number>(&self, x: D) -> D {
-        let base = ((x - self.offset) / self.reference).abs();
+    /// The power at `x`.
+    pub fn of<D: Number>(&self, x: D) -> D {
+        let signed = (x - self.offset) / self.reference;
+        let base = signed.abs();
+        let power = self.power(base);
+        if signed.re() < 0.0 && self.driver.has_sides() { -power } else { power }
+    }
+
+    fn power<D: Number>(&self, base: D) -> D {
         if self.exponent == 0.0 {
             D::from(1.0)
         } else if self.exponent < 0.0 && base.re() < LEAST_BASE {
@@ -316,6 +332,19 @@ mod tests {
         assert!((term.value(&AT) - 400.0).abs() < 1e-12);
         assert!(!term.is_held(&AT));
         assert_eq!(product(-3.0, [None; 3]).value(&AT), -3.0);
+    }
+
+    /// 3 K below its offset a line goes on below zero, and so does a root; a speed counts by its size.
+    #[test]
+    fn temperatures_have_sides() {
+        let at = Drivers { ambient_temperature: 290.0, speed: -4.0, ..AT };
+        let line = product(2.0, [factor(Driver::AmbientTemperature, 1.0, 293.0, 1.0), None, None]);
+        assert_eq!(line.value(&at), -6.0);
+        let root = product(2.0, [factor(Driver::AmbientTemperature, 3.0, 293.0, 0.5), None, None]);
+        assert_eq!(root.value(&at), -2.0);
+        let dual = line.along(&at, Driver::AmbientTemperature, Dual64::from(290.0).derivative());
+        assert_eq!((dual.re, dual.eps), (-6.0, 2.0));
+        assert_eq!(product(1.0, [factor(Driver::Speed, 1.0, 0.0, 1.0), None, None]).value(&at), 4.0);
     }
 
     #[test]

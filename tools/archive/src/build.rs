@@ -1,7 +1,7 @@
 //! Packs a model into an FMU archive, the same bytes at every run.
 
 use crate::documentation;
-use describe::{GenericTerm, ModelType, Preset, StartValues, fmi2, fmi3, start_values};
+use describe::{Dependencies, ModelType, Preset, StartValues, fmi2, fmi3, start_values};
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -131,6 +131,17 @@ pub fn build(
     library: &Path,
     out: &Path,
 ) -> Result<PathBuf, BuildError> {
+    build_all(kind, &[standard], contents, library, out).map(|mut paths| paths.remove(0))
+}
+
+/// The same for several standards, in their order; what both need is found once.
+pub fn build_all(
+    kind: &ModelType,
+    standards: &[Standard],
+    contents: Contents<'_>,
+    library: &Path,
+    out: &Path,
+) -> Result<Vec<PathBuf>, BuildError> {
     let name = (kind.declaration)().name;
     if let Some(preset) = contents.preset.filter(|p| p.model != name) {
         return Err(BuildError::Preset {
@@ -148,14 +159,18 @@ pub fn build(
     let mut binary = read.map_err(|source| BuildError::Library { path: library.to_path_buf(), source })?;
     start_values::patch(&mut binary, &starts.entries())
         .map_err(|source| BuildError::Patch { path: library.to_path_buf(), source })?;
-    let path = out.join(standard.folder()).join(format!("{name}.fmu"));
-    let bytes = pack(&entries(kind, standard, &starts, contents, &terms, binary));
-    let written = bytes.and_then(|bytes| {
-        fs::create_dir_all(path.parent().unwrap_or(out))?;
-        fs::write(&path, bytes)
-    });
-    written.map_err(|source| BuildError::Write { path: path.clone(), source })?;
-    Ok(path)
+    let found = Dependencies::of(kind, &terms);
+    let write = |standard: &Standard| {
+        let path = out.join(standard.folder()).join(format!("{name}.fmu"));
+        let bytes = pack(&entries(kind, *standard, &starts, contents, &found, binary.clone()));
+        let written = bytes.and_then(|bytes| {
+            fs::create_dir_all(path.parent().unwrap_or(out))?;
+            fs::write(&path, bytes)
+        });
+        written.map_err(|source| BuildError::Write { path: path.clone(), source })?;
+        Ok(path)
+    };
+    standards.iter().map(write).collect()
 }
 
 /// A file of the archive.
@@ -170,20 +185,25 @@ fn entries(
     standard: Standard,
     starts: &StartValues,
     contents: Contents<'_>,
-    terms: &[GenericTerm],
+    found: &Dependencies,
     binary: Vec<u8>,
 ) -> Vec<File> {
-    let name = (kind.declaration)().name;
+    let declaration = (kind.declaration)();
+    let name = declaration.name;
     let plain = |name: &str, text: String| File {
         name: name.to_string(),
         bytes: text.into_bytes(),
         executable: false,
     };
     let (description, platform, license) = match standard {
-        Standard::Fmi2 => (fmi2::model_description(kind, starts, terms), HERE.fmi2, "licenses/license.txt"),
-        Standard::Fmi3 => {
-            (fmi3::model_description(kind, starts, terms), HERE.tuple, "documentation/licenses/license.txt")
+        Standard::Fmi2 => {
+            (fmi2::model_description(declaration, starts, found), HERE.fmi2, "licenses/license.txt")
         }
+        Standard::Fmi3 => (
+            fmi3::model_description(declaration, starts, found),
+            HERE.tuple,
+            "documentation/licenses/license.txt",
+        ),
     };
     let mut files = vec![
         plain("modelDescription.xml", description),

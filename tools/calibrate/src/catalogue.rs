@@ -39,8 +39,8 @@ pub struct Listed {
 use Driver::{Current, FanCommand, HousingTemperature, LoadTorque, Speed, Time, WindingTemperature};
 use Follows::{History, Nothing};
 use Port::{
-    AmbientSensor, DragTorque, FanFlow, HeatCapacity, HousingAmbientConductance, HousingSensor, TerminalVoltage,
-    TorqueConstant, WindingHeat, WindingHousingResistance, WindingSensor,
+    AmbientSensor, DragTorque, FanFlow, HeatCapacity, HousingAmbientConductance, HousingSensor,
+    TerminalVoltage, TorqueConstant, WindingHeat, WindingHousingResistance, WindingSensor,
 };
 
 const fn on(driver: Driver) -> Follows {
@@ -135,7 +135,11 @@ mod tests {
         let declaration = (physics::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
         for listed in LISTED {
             let addition = listed.addition(declaration, &[true]).unwrap_or_else(|| panic!("{}", listed.id));
-            assert!(addition.numbers.iter().all(|n| n.scale > 0.0 && n.limits.0 < n.limits.1), "{}", listed.id);
+            assert!(
+                addition.numbers.iter().all(|n| n.scale > 0.0 && n.limits.0 < n.limits.1),
+                "{}",
+                listed.id
+            );
         }
     }
 }

@@ -107,7 +107,7 @@ impl<'a> Search<'a> {
 
     fn rounds(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
         for round in 0..MOST_TERMS {
-            if self.left.first().is_none_or(|s| s.evidence <= LEAST || s.raw <= LEAST) {
+            if self.left.first().is_none_or(|s| s.sure() <= LEAST) {
                 break;
             }
             let round_of = compete(self.point(), &self.left)?;
@@ -118,7 +118,8 @@ impl<'a> Search<'a> {
             }
             let found = self.point().fitted.hypothesis.additions.last().map_or("", |a| &a.id).to_string();
             progress(0.2 + 0.2 * (round + 1) as f64, &format!("{found}; is there more?"));
-            self.left = search(self.point());
+            let taken = self.point().fitted.clone();
+            self.left = search(&Point::new(self.setup, taken, &self.first.runs)?);
         }
         Ok(())
     }
@@ -175,7 +176,7 @@ impl<'a> Search<'a> {
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty() {
-            if let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.evidence > SAID && s.raw > SAID) {
+            if let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.sure() > SAID) {
                 judgement.verdict = Verdict::Unexplained;
                 judgement.unexplained = Some(told(rest, false));
             }
@@ -190,15 +191,14 @@ impl<'a> Search<'a> {
                 judgement.point = Some(point);
             }
         }
-        let partly: Vec<bool> = judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
+        let partly: Vec<bool> =
+            judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
         acting(setup, &mut judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {
             let runs = || setup.experiment.runs.iter().zip(&addition.active);
-            judgement.effects[a].runs = runs().filter(|(_, on)| **on).map(|(r, _)| r.file.clone()).collect();
-            let decided: Vec<&str> = runs()
-                .filter(|(r, _)| r.role != Role::Fit)
-                .map(|(r, _)| r.file.as_str())
-                .collect();
+            judgement.effects[a].runs = files(setup, &addition.active);
+            let decided: Vec<&str> =
+                runs().filter(|(r, _)| !fitted(setup, &r.file)).map(|(r, _)| r.file.as_str()).collect();
             if !decided.is_empty() {
                 judgement.notes.push(format!(
                     "{} acts in some runs only; whether it acts in {} was decided by which predicts that run better, its size kept",
@@ -225,16 +225,20 @@ impl<'a> Search<'a> {
             alternatives.push(id.clone());
             if separating.is_none() {
                 let names = [addition.id.as_str(), id.as_str()];
-                separating = separate(setup, &contender.point.fitted.hypothesis, &other.point.fitted.hypothesis, names);
+                separating = separate(
+                    setup,
+                    &contender.point.fitted.hypothesis,
+                    &other.point.fitted.hypothesis,
+                    names,
+                );
             }
         }
-        let runs = setup.experiment.runs.iter().zip(&addition.active);
         Ok(Found {
             id: addition.id.clone(),
             port: addition.port,
             follows: addition.follows,
             alternatives,
-            runs: runs.filter(|(_, on)| **on).map(|(r, _)| r.file.clone()).collect(),
+            runs: files(setup, &addition.active),
             everywhere: addition.active.iter().all(|on| *on),
             parameters: Vec::new(),
             term: addition.term(),
@@ -252,8 +256,10 @@ impl<'a> Search<'a> {
         let excess = (raw - self.first.evidence.values() as f64).max(1.0);
         let of = |port: &Port| {
             let free = self.scored.iter().find(|s| s.port == *port && s.name.ends_with("free in time"))?;
-            let with_driver =
-                self.scored.iter().find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
+            let with_driver = self
+                .scored
+                .iter()
+                .find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
             let follows = with_driver.map_or(Follows::History, |s| s.follows);
             let gain = free.raw + 2.0 * per_number(&self.first);
             Some(Localised { port: *port, share: (gain / excess).clamp(0.0, 1.0), follows })
@@ -262,6 +268,22 @@ impl<'a> Search<'a> {
         all.sort_by(|a, b| b.share.total_cmp(&a.share));
         all
     }
+}
+
+/// The files of active runs, each once.
+fn files(setup: &Setup, active: &[bool]) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for (run, _) in setup.experiment.runs.iter().zip(active).filter(|(_, on)| **on) {
+        if !all.contains(&run.file) {
+            all.push(run.file.clone());
+        }
+    }
+    all
+}
+
+/// Whether rows of a file are fitted.
+fn fitted(setup: &Setup, file: &str) -> bool {
+    setup.runs(Role::Fit).iter().any(|run| setup.experiment.runs[*run].file == file)
 }
 
 fn told(scored: &Scored, added: bool) -> Unexplained {

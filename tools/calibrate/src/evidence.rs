@@ -158,6 +158,10 @@ impl Evidence {
     /// Eq. (3). `None` where the columns are seen by nothing but what is there already.
     pub fn gain(&self, s: &DMatrix<f64>) -> Option<Gain> {
         self.best(s, |power, seen| {
+            // What is left of a column after all the others, beside rounding.
+            if (0..power.nrows()).any(|j| power[(j, j)] <= 1e-9 * s.column(j).norm_squared()) {
+                return None;
+            }
             let factor = power.clone().cholesky()?;
             let size = factor.solve(seen);
             Some((seen.dot(&size), size, factor))
@@ -196,10 +200,6 @@ impl Evidence {
         for (k, drift) in self.drifts.iter().enumerate() {
             let power = &sts - zts.tr_mul(&drift.factor.solve(&zts));
             let seen = s.tr_mul(&drift.left);
-            // What is left of a column after all the others, beside rounding.
-            if (0..power.nrows()).any(|j| !(power[(j, j)] > 1e-9 * sts[(j, j)])) {
-                continue;
-            }
             let Some((gain, size, factor)) = explain(&power, &seen) else { continue };
             if k == 0 {
                 raw = gain;

@@ -202,6 +202,16 @@ impl Experiment {
                 return Err(place.at(start, &format!("window_s = [{from}, {to}] is empty in {}", run.file)));
             }
             let table = Table::read(&folder.join(&run.file), &all)?;
+            if let Some((from, to)) = run.window_s
+                && !table.time.iter().any(|t| (from..=to).contains(t))
+            {
+                let (first, last) = (table.time[0], table.time[table.time.len() - 1]);
+                let message = format!(
+                    "window_s = [{from}, {to}] holds no row of {}, which runs from {first} s to {last} s",
+                    run.file
+                );
+                return Err(place.at(start, &message));
+            }
             let set = settings(&run.set, declaration, &place)?;
             for name in run.set.keys() {
                 if priors.iter().any(|p| p.name == *name.get_ref()) {

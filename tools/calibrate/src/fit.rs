@@ -21,7 +21,7 @@ const ROUNDS: usize = 6;
 /// Most steps with the same slopes.
 const CHORDS: usize = 5;
 /// A step that lowers (1) by less than this is the last.
-const SETTLED: f64 = 1e-2;
+const SETTLED: f64 = 0.1;
 
 /// A hypothesis that was fitted.
 #[derive(Clone, Debug)]
@@ -92,7 +92,9 @@ impl Slopes {
         probes.extend(further.iter().cloned());
         let tangents = runs
             .par_iter()
-            .map(|&run| Tangent::new(&setup.bench, &setup.drives[run], &setup.change(hypothesis, run), &probes))
+            .map(|&run| {
+                Tangent::new(&setup.bench, &setup.drives[run], &setup.change(hypothesis, run), &probes)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Slopes { tangents, leads, runs: runs.to_vec() })
     }
@@ -179,9 +181,6 @@ impl Setup<'_> {
                 }
                 information[(a, a)] += if scales[a].2.is_some() { 1.0 } else { 1e-9 };
             }
-            let Some(factor) = information.cholesky() else {
-                return Err(CalibrateError("the parameters cannot be told apart by these runs".to_string()));
-            };
             let before = now.cost;
             let mut far = false;
             for _ in 0..CHORDS {
@@ -202,6 +201,26 @@ impl Setup<'_> {
                         uphill[k] += (prior - numbers[k]) / scale;
                     }
                 }
+                // A number that would leave its limits stays there, and the others move as if it were none: clamped after
+                // the step, it would spoil theirs.
+                let held: Vec<bool> = (0..p)
+                    .map(|k| {
+                        let (least, most) = scales[k].1;
+                        if uphill[k] < 0.0 { numbers[k] <= least } else { numbers[k] >= most }
+                    })
+                    .collect();
+                let mut curvature = information.clone();
+                for k in (0..p).filter(|k| held[*k]) {
+                    curvature.row_mut(k).fill(0.0);
+                    curvature.column_mut(k).fill(0.0);
+                    curvature[(k, k)] = 1.0;
+                    uphill[k] = 0.0;
+                }
+                let Some(factor) = curvature.cholesky() else {
+                    return Err(CalibrateError(
+                        "the parameters cannot be told apart by these runs".to_string(),
+                    ));
+                };
                 let step = factor.solve(&uphill);
                 let mut share = 1.0f64;
                 let mut better = None;
@@ -221,7 +240,11 @@ impl Setup<'_> {
                 }
                 far |= (0..p).any(|k| {
                     let (way, is_prior) = ((step[k] * scales[k].0).abs(), scales[k].2.is_some());
-                    if is_prior { step[k].abs() > 0.3 } else { way > 0.05 * numbers[k].abs().max(scales[k].0) }
+                    if is_prior {
+                        step[k].abs() > 0.3
+                    } else {
+                        way > 0.05 * numbers[k].abs().max(scales[k].0)
+                    }
                 });
                 let Some(found) = better else { break };
                 let fall = now.cost - found.cost;

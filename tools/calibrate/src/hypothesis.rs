@@ -105,9 +105,10 @@ impl Addition {
         match &self.shape {
             Shape::Listed { .. } => 1.0,
             Shape::Power { factor } => {
-                let base = ((drivers.of(factor.driver) - factor.offset) / factor.reference).abs();
+                let x = drivers.of(factor.driver);
+                let base = ((x - factor.offset) / factor.reference).abs();
                 let exponent = self.numbers.get(1).map_or(factor.exponent, |n| n.value);
-                let power = power(base, exponent);
+                let power = power(factor, x, exponent);
                 if number == 0 {
                     power
                 } else if base > 0.0 {
@@ -121,17 +122,9 @@ impl Addition {
     }
 }
 
-/// As terms take their powers.
-pub fn power(base: f64, exponent: f64) -> f64 {
-    if exponent == 0.0 {
-        1.0
-    } else if exponent < 0.0 {
-        base.max(physics::terms::LEAST_BASE).powf(exponent)
-    } else if base == 0.0 {
-        0.0
-    } else {
-        base.powf(exponent)
-    }
+/// The power of a driver at `x`, as terms take it.
+pub fn power(factor: &Factor, x: f64, exponent: f64) -> f64 {
+    Factor { exponent, ..*factor }.of(x)
 }
 
 /// The share that point `k` of a table has at `x`: 1 there, 0 at its neighbours, held beyond the ends.

@@ -31,29 +31,51 @@ pub struct Point<'a> {
     /// Effects that a slope finds, with the index of their direction among the further ones.
     listed: Vec<(&'static Listed, Addition)>,
     inputs: usize,
+    /// The ports that are looked at.
+    ports: &'static [Port],
 }
 
 impl<'a> Point<'a> {
-    /// The point of a fitted model over the runs that it was fitted to.
+    /// The point of a fitted model over the runs that it was fitted to, from which further effects can be looked for.
     ///
     /// # Errors
     /// What the model says where it cannot be run.
     pub fn new(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
+        Point::of(setup, fitted, runs, true)
+    }
+
+    /// The same, from which nothing further is looked for: it knows what is left and how sure its numbers are.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn judged(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
+        Point::of(setup, fitted, runs, false)
+    }
+
+    fn of(
+        setup: &'a Setup<'a>,
+        fitted: Fitted,
+        runs: &[usize],
+        searching: bool,
+    ) -> Result<Point<'a>, CalibrateError> {
         let all = vec![true; setup.experiment.runs.len()];
         let declaration = setup.bench.declaration();
         let known = |listed: &Listed, addition: &Addition| {
             let Shape::Listed { slots, .. } = &addition.shape else { return true };
             let taken = fitted.hypothesis.additions.iter().any(|a| a.id == listed.id);
-            let set = setup.bench.start_of(slots[0]) != 0.0 && !listed.may_vary;
-            taken || set || setup.declared.iter().any(|d| slots.contains(&d.slot))
+            let set = setup.bench.start_of(slots[0]) != 0.0
+                || setup.declared.iter().any(|d| slots.contains(&d.slot));
+            // What is declared may still be otherwise in some runs.
+            taken || (set && !listed.may_vary)
         };
         let listed: Vec<(&'static Listed, Addition)> = LISTED
             .iter()
-            .filter(|l| l.way == Way::Slope)
+            .filter(|l| searching && l.way == Way::Slope)
             .filter_map(|l| Some((l, l.addition(declaration, &all)?)))
             .filter(|(l, a)| !known(l, a))
             .collect();
-        let mut further: Vec<Probe> = Port::ALL.iter().map(|port| Probe::Port(*port)).collect();
+        let ports: &[Port] = if searching { Port::ALL } else { &[] };
+        let mut further: Vec<Probe> = ports.iter().map(|port| Probe::Port(*port)).collect();
         let inputs = setup.experiment.inputs.len();
         further.extend((0..inputs).map(Probe::Input));
         for (_, addition) in &listed {
@@ -62,12 +84,12 @@ impl<'a> Point<'a> {
             further.push(Probe::Parameter { slot: slots[0], with: with.clone(), way });
         }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
-        let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), Port::ALL.len())?;
-        Ok(Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, listed, inputs })
+        let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
+        Ok(Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs })
     }
 
     fn further(&self, r: usize) -> &[Option<Direction>] {
-        self.slopes.further(r, Port::ALL.len() + self.inputs + self.listed.len())
+        self.slopes.further(r, self.ports.len() + self.inputs + self.listed.len())
     }
 
     /// Effects that a slope finds and that the model has not.
@@ -78,14 +100,20 @@ impl<'a> Point<'a> {
     /// The size that an effect of the list has before it is looked for.
     pub fn base(&self, addition: &Addition) -> f64 {
         match &addition.shape {
-            Shape::Listed { slots, .. } => self.setup.bench.start_of(slots[0]),
+            Shape::Listed { slots, .. } => {
+                let declared = self.setup.declared.iter().position(|d| d.slot == slots[0]);
+                declared.map_or_else(
+                    || self.setup.bench.start_of(slots[0]),
+                    |k| self.fitted.hypothesis.declared[k],
+                )
+            }
             _ => 0.0,
         }
     }
 
     /// The column of the `k`-th of [`listed`](Self::listed), in the runs that `active` says (by place among the point's runs).
     pub fn listed_column(&self, k: usize, active: &[bool]) -> Option<DMatrix<f64>> {
-        let place = Port::ALL.len() + self.inputs + k;
+        let place = self.ports.len() + self.inputs + k;
         self.columns(1, |r, _| {
             if !active[r] {
                 return Some(None);
@@ -102,7 +130,7 @@ impl<'a> Point<'a> {
         count: usize,
         shape: impl Fn(usize, usize, usize, &Drivers) -> f64,
     ) -> Option<DMatrix<f64>> {
-        let place = Port::ALL.iter().position(|p| *p == port)?;
+        let place = self.ports.iter().position(|p| *p == port)?;
         self.columns(count, |r, k| {
             let direction = self.further(r)[place].as_ref()?;
             let tangent = &self.slopes.tangents[r];
@@ -216,8 +244,7 @@ fn evidence(
         .map(|(d, value)| (value - d.prior) / d.deviation)
         .collect();
     let added = fitted.hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
-    let scales: Vec<f64> =
-        setup.declared.iter().map(|d| d.deviation).chain(added.map(|n| n.scale)).collect();
+    let scales: Vec<f64> = setup.declared.iter().map(|d| d.deviation).chain(added.map(|n| n.scale)).collect();
     let mut columns: Vec<Vec<f64>> = (0..slopes.count())
         .into_par_iter()
         .map(|k| {
@@ -271,7 +298,10 @@ fn evidence(
                     }
                     None => {
                         let direction = slopes.further(r, further)[before_inputs + ambient?].as_ref()?;
-                        Some(slopes.tangents[r].response(direction, |row| loudest * hat(&points, k, time[row])))
+                        Some(
+                            slopes.tangents[r]
+                                .response(direction, |row| loudest * hat(&points, k, time[row])),
+                        )
                     }
                 }
             });

@@ -181,11 +181,23 @@ impl<'a> Problem<'a> {
         for _ in 0..STEPS {
             let slopes = self.slopes(role, &at, &residual)?;
             information = slopes.transpose() * &slopes;
-            let downhill = slopes.transpose() * &residual;
+            let mut downhill = slopes.transpose() * &residual;
+            // A parameter that would leave its limits stays there, and the others move as if it were none: clamped
+            // after the step, it would spoil theirs.
+            let mut curvature = information.clone();
+            for (k, (p, x)) in free.iter().zip(&at).enumerate() {
+                let leaves = if downhill[k] > 0.0 { *x <= p.limits.0 } else { *x >= p.limits.1 };
+                if leaves {
+                    curvature.row_mut(k).fill(0.0);
+                    curvature.column_mut(k).fill(0.0);
+                    curvature[(k, k)] = 1.0;
+                    downhill[k] = 0.0;
+                }
+            }
             let now = residual.norm_squared();
             let mut better = None;
             while better.is_none() && damping < 1e9 {
-                let mut damped = information.clone();
+                let mut damped = curvature.clone();
                 for k in 0..free.len() {
                     damped[(k, k)] *= 1.0 + damping;
                 }
@@ -253,6 +265,35 @@ impl<'a> Problem<'a> {
                 all.push(Rmse { role, outputs });
             }
         }
+        Ok(all)
+    }
+
+    /// Correlations of the fitted parameters by (1) with the runs of a role: which of them are known together only.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run; parameters that cannot be told apart at all.
+    pub fn correlations(&self, role: Role, fitted: &[Fitted]) -> Result<DMatrix<f64>, CalibrateError> {
+        let at: Vec<f64> = fitted.iter().map(|f| f.value).collect();
+        let slopes = self.slopes(role, &at, &self.residuals(role, &at)?)?;
+        let covariance = (slopes.transpose() * &slopes)
+            .cholesky()
+            .map(|c| c.inverse())
+            .ok_or_else(|| CalibrateError("the parameters cannot be told apart by these runs".to_string()))?;
+        Ok(DMatrix::from_fn(at.len(), at.len(), |i, k| {
+            covariance[(i, k)] / (covariance[(i, i)] * covariance[(k, k)]).sqrt()
+        }))
+    }
+
+    /// Measured less shown at every counted row of one run, with the output's number, in SI units.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn misses(&self, run: usize, fitted: &[Fitted]) -> Result<Vec<(usize, f64)>, CalibrateError> {
+        let mut change = Change::default();
+        self.parameters.iter().zip(fitted).for_each(|(p, f)| p.how.apply(f.value, &mut change));
+        let shown = self.bench.run(&self.drives[run], &change)?;
+        let mut all = Vec::new();
+        self.each(&self.experiment.runs[run], &shown, |n, off| all.push((n, off)));
         Ok(all)
     }
 

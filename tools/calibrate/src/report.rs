@@ -46,6 +46,8 @@ pub struct Replay {
     pub agrees: bool,
     /// The role whose runs were replayed.
     pub role: &'static str,
+    /// Runs of that role that an FMU cannot start as measured; the values of the others are compared then, not errors.
+    pub left_out: Vec<String>,
     /// Every output in both standards.
     pub channels: Vec<ReplayedChannel>,
 }

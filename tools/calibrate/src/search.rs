@@ -55,6 +55,13 @@ pub struct Scored {
     pub shape: Vec<(f64, f64, f64)>,
 }
 
+impl Scored {
+    /// What speaks for it whichever way the noise is taken.
+    pub fn sure(&self) -> f64 {
+        self.evidence.min(self.raw)
+    }
+}
+
 /// The runs' values of a driver: least, greatest, and points between that hold as many rows each.
 fn knots(point: &Point, driver: Driver) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
@@ -115,12 +122,13 @@ pub fn search(point: &Point) -> Vec<Scored> {
         likely.par_iter().flat_map_iter(|(port, driver, _)| powers(point, *port, *driver, per_number)),
     );
     all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
-    let mut free: Vec<Scored> = Port::ALL.par_iter().filter_map(|port| in_time(point, *port, per_number)).collect();
+    let mut free: Vec<Scored> =
+        Port::ALL.par_iter().filter_map(|port| in_time(point, *port, per_number)).collect();
     free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
     all.par_extend(ports.par_iter().flat_map_iter(|port| histories(point, *port, per_number)));
     all.extend(free);
-    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     all
 }
 
@@ -161,7 +169,8 @@ fn listed(point: &Point, per_number: f64) -> Vec<Scored> {
                     // Which runs, out of so many: a choice costs as its number of answers.
                     let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
                     let shape = vec![(0.0, gain.size[0], gain.covariance[(0, 0)].sqrt())];
-                    let name = if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
+                    let name =
+                        if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
                     Some(Scored {
                         addition: Some(addition),
                         name,
@@ -239,7 +248,8 @@ fn step(point: &Point, mut addition: Addition) -> Option<(Addition, Gain)> {
     addition.numbers[1].value = at;
     // Half of what is likely, at least one row: the interval of a time that no slope finds.
     let (least, most) = likely.iter().fold((at, at), |(a, b), t| (a.min(*t), b.max(*t)));
-    let row = point.setup.drives[point.runs[0]].time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    let row =
+        point.setup.drives[point.runs[0]].time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
     addition.numbers[1].scale = 0.25 * (most - least) + 0.5 * row;
     Some((addition, gain))
 }
@@ -279,7 +289,8 @@ fn store(point: &Point, addition: Addition) -> Option<(Addition, Gain)> {
 }
 
 fn scored(name: String, port: Port, follows: Follows, gain: &Gain, cost: f64, x: &[f64]) -> Scored {
-    let shape = x.iter().enumerate().map(|(k, x)| (*x, gain.size[k], gain.covariance[(k, k)].sqrt())).collect();
+    let shape =
+        x.iter().enumerate().map(|(k, x)| (*x, gain.size[k], gain.covariance[(k, k)].sqrt())).collect();
     Scored {
         addition: None,
         name,
@@ -321,16 +332,14 @@ fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
     knots(point, driver)?;
     let factor = scale(point, driver);
     let of = |exponent: f64| {
-        let value = |x: f64| power(((x - factor.offset) / factor.reference).abs(), exponent);
+        let value = |x: f64| power(&factor, x, exponent);
         let gain = point.evidence.gain(&point.port_columns(port, 1, |_, _, _, d| value(d.of(driver)))?)?;
         // A drag or a drop that drives is none.
         let physical = !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
         physical.then_some((exponent, gain))
     };
-    let (exponent, gain) = EXPONENTS
-        .iter()
-        .filter_map(|e| of(*e))
-        .max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+    let (exponent, gain) =
+        EXPONENTS.iter().filter_map(|e| of(*e)).max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
     let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + CHOICE, &[0.0]);
     let number = |symbol: &str, value: f64, limits: (f64, f64), unit: &'static str, scale: f64| Number {
@@ -348,7 +357,13 @@ fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
         follows: Follows::Driver(driver),
         shape: Shape::Power { factor: Factor { exponent, ..factor } },
         numbers: vec![
-            number("coefficient", gain.size[0], (f64::NEG_INFINITY, f64::INFINITY), port.unit().name(), spread),
+            number(
+                "coefficient",
+                gain.size[0],
+                (f64::NEG_INFINITY, f64::INFINITY),
+                port.unit().name(),
+                spread,
+            ),
             number("exponent", exponent, (0.1, 5.0), "1", 0.05),
         ],
         active: vec![true; point.setup.experiment.runs.len()],

@@ -81,9 +81,8 @@ fn readings(setup: &Setup) -> Vec<Reading> {
 /// Runs that the inputs' ranges allow: every input at a level, half a run long, then at rest.
 fn designs(setup: &Setup) -> Vec<(String, Drive)> {
     let inputs = &setup.experiment.inputs;
-    let most: Vec<f64> = (0..inputs.len())
-        .map(|k| setup.drives.iter().map(|d| d.greatest(k)).fold(0.0, f64::max))
-        .collect();
+    let most: Vec<f64> =
+        (0..inputs.len()).map(|k| setup.drives.iter().map(|d| d.greatest(k)).fold(0.0, f64::max)).collect();
     let rest: Vec<f64> = (0..inputs.len()).map(|k| setup.drives[0].input(k, 0)).collect();
     let moves: Vec<usize> =
         (0..inputs.len()).filter(|k| !inputs[*k].is_temperature() && most[*k] > 0.0).take(4).collect();
@@ -145,7 +144,8 @@ fn compare(
         let apart = a[k].iter().zip(&b[k]).enumerate().map(|(row, (x, y))| (row, x - y));
         let (row, apart) = apart.max_by(|p, q| p.1.abs().total_cmp(&q.1.abs()))?;
         let span = a[k].iter().chain(&b[k]).fold(0.0f64, |m, x| m.max((x - a[k][0]).abs()));
-        let size = if reading.is_temperature { span } else { a[k].iter().fold(0.0f64, |m, x| m.max(x.abs())) };
+        let size =
+            if reading.is_temperature { span } else { a[k].iter().fold(0.0f64, |m, x| m.max(x.abs())) };
         let levels = match reading.noise {
             Some(noise) => apart.abs() / noise,
             None => 100.0 * apart.abs() / size.max(1e-12),

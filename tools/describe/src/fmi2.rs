@@ -4,8 +4,7 @@ use crate::Dependencies;
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
 use physics::declare::Kind;
-use physics::model::{Entry, ModelType};
-use physics::terms::GenericTerm;
+use physics::model::{Declaration, Entry};
 use std::io;
 
 const CAN: &[&str] = &[
@@ -16,9 +15,8 @@ const CAN: &[&str] = &[
     "canSerializeFMUstate",
 ];
 
-/// The text of modelDescription.xml of an archive with these start values and terms.
-pub fn model_description(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> String {
-    let declaration = (kind.declaration)();
+/// The text of modelDescription.xml of an archive with these start values and dependencies.
+pub fn model_description(declaration: &Declaration, starts: &StartValues, found: &Dependencies) -> String {
     let mut root = xml::root("2.0", "guid", declaration);
     root.push(("numberOfEventIndicators", "0".to_string()));
     xml::document("fmiModelDescription", &root, |xml| {
@@ -35,7 +33,6 @@ pub fn model_description(kind: &ModelType, starts: &StartValues, terms: &[Generi
             declaration.entries.iter().try_for_each(|entry| scalar_variable(xml, entry, starts))
         })?;
         element(xml, "ModelStructure", &vec![], |xml| {
-            let found = Dependencies::of(kind, terms);
             // Time is variable 1, and the entries follow in order.
             let unknown = |xml: &mut Xml, (output, on): &(usize, Vec<usize>)| {
                 let dependencies = list(on.iter().map(|k| *k as u64 + 2));

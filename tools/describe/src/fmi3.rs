@@ -4,16 +4,14 @@ use crate::Dependencies;
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
 use physics::declare::Kind;
-use physics::model::{Entry, ModelType};
-use physics::terms::GenericTerm;
+use physics::model::{Declaration, Entry};
 use std::io;
 
 const CAN: &[&str] =
     &["canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"];
 
-/// The text of modelDescription.xml of an archive with these start values and terms.
-pub fn model_description(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> String {
-    let declaration = (kind.declaration)();
+/// The text of modelDescription.xml of an archive with these start values and dependencies.
+pub fn model_description(declaration: &Declaration, starts: &StartValues, found: &Dependencies) -> String {
     xml::document("fmiModelDescription", &xml::root("3.0", "instantiationToken", declaration), |xml| {
         empty(xml, "CoSimulation", &xml::interface(declaration, CAN))?;
         xml::unit_definitions(xml, declaration)?;
@@ -28,7 +26,6 @@ pub fn model_description(kind: &ModelType, starts: &StartValues, terms: &[Generi
             declaration.entries.iter().try_for_each(|entry| variable(xml, entry, starts))
         })?;
         element(xml, "ModelStructure", &vec![], |xml| {
-            let found = Dependencies::of(kind, terms);
             let reference = |k: usize| u64::from(declaration.entries[k].value_reference);
             for (name, unknowns) in [("Output", &found.running), ("InitialUnknown", &found.initial)] {
                 for (output, on) in unknowns {

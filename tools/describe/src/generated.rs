@@ -1,5 +1,6 @@
 //! The generated files of `model-description/`: what they should hold, and whether they do.
 
+use crate::Dependencies;
 use crate::preset::StartValues;
 use crate::{fmi2, fmi3, lock, markdown};
 use std::fs;
@@ -27,9 +28,11 @@ pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
     let mut files = Vec::new();
     let starts = StartValues::default();
     for kind in physics::models::ALL {
-        let home = folder.join((kind.declaration)().name);
-        files.push((home.join("fmi2.xml"), fmi2::model_description(kind, &starts, &[])));
-        files.push((home.join("fmi3.xml"), fmi3::model_description(kind, &starts, &[])));
+        let declaration = (kind.declaration)();
+        let home = folder.join(declaration.name);
+        let found = Dependencies::of(kind, &[]);
+        files.push((home.join("fmi2.xml"), fmi2::model_description(declaration, &starts, &found)));
+        files.push((home.join("fmi3.xml"), fmi3::model_description(declaration, &starts, &found)));
         files.push((home.join("parameters.md"), markdown::parameters(kind)));
     }
     let declarations: Vec<_> = physics::models::ALL.iter().map(|m| (m.declaration)()).collect();

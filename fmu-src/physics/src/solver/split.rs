@@ -178,12 +178,15 @@ pub struct Stuck {
 pub struct Split<const N: usize> {
     fast: Phi<2>,
     thermal: Phi<N>,
+    /// The tolerance over [`TOLERANCE`].
+    ease: f64,
 }
 
 impl<const N: usize> Default for Split<N> {
     /// Frozen for no step at all: the first step renews both blocks.
     fn default() -> Self {
-        Split { fast: Phi::new(Matrix2::zeros(), 0.0), thermal: Phi::new(SMatrix::zeros(), 0.0) }
+        let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
+        Split { fast, thermal, ease: 1.0 }
     }
 }
 
@@ -205,7 +208,12 @@ impl<const N: usize> Split<N> {
             }
             Some(Phi::new(matrix, next()?))
         }
-        Some(Split { fast: block(next)?, thermal: block(next)? })
+        Some(Split { fast: block(next)?, thermal: block(next)?, ease: 1.0 })
+    }
+
+    /// Lets the steps err by this factor more than they do by default; it is no part of what is saved.
+    pub fn ease(&mut self, factor: f64) {
+        self.ease = factor;
     }
 
     /// Advances `state` by `h` seconds, in as many steps as the error asks for; on failure nothing changes.
@@ -320,7 +328,7 @@ impl<const N: usize> Split<N> {
             );
             let end = thermal.end(&temp0, &rate0, &warming);
             let moved = (end - temp1).amax();
-            let settled = SENSITIVITY * moved <= 0.1 * TOLERANCE;
+            let settled = SENSITIVITY * moved <= 0.1 * TOLERANCE * self.ease;
             round += 1;
             if !settled && round < ROUNDS {
                 temp1 = end;
@@ -344,7 +352,8 @@ impl<const N: usize> Split<N> {
             let miss_thermal = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
             let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
             let unsettled = if settled { 0.0 } else { SENSITIVITY * moved };
-            let error = (miss + late + miss_thermal + doubt + SENSITIVITY * bend + unsettled) / TOLERANCE;
+            let error = (miss + late + miss_thermal + doubt + SENSITIVITY * bend + unsettled)
+                / (TOLERANCE * self.ease);
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -m.tr_mul(capacity);
             let rest = |s: f64, temp: &SVector<f64, N>| system.outflow(t + s * h, temp) - share.dot(temp);

@@ -81,6 +81,7 @@ fn what_cannot_be_is_named_with_file_and_line() {
         ("= 0.03", "= 0.0", ["e.toml:12:", "must be above 0"]),
         ("winding_temperature_degC = 0.1", "duty_1 = 0.1", ["e.toml:14:", "no input or output"]),
         ("[1.0, 4.0]", "[4.0, 1.0]", ["e.toml:18:", "is empty"]),
+        ("[1.0, 4.0]", "[5.0, 9.0]", ["e.toml:18:", "holds no row of a.csv, which runs from 0 s to 4 s"]),
         ("role = \"fit\"", "role = \"fitt\"", ["e.toml:17:", "fitt"]),
         ("role = \"fit\"", "role = \"validate\"", ["e.toml:", "no run has role"]),
         ("file = \"a.csv\"\nrole = \"fit\"", "file = \"b.csv\"\nrole = \"fit\"", ["b.csv", "cannot be read"]),

@@ -2,7 +2,7 @@
 
 use super::put;
 use crate::Failure;
-use archive::build::{Contents, Standard, TermText, TermsFile, build, library_path};
+use archive::build::{Contents, Standard, TermText, TermsFile, build_all, library_path};
 use archive::validate::{Severity, validate};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Outcome, Setting};
@@ -48,9 +48,9 @@ pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<
     let program =
         std::env::current_exe().map_err(|e| Failure::new(format!("this program is not to be found: {e}")))?;
     let (mut archives, mut names, mut findings) = (Vec::new(), Vec::new(), Vec::new());
-    for standard in Standard::ALL {
-        let contents = Contents { preset: Some(&preset), effects: effects.as_ref() };
-        let path = build(kind, standard, contents, &library, out)?;
+    let contents = Contents { preset: Some(&preset), effects: effects.as_ref() };
+    let paths = build_all(kind, &Standard::ALL, contents, &library, out)?;
+    for (standard, path) in Standard::ALL.into_iter().zip(paths) {
         let name = format!("{}/{}.fmu", standard.folder(), outcome.model);
         let wrong = validate(&path, &program)?.into_iter().filter(|f| f.severity == Severity::Error);
         findings.extend(wrong.map(|f| format!("{name}: {}: {}", f.place, f.message)));

@@ -2,11 +2,11 @@
 
 mod figures;
 
-use super::words::{driver, list, number, plain, port, replay as replay_words, verdict, with_unit};
+use super::words::{driver, law, list, number, plain, port, replay as replay_words, verdict};
 use calibrate::experiment::{Experiment, Role};
 use calibrate::outcome::{Curves, Found, Outcome, Unexplained, Verdict};
 use calibrate::report::{ROLES, Replay, role_name};
-use describe::{Declaration, Law};
+use describe::Declaration;
 use std::fmt::Write;
 use study::figure::escaped;
 use study::page::{Plate, begun, plates, table};
@@ -109,11 +109,8 @@ fn effects(outcome: &Outcome, declaration: &Declaration) -> String {
     for effect in &outcome.effects {
         let _ = write!(html, "<h3>{}</h3>", escaped(&heading(effect)));
         let acts = format!("It acts on {} and {}.", port(effect.port), driver(effect.follows));
-        let size = if effect.magnitude.is_empty() {
-            String::new()
-        } else {
-            format!(" Its size: {}.", effect.magnitude)
-        };
+        let size =
+            if effect.magnitude.is_empty() { String::new() } else { format!(" It {}.", effect.magnitude) };
         let runs = if effect.everywhere {
             String::new()
         } else {
@@ -122,7 +119,7 @@ fn effects(outcome: &Outcome, declaration: &Declaration) -> String {
         html += &paragraph(&format!("{acts}{size}{runs}"));
         html += &sizes(effect, declaration);
         if let Some(law) = effect.term.as_ref().map(law) {
-            html += &paragraph(&law);
+            html += &paragraph(&format!("Its law: {law}."));
         }
         html += &paragraph(&support(effect));
         if !effect.alternatives.is_empty() {
@@ -173,35 +170,6 @@ fn sizes(effect: &Found, declaration: &Declaration) -> String {
     rows(&format!("effect-{}", effect.id), &headers, effect.parameters.iter().map(row).collect())
 }
 
-/// A term's law as an equation.
-fn law(term: &describe::GenericTerm) -> String {
-    match &term.law {
-        Law::Product(product) => {
-            let factors = product.factors.iter().flatten().map(|f| {
-                let off = match f.offset {
-                    0.0 => plain(f.driver.name()),
-                    off if off > 0.0 => format!("({} − {})", plain(f.driver.name()), number(off)),
-                    off => format!("({} + {})", plain(f.driver.name()), number(-off)),
-                };
-                format!(" · ({off} / {})^{}", number(f.reference), number(f.exponent))
-            });
-            let size = with_unit(product.coefficient, term.port.unit().name());
-            format!("Its law: {} = {size}{}", plain(term.port.name()), factors.collect::<String>())
-        }
-        Law::Table(table) => {
-            let (x, y) = table.points();
-            let points: Vec<String> =
-                x.iter().zip(y).map(|(x, y)| format!("{} at {}", number(*y), number(*x))).collect();
-            format!(
-                "Its law is a table of {} over {}, held beyond its ends: {}.",
-                plain(term.port.name()),
-                plain(table.driver.name()),
-                points.join(", ")
-            )
-        }
-    }
-}
-
 fn support(effect: &Found) -> String {
     let validation = effect.validation_ratio.map_or(String::new(), |ratio| {
         format!(
@@ -218,7 +186,8 @@ fn support(effect: &Found) -> String {
 
 fn unexplained(found: &Unexplained, outcome: &Outcome) -> String {
     let given = if found.added {
-        "The model was given it as a table, since that improves what was not fitted."
+        "The model was given the law above, since that improves what was not fitted; the figure is what the data draws \
+         without a law."
     } else {
         "The model was not given it: what was not fitted does not improve by it."
     };

@@ -9,7 +9,7 @@
 use super::export::{Exported, terms};
 use crate::Failure;
 use archive::build::{Contents, build};
-use calibrate::experiment::{Experiment, Role, Run};
+use calibrate::experiment::{Experiment, Role, Run, Start};
 use calibrate::outcome::{Outcome, Setting};
 use calibrate::report::{ROLES, Replay, ReplayedChannel, role_name};
 use calibrate::simulate::Drive;
@@ -20,18 +20,22 @@ const LIMIT: f64 = 1e-6;
 /// Pairs of parts of a step between rows for FMI 3.
 const PAIRS: usize = 16;
 
-/// Runs every test run (without such, every validation run, else those that were fitted) with both archives.
+/// Runs every test run (without such, every validation run, else those that were fitted) with both archives. A run that
+/// starts at measured temperatures is left out: an FMU starts where its ambient temperature is.
 ///
 /// # Errors
 /// What an FMU refuses.
 pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
-    let has = |role: &Role| experiment.runs.iter().any(|r| r.role == *role);
+    let cold = |r: &&Run| r.start == Start::Ambient;
+    let has = |role: &Role| experiment.runs.iter().filter(cold).any(|r| r.role == *role);
     let role = ROLES.into_iter().rev().find(has).unwrap_or(Role::Fit);
+    let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
+    let left_out: Vec<String> = of_role().filter(|(r, _)| !cold(r)).map(|(r, _)| r.file.clone()).collect();
     let mut channels = Vec::new();
     for (standard, path) in &exported.archives {
         let archive = Archive::open(path)?;
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
-        for (run, setting) in experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role) {
+        for (run, setting) in of_role().filter(|(r, _)| cold(r)) {
             let drive = Drive::new(experiment, run)?;
             let shown = if carries(setting, outcome) {
                 shown(&archive, &differences(setting, outcome, exported), experiment, &drive)?
@@ -46,19 +50,23 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
             };
             compare(experiment, outcome, run, &shown, &mut sums);
         }
-        for (channel, sum) in experiment.outputs.iter().zip(&sums).filter(|(_, s)| s.count > 0) {
+        for (n, (channel, sum)) in
+            experiment.outputs.iter().zip(&sums).enumerate().filter(|(_, (_, s))| s.count > 0)
+        {
             let error = outcome.errors.iter().find(|e| e.role == role && e.column == channel.column);
             let after = error.map_or(f64::NAN, |e| e.after);
             let rmse = (sum.squares / sum.count as f64).sqrt();
-            // A channel that does not move has no range; its own error is the scale then.
-            let range = if sum.high > sum.low { sum.high - sum.low } else { after.max(f64::MIN_POSITIVE) };
+            // The model's error is over all runs of the role; without some of them there are only the values.
+            let apart = if left_out.is_empty() { (rmse - after).abs() } else { sum.apart };
+            // A single reading has no range; that of all runs is the scale then.
+            let range = if sum.high > sum.low { sum.high - sum.low } else { span(experiment, n) };
             channels.push(ReplayedChannel {
                 standard: standard.folder(),
                 column: channel.column,
                 rmse,
                 after,
                 range,
-                difference: (rmse - after).abs() / range,
+                difference: apart / range,
                 difference_of_a_value: sum.apart / range,
             });
         }
@@ -77,8 +85,17 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         limit: LIMIT,
         agrees: greatest_difference <= LIMIT,
         role: role_name(role),
+        left_out,
         channels,
     })
+}
+
+/// Greatest less least reading of an output over all runs, above 0.
+fn span(experiment: &Experiment, output: usize) -> f64 {
+    let column = experiment.inputs.len() + output;
+    let all = experiment.runs.iter().flat_map(|r| &r.table.columns[column]).filter(|v| v.is_finite());
+    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    (high - low).max(f64::MIN_POSITIVE)
 }
 
 /// The name of the parameter that scales all terms.

@@ -33,7 +33,7 @@ fn found(id: &str) -> Found {
         delta_bic: 120.0,
         delta_bic_whitened: 80.0,
         validation_ratio: Some(0.41),
-        magnitude: "up to 1.2 W at 0 ... 700 rad/s".to_owned(),
+        magnitude: "moves at most voltage_V by 0.3".to_owned(),
     }
 }
 
@@ -148,6 +148,7 @@ pub fn replay() -> Replay {
         limit: 1e-6,
         agrees: true,
         role: "test",
+        left_out: Vec::new(),
         channels: vec![channel],
     }
 }

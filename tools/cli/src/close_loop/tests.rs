@@ -98,7 +98,7 @@ fn a_page_is_complete_in_itself() {
     for (verdict, words) in ALL.iter().zip([
         ["What the model lacked", "What would tell them apart", "9.1e-5 ... 9.9e-5"],
         ["one of iron loss or viscous friction", "This data is explained as well by", "What was tried"],
-        ["What has no name", "Its law: drag torque = 0.002 N.m · (speed / 500)^0.75", "given it as a table"],
+        ["What has no name", "Its law: drag torque = 0.002 N.m · (speed / 500)^0.75", "given the law above"],
         ["What would have been seen", "2e-6", "Nothing was found"],
     ]) {
         let page = page_of(*verdict);

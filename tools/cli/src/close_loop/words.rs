@@ -2,7 +2,7 @@
 
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::Replay;
-use describe::{Driver, Port};
+use describe::{Driver, GenericTerm, Law, Port};
 
 /// Where a term acts, as a person calls it.
 pub fn port(port: Port) -> &'static str {
@@ -71,7 +71,7 @@ pub fn number(value: f64) -> String {
             text.to_owned()
         }
     };
-    if (1e-3..1e5).contains(&size) {
+    if (1e-4..1e5).contains(&size) {
         let digits = (3.0 - size.log10().floor()).max(0.0) as usize;
         return short(&format!("{value:.digits$}"));
     }
@@ -82,6 +82,35 @@ pub fn number(value: f64) -> String {
 /// A value with its unit; a pure number has none.
 pub fn with_unit(value: f64, unit: &str) -> String {
     if unit == "1" { number(value) } else { format!("{} {unit}", number(value)) }
+}
+
+/// A term's law: an equation, or a table.
+pub fn law(term: &GenericTerm) -> String {
+    match &term.law {
+        Law::Product(product) => {
+            let factors = product.factors.iter().flatten().map(|f| {
+                let off = match f.offset {
+                    0.0 => plain(f.driver.name()),
+                    off if off > 0.0 => format!("({} − {})", plain(f.driver.name()), number(off)),
+                    off => format!("({} + {})", plain(f.driver.name()), number(-off)),
+                };
+                format!(" · ({off} / {})^{}", number(f.reference), number(f.exponent))
+            });
+            let size = with_unit(product.coefficient, term.port.unit().name());
+            format!("{} = {size}{}", plain(term.port.name()), factors.collect::<String>())
+        }
+        Law::Table(table) => {
+            let (x, y) = table.points();
+            let points: Vec<String> =
+                x.iter().zip(y).map(|(x, y)| format!("{} at {}", number(*y), number(*x))).collect();
+            format!(
+                "a table of {} over {}, held beyond its ends: {}",
+                plain(term.port.name()),
+                plain(table.driver.name()),
+                points.join(", ")
+            )
+        }
+    }
 }
 
 /// The name of what was found, with its size.
@@ -129,16 +158,20 @@ pub fn verdict(outcome: &Outcome) -> String {
             )
         }
         Verdict::Unexplained => match &outcome.unexplained {
-            Some(u) => format!(
-                "something acts on {} and {}; it is in no list of effects, and the model was {}.",
-                port(u.port),
-                driver(u.follows),
-                if u.added {
-                    "given its shape"
+            Some(u) => {
+                let laws: Vec<String> =
+                    outcome.effects.iter().filter_map(|e| e.term.as_ref()).map(law).collect();
+                let given = if u.added {
+                    format!("given a law for it: {}", list(&laws, "and"))
                 } else {
-                    "not given it, since that does not help where nothing was fitted"
-                }
-            ),
+                    "not given it, since that does not help where nothing was fitted".to_owned()
+                };
+                format!(
+                    "something acts on {} and {}; it is in no list of effects, and the model was {given}.",
+                    port(u.port),
+                    driver(u.follows)
+                )
+            }
             None => "the model lacks something that has no name.".to_owned(),
         },
         Verdict::Nothing => {
@@ -149,11 +182,21 @@ pub fn verdict(outcome: &Outcome) -> String {
 
 /// Whether the FMUs show what the report says.
 pub fn replay(replay: &Replay) -> String {
-    let worst = replay.channels.iter().max_by(|a, b| a.difference.total_cmp(&b.difference));
-    let place = worst.map_or(String::new(), |c| format!(" ({} in {})", c.column, c.standard));
+    let left_out = if replay.left_out.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "; {} starts at measured temperatures, where an FMU cannot start",
+            list(&replay.left_out, "and")
+        )
+    };
+    let Some(worst) = replay.channels.iter().max_by(|a, b| a.difference.total_cmp(&b.difference)) else {
+        return format!("the exported FMUs could not be run over the data{left_out}");
+    };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     format!(
-        "the exported FMUs, run over the {} data, show the model's error to {:.1e} of the channel's range{place}, {relation} {:.0e}",
-        replay.role, replay.greatest_difference, replay.limit
+        "the exported FMUs, run over the {} data, show what the model shows to {:.1e} of the channel's range ({} in {}), \
+         {relation} {:.0e}{left_out}",
+        replay.role, replay.greatest_difference, worst.column, worst.standard, replay.limit
     )
 }

@@ -3,8 +3,10 @@
 use super::{Drawing, Scale, escaped, style, tick};
 use std::fmt::Write;
 
-/// Width of a figure, of its names' column, and its margin on the right.
-const WIDTH: (f64, f64, f64) = (660.0, 220.0, 60.0);
+/// Width of a figure, and its margin on the right.
+const WIDTH: (f64, f64) = (660.0, 60.0);
+/// Width of a letter of a name, and limits of the names' column.
+const NAMES: (f64, f64, f64) = (6.9, 120.0, 330.0);
 /// Height of a row, of what stands above the rows, and below.
 const HEIGHT: (f64, f64, f64) = (30.0, 66.0, 52.0);
 
@@ -44,6 +46,12 @@ impl Rows {
         Rows { title: title.to_owned(), label: label.to_owned(), series, rows }
     }
 
+    /// Width of the names' column.
+    fn names(&self) -> f64 {
+        let longest = self.rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0);
+        (NAMES.0 * longest as f64 + 20.0).clamp(NAMES.1, NAMES.2)
+    }
+
     /// The axis: all that is shown, and zero.
     fn span(&self) -> (f64, f64) {
         let ends = self.rows.iter().flat_map(|r| &r.marks).flat_map(|(_, mark)| match mark {
@@ -62,8 +70,8 @@ impl Drawing for Rows {
     fn svg(&self) -> String {
         let (row, above, below) = HEIGHT;
         let bottom = above + row * self.rows.len() as f64;
-        let (height, right) = (bottom + below, WIDTH.0 - WIDTH.2);
-        let x = Scale::new(self.span(), (WIDTH.1, right));
+        let (height, left, right) = (bottom + below, self.names(), WIDTH.0 - WIDTH.1);
+        let x = Scale::new(self.span(), (left, right));
         let mut out = format!(
             "<svg class=\"f\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" width=\"{}\" \
              height=\"{height}\" role=\"img\" aria-label=\"{title}\"><style>{}</style>\
@@ -88,12 +96,12 @@ impl Drawing for Rows {
             out,
             "<line class=\"a\" x1=\"{zero:.1}\" x2=\"{zero:.1}\" y1=\"{above}\" y2=\"{bottom}\"/>\
              <text text-anchor=\"middle\" x=\"{:.1}\" y=\"{}\">{}</text>",
-            0.5 * (WIDTH.1 + right),
+            0.5 * (left + right),
             bottom + 40.0,
             escaped(&self.label)
         );
         for (k, series) in self.series.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
-            let px = WIDTH.1 + 150.0 * k as f64;
+            let px = left + 110.0 * k as f64;
             let _ = write!(
                 out,
                 "<circle class=\"p d{k}\" cx=\"{px}\" cy=\"46\" r=\"4.5\"/><text x=\"{}\" y=\"50\">{}</text>",
@@ -106,7 +114,7 @@ impl Drawing for Rows {
             let _ = write!(
                 out,
                 "<text text-anchor=\"end\" x=\"{}\" y=\"{:.1}\">{}</text>",
-                WIDTH.1 - 10.0,
+                left - 10.0,
                 y + 4.0,
                 escaped(&row_of.name)
             );
@@ -176,12 +184,12 @@ mod tests {
         Row { name: name.to_owned(), marks }
     }
 
-    /// From 220 to 600 pixels for 0 to 1.04: a bar of 0.5 is 182.7 pixels wide.
+    /// From 120 to 600 pixels for 0 to 1.04: a bar of 0.5 is 230.8 pixels wide.
     #[test]
     fn bars_are_as_long_as_their_value() {
         let bars = [1.0, 0.5].map(|v| row("a < b", vec![(0, Mark::Bar(v, String::new()))]));
         let svg = Rows::new("t", "share", &[], bars.to_vec()).svg();
-        assert!(svg.contains("width=\"365.4\"") && svg.contains("width=\"182.7\""), "{svg}");
+        assert!(svg.contains("width=\"461.5\"") && svg.contains("width=\"230.8\""), "{svg}");
         assert!(svg.contains("a &lt; b"));
     }
 

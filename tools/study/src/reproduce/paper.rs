@@ -9,7 +9,7 @@ pub use native::{Run, Sample, runs};
 use super::{Row, significant};
 use crate::StudyError;
 use crate::numeric::Line;
-use published::{CURRENT, DURATION, DUTIES, L_A, R_A};
+use published::{CURRENT, DURATION, DUTIES, L_A, R_A, SUPPLY, T_ROOM};
 use serde::Serialize;
 
 /// Voltage of the mechanical term at full duty, V, as printed in section 3.2.1.
@@ -74,10 +74,32 @@ pub struct Temperatures {
     pub finding: String,
 }
 
+/// What the paper measured at one duty: the point of its printed lines, and the plateau.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[allow(non_snake_case)] // units in the keys
+pub struct Measured {
+    /// Duty, percent.
+    pub duty_percent: f64,
+    /// Length of the run, s.
+    pub duration_s: f64,
+    /// Voltage of the supply, V.
+    pub supply_V: f64,
+    /// Temperature of the room, degC.
+    pub room_degC: f64,
+    /// Voltage at the motor, V.
+    pub voltage_V: f64,
+    /// Current, A.
+    pub current_A: f64,
+    /// Temperature of the motor at the end, degC.
+    pub temperature_degC: f64,
+}
+
 /// Everything about the paper.
 #[derive(Clone, Debug, Serialize)]
 #[allow(non_snake_case)] // the keys of the JSON contract
 pub struct Paper {
+    /// The five runs as measured.
+    pub measured: Vec<Measured>,
     /// Terms of the voltage at full duty, consistent, V.
     pub voltage: Parts,
     /// Current at full duty, A.
@@ -126,6 +148,7 @@ pub fn paper() -> Result<Paper, StudyError> {
         temperatures.finding
     );
     Ok(Paper {
+        measured: DUTIES.map(measured).to_vec(),
         voltage,
         current_A: CURRENT,
         power,
@@ -143,6 +166,24 @@ pub fn paper() -> Result<Paper, StudyError> {
 fn on_the_lines(duty: f64) -> (f64, f64) {
     let below = duty - 100.0;
     (R_A * CURRENT + V_MECHANICAL + V_SLOPE * below, CURRENT + I_SLOPE * below)
+}
+
+/// The plateau at a duty, degC.
+fn plateau(duty: f64) -> f64 {
+    if duty <= 40.0 { PLATEAUS.0 } else { PLATEAUS.1 }
+}
+
+fn measured(duty: f64) -> Measured {
+    let (voltage, current) = on_the_lines(duty);
+    Measured {
+        duty_percent: duty,
+        duration_s: DURATION,
+        supply_V: SUPPLY,
+        room_degC: T_ROOM,
+        voltage_V: voltage,
+        current_A: current,
+        temperature_degC: plateau(duty),
+    }
 }
 
 fn slopes(simulated: &Result<Vec<Run>, String>) -> Option<Slopes> {
@@ -169,9 +210,8 @@ fn slopes(simulated: &Result<Vec<Run>, String>) -> Option<Slopes> {
 }
 
 fn temperatures(simulated: &Result<Vec<Run>, String>, work: &Parts) -> Temperatures {
-    let measured = |duty: f64| if duty <= 40.0 { PLATEAUS.0 } else { PLATEAUS.1 };
     let power_at = |duty: f64| on_the_lines(duty).0 * on_the_lines(duty).1;
-    let points = DUTIES.map(|duty| (power_at(duty), measured(duty)));
+    let points = DUTIES.map(|duty| (power_at(duty), plateau(duty)));
     let line = Line::through(&points);
     let residuals: Vec<f64> = points.iter().map(|p| p.1 - line.map_or(f64::NAN, |l| l.at(p.0))).collect();
     let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);

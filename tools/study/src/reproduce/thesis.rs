@@ -22,6 +22,14 @@ use serde::Serialize;
 pub struct CaseResult {
     /// Name.
     pub name: &'static str,
+    /// Item of the model's `cooling_mode`.
+    pub cooling_mode: &'static str,
+    /// The parameter that tells the test from others of its mode, and its value in m.
+    pub setting: Option<(&'static str, f64)>,
+    /// Power put into the winding, W.
+    pub power_W: f64,
+    /// Ambient temperature, K.
+    pub ambient_K: f64,
     /// Steady winding temperature as measured, K.
     pub T_w_measured_K: f64,
     /// Housing to ambient as measured, K/W.
@@ -119,6 +127,10 @@ fn result(case: &Case, native: &Native) -> Result<CaseResult, StudyError> {
     let torque_at_limit = projection::torque_at_limit(case.r_ha);
     Ok(CaseResult {
         name: case.name,
+        cooling_mode: case.cooling_mode,
+        setting: case.setting,
+        power_W: measured::POWER,
+        ambient_K: case.ambient(),
         T_w_measured_K: case.t_w,
         R_ha_measured: case.r_ha,
         T_w_as_published_K: case.r_star.map(|r| Annulus::new(r).winding_temperature()),

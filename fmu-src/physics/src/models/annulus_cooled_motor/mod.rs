@@ -442,6 +442,10 @@ impl Model for AnnulusCooledMotor {
         self.push_rates(out);
     }
 
+    fn ease(&mut self, factor: f64) {
+        self.split.ease(factor);
+    }
+
     fn drivers(&self) -> Drivers {
         self.drivers_at(self.time)
     }

@@ -314,6 +314,10 @@ impl Model for BrushedGearmotor {
         out.extend(point.fast.iter().chain(point.warming.iter()));
     }
 
+    fn ease(&mut self, factor: f64) {
+        self.split.ease(factor);
+    }
+
     fn drivers(&self) -> Drivers {
         let (x, temperature) = (&self.state.x, &self.state.temperature);
         Drivers {

@@ -56,9 +56,9 @@ pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
         let zero: Vec<(f64, f64)> =
             [curves.time.first(), curves.time.last()].into_iter().flatten().map(|t| (*t, 0.0)).collect();
         let caption = sizes(&[("refit", &refit), ("after", &after)]);
-        // The colours are those of the figure beside it; the band has one of its own.
+        // The colours are those of the figure beside it; the band is grey.
         let near = figure(&format!("{name}, without the preset")).line("", Vec::new());
-        let near = near.line("refit", refit).line("after", after);
+        let near = near.line("refit", refit).line("after", after).line("", Vec::new());
         all.push(Plate::new("residual", near.band("noise, 95 %", zero, vec![WITHIN_95 * noise; 2]), caption));
     }
     all

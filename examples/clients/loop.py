@@ -1,0 +1,28 @@
+"""Closing the loop over an experiment: `motor-fmu close-loop`, and its report in a few numbers."""
+
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from clients.program import motor_fmu
+
+
+def close_loop(experiment: Path) -> dict:
+    """The report on an experiment."""
+    with TemporaryDirectory() as folder:
+        return json.loads(motor_fmu("close-loop", str(experiment), "--out", folder, "--json"))
+
+
+def summary(report: dict) -> dict:
+    """Verdict, errors before and after, parameters with what is known of them, and which the data hardly separates."""
+    return {
+        "verdict": report["verdict"],
+        "effects": [effect["id"] for effect in report["effects"]],
+        "error": report["error"],
+        "parameters": {
+            name: {"prior": p["prior"], "value": p["value"], "ci95": p["ci95"]} for name, p in report["parameters"].items()
+        },
+        "hardly_separated": report["correlated"],
+        "fmu_agrees": report["replay"]["agrees"],
+        "notes": [note for note in report["notes"] if "clock" in note],
+    }

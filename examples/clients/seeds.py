@@ -1,0 +1,61 @@
+"""The seeds' own measurements as runs: one file for each test, its end the only row with a reading."""
+
+import json
+from pathlib import Path
+
+from clients.program import motor_fmu
+
+KELVIN = 273.15
+# Hours of heating until the end is the end to 0.02 K, s: ten times the slowest time constant, which is shorter in a draught.
+STILL_AIR, DRAUGHT = 18_000.0, 9_000.0
+# Rows on the way to the end: closing the loop linearises the model from row to row, and the gearmotor's start is not its end.
+THESIS_ROWS, PAPER_ROWS = 10, 60
+
+
+def thesis_runs() -> dict[str, str]:
+    """Files of the thesis's eight tests, by name."""
+    files = {}
+    for case in json.loads(motor_fmu("reproduce", "thesis", "--json"))["cases"]:
+        bare = case["cooling_mode"] == "bare"
+        inputs = {
+            "electrical_power_W": case["power_W"],
+            "fan_command_1": 0.0 if bare else 1.0,
+            "ambient_temperature_degC": case["ambient_K"] - KELVIN,
+        }
+        outputs = {"winding_temperature_degC": case["T_w_measured_K"] - KELVIN}
+        files[f"{case['name']}.csv"] = run(STILL_AIR if bare else DRAUGHT, THESIS_ROWS, inputs, outputs)
+    return files
+
+
+def paper_runs() -> dict[str, str]:
+    """Files of the paper's five runs, by name."""
+    files = {}
+    for point in json.loads(motor_fmu("reproduce", "paper", "--json"))["measured"]:
+        inputs = {
+            "duty_1": point["duty_percent"] / 100.0,
+            "supply_voltage_V": point["supply_V"],
+            "ambient_temperature_degC": point["room_degC"],
+        }
+        outputs = {
+            "voltage_V": point["voltage_V"],
+            "current_A": point["current_A"],
+            "housing_temperature_degC": point["temperature_degC"],
+        }
+        files[f"duty-{point['duty_percent']:.0f}.csv"] = run(point["duration_s"], PAPER_ROWS, inputs, outputs)
+    return files
+
+
+def run(end: float, count: int, inputs: dict[str, float], outputs: dict[str, float]) -> str:
+    """A file with inputs that stand still and outputs that were read at the end alone."""
+    number = "{:.6g}".format
+    held = [number(value) for value in inputs.values()]
+    rows = [["time_s", *inputs, *outputs]]
+    rows += [[number(end * k / count), *held, *("" for _ in outputs)] for k in range(count)]
+    rows.append([number(end), *held, *map(number, outputs.values())])
+    return "".join(",".join(row) + "\n" for row in rows)
+
+
+def write(files: dict[str, str], folder: Path) -> None:
+    """Writes the files into a folder."""
+    for name, text in files.items():
+        (folder / name).write_text(text)

@@ -1,0 +1,32 @@
+"""The runs of the seeds' experiments are what `motor-fmu reproduce` knows of the seeds, and nothing else."""
+
+import json
+
+import pytest
+from clients.paths import EXAMPLES
+from clients.program import motor_fmu
+from clients.seeds import paper_runs, thesis_runs
+
+try:
+    import tomllib
+except ModuleNotFoundError:
+    import tomli as tomllib  # below Python 3.11 pytest brings it
+
+FOLDERS = {"05_thesis": thesis_runs, "06_paper": paper_runs}
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_the_stored_runs_are_those_of_the_seeds(folder):
+    files = FOLDERS[folder]()
+    stored = {file.name: file.read_text() for file in (EXAMPLES / folder).glob("*.csv")}
+    assert stored == files
+    experiment = tomllib.loads((EXAMPLES / folder / "EXPERIMENT.toml").read_text())
+    assert sorted(run["file"] for run in experiment["run"]) == sorted(files)
+
+
+def test_each_run_of_the_thesis_is_set_as_it_was():
+    runs = tomllib.loads((EXAMPLES / "05_thesis" / "EXPERIMENT.toml").read_text())["run"]
+    sets = {run["file"]: run["set"] for run in runs}
+    for case in json.loads(motor_fmu("reproduce", "thesis", "--json"))["cases"]:
+        expected = {"cooling_mode": case["cooling_mode"]} | dict([case["setting"]] if case["setting"] else [])
+        assert sets[f"{case['name']}.csv"] == expected, case["name"]
