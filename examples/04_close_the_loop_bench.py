@@ -8,6 +8,7 @@ demo`, with `motor-fmu` on the path; `--out FOLDER` keeps everything: runs, repo
 import argparse
 import json
 import shutil
+import sys
 import tempfile
 import textwrap
 from pathlib import Path
@@ -35,6 +36,7 @@ def figures(value: float, digits: int = 3) -> float:
 
 def close_loop(folder: Path, name: str, answers: tuple[int, ...] = (0,)) -> dict:
     """Runs one of the rig's experiments in a folder with the prepared runs."""
+    print(f"closing the loop: {name}", file=sys.stderr)
     shutil.copy(EXAMPLES / "rig" / f"{name}.toml", folder)
     arguments = (str(folder / f"{name}.toml"), "--out", str(folder / name), "--json")
     return json.loads(motor_fmu("close-loop", *arguments, answers=answers))
@@ -88,6 +90,7 @@ def outside(prepared: dict, usual: float) -> dict:
 
 def study(folder: Path) -> dict:
     """The whole way from raw logs to the answer."""
+    print("two clocks aligned, logs merged: six runs", file=sys.stderr)
     prepared = prepare(RAW, folder)
     still, fan = (close_loop(folder, name) for name in ("still-air", "fan"))
     # Its refit is asked for and nothing else: whether the FMU of what the search then proposes agrees (1 if not) is no matter.

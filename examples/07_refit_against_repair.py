@@ -77,7 +77,8 @@ def compare(name: str, folder: Path) -> dict:
 def figure(report: str) -> str:
     """What refit and repair leave of the winding's temperature over the test run, as report.html draws it."""
     test = report[report.index("(test)</summary>") :]
-    return re.search(rf'<svg [^>]*aria-label="{PLATE}".*?</svg>', test, re.DOTALL).group(0) + "\n"
+    drawn = re.search(rf'<svg [^>]*aria-label="{PLATE}".*?</svg>', test, re.DOTALL).group(0)
+    return drawn.replace(PLATE, "winding temperature in the test run") + "\n"
 
 
 def errors(answer: dict) -> str:
@@ -116,7 +117,8 @@ def page(answer: dict) -> str:
         the heat. By its own reckoning those two are off by {friction["own_deviations_off"]:.0f} and
         {still["own_deviations_off"]:.0f} standard deviations: the interval of a fit tells how well the runs fix a number in a model
         that is true, and this one is not."""
-    fails = f"""Such errors cancel in the runs that made them, and nowhere else. The fitted runs reach {speed["fitted"]:.0f} rad/s and
+    fails = f"""Such errors cancel in the runs that made them, and nowhere else: at a higher speed that friction is too small after
+        all, and the conductance carries off what the motor in fact keeps. The fitted runs reach {speed["fitted"]:.0f} rad/s and
         {heat["fitted"]:.0f} °C, the test run {speed["tested"]:.0f} rad/s and {heat["tested"]:.0f} °C. There the refit is
         {winding["test"]["refit"]:.1f} K off, {winding["test"]["refit"] / winding["test"]["floor"]:.0f} times the noise, the repaired model
         {winding["test"]["after"]:.2g} K, which is the noise. With the iron loss it is {ironed["refit"]:.1f} K against
