@@ -23,6 +23,8 @@ use physics::terms::{MOST_TERMS, Port};
 /// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
 /// of what there is to explain (slopes mislead by some hundredths), and a number.
 const HISTORY: (f64, f64) = (0.03, 30.0);
+/// Noise that is remembered counts from this share of an output's own on.
+const REMEMBERED: f64 = 0.1;
 /// What is left unexplained is said from this evidence on.
 const SAID: f64 = 40.0;
 
@@ -366,10 +368,25 @@ fn told(scored: &Scored, added: bool) -> Unexplained {
 }
 
 impl Setup<'_> {
-    /// Adds to the noise of each output what the noise of the inputs does to it at once.
+    /// Adds to the noise of each output what the noise of the inputs does to it within a row, and finds the inputs whose
+    /// noise is remembered.
     fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let of = |setup: &Setup, own: usize| {
+            let mut alone = setup.clone();
+            alone.noise[..inputs]
+                .iter_mut()
+                .enumerate()
+                .filter(|(k, _)| *k != own)
+                .for_each(|(_, s)| *s = 0.0);
+            alone.input_noise(&fitted.hypothesis, runs)
+        };
+        let each = (0..inputs).map(|k| of(self, k)).collect::<Result<Vec<_>, _>>()?;
         let (direct, _) = self.input_noise(&fitted.hypothesis, runs)?;
+        let slow = |(direct, whole): &(Vec<f64>, Vec<f64>)| {
+            (0..m).any(|k| whole[k] - direct[k] > (REMEMBERED * self.sigma(k)).powi(2))
+        };
+        self.remembered = (0..inputs).filter(|k| slow(&each[*k])).collect();
         for output in 0..m {
             let own = self.noise[inputs + output];
             self.noise[inputs + output] = (own * own + direct[output]).sqrt();

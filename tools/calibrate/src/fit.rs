@@ -93,7 +93,7 @@ impl Slopes {
         let tangents = runs
             .par_iter()
             .map(|&run| {
-                Tangent::new(&setup.bench, &setup.drives[run], &setup.change(hypothesis, run), &probes)
+                Tangent::new(&setup.bench, &setup.smooth[run], &setup.change(hypothesis, run), &probes)
             })
             .collect::<Result<Vec<_>, _>>()?;
         Ok(Slopes { tangents, leads, runs: runs.to_vec() })

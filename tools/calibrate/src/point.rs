@@ -267,8 +267,6 @@ fn evidence(
             apart.push(0.0);
         }
     }
-    let known = columns.len();
-    // What drifting sensors would do.
     let clock = |r: usize| &setup.drives[runs[r]].time;
     let (from, to) = (0..runs.len()).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), r| {
         let t = clock(r);
@@ -276,6 +274,27 @@ fn evidence(
     });
     let count = (((to - from) / KNOT).ceil() as usize).clamp(1, MOST_KNOTS) + 1;
     let points: Vec<f64> = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect();
+    // What the stores remember of noisy inputs: white noise, taken together between points.
+    for input in &setup.remembered {
+        for (k, point) in points.iter().enumerate() {
+            let column = gather(&|r| {
+                let direction = slopes.further(r, further)[before_inputs + input].as_ref()?;
+                let time = clock(r);
+                let row = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+                let apart = (to - from) / (count - 1) as f64;
+                let size = setup.noise[*input] * (row / apart.max(row)).sqrt();
+                let reached = time[0] < point + apart && time[time.len() - 1] > point - apart;
+                reached
+                    .then(|| slopes.tangents[r].response(direction, |row| size * hat(&points, k, time[row])))
+            });
+            if column.iter().any(|x| *x != 0.0) {
+                columns.push(column);
+                apart.push(0.0);
+            }
+        }
+    }
+    let known = columns.len();
+    // What drifting sensors would do.
     let sensors: Vec<usize> =
         (0..setup.outputs()).filter(|m| setup.experiment.outputs[*m].is_temperature()).collect();
     // Sensors of one kind drift alike: as large as the noise of the loudest.

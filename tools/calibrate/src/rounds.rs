@@ -33,6 +33,11 @@ pub const ASTRAY: f64 = 2.5;
 const MOST_DRIFT: f64 = 5.0;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
 const FORETELLING: (f64, f64) = (30.0, 0.02);
+/// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
+const FORETOLD: f64 = 6.0;
+/// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
+/// noise, what the model rounds off shows as well.
+const STANDS_FOR: f64 = 0.003;
 /// A size within this share of itself in every run is the same.
 const ALIKE: f64 = 0.35;
 
@@ -136,7 +141,8 @@ pub fn compete<'a>(
     // An effect of the list stands for a shape that explains hardly more.
     let best = contenders.first().map_or(0.0, Contender::sure);
     let mut order: Vec<usize> = (0..contenders.len()).collect();
-    order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < LEAST));
+    let near = LEAST.max(STANDS_FOR * best);
+    order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < near));
     for k in order {
         // Who explains far less than one that was taken is not looked at.
         if taken.is_some_and(|t: usize| contenders[t].sure() - contenders[k].sure() > NEAR) {
@@ -282,13 +288,20 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
         return Ok((None, Some(sentence)));
     }
     let unlike = unlike(contender);
-    let validation = validation(before, contender)?;
+    let foretold = validation(before, contender)?;
+    let validation = foretold.map(|f| (f.with / f.without).sqrt());
     if let Some(sentence) = unlike {
         return Ok((validation, Some(sentence)));
     }
     if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0) {
         let sentence =
             format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
+        return Ok((validation, Some(sentence)));
+    }
+    if let Some(fall) = foretold.map(|f| f.without - f.with).filter(|fall| *fall < FORETOLD) {
+        let sentence = format!(
+            "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {FORETOLD} is asked for"
+        );
         return Ok((validation, Some(sentence)));
     }
     Ok((validation, None))
@@ -329,21 +342,31 @@ fn unlike(contender: &Contender) -> Option<String> {
     None
 }
 
-/// Error on what was not fitted with a contender over that without: on the validation runs, and where it acts in none of them on
+/// Sums of squares over what was not fitted, in units of the noise.
+#[derive(Clone, Copy)]
+struct Foretold {
+    with: f64,
+    without: f64,
+}
+
+/// Error on what was not fitted with a contender and without: on the validation runs, and where it acts in none of them on
 /// the end of the runs in which it acts, fitted without it.
-fn validation(before: &Point, contender: &Contender) -> Result<Option<f64>, CalibrateError> {
+fn validation(before: &Point, contender: &Contender) -> Result<Option<Foretold>, CalibrateError> {
     let setup = before.setup;
     let runs = setup.runs(Role::Validate);
     let addition = contender.addition();
     let partly = addition.active.iter().any(|on| !on);
     if !runs.is_empty() {
-        let without = setup.show(&before.fitted.hypothesis, &runs)?;
+        let mut without = before.fitted.hypothesis.clone();
+        acting(setup, &mut without, &runs)?;
+        let without = setup.show(&without, &runs)?;
         let mut with = contender.point.fitted.hypothesis.clone();
-        let active = acting(setup, &mut with, &runs)?;
+        acting(setup, &mut with, &runs)?;
+        let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
         let shown = setup.show(&with, &runs)?;
         if !partly || active {
-            let (a, b) = (setup.chi_square(&runs, &shown).0, setup.chi_square(&runs, &without).0);
-            return Ok(Some((a / b).sqrt()));
+            let (with, without) = (setup.chi_square(&runs, &shown).0, setup.chi_square(&runs, &without).0);
+            return Ok(Some(Foretold { with, without }));
         }
     }
     let mut part = setup.clone();
@@ -365,7 +388,7 @@ fn validation(before: &Point, contender: &Contender) -> Result<Option<f64>, Cali
         let shown = judged.show(&fitted.hypothesis, &held)?;
         Ok(judged.chi_square(&held, &shown).0)
     };
-    Ok(Some((error(&with)? / error(&without)?).sqrt()))
+    Ok(Some(Foretold { with: error(&with)?, without: error(&without)? }))
 }
 
 /// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better; whether any

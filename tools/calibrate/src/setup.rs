@@ -53,10 +53,15 @@ pub struct Setup<'a> {
     pub bench: Arc<Bench>,
     /// The runs' inputs.
     pub drives: Arc<Vec<Drive>>,
+    /// The same without the inputs' noise: along these the model is linearised. A slope that trembles with the very noise that
+    /// the residual holds would find effects in it.
+    pub smooth: Arc<Vec<Drive>>,
     /// What may be fitted.
     pub declared: Vec<Declared>,
     /// Standard deviations of the noise: inputs, then outputs.
     pub noise: Vec<f64>,
+    /// Inputs whose noise the stores of heat remember, so that it shows in neighbouring rows alike.
+    pub remembered: Vec<usize>,
     /// From and to of the rows that count, run by run, s.
     pub windows: Vec<(f64, f64)>,
     /// Blocks of each run.
@@ -95,6 +100,7 @@ impl<'a> Setup<'a> {
         });
         let declared = declared.collect::<Result<Vec<_>, CalibrateError>>()?;
         let noise = noise::of_experiment(experiment);
+        let smooth = drives.iter().map(|d| d.smoothed(&noise[..experiment.inputs.len()])).collect();
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let windows: Vec<(f64, f64)> = experiment.runs.iter().map(|run| run.window.unwrap_or(all)).collect();
         let blocks = experiment
@@ -107,8 +113,10 @@ impl<'a> Setup<'a> {
             experiment,
             bench: Arc::new(bench),
             drives: Arc::new(drives),
+            smooth: Arc::new(smooth),
             declared,
             noise,
+            remembered: Vec::new(),
             windows,
             blocks,
         })

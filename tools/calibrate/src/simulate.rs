@@ -34,6 +34,10 @@ pub struct Drive {
     warm: Vec<(Node, usize, f64)>,
 }
 
+/// Rows on either side over which an input is smoothed.
+const REACH: usize = 6;
+/// Readings within this many deviations of the noise are alike.
+const ALIKE: f64 = 4.0;
 /// A sensor shows what was read to this, K.
 const SHOWN: f64 = 1e-9;
 /// Most tries until it does.
@@ -249,6 +253,22 @@ impl Drive {
     /// Inputs by row, in the experiment's order, in SI units: every one known at every row.
     pub fn inputs(&self) -> &[Vec<f64>] {
         &self.inputs
+    }
+
+    /// The same run with the noise of its inputs (standard deviations, in their order) smoothed out: each reading is the mean
+    /// of the readings near it in time that its noise does not tell from it, so that steps stay steps.
+    pub fn smoothed(&self, noise: &[f64]) -> Drive {
+        let rows = self.time.len();
+        let smooth = |(column, sigma): (&Vec<f64>, &f64)| -> Vec<f64> {
+            let near = |row: usize| row.saturating_sub(REACH)..(row + REACH + 1).min(rows);
+            let mean = |row: usize| {
+                let alike = near(row).filter(|k| (column[*k] - column[row]).abs() <= ALIKE * sigma);
+                let (sum, count) = alike.fold((0.0, 0.0), |(sum, count), k| (sum + column[k], count + 1.0));
+                sum / count
+            };
+            (0..rows).map(mean).collect()
+        };
+        Drive { inputs: self.inputs.iter().zip(noise).map(smooth).collect(), ..self.clone() }
     }
 
     /// Gives the inputs of a row to a model.

@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 
 /// Rows of a run in plots, at most.
 const PLOTTED: usize = 600;
-/// Mean square of what is left, up to which the numbers follow the drift of the sensors.
+/// Mean square of what is left, up to which the numbers take their last step.
 const TRUSTED: f64 = 1.3;
 /// Of a normal distribution, 95 % lie within this many deviations.
 const SURE: f64 = 1.96;
@@ -138,8 +138,9 @@ fn estimates(
     let (moves, covariance) = point.evidence.estimate(p);
     let mut numbers = hypothesis.numbers();
     if let Some(corrected) = corrected {
-        // A slope leads astray where much is left that it does not know of.
-        if point.evidence.drift().0 > 0.0 && point.evidence.misfit() < TRUSTED {
+        // The last step, along slopes that know nothing of the inputs' noise and beside drifting sensors; where much is left
+        // that they do not know of it would lead astray.
+        if point.evidence.misfit() < TRUSTED {
             for (k, x) in numbers.iter_mut().enumerate() {
                 *x = (*x + moves[k] * scales[k].0).clamp(scales[k].1.0, scales[k].1.1);
             }
