@@ -58,7 +58,13 @@ pub fn bench(report: &str) -> Outcome<String> {
         stages.iter().for_each(|stage| rows += &format!("<td>{}", cell(&error[*stage])));
     }
     let effects = report["effects"].as_array().into_iter().flatten();
-    let found: Vec<String> = effects.map(|e| e["id"].as_str().unwrap_or("?").replace('_', " ")).collect();
+    let found: Vec<String> = effects
+        .map(|e| {
+            let names = std::iter::once(&e["id"]).chain(e["alternatives"].as_array().into_iter().flatten());
+            let names: Vec<String> = names.map(|id| id.as_str().unwrap_or("?").replace('_', " ")).collect();
+            names.join(" or ")
+        })
+        .collect();
     let verdict = report["verdict"].as_str().unwrap_or("?");
     Ok(format!("{rows}\n</table>\n<p>Verdict: {}; {}.</p>", escaped(verdict), escaped(&found.join(", "))))
 }
@@ -110,11 +116,11 @@ mod tests {
 
     #[test]
     fn the_bench_is_told_by_its_test_run() {
-        let report = r#"{"verdict": "class", "effects": [{"id": "drive_loss"}, {"id": "forced_convection"}],
+        let report = r#"{"verdict": "class", "effects": [{"id": "drive_loss", "alternatives": ["leads"]}, {"id": "forced_convection"}],
             "error": {"fit": {}, "test": {"winding_temperature_degC": {"before": 75.04, "refit": 59.6, "after": 1.456}}}}"#;
         let told = bench(report).unwrap();
         assert!(told.contains("<tr><td>winding temperature, K<td>75.04<td>59.60<td>1.456"), "{told}");
-        assert!(told.contains("Verdict: class; drive loss, forced convection."), "{told}");
+        assert!(told.contains("Verdict: class; drive loss or leads, forced convection."), "{told}");
         let page = html("<svg id=\"w\"/>", &told);
         assert!(
             page.starts_with("<!doctype")
