@@ -1,5 +1,5 @@
 """The paper's five runs close the loop: what an ideal DC motor misses, what a bridge's drop and friction explain of it, and what
-no consistent model does: its two temperatures.
+no consistent model does: its temperatures, for which the sensor would have to be 12 K off.
 
 Run it with `motor-fmu` on the path; `--write` writes the runs of `06_paper/` anew from `motor-fmu reproduce`.
 """

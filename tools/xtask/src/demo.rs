@@ -6,7 +6,9 @@ use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::Path;
 use std::process::Stdio;
 
-const EXAMPLE: &str = "examples/02_walking.py";
+const WALK: &str = "examples/02_walking.py";
+/// The measured motor of the bench.
+const BENCH: &str = "examples/04_close_the_loop_bench.py";
 
 /// Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
@@ -23,9 +25,13 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     product::validate(workspace)?;
     shell::stage("twenty minutes of walking, twice");
     let dist = workspace.dist();
-    // Its numbers are for the page; its progress, on standard error, is for the user.
-    let mut example = product::python(workspace, &python);
-    shell::run(example.arg(EXAMPLE).arg("--out").arg(&dist).stdout(Stdio::null()))?;
+    example(workspace, &python, WALK, &dist)?;
+    shell::stage("closing the loop on the measured bench data");
+    let bench = dist.join("bench");
+    example(workspace, &python, BENCH, &bench)?;
+    let report = dist.join("bench.html");
+    std::fs::copy(bench.join("fan/report.html"), &report)
+        .map_err(|e| format!("{} cannot be written: {e}", report.display()))?;
     shell::stage("the two publications recomputed");
     let published = ["thesis", "paper"];
     for what in published {
@@ -33,13 +39,21 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
         shell::run(reproduce.args(["reproduce", what, "--out"]).arg(&dist).stdout(Stdio::null()))?;
     }
     let page = dist.join("index.html");
-    let html = page::html(&read(&dist.join("walking.json"))?, &read(&dist.join("walking.svg"))?)?;
+    let walk = page::walk(&read(&dist.join("walking.json"))?, &read(&dist.join("walking.svg"))?)?;
+    let html = page::html(&walk, &page::bench(&read(&bench.join("fan/report.json"))?)?);
     std::fs::write(&page, html).map_err(|e| format!("{} cannot be written: {e}", page.display()))?;
     println!("FMUs: {0}/fmi2, {0}/fmi3\nresults: {1}", dist.display(), page.display());
+    println!("closed loop: {}, all of it in {}", report.display(), bench.display());
     published
         .iter()
         .for_each(|what| println!("publication: {}", dist.join(what).with_extension("html").display()));
     Ok(())
+}
+
+/// An example with its files in a folder. Its numbers are in those files; its progress, on standard error, is for the user.
+fn example(workspace: &Workspace, python: &Path, script: &str, out: &Path) -> Outcome {
+    std::fs::create_dir_all(out).map_err(|e| format!("{} cannot be made: {e}", out.display()))?;
+    shell::run(product::python(workspace, python).arg(script).arg("--out").arg(out).stdout(Stdio::null()))
 }
 
 fn read(file: &Path) -> Outcome<String> {

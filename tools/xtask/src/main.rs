@@ -23,7 +23,11 @@ type Command = (&'static str, &'static str, fn(&Workspace, &[String]) -> Outcome
 
 /// In the order in which a newcomer needs them.
 const COMMANDS: &[Command] = &[
-    ("demo", "build and validate the FMUs, walk for 20 minutes, write dist/index.html", demo::run),
+    (
+        "demo",
+        "build and validate the FMUs, walk for 20 minutes, close the loop on bench data, write dist/index.html",
+        demo::run,
+    ),
     ("test", "every check there is: tidy, Rust, FMUs, Python, removals, mutants", test::run),
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
     ("describe", "write model-description/ anew (with --check: compare only)", describe::run),

@@ -77,6 +77,18 @@ fn verdicts_in_plain_words() {
     }
 }
 
+/// What is sure beside a class is none of it.
+#[test]
+fn a_class_is_told_apart_from_what_stands_beside_it() {
+    let mut outcome = sample::outcome(Verdict::Class);
+    let mut beside = outcome.effects[0].clone();
+    beside.id = "windage".to_owned();
+    beside.alternatives.clear();
+    outcome.effects.push(beside);
+    let sentence = words::verdict(&outcome);
+    assert!(sentence.contains("lacks one of iron loss or viscous friction and windage;"), "{sentence}");
+}
+
 #[test]
 fn numbers_have_four_digits() {
     for (value, text) in

@@ -145,15 +145,22 @@ pub fn verdict(outcome: &Outcome) -> String {
     match outcome.verdict {
         Verdict::Named => format!("the model lacks {}.", list(&effects, "and")),
         Verdict::Class => {
-            let names: Vec<String> = outcome
+            // Each effect with those that would do in its place: what is sure beside a class is none of it.
+            let classes: Vec<String> = outcome
                 .effects
                 .iter()
-                .flat_map(|e| std::iter::once(&e.id).chain(&e.alternatives))
-                .map(|id| plain(id))
+                .map(|e| match &e.alternatives[..] {
+                    [] => plain(&e.id),
+                    others => {
+                        let names: Vec<String> =
+                            std::iter::once(&e.id).chain(others).map(|id| plain(id)).collect();
+                        format!("one of {}", list(&names, "or"))
+                    }
+                })
                 .collect();
             format!(
-                "the model lacks one of {}; this data cannot tell them apart. It was given {}.",
-                list(&names, "or"),
+                "the model lacks {}; this data cannot tell them apart. It was given {}.",
+                list(&classes, "and"),
                 list(&effects, "and")
             )
         }

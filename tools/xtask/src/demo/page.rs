@@ -23,13 +23,50 @@ spring. Angle and torque are those of level walking. The run is made by <code>ex
 recomputed and put right. What a fan and an annulus buy: <code>docs/what-cooling-buys.md</code>.</p>
 "#;
 
-/// The page from the example's results, `{case: {quantity_unit: number}}`, and its figure.
-pub fn html(results: &str, figure: &str) -> Outcome<String> {
+const BENCH: &str = r#"<h2>A measured motor: what did the fan do?</h2>
+<p>Logs of a motor on a bench, heated near standstill. The model is calibrated by runs in still air; in one run a fan was on, and its
+first 60 % tell what the fan did. The table is of the rest of that run, which nothing was fitted to: the error (RMSE) of the model as
+still air left it, of its parameters fitted once more, and of the repaired model. <a href="bench.html">The report</a>, with
+figures; made by <code>examples/04_close_the_loop_bench.py</code>, told in <code>docs/close-the-loop-bench.md</code>.</p>
+"#;
+
+/// The page of its sections.
+pub fn html(walk: &str, bench: &str) -> String {
+    format!("{HEAD}{walk}\n{BENCH}{bench}\n</html>\n")
+}
+
+/// What the walk gave: the example's results, `{case: {quantity_unit: number}}`, and its figure.
+pub fn walk(results: &str, figure: &str) -> Outcome<String> {
     let results: Map<String, Value> = serde_json::from_str(results)
         .map_err(|e| format!("the results of the walk are no JSON object: {e}"))?;
     // Inside a page an SVG has no XML prologue.
     let svg = figure.find("<svg").map(|at| &figure[at..]).ok_or("the figure of the walk is no SVG")?;
-    Ok(format!("{HEAD}{svg}\n{}\n</html>\n", table(&results)?))
+    Ok(format!("{svg}\n{}", table(&results)?))
+}
+
+/// What closing the loop came to: the errors over the test run, by channel.
+pub fn bench(report: &str) -> Outcome<String> {
+    let report: Value =
+        serde_json::from_str(report).map_err(|e| format!("the bench's report is no JSON: {e}"))?;
+    let errors =
+        report["error"]["test"].as_object().ok_or("the bench's report has no errors of a test run")?;
+    let stages = ["before", "refit", "after"];
+    let mut rows = String::from("<table>\n<tr><th>");
+    stages.iter().for_each(|stage| rows += &format!("<th>{stage}"));
+    for (channel, error) in errors {
+        rows += &format!("\n<tr><td>{}", escaped(&channel.replace('_', " ").replace(" degC", ", K")));
+        stages.iter().for_each(|stage| rows += &format!("<td>{}", cell(&error[*stage])));
+    }
+    let effects = report["effects"].as_array().into_iter().flatten();
+    let found: Vec<String> = effects
+        .map(|e| {
+            let names = std::iter::once(&e["id"]).chain(e["alternatives"].as_array().into_iter().flatten());
+            let names: Vec<String> = names.map(|id| id.as_str().unwrap_or("?").replace('_', " ")).collect();
+            names.join(" or ")
+        })
+        .collect();
+    let verdict = report["verdict"].as_str().unwrap_or("?");
+    Ok(format!("{rows}\n</table>\n<p>Verdict: {}; {}.</p>", escaped(verdict), escaped(&found.join(", "))))
 }
 
 fn table(results: &Map<String, Value>) -> Outcome<String> {
@@ -71,10 +108,27 @@ mod tests {
     #[test]
     fn figure_and_numbers_are_in_the_page() {
         let results = r#"{"still air": {"current_rms_A": 9.23456, "limit_min": null}, "fan": {"current_rms_A": 812.3}}"#;
-        let page = html(results, "<?xml version=\"1.0\"?>\n<svg id=\"f\"></svg>").unwrap();
+        let page = walk(results, "<?xml version=\"1.0\"?>\n<svg id=\"f\"></svg>").unwrap();
         assert!(page.contains("<svg id=\"f\">") && !page.contains("<?xml"));
         assert!(page.contains("<tr><td>current rms A<td>9.235<td>812.3"), "{page}");
         assert!(page.contains("<tr><td>limit min<td>–<td>–"), "{page}");
+    }
+
+    #[test]
+    fn the_bench_is_told_by_its_test_run() {
+        let report = r#"{"verdict": "class", "effects": [{"id": "drive_loss", "alternatives": ["leads"]}, {"id": "forced_convection"}],
+            "error": {"fit": {}, "test": {"winding_temperature_degC": {"before": 75.04, "refit": 59.6, "after": 1.456}}}}"#;
+        let told = bench(report).unwrap();
+        assert!(told.contains("<tr><td>winding temperature, K<td>75.04<td>59.60<td>1.456"), "{told}");
+        assert!(told.contains("Verdict: class; drive loss or leads, forced convection."), "{told}");
+        let page = html("<svg id=\"w\"/>", &told);
+        assert!(
+            page.starts_with("<!doctype")
+                && page.ends_with("</html>\n")
+                && page.contains("href=\"bench.html\"")
+        );
+        assert!(page.contains("<svg id=\"w\"/>") && page.contains(&told));
+        assert!(bench("{}").unwrap_err().contains("no errors") && bench("").unwrap_err().contains("no JSON"));
     }
 
     #[test]
@@ -87,8 +141,8 @@ mod tests {
 
     #[test]
     fn results_that_are_none_are_an_error() {
-        assert!(html("[]", "<svg/>").unwrap_err().contains("JSON"));
-        assert!(html("{}", "<svg/>").unwrap_err().contains("no case"));
-        assert!(html("{\"a\": {}}", "png").unwrap_err().contains("SVG"));
+        assert!(walk("[]", "<svg/>").unwrap_err().contains("JSON"));
+        assert!(walk("{}", "<svg/>").unwrap_err().contains("no case"));
+        assert!(walk("{\"a\": {}}", "png").unwrap_err().contains("SVG"));
     }
 }
