@@ -25,6 +25,8 @@ use physics::terms::{MOST_TERMS, Port};
 const HISTORY: (f64, f64) = (0.03, 30.0);
 /// Noise that is remembered counts from this share of an output's own on.
 const REMEMBERED: f64 = 0.1;
+/// Who explains less than this share of what the first does is far behind.
+const AHEAD: f64 = 0.9;
 /// What is left unexplained is said from this evidence on.
 const SAID: f64 = 40.0;
 
@@ -160,7 +162,7 @@ impl<'a> Search<'a> {
         }
         let count = self.rounds.len();
         let listed = self.taken().is_some_and(|c| c.addition().is_listed());
-        if count == 0 || (count == 1 && listed && !self.astray()) {
+        if count == 0 || (count == 1 && listed && (!self.astray() || self.clear())) {
             return Ok(());
         }
         let runs = self.first.runs.clone();
@@ -192,6 +194,16 @@ impl<'a> Search<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Whether what was taken first is far ahead of all that act elsewhere.
+    fn clear(&self) -> bool {
+        let Some((round, taken)) = self.rounds.first().and_then(|r| Some((r, r.taken?))) else {
+            return false;
+        };
+        let best = &round.contenders[taken];
+        let elsewhere = round.contenders.iter().filter(|c| c.addition().port != best.addition().port);
+        elsewhere.map(Contender::sure).fold(0.0, f64::max) < AHEAD * best.sure()
     }
 
     /// Whether a parameter of the naive fit has gone so far that it stands in for something else.

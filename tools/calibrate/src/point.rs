@@ -11,6 +11,8 @@ use nalgebra::{DMatrix, DVector};
 use physics::terms::{Drivers, Port};
 use rayon::prelude::*;
 
+/// How far the zero of a sensor may be off, over its noise.
+const ZERO: f64 = 0.5;
 /// Distance of the points between which a drifting sensor runs, s, at least.
 const KNOT: f64 = 900.0;
 /// Most such points over the whole clock.
@@ -274,6 +276,27 @@ fn evidence(
     });
     let count = (((to - from) / KNOT).ceil() as usize).clamp(1, MOST_KNOTS) + 1;
     let points: Vec<f64> = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect();
+    // Zeros of sensors: of what is read, and of what drives. Those of thermometers are among the drifts.
+    let m = setup.outputs();
+    let inputs = setup.experiment.inputs.len();
+    let zeros = (0..inputs + m).filter(|k| {
+        let all = setup.experiment.inputs.iter().chain(&setup.experiment.outputs);
+        all.clone().nth(*k).is_some_and(|c| !c.is_temperature()) && setup.noise[*k] > 0.0
+    });
+    for channel in zeros {
+        let size = ZERO * setup.noise[channel];
+        let column = gather(&|r| {
+            if channel < inputs {
+                let direction = slopes.further(r, further)[before_inputs + channel].as_ref()?;
+                return Some(slopes.tangents[r].response(direction, |_| size));
+            }
+            let mut values = vec![0.0; clock(r).len() * m];
+            values.iter_mut().skip(channel - inputs).step_by(m).for_each(|v| *v = size);
+            Some(values)
+        });
+        columns.push(column);
+        apart.push(0.0);
+    }
     // What the stores remember of noisy inputs: white noise, taken together between points.
     for input in &setup.remembered {
         for (k, point) in points.iter().enumerate() {
@@ -298,9 +321,7 @@ fn evidence(
     let sensors: Vec<usize> =
         (0..setup.outputs()).filter(|m| setup.experiment.outputs[*m].is_temperature()).collect();
     // Sensors of one kind drift alike: as large as the noise of the loudest.
-    let inputs = setup.experiment.inputs.len();
     let loudest = sensors.iter().map(|s| setup.noise[inputs + s]).fold(0.0, f64::max);
-    let m = setup.outputs();
     let mut knots = Vec::new();
     for sensor in sensors.iter().map(|s| Some(*s)).chain(ambient.map(|_| None)) {
         for (k, point) in points.iter().enumerate() {

@@ -16,8 +16,8 @@
 //! | ambient_sensor | the true ambient temperature is y, K, above the shown one | |
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
 //!
-//! *Assumes* that drivers which are not alive stand still over a step: they are those of its start, so such a
-//! term is of first order in the step. The energy books close all the same. *Neglects* history.
+//! *Assumes* that drivers which are not alive stand still over a step: inputs and time at their middle, temperatures at the
+//! start, so that such a term is of second order in the step, and of first in a temperature. The energy books close all the same. *Neglects* history.
 //! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
 //! *Source*: the data that the terms were found in.
 

@@ -25,7 +25,7 @@ impl AnnulusCooledMotor {
         if let Some(fault) = &self.fault {
             return Err(Fault(fault.clone()));
         }
-        self.tell_effects(time);
+        self.tell_effects_over(time, h);
         let before = self.housing_temperature();
         if self.network.is_some() {
             self.advance_in_pieces(time, h)?;

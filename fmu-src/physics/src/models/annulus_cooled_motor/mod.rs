@@ -447,7 +447,7 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn drivers(&self) -> Drivers {
-        self.drivers_at(self.time)
+        self.drivers_over(self.time, 0.0)
     }
 
     fn boxed_clone(&self) -> Box<dyn Model> {

@@ -1,6 +1,6 @@
 //! What stands around the equations: the drivers of terms that are data, the sensor of the housing, and a warm start.
 
-use super::{AnnulusCooledMotor, MechanicalMode, Network, Temperatures};
+use super::{AnnulusCooledMotor, DriveMode, Inputs, MechanicalMode, Network, Temperatures};
 use crate::components::sensor::lagged;
 use crate::effects::{Effect, PerNode, Port};
 use crate::model::Node;
@@ -10,8 +10,20 @@ impl AnnulusCooledMotor {
     /// Tells the effects that are data where the motor stands at `time`, and follows what they do to capacities.
     #[inline]
     pub(super) fn tell_effects(&mut self, time: f64) {
+        self.tell_effects_over(time, 0.0);
+    }
+
+    /// The same for a step of `h` seconds: what the inputs and the clock decide stands in its middle, so that a term which holds
+    /// it over the step is of second order in them.
+    #[inline]
+    pub(super) fn tell_effects_over(&mut self, time: f64, h: f64) {
         if self.parameters.effects.acts_at(Port::Any) {
-            self.tell_drivers(time);
+            let drivers = self.drivers_over(time, h);
+            self.parameters.effects.tell(&drivers);
+            self.fan = (f64::NAN, PerNode::default());
+            if let Some(network) = &mut self.network {
+                network.forget();
+            }
         }
         let factor = self.parameters.effects.heat_capacity();
         if factor != self.capacity_factor {
@@ -22,32 +34,31 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// What terms follow, at `time`.
-    pub(super) fn drivers_at(&self, time: f64) -> Drivers {
+    /// What terms may follow in the middle of a step of `h` seconds from `time` on.
+    pub(super) fn drivers_over(&self, time: f64, h: f64) -> Drivers {
         let (x, housing) = (&self.state.x, self.housing_temperature());
+        let choices = &self.parameters.choices;
+        let inputs = if h > 0.0 && self.slopes != Inputs::ZERO {
+            self.inputs.after(0.5 * h, &self.slopes)
+        } else {
+            self.inputs
+        };
+        let time = time + 0.5 * h;
+        let imposed = choices.mechanical_mode == MechanicalMode::ImposedSpeed;
+        let current = if choices.drive_mode == DriveMode::Current { inputs.current_command } else { x[0] };
         Drivers {
-            speed: x[1],
-            current: x[0],
-            load_torque: match self.parameters.choices.mechanical_mode {
-                MechanicalMode::FreeShaft => self.inputs.load_torque,
+            speed: if imposed { inputs.imposed_speed } else { x[1] },
+            current,
+            load_torque: match choices.mechanical_mode {
+                MechanicalMode::FreeShaft => inputs.load_torque,
                 // Without its own drags, which may be what is asked for.
-                MechanicalMode::ImposedSpeed => self.parameters.motor.torque_constant(housing) * x[0],
+                MechanicalMode::ImposedSpeed => self.parameters.motor.torque_constant(housing) * current,
             },
             winding_temperature: self.state.temperature[0],
             housing_temperature: housing,
-            ambient_temperature: self.inputs.ambient_temperature
-                + self.parameters.effects.ambient_sensor() * time,
-            fan_command: self.inputs.fan_command,
+            ambient_temperature: inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time,
+            fan_command: inputs.fan_command,
             time,
-        }
-    }
-
-    fn tell_drivers(&mut self, time: f64) {
-        let drivers = self.drivers_at(time);
-        self.parameters.effects.tell(&drivers);
-        self.fan = (f64::NAN, PerNode::default());
-        if let Some(network) = &mut self.network {
-            network.forget();
         }
     }
 
