@@ -399,9 +399,8 @@ impl Setup<'_> {
             (0..m).any(|k| whole[k] - direct[k] > (REMEMBERED * self.sigma(k)).powi(2))
         };
         self.remembered = (0..inputs).filter(|k| slow(&each[*k])).collect();
-        for output in 0..m {
-            let own = self.noise[inputs + output];
-            self.noise[inputs + output] = (own * own + direct[output]).sqrt();
+        for (own, direct) in self.noise[inputs..].iter_mut().zip(direct) {
+            *own = (*own * *own + direct).sqrt();
         }
         Ok(())
     }
