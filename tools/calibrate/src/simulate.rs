@@ -220,6 +220,14 @@ impl Drive {
                 warm.extend(channel.node().zip(first).map(|(node, first)| (node, k, *first)));
             }
         }
+        // Noise around a limit, as of a power of zero, stays within: an FMU takes nothing beyond.
+        let mut inputs = inputs;
+        for (column, channel) in inputs.iter_mut().zip(&experiment.inputs) {
+            let entry = channel.input.and_then(|name| (model?.declaration)().by_name(name));
+            if let Some(entry) = entry {
+                column.iter_mut().for_each(|x| *x = x.clamp(entry.row.min, entry.row.max));
+            }
+        }
         Ok(Drive { time, inputs, set, warm })
     }
 
