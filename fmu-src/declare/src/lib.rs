@@ -7,10 +7,12 @@
 //! This crate depends on nothing and decides nothing.
 
 mod enumeration;
+mod state;
 mod unit;
 mod variable;
 mod variables;
 
 pub use enumeration::{Enumeration, Item};
+pub use state::{Elements, State};
 pub use unit::{BaseUnits, Display, Unit};
 pub use variable::{Causality, Group, Kind, Scalar, Scale, Variability, Variable};

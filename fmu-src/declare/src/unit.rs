@@ -64,6 +64,23 @@ macro_rules! units {
     };
 }
 
+impl Unit {
+    /// The unit of this unit's rate of change.
+    ///
+    /// # Panics
+    /// Where no continuous state has this unit, at compile time.
+    pub const fn rate(self) -> Unit {
+        match self {
+            Unit::Ampere => Unit::AmperePerSecond,
+            Unit::RadianPerSecond => Unit::RadianPerSquareSecond,
+            Unit::Radian => Unit::RadianPerSecond,
+            Unit::Kelvin => Unit::KelvinPerSecond,
+            Unit::Joule => Unit::Watt,
+            _ => panic!("no state has this unit"),
+        }
+    }
+}
+
 units! {
     /// A pure number.
     One = "1" {};
@@ -75,6 +92,8 @@ units! {
     Volt = "V" { kg: 1, m: 2, s: -3, A: -1 };
     /// Electric current.
     Ampere = "A" { A: 1 };
+    /// Rate of a current.
+    AmperePerSecond = "A/s" { A: 1, s: -1 };
     /// Electric resistance.
     Ohm = "Ohm" { kg: 1, m: 2, s: -3, A: -2 };
     /// Inductance.
@@ -87,6 +106,8 @@ units! {
     Radian = "rad" { rad: 1 };
     /// Angular speed, shown in revolutions per minute.
     RadianPerSecond = "rad/s" { rad: 1, s: -1 } shown as "rpm", 30.0 / std::f64::consts::PI, 0.0;
+    /// Angular acceleration.
+    RadianPerSquareSecond = "rad/s2" { rad: 1, s: -2 };
     /// Torque.
     NewtonMetre = "N.m" { kg: 1, m: 2, s: -2 };
     /// Torque constant, equal to the back-EMF constant in V.s/rad.
@@ -133,4 +154,18 @@ units! {
     Pascal = "Pa" { kg: 1, m: -1, s: -2 };
     /// Density.
     KilogramPerCubicMetre = "kg/m3" { kg: 1, m: -3 };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Unit;
+
+    #[test]
+    fn a_rate_is_per_second() {
+        for unit in [Unit::Ampere, Unit::RadianPerSecond, Unit::Radian, Unit::Kelvin, Unit::Joule] {
+            let (mut base, rate) = (unit.base().unwrap(), unit.rate().base().unwrap());
+            base.s -= 1;
+            assert_eq!(base, rate, "{unit:?}");
+        }
+    }
 }

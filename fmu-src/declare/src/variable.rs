@@ -11,6 +11,8 @@ pub enum Causality {
     Input,
     /// Computed by the model.
     Output,
+    /// Computed by the model, and of use to those who integrate it: states, their derivatives, event indicators.
+    Local,
 }
 
 /// When a variable may change, in FMI's words.
@@ -207,6 +209,13 @@ impl Variable {
     pub const fn flag(value_reference: u32) -> Variable {
         let mut row = Variable::output(value_reference, Unit::One);
         row.variability = Variability::Discrete;
+        row
+    }
+
+    /// A variable that shows the inside of the model and changes continuously.
+    pub const fn local(value_reference: u32, unit: Unit) -> Variable {
+        let mut row = Variable::output(value_reference, unit);
+        row.causality = Causality::Local;
         row
     }
 

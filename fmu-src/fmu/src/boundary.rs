@@ -1,6 +1,6 @@
 //! From C to Rust and back: handles, arrays, strings, panics.
 
-use crate::instance::Instance;
+use crate::instance::{Instance, Interface};
 use crate::logger::{Log, Sink, Status};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -67,6 +67,8 @@ pub unsafe fn enter(
 pub struct Wanted {
     /// The constructor that it calls.
     pub function: &'static str,
+    /// Who is to integrate.
+    pub interface: Interface,
     /// Name of the instance.
     pub name: *const c_char,
     /// GUID or instantiation token.
@@ -99,7 +101,8 @@ pub unsafe fn hand_out(wanted: Wanted) -> *mut c_void {
             return Err(Refused::error(sentence));
         }
         let resources = resources.as_deref().and_then(wanted.locate);
-        Instance::new(token.as_deref(), resources.as_deref(), Log::new(wanted.sink, &name, wanted.logging_on))
+        let log = Log::new(wanted.sink, &name, wanted.logging_on);
+        Instance::new(token.as_deref(), resources.as_deref(), wanted.interface, log)
     }));
     let refused = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),

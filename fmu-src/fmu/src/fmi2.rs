@@ -3,10 +3,14 @@
 //! Arguments are as in the standard, "Functional Mock-up Interface for Model Exchange and Co-Simulation",
 //! version 2.0.4; each function's documentation names its section.
 
+mod exchange;
+
+pub use exchange::*;
+
 use crate::boundary::{
     self, Outcome, Refused, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back,
 };
-use crate::instance::Type;
+use crate::instance::{Interface, Type};
 use crate::life_cycle;
 use crate::logger::{Logger2, Sink, Status};
 use crate::resources::of_uri;
@@ -35,24 +39,9 @@ pub struct CallbackFunctions {
     pub environment: *mut c_void,
 }
 
-/// What an event brought about.
-#[repr(C)]
-pub struct EventInfo {
-    /// Another event iteration is needed.
-    pub new_discrete_states_needed: Boolean,
-    /// The model asks to end.
-    pub terminate_simulation: Boolean,
-    /// Nominal values have changed.
-    pub nominals_changed: Boolean,
-    /// States have changed.
-    pub values_changed: Boolean,
-    /// A time event is known.
-    pub next_event_time_defined: Boolean,
-    /// Its time, s.
-    pub next_event_time: f64,
-}
-
 /// `fmi2Type`: which interface an instance is to have.
+const MODEL_EXCHANGE: c_int = 0;
+/// The other one.
 const CO_SIMULATION: c_int = 1;
 /// `fmi2StatusKind`: time of the last successful step.
 const LAST_SUCCESSFUL_TIME: c_int = 2;
@@ -61,10 +50,6 @@ const TERMINATED: c_int = 3;
 
 fn unsupported(what: &str) -> Outcome {
     Err(Refused::error(format!("{what} is not supported; modelDescription.xml says so.")))
-}
-
-fn model_exchange() -> Outcome {
-    Err(Refused::error("this instance is a Co-Simulation one and has no Model Exchange functions."))
 }
 
 fn nothing_pending() -> Outcome {
@@ -113,11 +98,20 @@ pub unsafe extern "C" fn fmi2Instantiate(
             }
             _ => Sink::None,
         };
-        let beyond = (interface != CO_SIMULATION)
-            .then(|| format!("the interface type {interface} is not in this FMU; 1, Co-Simulation, is."));
+        let (known, beyond) = match interface {
+            MODEL_EXCHANGE => (Interface::ModelExchange, None),
+            CO_SIMULATION => (Interface::CoSimulation, None),
+            other => (
+                Interface::CoSimulation,
+                Some(format!(
+                    "the interface type {other} is neither 0, Model Exchange, nor 1, Co-Simulation."
+                )),
+            ),
+        };
         let logging_on = logging_on != 0;
         hand_out(Wanted {
             function: "fmi2Instantiate",
+            interface: known,
             name,
             token: guid,
             resources,
@@ -359,38 +353,4 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
         boundary::write(value, c"".as_ptr());
         enter(c, "fmi2GetStringStatus", |_| nothing_pending())
     }
-}
-
-/// Functions of Model Exchange: exported, because importers resolve all symbols, and refused.
-macro_rules! model_exchange {
-    ($($(#[doc = $doc:literal])* $name:ident($($argument:ident: $type:ty),*);)*) => {$(
-        $(#[doc = $doc])*
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(c: Component $(, $argument: $type)*) -> Status {
-            unsafe { enter(c, stringify!($name), |_| model_exchange()) }
-        }
-    )*};
-}
-
-model_exchange! {
-    /// Section 3.2.2.
-    fmi2EnterEventMode();
-    /// Section 3.2.2.
-    fmi2NewDiscreteStates(_info: *mut EventInfo);
-    /// Section 3.2.2.
-    fmi2EnterContinuousTimeMode();
-    /// Section 3.2.2.
-    fmi2CompletedIntegratorStep(_no_set: Boolean, _enter_event: *mut Boolean, _terminate: *mut Boolean);
-    /// Section 3.2.1.
-    fmi2SetTime(_time: f64);
-    /// Section 3.2.1.
-    fmi2SetContinuousStates(_x: *const f64, _n: usize);
-    /// Section 3.2.2.
-    fmi2GetDerivatives(_derivatives: *mut f64, _n: usize);
-    /// Section 3.2.2.
-    fmi2GetEventIndicators(_indicators: *mut f64, _n: usize);
-    /// Section 3.2.2.
-    fmi2GetContinuousStates(_x: *mut f64, _n: usize);
-    /// Section 3.2.2.
-    fmi2GetNominalsOfContinuousStates(_nominals: *mut f64, _n: usize);
 }

@@ -1,16 +1,19 @@
 //! FMI 3.0: the 75 functions. Only translation; what is allowed is decided in `instance.rs`.
 //!
 //! Arguments are as in the standard, "Functional Mock-up Interface Specification", version 3.0.2.
-//! `fmi3/values.rs` has the getters and setters, `fmi3/absent.rs` what these
-//! models have no use for: clocks, intervals, dependencies of array elements, Model Exchange.
+//! `fmi3/values.rs` has the getters and setters, `fmi3/exchange.rs` Model Exchange, `fmi3/absent.rs` what these
+//! models have no use for: clocks, intervals, dependencies of array elements.
 
 mod absent;
+mod exchange;
 mod values;
 
 pub use absent::*;
+pub use exchange::*;
 pub use values::*;
 
-use crate::boundary::{Wanted, enter, hand_out, place, set_logging, take_back, write};
+use crate::boundary::{Wanted, enter, hand_out, set_logging, take_back, write};
+use crate::instance::Interface;
 use crate::life_cycle;
 use crate::logger::{Logger3, Sink, Status};
 use crate::resources::of_path;
@@ -75,6 +78,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     unsafe {
         hand_out(Wanted {
             function: "fmi3InstantiateCoSimulation",
+            interface: Interface::CoSimulation,
             name,
             token,
             resources,
@@ -189,28 +193,6 @@ pub unsafe extern "C" fn fmi3DoStep(
             let outcome = i.step(at, h);
             write(last_successful_time, i.time());
             outcome
-        })
-    }
-}
-
-/// Number of continuous states. None is exposed for Co-Simulation.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetNumberOfContinuousStates(instance: InstanceHandle, n: *mut usize) -> Status {
-    unsafe {
-        enter(instance, "fmi3GetNumberOfContinuousStates", |_| {
-            *place(n, "nContinuousStates")? = 0;
-            Ok(())
-        })
-    }
-}
-
-/// Number of event indicators. None is exposed for Co-Simulation.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(instance: InstanceHandle, n: *mut usize) -> Status {
-    unsafe {
-        enter(instance, "fmi3GetNumberOfEventIndicators", |_| {
-            *place(n, "nEventIndicators")? = 0;
-            Ok(())
         })
     }
 }

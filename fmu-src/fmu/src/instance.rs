@@ -1,79 +1,18 @@
 //! An instance: its life cycle, and what it refuses.
 
+mod exchange;
+mod mode;
+
+pub use mode::{Interface, Mode, Type};
+
 use crate::boundary::{Outcome, Refused};
 use crate::logger::{CATEGORIES, Log};
 use crate::saved::Saved;
-use physics::declare::Kind;
-use physics::model::{Entry, Model, ModelType, Refusal, TIME};
+use mode::LIVING;
+use physics::declare::Elements;
+use physics::model::{Element, Entry, Model, ModelType, Refusal, TIME};
 use physics::terms::GenericTerm;
 use std::path::Path;
-
-/// Where an instance is in its life cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Mode {
-    /// Made, not yet initializing.
-    Instantiated = 0,
-    /// Between entering and exiting initialization.
-    Initialization = 1,
-    /// Ready to step.
-    Step = 2,
-    /// Terminated.
-    Terminated = 3,
-    /// An internal failure left it in doubt.
-    Broken = 4,
-}
-
-impl Mode {
-    /// The mode of this number.
-    pub fn from_number(number: u8) -> Option<Mode> {
-        [Mode::Instantiated, Mode::Initialization, Mode::Step, Mode::Terminated]
-            .into_iter()
-            .find(|m| *m as u8 == number)
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Mode::Instantiated => "instantiated",
-            Mode::Initialization => "in initialization mode",
-            Mode::Step => "in step mode",
-            Mode::Terminated => "terminated",
-            Mode::Broken => "broken by an internal failure",
-        }
-    }
-}
-
-/// Which of the interface's types a call speaks of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Type {
-    /// FMI 2 Real, FMI 3 Float64.
-    Real,
-    /// FMI 2 Integer, FMI 3 Int64: whole numbers and enumerations.
-    Integer,
-    /// Boolean.
-    Boolean,
-    /// A type that no variable has, with its name.
-    Absent(&'static str),
-}
-
-impl Type {
-    fn of(entry: &Entry) -> Type {
-        match entry.row.kind {
-            Kind::Real => Type::Real,
-            Kind::Boolean => Type::Boolean,
-            Kind::Integer | Kind::Enumeration(_) => Type::Integer,
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Type::Real => "Real (Float64)",
-            Type::Integer => "Integer (Int64)",
-            Type::Boolean => "Boolean",
-            Type::Absent(name) => name,
-        }
-    }
-}
 
 /// One motor, or whatever else the token asked for, in an importer's hands.
 pub struct Instance {
@@ -81,6 +20,9 @@ pub struct Instance {
     model: Box<dyn Model>,
     /// The terms of the archive.
     terms: Vec<GenericTerm>,
+    interface: Interface,
+    /// How many elements its variables have whose number a parameter says: that of the archive.
+    elements: u32,
     mode: Mode,
     /// Start and stop time, s; the stop is infinite where it was not announced.
     window: (f64, f64),
@@ -92,7 +34,12 @@ pub struct Instance {
 
 impl Instance {
     /// The instance of the model with this token, with the terms in its archive's resources.
-    pub fn new(token: Option<&str>, resources: Option<&Path>, log: Log) -> Outcome<Instance> {
+    pub fn new(
+        token: Option<&str>,
+        resources: Option<&Path>,
+        interface: Interface,
+        log: Log,
+    ) -> Outcome<Instance> {
         let Some(kind) = token.and_then(physics::models::by_token) else {
             let known: Vec<String> = physics::models::ALL
                 .iter()
@@ -107,7 +54,7 @@ impl Instance {
         };
         let terms = resources.map_or(Ok(Vec::new()), terms::of_resources);
         let terms = terms.map_err(|error| Refused::error(format!("{error}.")))?;
-        let Some(model) = crate::new_model(kind, &terms) else {
+        let Some(mut model) = crate::new_model(kind, &terms) else {
             return Err(Refused::error(format!(
                 "{} does not take the {} terms of {}.",
                 (kind.declaration)().name,
@@ -115,8 +62,21 @@ impl Instance {
                 terms::FILE_NAME
             )));
         };
-        let window = (0.0, f64::INFINITY);
-        Ok(Instance { kind, model, terms, mode: Mode::Instantiated, window, unsettled: true, log })
+        if interface == Interface::ModelExchange {
+            model.hand_over();
+        }
+        let elements = counted(model.as_mut());
+        let (mode, window) = (Mode::Instantiated, (0.0, f64::INFINITY));
+        Ok(Instance { kind, model, terms, interface, elements, mode, window, unsettled: true, log })
+    }
+
+    /// Whether the archive has this variable: there may be fewer elements than the library knows.
+    #[inline]
+    fn shows(&self, entry: &Entry) -> bool {
+        match entry.element {
+            Some(Element { index, of: Elements::UpTo(..) }) => index <= self.elements,
+            _ => true,
+        }
     }
 
     fn require(&self, allowed: &[Mode]) -> Outcome {
@@ -176,13 +136,26 @@ impl Instance {
     pub fn exit_initialization(&mut self) -> Outcome {
         self.require(&[Mode::Initialization])?;
         self.settle()?;
-        self.mode = Mode::Step;
+        self.mode = match self.interface {
+            Interface::CoSimulation => Mode::Step,
+            Interface::ModelExchange => {
+                let counted = counted(self.model.as_mut());
+                if counted > self.elements {
+                    return Err(Refused::error(format!(
+                        "this archive shows {} segments of the housing as states and {counted} are asked for; \
+                         in Co-Simulation there may be more of them than are shown.",
+                        self.elements
+                    )));
+                }
+                Mode::Event
+            }
+        };
         Ok(())
     }
 
-    /// Step -> terminated.
+    /// Running -> terminated.
     pub fn terminate(&mut self) -> Outcome {
-        self.require(&[Mode::Step])?;
+        self.require(&[Mode::Step, Mode::Event, Mode::Continuous])?;
         self.mode = Mode::Terminated;
         Ok(())
     }
@@ -191,6 +164,9 @@ impl Instance {
     pub fn reset(&mut self) -> Outcome {
         self.model = crate::new_model(self.kind, &self.terms)
             .ok_or_else(|| Refused::error("the model no longer takes the terms that it has taken."))?;
+        if self.interface == Interface::ModelExchange {
+            self.model.hand_over();
+        }
         self.mode = Mode::Instantiated;
         self.window = (0.0, f64::INFINITY);
         self.unsettled = true;
@@ -210,7 +186,7 @@ impl Instance {
     #[inline]
     fn entry(&self, value_reference: u32, of: Type) -> Outcome<&'static Entry> {
         let declaration = self.model.declaration();
-        let Some(entry) = declaration.by_reference(value_reference) else {
+        let Some(entry) = declaration.by_reference(value_reference).filter(|e| self.shows(e)) else {
             return Err(Refused::error(format!(
                 "{} has no variable with the value reference {value_reference}.",
                 declaration.name
@@ -231,7 +207,7 @@ impl Instance {
     /// Reads values; `put` gets each with its place in the list.
     #[inline]
     pub fn get(&mut self, references: &[u32], of: Type, mut put: impl FnMut(usize, f64)) -> Outcome {
-        self.require(&[Mode::Initialization, Mode::Step, Mode::Terminated])?;
+        self.require(&[Mode::Initialization, Mode::Step, Mode::Terminated, Mode::Event, Mode::Continuous])?;
         self.settle()?;
         for (k, &value_reference) in references.iter().enumerate() {
             if value_reference == TIME && of == Type::Real {
@@ -247,14 +223,21 @@ impl Instance {
     /// Sets values, all or none.
     #[inline]
     pub fn set(&mut self, references: &[u32], of: Type, value: impl Fn(usize) -> f64) -> Outcome {
-        self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step])?;
-        let running = self.mode == Mode::Step;
+        self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step, Mode::Event, Mode::Continuous])?;
+        let running = !matches!(self.mode, Mode::Instantiated | Mode::Initialization);
         let mut last = None;
         for (k, &value_reference) in references.iter().enumerate() {
             if value_reference == TIME && of == Type::Real {
                 return Err(Refused::error("time is the independent variable and cannot be set."));
             }
             let entry = self.entry(value_reference, of)?;
+            if self.mode == Mode::Continuous && !entry.is_continuous_input() {
+                return Err(Refused::error(format!(
+                    "{} can be set at an event alone and the instance is {}.",
+                    entry.name,
+                    self.mode.words()
+                )));
+            }
             if let Err(refusal) = entry.check(value(k), running) {
                 let message = entry.explain(value(k), &refusal);
                 return Err(match refusal {
@@ -279,6 +262,7 @@ impl Instance {
 
     /// Sets the slopes of continuous inputs over the next step, all or none.
     pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], slopes: &[f64]) -> Outcome {
+        self.require_interface(Interface::CoSimulation)?;
         self.require(&[Mode::Initialization, Mode::Step])?;
         for ((&value_reference, &order), &slope) in references.iter().zip(orders).zip(slopes) {
             let entry = self.entry(value_reference, Type::Real)?;
@@ -341,7 +325,19 @@ impl Instance {
     }
 
     fn require_living(&self) -> Outcome {
-        self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step, Mode::Terminated])
+        self.require(LIVING)
+    }
+
+    /// Refuses a call of the other interface.
+    pub fn require_interface(&self, interface: Interface) -> Outcome {
+        if self.interface == interface {
+            return Ok(());
+        }
+        Err(Refused::error(format!(
+            "this is a function of {} and the instance is one of {}.",
+            interface.words(),
+            self.interface.words()
+        )))
     }
 
     /// Saves the instance, into `old` where there is one of the same model.
@@ -349,17 +345,26 @@ impl Instance {
         self.require_living()?;
         let (mode, window) = (self.mode, self.window);
         if let Some(old) = old
+            && old.interface == self.interface
             && old.model.copy_from(self.model.as_ref())
         {
             (old.mode, old.window) = (mode, window);
             return Ok(None);
         }
-        Ok(Some(Saved { model: self.model.boxed_clone(), mode, window }))
+        let interface = self.interface;
+        Ok(Some(Saved { model: self.model.boxed_clone(), interface, mode, window }))
     }
 
     /// Takes the instance back to what was saved.
     pub fn restore(&mut self, saved: &Saved) -> Outcome {
         self.require_living()?;
+        if saved.interface != self.interface {
+            return Err(Refused::error(format!(
+                "the saved state is of an instance for {} and this is one for {}.",
+                saved.interface.words(),
+                self.interface.words()
+            )));
+        }
         if !self.model.copy_from(saved.model.as_ref()) {
             return Err(Refused::error(format!(
                 "the saved state is of {} and not of {}.",
@@ -371,9 +376,25 @@ impl Instance {
         Ok(())
     }
 
+    /// Refuses a call that belongs to events.
+    pub fn require_event(&self) -> Outcome {
+        self.require(&[Mode::Event])
+    }
+
     /// The saved state of bytes.
     pub fn deserialize(&self, bytes: &[u8]) -> Outcome<Saved> {
         self.require_living()?;
-        Saved::from_bytes(bytes, self.model.as_ref())
+        Saved::from_bytes(bytes, self.model.as_ref(), self.interface)
     }
+}
+
+/// The number that a parameter gives to the elements of a variable; 0 where no variable of the model has such.
+fn counted(model: &mut dyn Model) -> u32 {
+    let declaration = model.declaration();
+    let dimension = declaration.entries.iter().find_map(|entry| match entry.element {
+        Some(Element { of: Elements::UpTo(_, parameter), .. }) => declaration.by_name(parameter),
+        _ => None,
+    });
+    // Whole numbers within their limits pass through tables exactly.
+    dimension.map_or(0, |parameter| model.get(parameter.slot) as u32)
 }

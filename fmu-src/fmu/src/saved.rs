@@ -1,16 +1,18 @@
 //! Saved instances: in memory for get and set, as bytes for serialization.
 
 use crate::boundary::{Outcome, Refused};
-use crate::instance::Mode;
+use crate::instance::{Interface, Mode};
 use physics::model::Model;
 
 /// Begins every serialized state; the digit is the format's version.
-const MAGIC: &[u8; 8] = b"motorfm1";
+const MAGIC: &[u8; 8] = b"motorfm2";
 
 /// What an FMU state handle of the importer leads to.
 pub struct Saved {
     /// The model with its integrator.
     pub model: Box<dyn Model>,
+    /// Which interface the instance has.
+    pub interface: Interface,
     /// Where in its life cycle the instance was.
     pub mode: Mode,
     /// The window of time the importer announced, s.
@@ -18,14 +20,14 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// The state as bytes: magic, mode, token, window, count of numbers, numbers.
+    /// The state as bytes: magic, interface, mode, token, window, count of numbers, numbers.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut numbers = vec![self.window.0, self.window.1];
         self.model.save(&mut numbers);
         let token = self.model.declaration().token.as_bytes();
-        let mut bytes = Vec::with_capacity(MAGIC.len() + 9 + token.len() + 8 * numbers.len());
+        let mut bytes = Vec::with_capacity(MAGIC.len() + 10 + token.len() + 8 * numbers.len());
         bytes.extend(MAGIC);
-        bytes.push(self.mode as u8);
+        bytes.extend([self.interface as u8, self.mode as u8]);
         bytes.extend((token.len() as u32).to_le_bytes());
         bytes.extend(token);
         bytes.extend((numbers.len() as u32).to_le_bytes());
@@ -33,8 +35,9 @@ impl Saved {
         bytes
     }
 
-    /// The state of bytes that [`to_bytes`](Saved::to_bytes) gave, for an instance of the model `like`.
-    pub fn from_bytes(bytes: &[u8], like: &dyn Model) -> Outcome<Saved> {
+    /// The state of bytes that [`to_bytes`](Saved::to_bytes) gave, for an instance of the model `like` with
+    /// this interface.
+    pub fn from_bytes(bytes: &[u8], like: &dyn Model, interface: Interface) -> Outcome<Saved> {
         let bad = |why: &str| Refused::error(format!("the serialized state of {} bytes {why}.", bytes.len()));
         let mut rest = bytes;
         let mut take = |n: usize| -> Outcome<&[u8]> {
@@ -44,7 +47,10 @@ impl Saved {
         };
         let length = |b: &[u8]| u32::from_le_bytes(b.try_into().unwrap_or_default()) as usize;
         if take(MAGIC.len())? != MAGIC {
-            return Err(bad("is none of this library's version 1"));
+            return Err(bad("is none of this library's version 2"));
+        }
+        if take(1)?[0] != interface as u8 {
+            return Err(bad("belongs to an instance of another interface"));
         }
         let mode = Mode::from_number(take(1)?[0]).ok_or_else(|| bad("is damaged"))?;
         let token_length = length(take(4)?);
@@ -59,7 +65,7 @@ impl Saved {
         let mut model = like.boxed_clone();
         match numbers.split_at_checked(2) {
             Some((window, numbers)) if rest.is_empty() && model.restore(numbers) => {
-                Ok(Saved { model, mode, window: (window[0], window[1]) })
+                Ok(Saved { model, interface, mode, window: (window[0], window[1]) })
             }
             _ => Err(bad("is damaged")),
         }

@@ -1,7 +1,8 @@
 //! What every model is to the outside: a declaration, values by slot, and steps.
 
+use crate::exchange::Exchange;
 use crate::terms::{Drivers, GenericTerm};
-use declare::{Causality, Kind, Variability, Variable};
+use declare::{Causality, Elements, Kind, State, Variability, Variable};
 use std::fmt;
 use std::sync::OnceLock;
 
@@ -25,6 +26,22 @@ pub struct Slot {
     pub row: u16,
 }
 
+impl Slot {
+    /// The group of the continuous states; rows in their order.
+    pub const STATES: u16 = u16::MAX - 1;
+    /// The group of their derivatives.
+    pub const RATES: u16 = u16::MAX;
+}
+
+/// Which of several elements an entry is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Element {
+    /// From 1.
+    pub index: u32,
+    /// How many there are.
+    pub of: Elements,
+}
+
 /// A variable of a model, with its full name and value reference.
 #[derive(Clone, Debug)]
 pub struct Entry {
@@ -36,6 +53,8 @@ pub struct Entry {
     pub slot: Slot,
     /// What is declared of it.
     pub row: &'static Variable,
+    /// Where it is one of several.
+    pub element: Option<Element>,
 }
 
 /// Everything about a model that does not change at run time.
@@ -47,16 +66,26 @@ pub struct Declaration {
     pub description: &'static str,
     /// All groups, in the order of the tables.
     pub groups: Vec<GroupAt>,
-    /// All variables, in the order of the tables.
+    /// All variables, in the order of the tables; then each state with its derivative.
     pub entries: Vec<Entry>,
+    /// The continuous states, in their order: indices of the entries of state and derivative. What a parameter
+    /// counts comes last, so that the states in use are the first ones.
+    pub states: Vec<[usize; 2]>,
+    /// The event indicators, in their order: indices of their entries.
+    pub indicators: Vec<usize>,
     /// Hash of the variable table without the start values: FMI 2 GUID and FMI 3 instantiation token.
     pub token: String,
     by_reference: Vec<Option<u32>>,
 }
 
 impl Declaration {
-    /// The declaration made of a list of groups.
-    pub fn new(name: &'static str, description: &'static str, groups: Vec<GroupAt>) -> Declaration {
+    /// The declaration made of a list of groups and of continuous states.
+    pub fn new(
+        name: &'static str,
+        description: &'static str,
+        groups: Vec<GroupAt>,
+        states: &'static [State],
+    ) -> Declaration {
         let mut entries: Vec<Entry> = Vec::new();
         for (g, group) in groups.iter().enumerate() {
             for (r, row) in group.table.iter().enumerate() {
@@ -65,16 +94,20 @@ impl Declaration {
                     value_reference: group.base + row.value_reference,
                     slot: Slot { group: g as u16, row: r as u16 },
                     row,
+                    element: None,
                 });
             }
         }
+        let local = |entry: &Entry| entry.row.causality == Causality::Local;
+        let indicators = (0..entries.len()).filter(|&k| local(&entries[k])).collect();
+        let states = enter_states(&mut entries, states);
         let last = entries.iter().map(|e| e.value_reference).max().unwrap_or(0) as usize;
         let mut by_reference = vec![None; last + 1];
         for (k, entry) in entries.iter().enumerate() {
             by_reference[entry.value_reference as usize] = Some(k as u32);
         }
         let token = token(name, &entries);
-        Declaration { name, description, groups, entries, token, by_reference }
+        Declaration { name, description, groups, entries, states, indicators, token, by_reference }
     }
 
     /// The variable with this value reference.
@@ -88,6 +121,36 @@ impl Declaration {
     pub fn by_name(&self, name: &str) -> Option<&Entry> {
         self.entries.iter().find(|e| e.name == name)
     }
+}
+
+/// Adds every state with its derivative to the entries; where they stand there.
+fn enter_states(entries: &mut Vec<Entry>, states: &'static [State]) -> Vec<[usize; 2]> {
+    let mut places = Vec::new();
+    for state in states {
+        for k in 0..state.elements.most() {
+            let element = match state.elements {
+                Elements::One => None,
+                of => Some(Element { index: k + 1, of }),
+            };
+            let name = match element {
+                None => state.value.name.to_string(),
+                Some(element) => format!("{}[{}]", state.value.name, element.index),
+            };
+            let row = places.len() as u16;
+            let entry = |group: u16, name: String, variable: &'static Variable| Entry {
+                name,
+                value_reference: variable.value_reference + k,
+                slot: Slot { group, row },
+                row: variable,
+                element,
+            };
+            places.push([entries.len(), entries.len() + 1]);
+            let rate = entry(Slot::RATES, format!("der({name})"), &state.rate);
+            entries.push(entry(Slot::STATES, name, &state.value));
+            entries.push(rate);
+        }
+    }
+    places
 }
 
 /// The FNV-1a hash, twice with different offsets, over all that a binary and its XML must agree on.
@@ -157,7 +220,7 @@ impl Entry {
     #[inline]
     pub fn check(&self, value: f64, running: bool) -> Result<(), Refusal> {
         let row = self.row;
-        if row.causality == Causality::Output {
+        if matches!(row.causality, Causality::Output | Causality::Local) {
             return Err(Refusal::Computed);
         }
         if running && row.variability == Variability::Fixed {
@@ -246,7 +309,7 @@ impl Node {
 ///
 /// Values are numbers in SI units, whole ones for integers; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
 /// values by [`Entry::check`] before it sets them.
-pub trait Model: Send {
+pub trait Model: Exchange + Send {
     /// The model's table.
     fn declaration(&self) -> &'static Declaration;
     /// The value of a slot; outputs belong to the present time.

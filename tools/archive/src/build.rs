@@ -159,7 +159,7 @@ pub fn build_all(
     let mut binary = read.map_err(|source| BuildError::Library { path: library.to_path_buf(), source })?;
     start_values::patch(&mut binary, &starts.entries())
         .map_err(|source| BuildError::Patch { path: library.to_path_buf(), source })?;
-    let found = Dependencies::of(kind, &terms);
+    let found = Dependencies::of(kind, &terms, &starts);
     let write = |standard: &Standard| {
         let path = out.join(standard.folder()).join(format!("{name}.fmu"));
         let bytes = pack(&entries(kind, *standard, &starts, contents, &found, binary.clone()));

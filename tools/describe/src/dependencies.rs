@@ -1,82 +1,149 @@
-//! Which output depends on which input and parameter, found by moving each of them.
+//! Which output, derivative and event indicator depends on which input, state and parameter, found by moving each.
 //!
 //! The structure is asked of the model in every combination of its choices, at points where no effect is
 //! neutral: a dependency that is there in any of them is declared. What importers sort their loops by can thus
 //! not drift away from the equations.
 
+use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit};
-use physics::model::{Declaration, Entry, Model, ModelType};
+use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
 
 /// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
 const START: f64 = 1e5;
 
-/// For each output, in the order of the declaration, the entries (by index) that it depends on.
+/// A variable that the model computes, and what it depends on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    /// Index of its entry in the declaration.
+    pub entry: usize,
+    /// Indices of the entries that it depends on, ascending.
+    pub on: Vec<usize>,
+    /// Whether it depends on time.
+    pub on_time: bool,
+}
+
+/// What depends on what, in the order of the declaration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dependencies {
-    /// Index of the output's entry, indices of the inputs that move it at once while the model runs.
-    pub running: Vec<(usize, Vec<usize>)>,
-    /// Index of the output's entry, indices of the inputs and parameters that decide it at the start.
-    pub initial: Vec<(usize, Vec<usize>)>,
+    /// Outputs on the inputs, states and the time that move them at once while the model runs.
+    pub outputs: Vec<Unknown>,
+    /// The same of the derivatives of the states.
+    pub rates: Vec<Unknown>,
+    /// The same of the event indicators.
+    pub indicators: Vec<Unknown>,
+    /// Outputs, states and derivatives on the inputs and parameters that decide them at the start.
+    pub initial: Vec<Unknown>,
+}
+
+/// Something that is moved.
+#[derive(Clone, Copy, Debug)]
+enum Known {
+    Entry(usize),
+    /// Place among the states, index of the entry.
+    State(usize, usize),
+    Time,
 }
 
 impl Dependencies {
-    /// The structure of a model that carries these terms.
-    pub fn of(kind: &ModelType, terms: &[GenericTerm]) -> Dependencies {
+    /// The structure of a model that carries these terms, with as many elements as its start values say.
+    pub fn of(kind: &ModelType, terms: &[GenericTerm], starts: &StartValues) -> Dependencies {
         let declaration = (kind.declaration)();
-        let outputs = indices(declaration, |e| e.row.causality == Causality::Output);
-        let inputs = indices(declaration, |e| e.row.causality == Causality::Input);
-        let knowns = indices(declaration, |e| e.row.causality != Causality::Output);
-        let choices = indices(declaration, |e| matches!(e.row.kind, Kind::Enumeration(_)));
-        let mut running: Vec<(usize, Vec<usize>)> = outputs.iter().map(|&o| (o, Vec::new())).collect();
-        let mut initial = running.clone();
+        let of_kind = |which: &dyn Fn(&Entry) -> bool| -> Vec<usize> {
+            indices(declaration, |e| which(e) && starts.shows(declaration, e))
+        };
+        let outputs = of_kind(&|e| e.row.causality == Causality::Output);
+        let states = of_kind(&|e| e.slot.group == Slot::STATES);
+        let rates = of_kind(&|e| e.slot.group == Slot::RATES);
+        let inputs = of_kind(&|e| e.row.causality == Causality::Input);
+        let settable = of_kind(&|e| matches!(e.row.causality, Causality::Input | Causality::Parameter));
+        let choices = of_kind(&|e| matches!(e.row.kind, Kind::Enumeration(_)));
+
+        let mut at_start = [&outputs[..], &states, &rates].concat();
+        at_start.sort_unstable();
+        let at_once = [&outputs[..], &rates, &declaration.indicators].concat();
+        let decide: Vec<Known> = settable.iter().map(|&k| Known::Entry(k)).chain([Known::Time]).collect();
+        let move_at_once: Vec<Known> = inputs
+            .iter()
+            .map(|&k| Known::Entry(k))
+            .chain(states.iter().enumerate().map(|(n, &k)| Known::State(n, k)))
+            .chain([Known::Time])
+            .collect();
+        let nothing = |entry: &usize| Unknown { entry: *entry, on: Vec::new(), on_time: false };
+        let mut running: Vec<Unknown> = at_once.iter().map(nothing).collect();
+        let mut initial: Vec<Unknown> = at_start.iter().map(nothing).collect();
         let mut probe = Probe::default();
-        // Inputs of their usual size and a thousand times smaller: what saturates at one moves at the other.
-        let points =
-            combinations(declaration, &choices).into_iter().flat_map(|c| [(c.clone(), 1.0), (c, 1e-3)]);
-        for (combination, scale) in points {
+        // Inputs of their usual size and a thousand times smaller: what saturates at one moves at the other. Then with
+        // half of the effects, because some put a node in place of a direct way.
+        let points = combinations(declaration, &choices)
+            .into_iter()
+            .flat_map(|c| [(c.clone(), 1.0, true), (c.clone(), 1e-3, true), (c, 1.0, false)]);
+        for (combination, scale, effects) in points {
             let mut model = (kind.new)();
             model.set_terms(terms);
+            model.hand_over();
             // The time of an event stays where it is, so that what the event changes can be seen at the start.
-            for &k in knowns.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
+            let absent = if effects { Vec::new() } else { probe.half_of(&effects_of(declaration)) };
+            let there = |entry: &Entry| !absent.iter().any(|prefix| entry.name.starts_with(prefix));
+            for &k in settable.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
                 let entry = &declaration.entries[k];
                 let share = if entry.row.causality == Causality::Input && entry.row.start == 0.0 {
                     scale
                 } else {
                     1.0
                 };
-                model.set(entry.slot, share * probe.generic(entry));
+                if there(entry) {
+                    model.set(entry.slot, share * probe.generic(entry, starts));
+                }
             }
             for &(k, value) in &combination {
                 model.set(declaration.entries[k].slot, value);
             }
-            let point = || model.boxed_clone();
-            note(&mut initial, &knowns, &outputs, declaration, &mut probe, point, |m| m.start(START).is_ok());
+            if effects {
+                let point = || model.boxed_clone();
+                let note = Note { declaration, unknowns: &at_start, starts };
+                note.add(&mut initial, &decide, &mut probe, point, |m, time| m.start(time).is_ok(), START);
+            }
             // A point away from rest, at which each input moves by itself.
             let mut moving = model.boxed_clone();
-            let reached = moving.start(START).is_ok()
-                && (0..3).all(|k| moving.step(START + f64::from(k) * 1e-3, 1e-3).is_ok());
-            if reached {
-                note(
-                    &mut running,
-                    &inputs,
-                    &outputs,
-                    declaration,
-                    &mut probe,
-                    || moving.boxed_clone(),
-                    |_| true,
-                );
+            for &k in settable.iter().filter(|&&k| declaration.entries[k].row.unit == Unit::Second) {
+                let entry = &declaration.entries[k];
+                if there(entry) {
+                    moving.set(entry.slot, probe.generic(entry, starts));
+                }
+            }
+            if moving.start(START).is_ok() && probe.push(moving.as_mut(), states.len()) {
+                let point = || moving.boxed_clone();
+                let settle = |m: &mut Box<dyn Model>, time: f64| {
+                    m.write_time(time);
+                    m.update();
+                    true
+                };
+                let note = Note { declaration, unknowns: &at_once, starts };
+                note.add(&mut running, &move_at_once, &mut probe, point, settle, START);
             }
         }
-        for list in [&mut running, &mut initial] {
-            list.iter_mut().for_each(|(_, on)| on.sort_unstable());
+        for unknown in running.iter_mut().chain(&mut initial) {
+            unknown.on.sort_unstable();
         }
-        Dependencies { running, initial }
+        let indicators = running.split_off(outputs.len() + rates.len());
+        let rates = running.split_off(outputs.len());
+        Dependencies { outputs: running, rates, indicators, initial }
     }
 }
 
 fn indices(declaration: &Declaration, which: impl Fn(&Entry) -> bool) -> Vec<usize> {
     declaration.entries.iter().enumerate().filter(|(_, e)| which(e)).map(|(k, _)| k).collect()
+}
+
+/// The prefixes of the groups that are effects.
+fn effects_of(declaration: &Declaration) -> Vec<&'static str> {
+    declaration
+        .groups
+        .iter()
+        .map(|group| group.prefix)
+        .filter(|prefix| prefix.starts_with("effect."))
+        .collect()
 }
 
 /// Every combination of the items of those choices that concern the whole model. Choices of one component or
@@ -103,42 +170,97 @@ fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize,
     all
 }
 
-/// Adds to `found` every output that a move of one of `knowns` moves.
-fn note(
-    found: &mut [(usize, Vec<usize>)],
-    knowns: &[usize],
-    outputs: &[usize],
-    declaration: &Declaration,
-    probe: &mut Probe,
-    point: impl Fn() -> Box<dyn Model>,
-    settle: impl Fn(&mut Box<dyn Model>) -> bool,
-) {
-    let read = |mut model: Box<dyn Model>| -> Option<Vec<u64>> {
-        let settled = settle(&mut model);
-        // A zero that turns its sign has not moved.
-        let mut bits = |o: &usize| (model.get(declaration.entries[*o].slot) + 0.0).to_bits();
-        settled.then(|| outputs.iter().map(&mut bits).collect())
-    };
-    let Some(before) = read(point()) else { return };
-    for &k in knowns {
-        let entry = &declaration.entries[k];
-        let moves: Vec<f64> = match entry.row.kind {
+/// What is looked at while something is moved.
+struct Note<'a> {
+    declaration: &'static Declaration,
+    /// Entries of what may move with it.
+    unknowns: &'a [usize],
+    starts: &'a StartValues,
+}
+
+impl Note<'_> {
+    /// Adds to `found` every unknown that a move of one of `knowns` moves; `settle` brings the model to a time.
+    fn add(
+        &self,
+        found: &mut [Unknown],
+        knowns: &[Known],
+        probe: &mut Probe,
+        point: impl Fn() -> Box<dyn Model>,
+        settle: impl Fn(&mut Box<dyn Model>, f64) -> bool,
+        time: f64,
+    ) {
+        let read = |mut model: Box<dyn Model>, time: f64| {
+            if settle(&mut model, time) { self.read(model.as_mut()) } else { None }
+        };
+        let Some(before) = read(point(), time) else { return };
+        for &known in knowns {
+            for value in self.moves(known, probe, point().as_mut()) {
+                let mut model = point();
+                let mut at = time;
+                match known {
+                    Known::Entry(k) => {
+                        let entry = &self.declaration.entries[k];
+                        if entry.check(value, false).is_err() {
+                            continue;
+                        }
+                        model.set(entry.slot, value);
+                    }
+                    Known::State(n, _) => {
+                        let mut states = vec![0.0; n + 1];
+                        model.read_states(&mut states);
+                        states[n] = value;
+                        model.write_states(&states);
+                    }
+                    Known::Time => at = value,
+                }
+                let Some(after) = read(model, at) else { continue };
+                for (unknown, _) in
+                    found.iter_mut().zip(before.iter().zip(&after)).filter(|(_, (b, a))| a != b)
+                {
+                    match known {
+                        Known::Entry(k) | Known::State(_, k) if !unknown.on.contains(&k) => {
+                            unknown.on.push(k)
+                        }
+                        Known::Entry(_) | Known::State(..) => {}
+                        Known::Time => unknown.on_time = true,
+                    }
+                }
+            }
+        }
+    }
+
+    /// The unknowns, bit by bit.
+    fn read(&self, model: &mut dyn Model) -> Option<Vec<u64>> {
+        let mut rates = vec![0.0; self.declaration.states.len()];
+        model.derivatives(&mut rates).ok()?;
+        let value = |&k: &usize| {
+            let slot = self.declaration.entries[k].slot;
+            // A zero that turns its sign has not moved.
+            let value = if slot.group == Slot::RATES { rates[slot.row as usize] } else { model.get(slot) };
+            (value + 0.0).to_bits()
+        };
+        Some(self.unknowns.iter().map(value).collect())
+    }
+
+    /// Values that a known takes in turn.
+    fn moves(&self, known: Known, probe: &mut Probe, model: &mut dyn Model) -> Vec<f64> {
+        let entry = match known {
+            Known::Entry(k) | Known::State(_, k) => &self.declaration.entries[k],
+            Known::Time => return vec![START + probe.share(), START + 1e3 * probe.share()],
+        };
+        if let Known::State(..) = known {
+            let (value, way) = (model.get(entry.slot), 0.01 * entry.row.nominal);
+            // The last so far that a limit is passed, also by a difference of temperatures.
+            let far = if entry.row.relative { 300.0 } else { 60.0 * way };
+            return vec![value + way * probe.share(), value - way * probe.share(), value + far];
+        }
+        match entry.row.kind {
             Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
             Kind::Boolean => vec![0.0, 1.0],
             Kind::Integer => vec![entry.row.start - 1.0, entry.row.start + 1.0, entry.row.min, entry.row.max],
-            Kind::Real => vec![probe.generic(entry), probe.generic(entry), entry.row.min, entry.row.max],
-        };
-        for value in moves {
-            if entry.check(value, false).is_err() {
-                continue;
-            }
-            let mut model = point();
-            model.set(entry.slot, value);
-            let Some(after) = read(model) else { continue };
-            for (n, (_, on)) in found.iter_mut().enumerate() {
-                if before[n] != after[n] && !on.contains(&k) {
-                    on.push(k);
-                }
+            Kind::Real => {
+                let (one, other) = (probe.generic(entry, self.starts), probe.generic(entry, self.starts));
+                vec![one, other, entry.row.min, entry.row.max]
             }
         }
     }
@@ -149,14 +271,35 @@ fn note(
 struct Probe(u64);
 
 impl Probe {
-    /// A share in (0, 1): the golden-ratio sequence.
+    /// A share in (0, 1): a counter whose bits are mixed (Steele, Lea, Flood 2014, SplitMix64), so that no two uses keep step.
     fn share(&mut self) -> f64 {
-        self.0 += 1;
-        (self.0 as f64 * 0.618_033_988_749_895).fract().clamp(0.05, 0.95)
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) as f64 / u64::MAX as f64).clamp(0.05, 0.95)
     }
 
-    /// A value within the limits, of the variable's typical size, and not its start.
-    fn generic(&mut self, entry: &Entry) -> f64 {
+    /// About half of these.
+    fn half_of(&mut self, all: &[&'static str]) -> Vec<&'static str> {
+        all.iter().copied().filter(|_| self.share() < 0.5).collect()
+    }
+
+    /// Moves every state of a model that has started, by a share of its typical size; false where it has no rates there.
+    fn push(&mut self, model: &mut dyn Model, count: usize) -> bool {
+        let declaration = model.declaration();
+        let mut states = vec![0.0; count];
+        model.read_states(&mut states);
+        for (state, [entry, _]) in states.iter_mut().zip(&declaration.states) {
+            *state += 0.1 * self.share() * declaration.entries[*entry].row.nominal;
+        }
+        model.write_states(&states);
+        model.update();
+        model.derivatives(&mut states).is_ok()
+    }
+
+    /// A value within the limits, of the variable's typical size, and not its start; counts and choices at their start.
+    fn generic(&mut self, entry: &Entry, starts: &StartValues) -> f64 {
         let row = entry.row;
         match row.kind {
             Kind::Real => {
@@ -168,7 +311,7 @@ impl Probe {
                     row.min + (row.max - row.min) * self.share()
                 }
             }
-            _ => row.start,
+            _ => starts.of(entry),
         }
     }
 }

@@ -1,11 +1,14 @@
 //! The FMI 2.0 model description of a model.
 
-use crate::Dependencies;
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
+use crate::{Dependencies, Unknown};
 use physics::declare::Kind;
 use physics::model::{Declaration, Entry};
 use std::io;
+
+const CAN_EXCHANGE: &[&str] =
+    &["canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate"];
 
 const CAN: &[&str] = &[
     "canHandleVariableCommunicationStepSize",
@@ -16,10 +19,16 @@ const CAN: &[&str] = &[
 ];
 
 /// The text of modelDescription.xml of an archive with these start values and dependencies.
-pub fn model_description(declaration: &Declaration, starts: &StartValues, found: &Dependencies) -> String {
+pub fn model_description(
+    declaration: &'static Declaration,
+    starts: &StartValues,
+    found: &Dependencies,
+) -> String {
     let mut root = xml::root("2.0", "guid", declaration);
-    root.push(("numberOfEventIndicators", "0".to_string()));
+    root.push(("numberOfEventIndicators", declaration.indicators.len().to_string()));
+    let listed = Listed::new(declaration, starts);
     xml::document("fmiModelDescription", &root, |xml| {
+        empty(xml, "ModelExchange", &xml::interface(declaration, CAN_EXCHANGE))?;
         empty(xml, "CoSimulation", &xml::interface(declaration, CAN))?;
         xml::unit_definitions(xml, declaration)?;
         xml::type_definitions(xml, declaration, |xml, attributes, items| {
@@ -30,30 +39,64 @@ pub fn model_description(declaration: &Declaration, starts: &StartValues, found:
         element(xml, "ModelVariables", &vec![], |xml| {
             let unit = vec![("unit", "s".to_string())];
             element(xml, "ScalarVariable", &xml::time_attributes(), |xml| empty(xml, "Real", &unit))?;
-            declaration.entries.iter().try_for_each(|entry| scalar_variable(xml, entry, starts))
+            listed.entries().try_for_each(|entry| scalar_variable(xml, entry, starts, &listed))
         })?;
         element(xml, "ModelStructure", &vec![], |xml| {
-            // Time is variable 1, and the entries follow in order.
-            let unknown = |xml: &mut Xml, (output, on): &(usize, Vec<usize>)| {
-                let dependencies = list(on.iter().map(|k| *k as u64 + 2));
-                empty(
-                    xml,
-                    "Unknown",
-                    &vec![("index", (output + 2).to_string()), ("dependencies", dependencies)],
-                )
+            let unknown = |xml: &mut Xml, unknown: &Unknown| {
+                let time = unknown.on_time.then_some(1);
+                let dependencies = list(time.into_iter().chain(unknown.on.iter().map(|k| listed.index(*k))));
+                let index = listed.index(unknown.entry).to_string();
+                empty(xml, "Unknown", &vec![("index", index), ("dependencies", dependencies)])
             };
-            element(xml, "Outputs", &vec![], |xml| found.running.iter().try_for_each(|u| unknown(xml, u)))?;
-            element(xml, "InitialUnknowns", &vec![], |xml| {
-                found.initial.iter().try_for_each(|u| unknown(xml, u))
+            let lists = [
+                ("Outputs", &found.outputs),
+                ("Derivatives", &found.rates),
+                ("InitialUnknowns", &found.initial),
+            ];
+            lists.into_iter().try_for_each(|(name, unknowns)| {
+                element(xml, name, &vec![], |xml| unknowns.iter().try_for_each(|u| unknown(xml, u)))
             })
         })
     })
 }
 
-fn scalar_variable(xml: &mut Xml, entry: &Entry, starts: &StartValues) -> io::Result<()> {
+/// The variables of an archive, counted as FMI 2 does: from 1, which is time.
+struct Listed {
+    declaration: &'static Declaration,
+    /// For each entry its number; 0 for those that are not listed.
+    number: Vec<u64>,
+}
+
+impl Listed {
+    fn new(declaration: &'static Declaration, starts: &StartValues) -> Listed {
+        let mut last = 1;
+        let number = declaration.entries.iter().map(|entry| {
+            let shown = starts.shows(declaration, entry);
+            last += u64::from(shown);
+            if shown { last } else { 0 }
+        });
+        Listed { declaration, number: number.collect() }
+    }
+
+    fn entries(&self) -> impl Iterator<Item = &'static Entry> + '_ {
+        self.declaration.entries.iter().zip(&self.number).filter(|(_, n)| **n > 0).map(|(entry, _)| entry)
+    }
+
+    fn index(&self, entry: usize) -> u64 {
+        self.number[entry]
+    }
+}
+
+fn scalar_variable(xml: &mut Xml, entry: &Entry, starts: &StartValues, listed: &Listed) -> io::Result<()> {
     let start = xml::start_attribute(entry, starts);
     element(xml, "ScalarVariable", &xml::variable_attributes(entry), |xml| match entry.row.kind {
-        Kind::Real => empty(xml, "Real", &xml::real_attributes(entry, starts)),
+        Kind::Real => {
+            let mut attributes = xml::real_attributes(entry, starts);
+            if let Some(state) = xml::state_of(listed.declaration, entry) {
+                attributes.push(("derivative", listed.index(state).to_string()));
+            }
+            empty(xml, "Real", &attributes)
+        }
         Kind::Integer => empty(xml, "Integer", &xml::integer_attributes(entry, starts)),
         Kind::Boolean => empty(xml, "Boolean", &start.into_iter().collect()),
         Kind::Enumeration(t) => {

@@ -30,7 +30,7 @@ pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
     for kind in physics::models::ALL {
         let declaration = (kind.declaration)();
         let home = folder.join(declaration.name);
-        let found = Dependencies::of(kind, &[]);
+        let found = Dependencies::of(kind, &[], &starts);
         files.push((home.join("fmi2.xml"), fmi2::model_description(declaration, &starts, &found)));
         files.push((home.join("fmi3.xml"), fmi3::model_description(declaration, &starts, &found)));
         files.push((home.join("parameters.md"), markdown::parameters(kind)));

@@ -13,7 +13,7 @@ pub mod markdown;
 pub mod preset;
 mod xml;
 
-pub use dependencies::Dependencies;
+pub use dependencies::{Dependencies, Unknown};
 pub use physics::declare::Kind;
 pub use physics::model::{Declaration, Entry, ModelType};
 pub use physics::terms::{Driver, GenericTerm, Law, Port};

@@ -3,7 +3,7 @@
 use crate::preset::StartValues;
 use crate::xml::description;
 use physics::declare::{Causality, Kind};
-use physics::model::{Entry, ModelType};
+use physics::model::{Entry, ModelType, Slot};
 use std::fmt::Write;
 
 /// Headings of the columns of [`Section::rows`].
@@ -22,20 +22,20 @@ pub struct Section {
 pub fn sections(kind: &ModelType, starts: &StartValues) -> Vec<Section> {
     let roles =
         [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)];
-    let entries = &(kind.declaration)().entries;
-    roles
-        .into_iter()
-        .map(|(title, role)| {
-            let rows = entries.iter().filter(|e| e.row.causality == role).map(|e| row(e, starts)).collect();
-            Section { title, rows }
-        })
-        .collect()
+    let declaration = (kind.declaration)();
+    let entries = || declaration.entries.iter().filter(|e| starts.shows(declaration, e));
+    let of = |title, which: &dyn Fn(&Entry) -> bool| {
+        let rows = entries().filter(|e| which(e)).map(|e| row(e, starts)).collect();
+        Section { title, rows }
+    };
+    let states = of("States", &|e| e.slot.group == Slot::STATES);
+    roles.into_iter().map(|(title, role)| of(title, &|e| e.row.causality == role)).chain([states]).collect()
 }
 
 fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
     let row = entry.row;
     let start = match row.kind {
-        _ if row.causality == Causality::Output => String::new(),
+        _ if matches!(row.causality, Causality::Output | Causality::Local) => String::new(),
         Kind::Enumeration(t) => {
             let item = t.items.iter().find(|i| f64::from(i.value) == starts.of(entry));
             item.map(|i| i.name.to_string()).unwrap_or_default()

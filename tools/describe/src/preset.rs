@@ -10,8 +10,8 @@
 //! "drive_mode" = "current"
 //! ```
 
-use physics::declare::Kind;
-use physics::model::{Declaration, Entry};
+use physics::declare::{Elements, Kind};
+use physics::model::{Declaration, Element, Entry};
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
@@ -33,6 +33,17 @@ impl StartValues {
     /// The start value of a variable.
     pub fn of(&self, entry: &Entry) -> f64 {
         self.0.get(&entry.value_reference).copied().unwrap_or(entry.row.start)
+    }
+
+    /// Whether a description with these start values lists the variable: of elements that a parameter counts, as many
+    /// as it says.
+    pub fn shows(&self, declaration: &Declaration, entry: &Entry) -> bool {
+        match entry.element {
+            Some(Element { index, of: Elements::UpTo(_, parameter) }) => {
+                declaration.by_name(parameter).is_some_and(|count| f64::from(index) <= self.of(count))
+            }
+            _ => true,
+        }
     }
 
     /// Value references and values, ascending.

@@ -2,7 +2,7 @@
 
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
-use physics::model::{Declaration, Entry};
+use physics::model::{Declaration, Entry, Slot};
 use quick_xml::Writer;
 use std::io;
 
@@ -113,7 +113,7 @@ pub(crate) fn variable_attributes(entry: &Entry) -> Attributes {
 pub(crate) fn start_attribute(entry: &Entry, starts: &StartValues) -> Option<(&'static str, String)> {
     let start = starts.of(entry);
     let text = match entry.row.kind {
-        _ if entry.row.causality == Causality::Output => return None,
+        _ if matches!(entry.row.causality, Causality::Output | Causality::Local) => return None,
         Kind::Boolean => (start != 0.0).to_string(),
         Kind::Real | Kind::Integer | Kind::Enumeration(_) => number(start),
     };
@@ -200,6 +200,11 @@ pub(crate) fn real_attributes(entry: &Entry, starts: &StartValues) -> Attributes
     attributes
 }
 
+/// The entry (by index) of the state that this one is the derivative of.
+pub(crate) fn state_of(declaration: &Declaration, entry: &Entry) -> Option<usize> {
+    (entry.slot.group == Slot::RATES).then(|| declaration.states[entry.slot.row as usize][0])
+}
+
 /// The attributes of a whole number: limits and start.
 pub(crate) fn integer_attributes(entry: &Entry, starts: &StartValues) -> Attributes {
     limit_attributes(entry).chain(start_attribute(entry, starts)).collect()
@@ -217,6 +222,7 @@ fn role_attributes(entry: &Entry) -> Attributes {
         Causality::Parameter => "parameter",
         Causality::Input => "input",
         Causality::Output => "output",
+        Causality::Local => "local",
     };
     let variability = match entry.row.variability {
         Variability::Fixed => "fixed",
@@ -227,7 +233,7 @@ fn role_attributes(entry: &Entry) -> Attributes {
     let mut attributes = vec![("causality", causality.to_string()), ("variability", variability.to_string())];
     match entry.row.causality {
         Causality::Parameter => attributes.push(("initial", "exact".to_string())),
-        Causality::Output => attributes.push(("initial", "calculated".to_string())),
+        Causality::Output | Causality::Local => attributes.push(("initial", "calculated".to_string())),
         Causality::Input => {}
     }
     attributes

@@ -1,6 +1,7 @@
 //! What must hold over the whole table of every model.
 
-use describe::{Dependencies, Entry, generated, lock, models};
+use describe::{Dependencies, Entry, StartValues, Unknown, generated, lock, models};
+use describe::{Preset, fmi2, fmi3};
 use physics::declare::{Causality, Kind, Scale};
 use physics::terms::{Driver, GenericTerm, Law, Port, Table};
 use std::collections::HashSet;
@@ -8,6 +9,10 @@ use std::path::Path;
 
 fn entries() -> impl Iterator<Item = &'static Entry> {
     models::ALL.iter().flat_map(|m| &(m.declaration)().entries)
+}
+
+fn settable(entry: &Entry) -> bool {
+    matches!(entry.row.causality, Causality::Input | Causality::Parameter)
 }
 
 #[test]
@@ -29,10 +34,12 @@ fn every_variable_is_described_and_within_its_own_limits() {
         assert!(row.doc.trim().len() > 8 && !row.doc.trim().ends_with('.'), "{}: {:?}", e.name, row.doc);
         assert!(row.nominal > 0.0 && row.nominal.is_finite(), "{}: nominal {}", e.name, row.nominal);
         match row.causality {
-            Causality::Output => assert!(row.start.is_nan(), "{} is computed and has no start", e.name),
+            Causality::Output | Causality::Local => {
+                assert!(row.start.is_nan(), "{} is computed and has no start", e.name);
+            }
             _ => assert_eq!(e.check(row.start, false), Ok(()), "{} = {}", e.name, row.start),
         }
-        if row.causality != Causality::Output && matches!(row.kind, Kind::Real | Kind::Integer) {
+        if settable(e) && matches!(row.kind, Kind::Real | Kind::Integer) {
             assert!(
                 row.min.is_finite() && row.max.is_finite() && row.min < row.max,
                 "{} has no limits",
@@ -61,7 +68,7 @@ fn effects_are_off_by_default() {
 fn a_value_set_is_the_value_read() {
     for kind in models::ALL {
         let mut model = (kind.new)();
-        for e in (kind.declaration)().entries.iter().filter(|e| e.row.causality != Causality::Output) {
+        for e in (kind.declaration)().entries.iter().filter(|e| settable(e)) {
             let value = if e.row.kind == Kind::Real { e.row.min } else { e.row.start };
             assert!(model.set(e.slot, value), "{}", e.name);
             assert_eq!(model.get(e.slot), value, "{}", e.name);
@@ -73,20 +80,24 @@ fn a_value_set_is_the_value_read() {
 fn dependencies_are_the_physics() {
     let kind = &models::ALL[0];
     let declaration = (kind.declaration)();
-    let found = Dependencies::of(kind, &[]);
-    let on = |list: &[(usize, Vec<usize>)], output: &str| -> Vec<&str> {
-        let k = declaration.entries.iter().position(|e| e.name == output).unwrap();
-        let (_, on) = list.iter().find(|(o, _)| *o == k).unwrap();
-        on.iter().map(|k| declaration.entries[*k].name.as_str()).collect()
+    let found = Dependencies::of(kind, &[], &StartValues::default());
+    let on = |list: &[Unknown], name: &str| -> Vec<&str> {
+        let k = declaration.entries.iter().position(|e| e.name == name).unwrap();
+        let unknown = list.iter().find(|u| u.entry == k).unwrap();
+        unknown.on.iter().map(|k| declaration.entries[*k].name.as_str()).collect()
     };
-    assert_eq!(on(&found.running, "stator_temperature"), [""; 0], "a state depends on no input at once");
+    let inputs = |list: &[Unknown], name: &str| -> Vec<&str> {
+        let is_input = |n: &&str| declaration.by_name(n).unwrap().row.causality == Causality::Input;
+        on(list, name).into_iter().filter(is_input).collect()
+    };
+    assert_eq!(inputs(&found.outputs, "stator_temperature"), [""; 0], "a state depends on no input at once");
     // A sensor that the air cools does.
-    assert_eq!(on(&found.running, "winding_temperature"), ["ambient_temperature"]);
+    assert_eq!(inputs(&found.outputs, "winding_temperature"), ["ambient_temperature"]);
     // The last by the drive's own heat (effect drive_loss).
     let cooled = ["fan_command", "ambient_temperature", "ambient_pressure", "electrical_power"];
-    assert_eq!(on(&found.running, "heat_to_ambient"), cooled);
-    assert_eq!(on(&found.running, "shaft_speed"), ["imposed_speed"]);
-    assert!(!on(&found.running, "loss_friction").contains(&"fan_command"));
+    assert_eq!(inputs(&found.outputs, "heat_to_ambient"), cooled);
+    assert_eq!(on(&found.outputs, "shaft_speed"), ["imposed_speed", "state.shaft_speed"]);
+    assert!(!on(&found.outputs, "loss_friction").contains(&"fan_command"));
     // A run that starts late starts at what a drifting sensor hides.
     let start = ["ambient_temperature", "effect.ambient_drift.rate"];
     assert_eq!(on(&found.initial, "stator_temperature"), start);
@@ -95,6 +106,65 @@ fn dependencies_are_the_physics() {
     let limit = ["ambient_temperature", "thermal.T_w_max", "effect.ambient_drift.rate"];
     assert_eq!(on(&found.initial, "over_temperature"), limit);
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
+    // Rates and indicators, with what only some of the modes have.
+    assert_eq!(on(&found.rates, "der(state.shaft_angle)"), ["imposed_speed", "state.shaft_speed"]);
+    let sensor = on(&found.rates, "der(state.sensor_temperature)");
+    assert!(
+        sensor.starts_with(&["state.core_temperature", "state.sensor_temperature", "T_housing[1]"]),
+        "{sensor:?}"
+    );
+    let limit = on(&found.indicators, "event.over_temperature");
+    assert_eq!((limit[0], limit.len()), ("state.winding_temperature", 4), "and the phases");
+    assert_eq!(on(&found.outputs, "over_temperature"), limit);
+    assert_eq!(on(&found.indicators, "event.commutation_sector"), ["state.shaft_angle"]);
+    // A drifting sensor of the ambient makes it move with time.
+    let drifts =
+        |name: &str| found.outputs.iter().any(|u| declaration.entries[u.entry].name == name && u.on_time);
+    assert!(drifts("heat_to_ambient") && !drifts("current"));
+}
+
+/// As many segments as the start values say, each with its derivative, in both standards.
+#[test]
+fn segments_are_counted_by_the_start_values() {
+    let kind = &models::ALL[0];
+    let declaration = (kind.declaration)();
+    let preset = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\nair_segments = 11\n";
+    let starts = Preset::parse(preset, "x.toml").unwrap().starts;
+    let found = Dependencies::of(kind, &[], &starts);
+    assert_eq!(found.rates.len(), 14 + 11);
+    for text in [
+        fmi2::model_description(declaration, &starts, &found),
+        fmi3::model_description(declaration, &starts, &found),
+    ] {
+        assert!(text.contains("\"T_housing[11]\"") && text.contains("\"der(T_housing[11])\""));
+        assert!(!text.contains("T_housing[12]"));
+    }
+}
+
+/// FMI 2 counts variables from 1, FMI 3 names them by reference; each derivative names its own state.
+#[test]
+fn a_derivative_names_its_state() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
+    for kind in models::ALL {
+        let declaration = (kind.declaration)();
+        let read = |file: &str| std::fs::read_to_string(folder.join(declaration.name).join(file)).unwrap();
+        let (two, three) = (read("fmi2.xml"), read("fmi3.xml"));
+        let variables: Vec<&str> = two.split("<ScalarVariable ").skip(1).collect();
+        let name = |text: &str| text.split('"').nth(1).unwrap().to_string();
+        let mut pairs = 0;
+        for variable in variables.iter().filter(|v| v.contains("derivative=")) {
+            let index: usize =
+                variable.split("derivative=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+            assert_eq!(name(variable), format!("der({})", name(variables[index - 1])));
+            pairs += 1;
+        }
+        assert!(pairs >= 11, "{pairs}");
+        let line = |name: &str| three.lines().find(|l| l.contains(&format!("name=\"{name}\""))).unwrap();
+        let state = declaration.by_name("state.shaft_speed").unwrap();
+        assert!(
+            line("der(state.shaft_speed)").contains(&format!("derivative=\"{}\"", state.value_reference))
+        );
+    }
 }
 
 /// A term that is data brings its own: a drag that follows the fan makes the torque follow it.
@@ -105,9 +175,10 @@ fn terms_bring_dependencies() {
     let index = |name: &str| entries.iter().position(|e| e.name == name).unwrap();
     let (x, y) = ([0.0, 1.0], [0.0, 0.01]);
     let table = Table::new(Driver::FanCommand, &x, &y).unwrap();
-    let found = Dependencies::of(kind, &[GenericTerm { port: Port::DragTorque, law: Law::Table(table) }]);
-    let (_, on) = found.running.iter().find(|(o, _)| *o == index("loss_friction")).unwrap();
-    assert!(on.contains(&index("fan_command")));
+    let terms = [GenericTerm { port: Port::DragTorque, law: Law::Table(table) }];
+    let found = Dependencies::of(kind, &terms, &StartValues::default());
+    let friction = found.outputs.iter().find(|u| u.entry == index("loss_friction")).unwrap();
+    assert!(friction.on.contains(&index("fan_command")));
 }
 
 /// A whole number has limits and a start in both standards, and neither unit nor nominal value.
@@ -136,17 +207,21 @@ fn the_gearmotor_has_no_fan_no_power_input_and_a_bridge_of_its_own() {
     ];
     let kind = models::by_name("BrushedGearmotor").unwrap();
     let declaration = (kind.declaration)();
-    let found = Dependencies::of(kind, &[]);
+    let found = Dependencies::of(kind, &[], &StartValues::default());
     let names = |on: &[usize]| on.iter().map(|k| declaration.entries[*k].name.as_str()).collect::<Vec<_>>();
-    for (output, on) in found.running.iter().chain(&found.initial) {
-        let idle = names(on).into_iter().find(|name| IDLE.iter().any(|idle| name.contains(idle)));
-        assert_eq!(idle, None, "{}", declaration.entries[*output].name);
+    for unknown in found.outputs.iter().chain(&found.rates).chain(&found.initial) {
+        let idle = names(&unknown.on).into_iter().find(|name| IDLE.iter().any(|idle| name.contains(idle)));
+        assert_eq!(idle, None, "{}", declaration.entries[unknown.entry].name);
     }
     let voltage = declaration.entries.iter().position(|e| e.name == "voltage").unwrap();
-    let (_, on) = found.running.iter().find(|(o, _)| *o == voltage).unwrap();
-    assert_eq!(names(on), ["duty", "supply_voltage"]);
-    let (_, on) = found.initial.iter().find(|(o, _)| *o == voltage).unwrap();
-    assert!(names(on).contains(&"drive.pwm_frequency"), "discontinuous conduction is among the points");
+    let on = |list: &[Unknown]| names(&list.iter().find(|u| u.entry == voltage).unwrap().on);
+    let running = on(&found.outputs);
+    assert_eq!(running[..2], ["duty", "supply_voltage"]);
+    assert!(running[2..].iter().all(|name| name.starts_with("state.")), "{running:?}");
+    assert!(
+        on(&found.initial).contains(&"drive.pwm_frequency"),
+        "discontinuous conduction is among the points"
+    );
 }
 
 #[test]

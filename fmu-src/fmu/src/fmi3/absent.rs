@@ -2,6 +2,7 @@
 
 use super::{Boolean, InstanceHandle};
 use crate::boundary::{Refused, Wanted, enter, hand_out};
+use crate::instance::Interface;
 use crate::logger::{Logger3, Status};
 use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
@@ -26,12 +27,13 @@ unsafe fn refuse_to_make(
     environment: *mut c_void,
     log_message: Option<Logger3>,
 ) -> InstanceHandle {
-    let beyond = Some(format!("{interface} is not in this FMU; Co-Simulation is."));
+    let beyond = Some(format!("{interface} is not in this FMU; Model Exchange and Co-Simulation are."));
     let sink = super::sink(log_message, environment);
     // SAFETY: as the crate's documentation says.
     unsafe {
         hand_out(Wanted {
             function,
+            interface: Interface::CoSimulation,
             name,
             token: std::ptr::null(),
             resources: std::ptr::null(),
@@ -40,22 +42,6 @@ unsafe fn refuse_to_make(
             logging_on: false,
             beyond,
         })
-    }
-}
-
-/// Makes an instance for Model Exchange.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3InstantiateModelExchange(
-    name: *const c_char,
-    _token: *const c_char,
-    _resources: *const c_char,
-    _visible: Boolean,
-    _logging_on: Boolean,
-    environment: *mut c_void,
-    log_message: Option<Logger3>,
-) -> InstanceHandle {
-    unsafe {
-        refuse_to_make("fmi3InstantiateModelExchange", "Model Exchange", name, environment, log_message)
     }
 }
 
@@ -85,36 +71,7 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
 }
 
 absent! {
-    "this instance is a Co-Simulation one and has no Model Exchange functions.";
-    /// Enter continuous time mode.
-    fmi3EnterContinuousTimeMode();
-    /// Completed integrator step.
-    fmi3CompletedIntegratorStep(_no_set: Boolean, _enter_event: *mut Boolean, _terminate: *mut Boolean);
-    /// Set time.
-    fmi3SetTime(_time: f64);
-    /// Set continuous states.
-    fmi3SetContinuousStates(_x: *const f64, _n: usize);
-    /// Get continuous state derivatives.
-    fmi3GetContinuousStateDerivatives(_derivatives: *mut f64, _n: usize);
-    /// Get event indicators.
-    fmi3GetEventIndicators(_indicators: *mut f64, _n: usize);
-    /// Get continuous states.
-    fmi3GetContinuousStates(_x: *mut f64, _n: usize);
-    /// Get nominals of continuous states.
-    fmi3GetNominalsOfContinuousStates(_nominals: *mut f64, _n: usize);
-}
-
-absent! {
-    "event mode is not in this FMU (hasEventMode is false).";
-    /// Enter event mode.
-    fmi3EnterEventMode();
-    /// Evaluate discrete states.
-    fmi3EvaluateDiscreteStates();
-    /// Update discrete states.
-    fmi3UpdateDiscreteStates(
-        _need_update: *mut Boolean, _terminate: *mut Boolean, _nominals_changed: *mut Boolean,
-        _values_changed: *mut Boolean, _next_event_defined: *mut Boolean, _next_event: *mut f64
-    );
+    "event mode is not in this FMU's Co-Simulation (hasEventMode is false).";
     /// Enter step mode.
     fmi3EnterStepMode();
 }

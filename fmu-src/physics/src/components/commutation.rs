@@ -111,6 +111,13 @@ impl Phases {
         Phases { above }
     }
 
+    /// The rates of eq. (3), K/s, with the arguments of [`after`](Phases::after).
+    pub fn rates(&self, heat: f64, shares: &[f64; PHASES], capacity: f64, resistance: f64) -> [f64; PHASES] {
+        std::array::from_fn(|k| {
+            (3.0 * (shares[k] - 1.0 / 3.0) * heat - self.above[k] / resistance) / capacity
+        })
+    }
+
     /// How far the hottest phase is above the mean winding, K.
     pub fn hottest(&self) -> f64 {
         self.above.iter().fold(0.0, |m, d| m.max(*d))

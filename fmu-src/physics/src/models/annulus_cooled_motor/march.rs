@@ -6,7 +6,7 @@
 
 use super::network::{Network, Passage};
 use super::{AnnulusCooledMotor, Beyond, DriveMode, Inputs, Line, NODES, Parameters, Step};
-use crate::components::commutation::Commutation;
+use crate::components::commutation::{Commutation, PHASES};
 use crate::components::conductance::Conductance;
 use crate::effects::{Effect, PerNode};
 use crate::model::Fault;
@@ -169,7 +169,7 @@ impl AnnulusCooledMotor {
     }
 
     /// Electrical angle of a state, rad.
-    fn electrical_angle(&self, state: &State<NODES>) -> f64 {
+    pub(super) fn electrical_angle(&self, state: &State<NODES>) -> f64 {
         state.angle * f64::from(self.parameters.motor.pole_pairs)
     }
 
@@ -180,8 +180,34 @@ impl AnnulusCooledMotor {
         if commutation == Commutation::EquivalentDc {
             return 0.0;
         }
-        let angle = self.electrical_angle(&self.state);
-        self.phases.in_use(&commutation.shares(angle, angle))
+        self.phases.in_use(&self.shares_now())
+    }
+
+    /// How the phases share the copper loss at this instant; between events within one sector of block commutation.
+    fn shares_now(&self) -> [f64; PHASES] {
+        let commutation = self.parameters.choices.commutation;
+        let angle = match &self.held {
+            Some(held) if commutation == Commutation::Block => held.angle(),
+            _ => self.electrical_angle(&self.state),
+        };
+        commutation.shares(angle, angle)
+    }
+
+    /// Rates of how far the phases are above the mean winding, K/s.
+    pub(super) fn phase_rates(&self) -> [f64; PHASES] {
+        let thermal = &self.parameters.thermal;
+        let heat = self.phase_loss(&self.state, self.inputs.electrical_power);
+        self.phases.rates(heat, &self.shares_now(), thermal.C_w, thermal.R_wh)
+    }
+
+    /// Copper loss that the phases share, W, with this input electrical_power.
+    fn phase_loss(&self, state: &State<NODES>, power: f64) -> f64 {
+        let p = &self.parameters;
+        let copper = p.motor.resistance(state.temperature[0]) * state.x[0] * state.x[0];
+        match p.choices.drive_mode {
+            DriveMode::Power => copper + power * (1.0 - p.effects.drive_loss()),
+            _ => copper,
+        }
     }
 
     /// The phases after `h` seconds that led from one state to the present one.
@@ -193,12 +219,8 @@ impl AnnulusCooledMotor {
         }
         let (a, b) = (self.electrical_angle(from), self.electrical_angle(&self.state));
         let shares = p.choices.commutation.shares(a, b);
-        let loss = |s: &State<NODES>| p.motor.resistance(s.temperature[0]) * s.x[0] * s.x[0];
-        let mut heat = 0.5 * (loss(from) + loss(&self.state));
-        if p.choices.drive_mode == DriveMode::Power {
-            let power = self.inputs.electrical_power + 0.5 * h * self.slopes.electrical_power;
-            heat += power * (1.0 - p.effects.drive_loss());
-        }
+        let power = self.inputs.electrical_power + 0.5 * h * self.slopes.electrical_power;
+        let heat = 0.5 * (self.phase_loss(from, power) + self.phase_loss(&self.state, power));
         self.phases = self.phases.after(h, heat, &shares, p.thermal.C_w, p.thermal.R_wh);
     }
 
@@ -214,7 +236,10 @@ impl AnnulusCooledMotor {
     /// Lets the coefficients of the network belong to the inputs of this instant.
     pub(super) fn bring_network_to_inputs(&mut self) {
         let ambient = self.ambient(self.time).start;
-        if let Some(network) = &mut self.network {
+        let Some(network) = &mut self.network else { return };
+        if self.held.is_some() {
+            network.evaluate(&self.parameters, &self.inputs, ambient);
+        } else {
             network.refresh(&self.parameters, &self.inputs, ambient, 0.0);
         }
     }

@@ -4,17 +4,19 @@
 //! runs: it owns parameters, inputs and state, and hands the equations to the integrator.
 
 mod equations;
+mod exchange;
 mod march;
 pub mod network;
+mod saved;
 mod states;
 mod surroundings;
 mod variables;
 
 pub use equations::{Beyond, Constants, Line, NODES, Point, STATES, Step, Temperatures};
-pub use variables::{Books, Choices, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs};
+pub use variables::{Books, Choices, CoolingMode, DriveMode, Indicators, Inputs, MechanicalMode, Outputs};
 
 use crate::components::annulus::Annulus;
-use crate::components::commutation::Phases;
+use crate::components::commutation::{Commutation, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::fan::Fan;
 use crate::components::housing::Housing;
@@ -25,6 +27,7 @@ use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split, State};
 use crate::terms::{Drivers, GenericTerm};
+use exchange::Held;
 use network::{Body, Network};
 
 /// What the motor is made of, and how it is used.
@@ -89,6 +92,7 @@ pub struct AnnulusCooledMotor {
     pub inputs: Inputs,
     outputs: Outputs,
     books: Books,
+    indicators: Indicators,
     /// What the motor is made of.
     pub parameters: Parameters,
     constants: Constants,
@@ -99,6 +103,8 @@ pub struct AnnulusCooledMotor {
     state: State<NODES>,
     /// The temperature that the housing's sensor has reached, K.
     t_sensor: f64,
+    /// The temperature at the start, K.
+    t_start: f64,
     /// Multiplies the heat capacities of [`Constants`].
     capacity_factor: f64,
     /// Energy stored at the start, J.
@@ -108,6 +114,8 @@ pub struct AnnulusCooledMotor {
     phases: Phases,
     /// The heat beyond winding and stator, where the mode of cooling has any.
     network: Option<Network>,
+    /// What is held between events, where the caller integrates.
+    held: Option<Held>,
     /// What is wrong with the parameters taken together.
     fault: Option<String>,
     outputs_are_stale: bool,
@@ -119,6 +127,7 @@ groups! {
         "" @ 0 => inputs: Inputs,
         "" @ 0 => outputs: Outputs,
         "" @ 0 => books: Books,
+        "event." @ 0 => indicators: Indicators,
     } then parameters: Parameters
 }
 
@@ -128,6 +137,8 @@ const INPUTS: usize = 0;
 const OUTPUTS: usize = 1;
 /// Index of the flows of power in the list of groups.
 const BOOKS: usize = 2;
+/// Index of the event indicators in the list of groups; parameters follow.
+const INDICATORS: usize = 3;
 
 impl Default for AnnulusCooledMotor {
     fn default() -> Self {
@@ -136,6 +147,7 @@ impl Default for AnnulusCooledMotor {
             inputs: Inputs::default(),
             outputs: Outputs::default(),
             books: Books::default(),
+            indicators: Indicators::default(),
             parameters,
             constants: Constants::of(&parameters),
             fan: (f64::NAN, PerNode::default()),
@@ -149,11 +161,13 @@ impl Default for AnnulusCooledMotor {
                 passed: Passed::default(),
             },
             t_sensor: 0.0,
+            t_start: 0.0,
             capacity_factor: 1.0,
             stored_at_start: 0.0,
             split: Split::default(),
             phases: Phases::default(),
             network: None,
+            held: None,
             fault: None,
             outputs_are_stale: true,
             books_are_stale: true,
@@ -172,6 +186,7 @@ impl AnnulusCooledMotor {
                 "AnnulusCooledMotor",
                 "Thermo-electromechanical motor: terminals, shaft, winding and housing temperature, cooling",
                 Self::groups(),
+                states::STATES,
             )
         })
     }
@@ -204,6 +219,10 @@ impl AnnulusCooledMotor {
         let step =
             Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, self.time)
                 .with_excess(self.excess());
+        let step = match &self.held {
+            Some(held) => step.with_strength_since(held.since),
+            None => step,
+        };
         if self.network.is_some() { step.within(self.beyond()) } else { step }
     }
 
@@ -241,6 +260,9 @@ impl AnnulusCooledMotor {
             self.books_are_stale = false;
         } else {
             self.outputs = step.outputs(&self.state, self.t_sensor, network, &self.phases);
+            if let Some(held) = &self.held {
+                self.outputs.over_temperature = held.over_temperature;
+            }
             self.outputs_are_stale = false;
         }
     }
@@ -274,18 +296,21 @@ impl Model for AnnulusCooledMotor {
 
     #[inline]
     fn get(&mut self, slot: Slot) -> f64 {
+        let row = slot.row as usize;
         match slot.group as usize {
             OUTPUTS if self.outputs_are_stale => self.refresh_outputs(false),
             BOOKS if self.books_are_stale => self.refresh_outputs(true),
+            INDICATORS => self.indicators = self.indicate(),
+            _ if slot.group >= Slot::STATES => return self.inside(slot),
             _ => {}
         }
-        self.value(slot.group as usize, slot.row as usize)
+        self.value(slot.group as usize, row)
     }
 
     #[inline]
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
-        if group <= BOOKS {
+        if group <= INDICATORS {
             let taken = self.set_value(group, slot.row as usize, value);
             self.follow_inputs();
             return taken;
@@ -333,11 +358,12 @@ impl Model for AnnulusCooledMotor {
         self.tell_effects(time);
         ambient += self.parameters.effects.ambient_offset();
         self.state.temperature = Temperatures::repeat(ambient);
-        self.t_sensor = ambient;
+        (self.t_sensor, self.t_start) = (ambient, ambient);
         // Anew, because a network starts at the temperature that the state has.
         self.network = None;
         self.follow_parameters();
         self.stored_at_start = self.stored();
+        self.hold_start();
         Ok(())
     }
 
@@ -372,58 +398,17 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        for (g, group) in self.declaration().groups.iter().enumerate() {
-            out.extend((0..group.table.len()).map(|row| self.value(g, row)));
-        }
-        out.extend(
-            (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
-        );
-        out.extend([self.time, self.t_sensor, self.capacity_factor]);
-        out.extend([self.stored_at_start, flag(self.outputs_are_stale), flag(self.books_are_stale)]);
-        out.extend(self.state.to_numbers());
-        out.extend(self.split.to_numbers());
-        out.extend(self.phases.above);
-        if let Some(network) = &self.network {
-            out.extend(network.to_numbers());
-        }
+        self.push_saved(out);
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {
-        let mut copy = self.clone();
-        let mut rest = saved.iter().copied();
-        let mut next = || rest.next();
-        let mut read = || -> Option<()> {
-            for (g, group) in Self::declared().groups.iter().enumerate() {
-                for row in 0..group.table.len() {
-                    if !copy.set_value(g, row, next()?) {
-                        return None;
-                    }
-                }
+        match self.with_saved(saved) {
+            Some(restored) => {
+                *self = restored;
+                true
             }
-            for row in 0..<Inputs as declare::Group>::TABLE.len() {
-                declare::Group::set(&mut copy.slopes, row, next()?);
-            }
-            copy.time = next()?;
-            copy.t_sensor = next()?;
-            copy.capacity_factor = next()?;
-            copy.stored_at_start = next()?;
-            copy.outputs_are_stale = next()? != 0.0;
-            copy.books_are_stale = next()? != 0.0;
-            copy.state = State::from_numbers(&mut next)?;
-            copy.split = Split::from_numbers(&mut next)?;
-            copy.phases = Phases { above: [next()?, next()?, next()?] };
-            copy.network = None;
-            copy.follow_parameters();
-            if let Some(network) = &mut copy.network {
-                network.take_numbers(&copy.parameters, &mut next)?;
-            }
-            next().is_none().then_some(())
-        };
-        let complete = read().is_some();
-        if complete {
-            *self = copy;
+            None => false,
         }
-        complete
     }
 
     fn states(&self, out: &mut Vec<f64>) {
@@ -467,8 +452,4 @@ impl Model for AnnulusCooledMotor {
     fn as_any(&self) -> &dyn std::any::Any {
         self
     }
-}
-
-fn flag(value: bool) -> f64 {
-    f64::from(u8::from(value))
 }

@@ -185,20 +185,34 @@ impl Network {
         self.fastest = self.bound();
     }
 
-    /// Brings the coefficients to the inputs, with the housing `ahead` kelvin warmer than it is.
-    pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: f64) {
-        let at = Conditions {
+    fn conditions(&self, inputs: &Inputs, ambient: f64, ahead: f64) -> Conditions {
+        Conditions {
             surface: self.housing_temperature() + ahead,
             tube: self.states[TUBE],
             ambient,
             pressure: inputs.ambient_pressure,
             command: inputs.fan_command,
-        };
+        }
+    }
+
+    /// Brings the coefficients to the inputs, with the housing `ahead` kelvin warmer than it is.
+    pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: f64) {
+        let at = self.conditions(inputs, ambient, ahead);
         self.from_outside = parameters.effects.housing_heat(at.surface);
         if self.tangent.serves(&at) {
             self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
         } else {
             self.renew(parameters, at);
+        }
+    }
+
+    /// Evaluates the coefficients where the network stands, so that they depend on nothing that was before.
+    pub fn evaluate(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64) {
+        let at = self.conditions(inputs, ambient, 0.0);
+        self.from_outside = parameters.effects.housing_heat(at.surface);
+        if self.tangent.at != at {
+            self.now = self.cooling.coefficients(parameters, &at);
+            self.tangent.at = at;
         }
     }
 

@@ -1,79 +1,203 @@
 //! The continuous states and their rates at one instant, for those who look at the equations and not at steps.
 //!
-//! In this order: current, where a voltage drives it; speed, where the shaft is free; winding; what stands beside it
-//! (stator or housing); with a network rotor, tube and segments as far as they are there; the reading of a housing
-//! sensor that lags. What an input imposes is no state, nor are angle and energies, on which no rate depends.
+//! The list of [`STATES`] is the same in every mode. A state that a mode has no use for stands still: the current or
+//! the speed where an input imposes it, nodes of a network that is not there, a sensor that does not lag, phases
+//! that share the current evenly. Those who fit ([`Model::states`](crate::model::Model::states)) see those alone that
+//! move and that a rate depends on.
 
-use super::{AnnulusCooledMotor, DriveMode, MechanicalMode, NODES};
+use super::network::SEGMENTS;
+use super::{AnnulusCooledMotor, Commutation, DriveMode, MechanicalMode};
 use crate::effects::Effect;
+use crate::model::Fault;
 use crate::solver::split::System;
+use declare::{Elements, State, Unit, states};
+
+states! {
+    /// The states of the motor.
+    pub const STATES = {
+        /// Current in the winding; stands still where it is imposed or there is none (drive_mode current, power)
+        "state.current" = State::new(701, 801, Unit::Ampere).nominal(5.0),
+        /// Speed of the shaft; stands still where it is imposed (mechanical_mode imposed_speed)
+        "state.shaft_speed" = State::new(702, 802, Unit::RadianPerSecond).nominal(1000.0),
+        /// Angle of the shaft since the start
+        "state.shaft_angle" = State::new(703, 803, Unit::Radian).nominal(100.0),
+        /// Mean temperature of the winding
+        "state.winding_temperature" = State::new(704, 804, Unit::Kelvin).nominal(300.0),
+        /// Temperature of what stands beside the winding: the stator, or the whole housing where it has no segments
+        "state.core_temperature" = State::new(705, 805, Unit::Kelvin).nominal(300.0),
+        /// Temperature of the rotor; stands still in cooling_mode conductance
+        "state.rotor_temperature" = State::new(706, 806, Unit::Kelvin).nominal(300.0),
+        /// Temperature of the tube; stands still where there is none
+        "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0),
+        /// Temperature that a lagging sensor of the housing has reached (effect.housing_sensor_lag); else stands still
+        "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0),
+        /// How far each phase is above the mean winding; stands still in commutation equivalent_dc
+        "state.phase_excess" = State::new(710, 810, Unit::Kelvin).difference().elements(Elements::Fixed(3)),
+        /// Energy taken in since the start: at the terminals, and as heat_power
+        "state.energy_electrical" = State::new(714, 814, Unit::Joule).nominal(1000.0),
+        /// Energy given to the load since the start
+        "state.energy_mechanical" = State::new(715, 815, Unit::Joule).nominal(1000.0),
+        /// Heat given to the surroundings since the start, without the power of the fan
+        "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).nominal(1000.0),
+        /// Temperature of each segment of the housing, from where the air enters; stands still in cooling_mode
+        /// conductance, but for the first with effect.stator_node, which is then the whole housing
+        "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0)
+            .elements(Elements::UpTo(SEGMENTS as u32, "air_segments")),
+    }
+}
+
+const CURRENT: usize = 0;
+const SPEED: usize = 1;
+const ANGLE: usize = 2;
+const WINDING: usize = 3;
+const CORE: usize = 4;
+const ROTOR: usize = 5;
+const TUBE: usize = 6;
+const SENSOR: usize = 7;
+const PHASES: usize = 8;
+const ENERGIES: usize = 11;
+const HOUSING: usize = 14;
+/// How many states there are, all segments counted.
+pub const ALL: usize = HOUSING + SEGMENTS;
+/// A number for each state.
+pub type All = [f64; ALL];
+
+/// Whether any rate but its own depends on a state; without angle and energies, and the phases, which follow the angle.
+fn counts(k: usize) -> bool {
+    k != ANGLE && !(PHASES..HOUSING).contains(&k)
+}
 
 impl AnnulusCooledMotor {
-    fn has_current(&self) -> bool {
-        matches!(self.parameters.choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm)
-    }
-
-    fn has_speed(&self) -> bool {
-        self.parameters.choices.mechanical_mode == MechanicalMode::FreeShaft
-    }
-
     fn lags(&self) -> bool {
         self.parameters.effects.housing_sensor_lag() > 0.0
     }
 
-    fn state_count(&self) -> usize {
-        let beyond = self.network.as_ref().map_or(0, |n| n.body.nodes().count());
-        let beside = [self.has_current(), self.has_speed(), self.lags()];
-        NODES + beyond + beside.iter().filter(|there| **there).count()
+    /// Place of a state among the temperatures of the network ([`Body::nodes`](super::network::Body::nodes)).
+    fn node(k: usize) -> usize {
+        match k {
+            ROTOR => 0,
+            TUBE => 1,
+            _ => 2 + k - HOUSING,
+        }
+    }
+
+    /// Whether a state moves in the present modes.
+    pub(super) fn moves(&self, k: usize) -> bool {
+        let choices = &self.parameters.choices;
+        match k {
+            CURRENT => matches!(choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm),
+            SPEED => choices.mechanical_mode == MechanicalMode::FreeShaft,
+            SENSOR => self.lags(),
+            PHASES..ENERGIES => choices.commutation != Commutation::EquivalentDc,
+            ROTOR | TUBE | HOUSING.. => self.network.as_ref().is_some_and(|n| n.body.holds(Self::node(k))),
+            _ => true,
+        }
+    }
+
+    /// The value of a state; where it stands still, that of the start.
+    pub(super) fn state_value(&self, k: usize) -> f64 {
+        if !self.moves(k) {
+            return if matches!(k, CURRENT | SPEED | PHASES..ENERGIES) { 0.0 } else { self.t_start };
+        }
+        match k {
+            CURRENT | SPEED => self.state.x[k],
+            ANGLE => self.state.angle,
+            WINDING | CORE => self.state.temperature[k - WINDING],
+            SENSOR => self.t_sensor,
+            PHASES..ENERGIES => self.phases.above[k - PHASES],
+            ENERGIES..HOUSING => self.state.energy[k - ENERGIES],
+            _ => self.network.as_ref().map_or(self.t_start, |n| n.temperatures()[Self::node(k)]),
+        }
+    }
+
+    /// Puts a state that moves.
+    pub(super) fn put_state(&mut self, k: usize, value: f64) {
+        match k {
+            CURRENT | SPEED => self.state.x[k] = value,
+            ANGLE => self.state.angle = value,
+            WINDING | CORE => self.state.temperature[k - WINDING] = value,
+            SENSOR => self.t_sensor = value,
+            PHASES..ENERGIES => self.phases.above[k - PHASES] = value,
+            ENERGIES..HOUSING => self.state.energy[k - ENERGIES] = value,
+            _ => {
+                if let Some(network) = &mut self.network {
+                    network.temperatures_mut()[Self::node(k)] = value;
+                }
+            }
+        }
+    }
+
+    /// What follows from states that were put.
+    pub(super) fn follow_states(&mut self) {
+        if !self.lags() {
+            self.t_sensor = self.housing_temperature();
+        }
+        self.outdate();
+    }
+
+    fn followed(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..ALL).filter(|&k| counts(k) && self.moves(k))
     }
 
     pub(super) fn push_states(&self, out: &mut Vec<f64>) {
-        if self.has_current() {
-            out.push(self.state.x[0]);
-        }
-        if self.has_speed() {
-            out.push(self.state.x[1]);
-        }
-        out.extend(self.state.temperature.iter());
-        if let Some(network) = &self.network {
-            out.extend(network.body.nodes().map(|k| network.temperatures()[k]));
-        }
-        if self.lags() {
-            out.push(self.t_sensor);
-        }
+        out.extend(self.followed().map(|k| self.state_value(k)));
     }
 
     pub(super) fn take_states(&mut self, states: &[f64]) -> bool {
-        if states.len() != self.state_count() {
+        if states.len() != self.followed().count() {
             return false;
         }
-        let mut next = states.iter().copied();
-        let mut take = |place: &mut f64| {
-            if let Some(value) = next.next() {
-                *place = value;
-            }
-        };
-        if self.has_current() {
-            take(&mut self.state.x[0]);
-        }
-        if self.has_speed() {
-            take(&mut self.state.x[1]);
-        }
-        self.state.temperature.iter_mut().for_each(&mut take);
-        if let Some(network) = &mut self.network {
-            for k in network.body.nodes() {
-                take(&mut network.temperatures_mut()[k]);
+        let mut rest = states.iter();
+        for k in 0..ALL {
+            if counts(k)
+                && self.moves(k)
+                && let Some(&value) = rest.next()
+            {
+                self.put_state(k, value);
             }
         }
-        self.t_sensor = self.housing_temperature();
-        if self.lags() {
-            take(&mut self.t_sensor);
-        }
-        self.outdate();
+        self.follow_states();
         true
     }
 
     pub(super) fn push_rates(&mut self, out: &mut Vec<f64>) {
+        let mut all = [0.0; ALL];
+        self.rates_of_heat_and_motion(&mut all);
+        out.extend(self.followed().map(|k| all[k]));
+    }
+
+    /// The rates of all states, zero for those that stand still.
+    pub(super) fn all_rates(&mut self) -> Result<All, Fault> {
+        if let Some(fault) = &self.fault {
+            return Err(Fault(fault.clone()));
+        }
+        let mut all = [0.0; ALL];
+        self.rates_of_heat_and_motion(&mut all);
+        let (x, temperature) = (self.state.x, self.state.temperature);
+        let step = self.equations();
+        let point = step.point(0.0, &x, &temperature);
+        let to_ambient = match &self.network {
+            None => point.to_ambient,
+            Some(network) => {
+                let friction = step.drag_beyond(&x, &temperature);
+                let ambient = step.ambient_at_start();
+                let rates =
+                    network.rates_now(ambient, &network.inflow(temperature[0], temperature[1], friction));
+                network.to_ambient(&rates) + step.leads(temperature[0], network) + point.drive
+            }
+        };
+        all[ANGLE] = x[1];
+        all[ENERGIES..HOUSING].copy_from_slice(&[point.power_in, point.shaft_torque * x[1], to_ambient]);
+        all[PHASES..ENERGIES].copy_from_slice(&self.phase_rates());
+        for (k, rate) in all.iter_mut().enumerate() {
+            if !self.moves(k) {
+                *rate = 0.0;
+            }
+        }
+        Ok(all)
+    }
+
+    fn rates_of_heat_and_motion(&mut self, all: &mut All) {
         let (x, temperature) = (self.state.x, self.state.temperature);
         let step = self.step_equations();
         let fast = step.fast_rates(0.0, &x, &temperature);
@@ -81,21 +205,17 @@ impl AnnulusCooledMotor {
             + step.heat_rates(0.0, &x, &temperature).component_mul(step.inverse_capacity());
         let friction = step.drag_beyond(&x, &temperature);
         let ambient = step.ambient_at_start();
-        if self.has_current() {
-            out.push(fast[0]);
-        }
-        if self.has_speed() {
-            out.push(fast[1]);
-        }
-        out.extend(warming.iter());
+        (all[CURRENT], all[SPEED]) = (fast[0], fast[1]);
+        (all[WINDING], all[CORE]) = (warming[0], warming[1]);
         if let Some(network) = &self.network {
-            let inflow = network.inflow(temperature[0], temperature[1], friction);
-            let rates = network.rates_now(ambient, &inflow);
-            out.extend(network.body.nodes().map(|k| rates[k]));
+            let rates = network.rates_now(ambient, &network.inflow(temperature[0], temperature[1], friction));
+            (all[ROTOR], all[TUBE]) = (rates[0], rates[1]);
+            let n = network.body.segments;
+            all[HOUSING..HOUSING + n].copy_from_slice(&rates[2..2 + n]);
         }
         if self.lags() {
             let tau = self.parameters.effects.housing_sensor_lag();
-            out.push((self.housing_temperature() - self.t_sensor) / tau);
+            all[SENSOR] = (self.housing_temperature() - self.t_sensor) / tau;
         }
     }
 }

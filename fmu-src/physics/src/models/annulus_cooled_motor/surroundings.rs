@@ -30,7 +30,10 @@ impl AnnulusCooledMotor {
             let before = self.constants.heat(&self.state.temperature);
             self.capacity_factor = factor;
             self.follow_parameters();
-            self.stored_at_start += self.constants.heat(&self.state.temperature) - before;
+            // Who integrates also says when a step is taken (`exchange.rs`); until then nothing is booked.
+            if self.held.is_none() {
+                self.stored_at_start += self.constants.heat(&self.state.temperature) - before;
+            }
         }
     }
 

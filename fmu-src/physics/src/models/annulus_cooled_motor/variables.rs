@@ -159,6 +159,16 @@ variables! {
     }
 }
 
+variables! {
+    /// Residuals that pass through zero at an event, for those who integrate the model themselves.
+    pub struct Indicators {
+        /// How far the hottest phase of the winding truly is above its limit
+        over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
+        /// Residual that changes its sign with the sector of block commutation; 1 in any other commutation
+        commutation_sector: f64 = Variable::local(902, Unit::One),
+    }
+}
+
 impl Inputs {
     /// All zero: no slope.
     pub const ZERO: Inputs = Inputs {

@@ -164,6 +164,12 @@ impl<'a> Step<'a> {
         }
     }
 
+    /// The same equations with the bridge in this direction and the magnets as an event at `since`, s, has left them.
+    pub fn with_events(mut self, direction: f64, since: f64) -> Self {
+        (self.direction, self.strength) = (direction, self.model.effects.torque_constant(since));
+        self
+    }
+
     /// Seconds from the start of a step until a duty on this line passes through zero; infinite where it does not.
     pub fn turns(duty: f64, slope: f64) -> f64 {
         if duty * slope < 0.0 { -duty / slope } else { f64::INFINITY }

@@ -5,11 +5,12 @@
 //! and state, and hands the equations to the integrator. The declared values are those of preset bdcm-37d.
 
 mod equations;
+mod exchange;
 pub mod state_function;
 mod variables;
 
 pub use equations::{Constants, ENERGIES, NODES, Opening, Point, STATES, State, Step, Temperatures};
-pub use variables::{Inputs, Outputs};
+pub use variables::{Indicators, Inputs, Outputs};
 
 use crate::components::armature::Armature;
 use crate::components::chopper::Drive;
@@ -20,6 +21,7 @@ use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split};
 use crate::terms::Drivers;
+use exchange::Held;
 
 /// What the gearmotor is made of, and how it is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,6 +53,7 @@ pub struct BrushedGearmotor {
     /// What the importer sets.
     pub inputs: Inputs,
     outputs: Outputs,
+    indicators: Indicators,
     /// What the gearmotor is made of.
     pub parameters: Parameters,
     constants: Constants,
@@ -59,6 +62,8 @@ pub struct BrushedGearmotor {
     state: State,
     opening: Opening,
     split: Split<NODES>,
+    /// What is held between events, where the caller integrates.
+    held: Option<Held>,
     outputs_are_stale: bool,
 }
 
@@ -66,6 +71,7 @@ groups! {
     BrushedGearmotor {
         "" @ 0 => inputs: Inputs,
         "" @ 0 => outputs: Outputs,
+        "event." @ 0 => indicators: Indicators,
     } then parameters: Parameters
 }
 
@@ -73,6 +79,8 @@ groups! {
 const INPUTS: usize = 0;
 /// Index of the outputs in the list of groups.
 const OUTPUTS: usize = 1;
+/// Index of the event indicators in the list of groups; parameters follow.
+const INDICATORS: usize = 2;
 
 /// At rest at one temperature, K.
 fn at_rest(temperature: f64) -> State {
@@ -91,6 +99,7 @@ impl Default for BrushedGearmotor {
         BrushedGearmotor {
             inputs: Inputs::default(),
             outputs: Outputs::default(),
+            indicators: Indicators::default(),
             parameters,
             constants: Constants::of(&parameters),
             slopes: Inputs::ZERO,
@@ -98,6 +107,7 @@ impl Default for BrushedGearmotor {
             state: at_rest(0.0),
             opening: Opening::default(),
             split: Split::default(),
+            held: None,
             outputs_are_stale: true,
         }
     }
@@ -115,6 +125,7 @@ impl BrushedGearmotor {
                 "Brushed gearmotor behind a chopping H-bridge, in an insulated box: electrical, magnetic and \
                  mechanical voltage, power and work, and temperatures",
                 Self::groups(),
+                exchange::LIST,
             )
         })
     }
@@ -126,12 +137,19 @@ impl BrushedGearmotor {
 
     /// The equations over the next step, with the inputs on their slopes.
     pub fn step_equations(&self) -> Step<'_> {
-        Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.time)
+        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.time);
+        match &self.held {
+            Some(held) => held.applied(step, self.inputs.duty),
+            None => step,
+        }
     }
 
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
             self.outputs = self.step_equations().outputs(&self.state, &self.opening);
+            if let Some(held) = &self.held {
+                self.outputs.over_temperature = held.over_temperature;
+            }
             self.outputs_are_stale = false;
         }
     }
@@ -170,8 +188,11 @@ impl Model for BrushedGearmotor {
 
     #[inline]
     fn get(&mut self, slot: Slot) -> f64 {
-        if slot.group as usize == OUTPUTS {
-            self.refresh_outputs();
+        match slot.group as usize {
+            OUTPUTS => self.refresh_outputs(),
+            INDICATORS => self.indicators = self.indicate(),
+            _ if slot.group >= Slot::STATES => return self.inside(slot),
+            _ => {}
         }
         self.value(slot.group as usize, slot.row as usize)
     }
@@ -180,7 +201,7 @@ impl Model for BrushedGearmotor {
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
         // A parameter that changes on the way changes what the stores hold; the books start anew from there.
-        let before = (group > OUTPUTS).then(|| self.step_equations().opening(&self.state));
+        let before = (group > INDICATORS).then(|| self.step_equations().opening(&self.state));
         let taken = self.set_value(group, slot.row as usize, value);
         if let Some(before) = before {
             self.constants = Constants::of(&self.parameters);
@@ -204,6 +225,7 @@ impl Model for BrushedGearmotor {
         self.constants = Constants::of(&self.parameters);
         self.opening = self.step_equations().opening(&self.state);
         self.outputs_are_stale = true;
+        self.hold_start();
         Ok(())
     }
 
@@ -261,6 +283,7 @@ impl Model for BrushedGearmotor {
         out.extend([self.opening.stored, self.opening.magnetic, self.opening.kinetic]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
+        out.extend(self.held.iter().flat_map(|held| held.to_numbers()));
     }
 
     fn restore(&mut self, saved: &[f64]) -> bool {
@@ -283,6 +306,10 @@ impl Model for BrushedGearmotor {
             copy.opening = Opening { stored: next()?, magnetic: next()?, kinetic: next()? };
             copy.state = State::from_numbers(&mut next)?;
             copy.split = Split::from_numbers(&mut next)?;
+            copy.held = match next() {
+                Some(since) => Some(Held::from_numbers([since, next()?, next()?])),
+                None => None,
+            };
             next().is_none().then_some(())
         };
         let complete = read().is_some();

@@ -96,6 +96,16 @@ variables! {
     }
 }
 
+variables! {
+    /// Residuals that pass through zero at an event, for those who integrate the model themselves.
+    pub struct Indicators {
+        /// How far the winding is above its limit
+        over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
+        /// Duty, whose sign is the direction of the bridge
+        bridge_direction: f64 = Variable::local(902, Unit::One),
+    }
+}
+
 impl Inputs {
     /// All zero: no slope.
     pub const ZERO: Inputs =

@@ -54,6 +54,18 @@ impl Step<'_> {
         }
     }
 
+    /// The same equations with the magnets as an event at `time`, s, has left them.
+    pub fn with_strength_since(mut self, time: f64) -> Self {
+        self.strength = self.constants.torque_factor * self.model.effects.torque_constant(time);
+        self
+    }
+
+    /// Heat flow along the leads from the winding at `t_w` to ambient, W.
+    pub fn leads(&self, t_w: f64, network: &Network) -> f64 {
+        let conductance = self.beyond.conductance.winding - network.body.winding_to_rotor;
+        conductance * (t_w - self.ambient.start)
+    }
+
     /// The flows of power at the start of the step, and what the books miss.
     pub fn books(&self, state: &State<NODES>, stored_at_start: f64, network: Option<&Network>) -> Books {
         use Account::*;
@@ -118,8 +130,7 @@ impl Step<'_> {
         let friction = self.drag_beyond(x, temperature);
         let flows = network.flows(ambient);
         let (rotor, housing) = (network.rotor_temperature(), network.housing_temperature());
-        let from_winding = self.beyond.conductance.winding - body.winding_to_rotor;
-        let leads = from_winding * (t_w - ambient);
+        let leads = self.leads(t_w, network);
 
         ledger.transfer(AirGap, Rotor, friction * body.friction_to_rotor);
         ledger.transfer(AirGap, Housing, friction * (1.0 - body.friction_to_rotor));

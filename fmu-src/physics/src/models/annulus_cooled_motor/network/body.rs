@@ -96,11 +96,9 @@ impl Body {
         FIRST + self.segments + 1
     }
 
-    /// Places of the temperatures that move: rotor and tube where they are there, then the segments.
-    pub fn nodes(&self) -> impl Iterator<Item = usize> + use<> {
-        let (rotor, tube) = (self.has(super::ROTOR), self.has(super::TUBE));
-        let beside = [(super::ROTOR, rotor), (super::TUBE, tube)];
-        beside.into_iter().filter(|(_, there)| *there).map(|(k, _)| k).chain(FIRST..FIRST + self.segments)
+    /// Whether there is a temperature that moves at this place: rotor, tube, then the segments.
+    pub fn holds(&self, place: usize) -> bool {
+        if place < FIRST { self.has(place) } else { place < FIRST + self.segments }
     }
 
     /// Whether a node is there.

@@ -1,0 +1,127 @@
+//! Model Exchange: what an importer may ask of an instance that it integrates itself.
+
+use super::{Instance, Mode};
+use crate::boundary::{Outcome, Refused};
+use physics::exchange::Update;
+use physics::model::Fault;
+
+/// Where derivatives, states and indicators may be read.
+const READABLE: &[Mode] = &[Mode::Initialization, Mode::Event, Mode::Continuous, Mode::Terminated];
+
+fn same_number(what: &str, asked: usize, there: usize) -> Outcome {
+    if asked == there {
+        return Ok(());
+    }
+    Err(Refused::error(format!("there are {there} {what} and not {asked}.")))
+}
+
+fn discard(fault: Fault) -> Refused {
+    Refused::discard(fault.0)
+}
+
+impl Instance {
+    /// Number of continuous states.
+    pub fn number_of_states(&self) -> usize {
+        let declaration = self.model.declaration();
+        declaration.states.iter().filter(|[state, _]| self.shows(&declaration.entries[*state])).count()
+    }
+
+    /// Number of event indicators.
+    pub fn number_of_indicators(&self) -> usize {
+        self.model.declaration().indicators.len()
+    }
+
+    /// Event or continuous-time mode -> event mode.
+    pub fn enter_event(&mut self) -> Outcome {
+        self.require(&[Mode::Event, Mode::Continuous])?;
+        self.mode = Mode::Event;
+        Ok(())
+    }
+
+    /// Lets what is held between events follow.
+    pub fn update(&mut self) -> Outcome<Update> {
+        self.require(&[Mode::Event])?;
+        Ok(self.model.update())
+    }
+
+    /// Event -> continuous-time mode.
+    pub fn enter_continuous(&mut self) -> Outcome {
+        self.require(&[Mode::Event])?;
+        self.mode = Mode::Continuous;
+        Ok(())
+    }
+
+    /// A step of the importer's has been accepted. It never asks for an event: those have indicators and times.
+    pub fn accept_step(&mut self) -> Outcome {
+        self.require(&[Mode::Continuous])?;
+        self.model.accept_step();
+        Ok(())
+    }
+
+    /// Takes the time, s.
+    pub fn set_time(&mut self, time: f64) -> Outcome {
+        self.require(&[Mode::Event, Mode::Continuous])?;
+        if !time.is_finite() {
+            return Err(Refused::discard(format!("the time {time} s is not finite.")));
+        }
+        self.model.write_time(time);
+        Ok(())
+    }
+
+    /// Takes the continuous states.
+    pub fn set_states(&mut self, states: &[f64]) -> Outcome {
+        self.require(&[Mode::Continuous])?;
+        same_number("continuous states", states.len(), self.number_of_states())?;
+        if let Some(k) = states.iter().position(|x| !x.is_finite()) {
+            let declaration = self.model.declaration();
+            let name = &declaration.entries[declaration.states[k][0]].name;
+            return Err(Refused::discard(format!("{name} = {} is not a finite number.", states[k])));
+        }
+        self.model.write_states(states);
+        Ok(())
+    }
+
+    /// Writes the continuous states.
+    pub fn states(&mut self, out: &mut [f64]) -> Outcome {
+        self.require(READABLE)?;
+        self.settle()?;
+        same_number("continuous states", out.len(), self.number_of_states())?;
+        self.model.read_states(out);
+        Ok(())
+    }
+
+    /// Writes their derivatives.
+    pub fn derivatives(&mut self, out: &mut [f64]) -> Outcome {
+        self.require(READABLE)?;
+        self.settle()?;
+        same_number("continuous states", out.len(), self.number_of_states())?;
+        self.model.derivatives(out).map_err(discard)?;
+        let Some(k) = out.iter().position(|rate| !rate.is_finite()) else { return Ok(()) };
+        let declaration = self.model.declaration();
+        let name = &declaration.entries[declaration.states[k][1]].name;
+        Err(Refused::discard(format!("{name} is not finite at the states that were set.")))
+    }
+
+    /// Writes the event indicators.
+    pub fn indicators(&mut self, out: &mut [f64]) -> Outcome {
+        self.require(READABLE)?;
+        self.settle()?;
+        same_number("event indicators", out.len(), self.number_of_indicators())?;
+        let declaration = self.model.declaration();
+        for (indicator, &k) in out.iter_mut().zip(&declaration.indicators) {
+            *indicator = self.model.get(declaration.entries[k].slot);
+        }
+        Ok(())
+    }
+
+    /// Writes the typical sizes of the continuous states.
+    pub fn nominals(&self, out: &mut [f64]) -> Outcome {
+        self.require_living()?;
+        same_number("continuous states", out.len(), self.number_of_states())?;
+        let declaration = self.model.declaration();
+        for (nominal, [state, _]) in out.iter_mut().zip(&declaration.states) {
+            *nominal = declaration.entries[*state].row.nominal;
+        }
+        Ok(())
+    }
+}

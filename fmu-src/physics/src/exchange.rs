@@ -1,0 +1,43 @@
+//! A model whose integration is another's: FMI's Model Exchange.
+//!
+//! The importer puts time, states and inputs, and reads derivatives and event indicators, in any order and as often as
+//! it likes. What it gets is a function of what it put and of the parameters alone: correlations are evaluated where
+//! they are asked for and not kept as tangents, and what jumps is held from one event to the next.
+//!
+//! *States.* Their number never changes under way, so a mode that has no use for a state lets it stand still with the
+//! derivative 0: what an input imposes (a current, a speed) is then no state, nor is a node that is not there. Energies
+//! are states, because outputs show them.
+//! *Events.* By indicator: the winding passes its limit, the bridge's duty its zero, the rotor a sector of block
+//! commutation. By time: magnets that lose strength. Friction is smooth at rest (`effects/`), and inputs beyond their
+//! limits are refused before they come here, so neither needs one.
+
+use crate::model::Fault;
+
+/// What an event has brought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Update {
+    /// States stand elsewhere than the importer has put them.
+    pub states_changed: bool,
+    /// The next event that is known by its time, s; infinite where there is none.
+    pub next_event: f64,
+}
+
+/// A model as those see it who integrate it themselves.
+///
+/// States are those of the declaration, in its order; slices may be shorter than all of them and hold the first ones.
+pub trait Exchange {
+    /// Leaves the integration to the caller, from the next start on and for good.
+    fn hand_over(&mut self);
+    /// Writes the states.
+    fn read_states(&self, out: &mut [f64]);
+    /// Takes the states.
+    fn write_states(&mut self, states: &[f64]);
+    /// Takes the time, s.
+    fn write_time(&mut self, time: f64);
+    /// Writes the derivatives of the states with respect to time, per second.
+    fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault>;
+    /// Books what has happened since the last accepted step of the caller's.
+    fn accept_step(&mut self);
+    /// Lets what is held between events follow the present time, states and inputs.
+    fn update(&mut self) -> Update;
+}

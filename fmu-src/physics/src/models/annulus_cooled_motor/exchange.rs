@@ -1,0 +1,170 @@
+//! The motor as those see it who integrate it themselves ([`Exchange`]).
+
+use super::states::{ALL, All};
+use super::{AnnulusCooledMotor, Indicators};
+use crate::components::commutation::Commutation;
+use crate::effects::Effect;
+use crate::exchange::{Exchange, Update};
+use crate::model::{Fault, Slot};
+use std::f64::consts::FRAC_PI_3;
+
+/// What is kept for a caller who integrates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held {
+    /// The states as the caller has put them, those that stand still among them.
+    states: All,
+    /// Which of them move.
+    moving: [bool; ALL],
+    /// Time of the last event, s.
+    pub since: f64,
+    /// The sector of block commutation since the last event.
+    sector: f64,
+    /// Whether the winding was above its limit at the last event.
+    pub over_temperature: bool,
+    /// The factor on the heat capacities that the books know.
+    booked: f64,
+}
+
+impl Held {
+    /// Before any start.
+    const NONE: Held = Held {
+        states: [0.0; ALL],
+        moving: [false; ALL],
+        since: 0.0,
+        sector: 0.0,
+        over_temperature: false,
+        booked: 1.0,
+    };
+
+    /// An electrical angle in the sector, rad.
+    pub fn angle(&self) -> f64 {
+        (self.sector + 0.5) * FRAC_PI_3
+    }
+
+    /// What a saved instance must hold.
+    pub fn to_numbers(self) -> impl Iterator<Item = f64> {
+        let flags = self.moving.map(|m| f64::from(u8::from(m)));
+        let over = f64::from(u8::from(self.over_temperature));
+        self.states.into_iter().chain(flags).chain([self.since, self.sector, over, self.booked])
+    }
+
+    /// Takes back what [`to_numbers`](Held::to_numbers) gave; `None` where the numbers run out.
+    pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Held> {
+        let mut held = Held::NONE;
+        for state in &mut held.states {
+            *state = next()?;
+        }
+        for moving in &mut held.moving {
+            *moving = next()? != 0.0;
+        }
+        held.since = next()?;
+        held.sector = next()?;
+        held.over_temperature = next()? != 0.0;
+        held.booked = next()?;
+        Some(held)
+    }
+}
+
+impl AnnulusCooledMotor {
+    /// A state or a rate by its slot.
+    pub(super) fn inside(&mut self, slot: Slot) -> f64 {
+        let row = slot.row as usize;
+        if slot.group == Slot::STATES {
+            let mut first = [0.0; ALL];
+            self.read_states(&mut first[..=row]);
+            first[row]
+        } else {
+            self.all_rates().map_or(f64::NAN, |all| all[row])
+        }
+    }
+
+    /// Opens what is held anew, where the caller integrates.
+    pub(super) fn hold_start(&mut self) {
+        if self.held.is_some() {
+            let states = std::array::from_fn(|k| self.state_value(k));
+            self.held = Some(Held { states, ..Held::NONE });
+            self.update();
+        }
+    }
+
+    /// The event indicators ([`Indicators`]) at the present time, states and inputs.
+    pub(super) fn indicate(&mut self) -> Indicators {
+        let sector = match self.parameters.choices.commutation {
+            Commutation::Block => (3.0 * self.electrical_angle(&self.state)).sin(),
+            Commutation::EquivalentDc | Commutation::Sinusoidal => 1.0,
+        };
+        let hottest = self.state.temperature[0] + self.phases.hottest();
+        Indicators { over_temperature: hottest - self.parameters.thermal.T_w_max, commutation_sector: sector }
+    }
+}
+
+impl Exchange for AnnulusCooledMotor {
+    fn hand_over(&mut self) {
+        self.held = Some(Held::NONE);
+    }
+
+    fn read_states(&self, out: &mut [f64]) {
+        for (k, value) in out.iter_mut().enumerate() {
+            *value = match &self.held {
+                Some(held) if !held.moving[k] => held.states[k],
+                _ => self.state_value(k),
+            };
+        }
+    }
+
+    fn write_states(&mut self, states: &[f64]) {
+        let Some(mut held) = self.held else { return };
+        held.states[..states.len()].copy_from_slice(states);
+        for (k, &value) in states.iter().enumerate().filter(|(k, _)| held.moving[*k]) {
+            self.put_state(k, value);
+        }
+        self.held = Some(held);
+        self.follow_states();
+    }
+
+    fn write_time(&mut self, time: f64) {
+        if time != self.time {
+            self.time = time;
+            self.outdate();
+        }
+    }
+
+    fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault> {
+        let all = self.all_rates()?;
+        out.copy_from_slice(&all[..out.len()]);
+        Ok(())
+    }
+
+    fn accept_step(&mut self) {
+        self.tell_effects(self.time);
+        if let Some(mut held) = self.held {
+            // What the capacities hold more or less because a term has changed them is no error of the books.
+            let heat = self.constants.heat(&self.state.temperature);
+            self.stored_at_start += heat - heat * held.booked / self.capacity_factor;
+            held.booked = self.capacity_factor;
+            self.held = Some(held);
+            self.outdate();
+        }
+    }
+
+    fn update(&mut self) -> Update {
+        let Some(mut held) = self.held else {
+            return Update { states_changed: false, next_event: f64::INFINITY };
+        };
+        let mut states_changed = false;
+        for k in 0..ALL {
+            let moves = self.moves(k);
+            if moves != held.moving[k] {
+                // From here on the node, or what the mode keeps in its place, decides.
+                (held.states[k], held.moving[k]) = (self.state_value(k), moves);
+                states_changed = true;
+            }
+        }
+        held.since = self.time;
+        held.sector = (self.electrical_angle(&self.state) / FRAC_PI_3).floor();
+        held.over_temperature = self.indicate().over_temperature > 0.0;
+        self.held = Some(held);
+        self.follow_states();
+        Update { states_changed, next_event: self.parameters.effects.next_event(self.time) }
+    }
+}
