@@ -41,3 +41,24 @@ pub trait Exchange {
     /// Lets what is held between events follow the present time, states and inputs.
     fn update(&mut self) -> Update;
 }
+
+/// How near a limit a temperature is at it, K: an importer finds the event to rounding, on either side.
+const AT_LIMIT: f64 = 1e-6;
+
+/// Whether a temperature this far above its limit, K, counts as above it; at the limit, where it is heading decides.
+pub fn is_above(excess: f64, rate: f64) -> bool {
+    if excess.abs() <= AT_LIMIT { rate > 0.0 } else { excess > 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_above;
+
+    #[test]
+    fn at_the_limit_the_direction_decides() {
+        for excess in [0.0, 1e-12, -1e-12] {
+            assert!(is_above(excess, 0.1) && !is_above(excess, -0.1) && !is_above(excess, 0.0));
+        }
+        assert!(is_above(1e-3, -5.0) && !is_above(-1e-3, 5.0));
+    }
+}

@@ -4,9 +4,12 @@ use super::states::{ALL, All};
 use super::{AnnulusCooledMotor, Indicators};
 use crate::components::commutation::Commutation;
 use crate::effects::Effect;
-use crate::exchange::{Exchange, Update};
+use crate::exchange::{Exchange, Update, is_above};
 use crate::model::{Fault, Slot};
 use std::f64::consts::FRAC_PI_3;
+
+/// How near the border of a sector an electrical angle is at it, rad.
+const NEAR_SECTOR: f64 = 1e-9;
 
 /// What is kept for a caller who integrates.
 #[derive(Clone, Copy, Debug)]
@@ -161,8 +164,11 @@ impl Exchange for AnnulusCooledMotor {
             }
         }
         held.since = self.time;
-        held.sector = (self.electrical_angle(&self.state) / FRAC_PI_3).floor();
-        held.over_temperature = self.indicate().over_temperature > 0.0;
+        // At the border of a sector, where the rotor is heading decides.
+        let ahead = NEAR_SECTOR * self.state.x[1].signum();
+        held.sector = ((self.electrical_angle(&self.state) + ahead) / FRAC_PI_3).floor();
+        let excess = self.indicate().over_temperature;
+        held.over_temperature = is_above(excess, self.all_rates().map_or(0.0, |rates| self.warming(&rates)));
         self.held = Some(held);
         self.follow_states();
         Update { states_changed, next_event: self.parameters.effects.next_event(self.time) }

@@ -197,6 +197,13 @@ impl AnnulusCooledMotor {
         Ok(all)
     }
 
+    /// How fast the hottest phase warms, K/s.
+    pub(super) fn warming(&self, rates: &All) -> f64 {
+        let hottest = (0..self.phases.above.len())
+            .max_by(|&a, &b| self.phases.above[a].total_cmp(&self.phases.above[b]));
+        rates[WINDING] + hottest.map_or(0.0, |k| rates[PHASES + k])
+    }
+
     fn rates_of_heat_and_motion(&mut self, all: &mut All) {
         let (x, temperature) = (self.state.x, self.state.temperature);
         let step = self.step_equations();

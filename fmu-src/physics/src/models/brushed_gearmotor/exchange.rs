@@ -3,7 +3,7 @@
 
 use super::{BrushedGearmotor, ENERGIES, Indicators, NODES, STATES, State, Step};
 use crate::effects::Effect;
-use crate::exchange::{Exchange, Update};
+use crate::exchange::{Exchange, Update, is_above};
 use crate::model::{Fault, Slot};
 use declare::{Unit, states};
 
@@ -34,6 +34,9 @@ states! {
         "state.work_friction" = declare::State::new(711, 811, Unit::Joule).nominal(100.0),
     }
 }
+
+/// Place of the winding's temperature.
+const WINDING: usize = 3;
 
 /// What is held between events.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,7 +151,7 @@ impl Exchange for BrushedGearmotor {
             self.held = Some(Held {
                 since: self.time,
                 direction: if duty == 0.0 { 0.0 } else { duty.signum() },
-                over_temperature: self.indicate().over_temperature > 0.0,
+                over_temperature: is_above(self.indicate().over_temperature, self.all_rates()[WINDING]),
             });
             self.outputs_are_stale = true;
         }
