@@ -341,7 +341,10 @@ fn null_handles_and_wrong_tokens() {
         assert!(fmi2Instantiate(c"x".as_ptr(), 1, wrong, null(), null(), 0, 0).is_null());
         assert!(fmi2Instantiate(c"x".as_ptr(), 1, null(), null(), null(), 0, 0).is_null());
         assert!(fmi2Instantiate(null(), 1, token().as_ptr(), null(), null(), 0, 0).is_null());
-        assert!(fmi2Instantiate(c"x".as_ptr(), 2, token().as_ptr(), null(), null(), 0, 0).is_null(), "no such interface");
+        assert!(
+            fmi2Instantiate(c"x".as_ptr(), 2, token().as_ptr(), null(), null(), 0, 0).is_null(),
+            "no such interface"
+        );
         let quiet = fmi2Instantiate(c"x".as_ptr(), 1, token().as_ptr(), null(), null(), 0, 0);
         assert!(!quiet.is_null(), "no callbacks, no resources");
         assert_eq!(fmi2DoStep(quiet, 0.0, 1.0, 0), Status::Error, "and nobody to tell");

@@ -160,8 +160,10 @@ macro_rules! count {
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(instance: InstanceHandle, n: *mut usize) -> Status {
             unsafe {
-                exchange(instance, stringify!($name), |i| {
-                    *place(n, "the number")? = i.$method();
+                enter(instance, stringify!($name), |i| {
+                    // An instance that integrates by itself shows none.
+                    let integrates = i.require_interface(Interface::ModelExchange).is_err();
+                    *place(n, "the number")? = if integrates { 0 } else { i.$method() };
                     Ok(())
                 })
             }

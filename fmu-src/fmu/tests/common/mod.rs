@@ -1,6 +1,8 @@
 //! An importer in a few lines: calls the C functions as C would.
 #![allow(dead_code)] // each test file uses its share
 
+pub mod exchanged;
+
 use motor_fmu::fmi2::*;
 use motor_fmu::logger::Status;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
