@@ -27,10 +27,6 @@ const CONTENDERS: [usize; 3] = [4, 2, 2];
 const FURTHER: [usize; 3] = [3, 1, 1];
 /// Share of a run that is held out where no validation run has the effect.
 const HELD_OUT: f64 = 0.25;
-/// A parameter further than this from its prior, in its deviations, stands in for something else.
-pub const ASTRAY: f64 = 2.5;
-/// A sensor of the room that drifts further than this is broken, K.
-const MOST_DRIFT: f64 = 5.0;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
 const FORETELLING: (f64, f64) = (30.0, 0.02);
 /// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
@@ -121,19 +117,11 @@ impl<'a> Round<'a> {
 }
 
 /// Lets the best of what was scored at a point compete; `point` is the model without any of them, and their fits begin at
-/// `start`.
-///
-/// # Errors
-/// What the model says where it cannot be run.
-pub fn compete<'a>(
-    point: &Point<'a>,
-    start: &Hypothesis,
-    scored: &[Scored],
-) -> Result<Round<'a>, CalibrateError> {
+/// `start`. A candidate that the model cannot be run with is none.
+pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let chosen = choose(scored);
     let fitted: Vec<Result<Contender<'a>, CalibrateError>> =
         chosen.par_iter().map(|scored| fitted(point, start, scored)).collect();
-    // A candidate that the model cannot be run with is none.
     let mut contenders: Vec<Contender<'a>> = fitted.into_iter().filter_map(Result::ok).collect();
     contenders.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     let mut taken = None;
@@ -166,7 +154,7 @@ pub fn compete<'a>(
     if taken.is_some_and(|t| !contenders[t].addition().is_listed()) {
         alike.clear();
     }
-    Ok(Round { contenders, taken, alike })
+    Round { contenders, taken, alike }
 }
 
 /// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted: a
@@ -204,7 +192,8 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
         let best = scored.iter().map(worth).fold(0.0, f64::max);
         let mut taken = [0; 3];
         for candidate in order {
-            let k = candidate.kind();
+            let Some(addition) = &candidate.addition else { continue };
+            let k = addition.shape.kind();
             let names = chosen.iter().filter(|c| c.name == candidate.name).count();
             // An effect may act in other runs than was thought at first.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
@@ -225,7 +214,7 @@ fn begun(setup: &Setup, start: &Hypothesis, addition: &Addition) -> Hypothesis {
     let mut hypothesis = start.clone();
     // A parameter that stands in for the effect is far off; from there the way back is long, or there is none.
     for (value, declared) in hypothesis.declared.iter_mut().zip(&setup.declared) {
-        if (*value - declared.prior).abs() > ASTRAY * declared.deviation {
+        if declared.astray(*value) {
             *value = declared.prior;
         }
     }
@@ -244,23 +233,12 @@ fn fitted<'a>(
     let setup = point.setup;
     let fitted = setup.fit(begun(setup, start, addition), &point.runs)?;
     let larger = Point::judged(setup, fitted, &point.runs)?;
-    let cost = per_number(point) * price(addition) + if addition.is_listed() { 0.0 } else { CHOICE };
+    let cost = point.per_number() * addition.price() + if addition.is_listed() { 0.0 } else { CHOICE };
     let choice =
         if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (before, after) = (point.evidence.cost(), larger.evidence.cost());
     let delta = (before.0 - after.0 - cost - choice, before.1 - after.1 - cost - choice);
     Ok(Contender { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
-}
-
-/// ln n.
-pub fn per_number(point: &Point) -> f64 {
-    (point.evidence.values() as f64).ln()
-}
-
-/// Numbers that an addition costs: of a table, half, since neighbours are alike.
-fn price(addition: &Addition) -> f64 {
-    let count = addition.numbers.len() as f64;
-    if count > 3.0 { 0.5 * count } else { count }
 }
 
 type Judged = (Option<f64>, Option<String>);
@@ -284,9 +262,6 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
     }
-    if let Some(sentence) = implausible(contender) {
-        return Ok((None, Some(sentence)));
-    }
     let unlike = unlike(contender);
     let foretold = validation(before, contender)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
@@ -305,19 +280,6 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
         return Ok((validation, Some(sentence)));
     }
     Ok((validation, None))
-}
-
-/// A size that no bench has, in one sentence.
-fn implausible(contender: &Contender) -> Option<String> {
-    let (setup, addition) = (contender.point.setup, contender.addition());
-    if addition.id != "ambient_drift" {
-        return None;
-    }
-    let times = || setup.drives.iter().flat_map(|d| d.time.iter().map(|t| t.abs()));
-    let most = addition.numbers[0].value.abs() * times().fold(0.0, f64::max);
-    (most > MOST_DRIFT).then(|| {
-        format!("the room would stand {most:.1} K beside its sensor in the end; more than {MOST_DRIFT} K is no drift")
-    })
 }
 
 /// A run that wants another size than the others, in one sentence: what leaving it out would show.
@@ -391,25 +353,17 @@ fn validation(before: &Point, contender: &Contender) -> Result<Option<Foretold>,
     Ok(Some(Foretold { with: error(&with)?, without: error(&without)? }))
 }
 
-/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better; whether any
-/// does.
+/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better.
 ///
 /// # Errors
 /// What the model says where it cannot be run.
-pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<bool, CalibrateError> {
-    let mut any = false;
+pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<(), CalibrateError> {
     for a in 0..hypothesis.additions.len() {
-        let fits: Vec<bool> =
-            setup.runs(Role::Fit).iter().map(|r| hypothesis.additions[a].active[*r]).collect();
-        if fits.iter().all(|on| *on) {
-            any = true;
+        if setup.runs(Role::Fit).iter().all(|r| hypothesis.additions[a].active[*r]) {
             continue;
         }
         for run in runs {
-            // The same file has the same effects, whatever rows are asked for.
-            let file = &setup.experiment.runs[*run].file;
-            let same = setup.runs(Role::Fit).into_iter().find(|r| setup.experiment.runs[*r].file == *file);
-            let on = if let Some(same) = same {
+            let on = if let Some(same) = setup.fitted_with(*run) {
                 hypothesis.additions[a].active[same]
             } else {
                 let mut error = |on: bool| -> Result<f64, CalibrateError> {
@@ -420,8 +374,7 @@ pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Res
                 error(true)? < error(false)?
             };
             hypothesis.additions[a].active[*run] = on;
-            any |= on;
         }
     }
-    Ok(any)
+    Ok(())
 }

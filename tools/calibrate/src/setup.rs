@@ -15,6 +15,8 @@ use std::sync::Arc;
 const EASE: f64 = 100.0;
 /// Blocks of a run, for each output: a residual is looked at in means over this share of it.
 const BLOCKS: usize = 400;
+/// A parameter further than this from its prior, in its deviations, stands in for something else.
+const ASTRAY: f64 = 2.5;
 
 /// A declared parameter that may differ from specimen to specimen.
 #[derive(Clone, Debug)]
@@ -31,6 +33,13 @@ pub struct Declared {
     pub limits: (f64, f64),
     /// Its unit.
     pub unit: &'static str,
+}
+
+impl Declared {
+    /// Whether a value is so far from the prior that it stands in for something else.
+    pub fn astray(&self, value: f64) -> bool {
+        (value - self.prior).abs() > ASTRAY * self.deviation
+    }
 }
 
 /// Neighbouring rows of one output, taken together.
@@ -161,6 +170,12 @@ impl<'a> Setup<'a> {
     /// The runs of a role.
     pub fn runs(&self, role: Role) -> Vec<usize> {
         (0..self.experiment.runs.len()).filter(|r| self.experiment.runs[*r].role == role).collect()
+    }
+
+    /// The fitted run of the same file as a run: the same file has the same effects, whatever rows are asked for.
+    pub fn fitted_with(&self, run: usize) -> Option<usize> {
+        let file = |run: usize| &self.experiment.runs[run].file;
+        self.runs(Role::Fit).into_iter().find(|r| file(*r) == file(run))
     }
 
     /// The preset, untouched.
