@@ -129,11 +129,6 @@ impl Listed {
             let item = table.items.iter().find(|i| i.name == *item)?;
             with.push((found.slot, f64::from(item.value)));
         }
-        // Where the set says how narrowly friction turns round, all friction does.
-        let narrow = |id: &str| declaration.by_name(&format!("effect.{id}.w_small"));
-        if let Some((own, friction)) = narrow(self.id).zip(narrow("coulomb_friction")) {
-            with.push((own.slot, setup.bench.start_of(friction.slot)));
-        }
         Some(Addition {
             id: self.id.to_string(),
             port: self.port,

@@ -19,6 +19,7 @@ use crate::setup::Setup;
 use crate::tangent::Probe;
 use crate::telling;
 use physics::terms::{MOST_TERMS, Port};
+use std::sync::Arc;
 
 /// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
 /// of what there is to explain (slopes mislead by some hundredths), and a number.
@@ -377,8 +378,8 @@ fn told(scored: &Scored, added: bool) -> Unexplained {
 }
 
 impl Setup<'_> {
-    /// Adds to the noise of each output what the noise of the inputs does to it within a row, and finds the inputs whose
-    /// noise is remembered.
+    /// Adds to the noise of each output what the noise of the inputs does to it within a row, finds the inputs whose
+    /// noise is remembered, and where the drivers stand.
     fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
         let slopes = self.by_inputs(&fitted.hypothesis, runs)?;
@@ -389,6 +390,7 @@ impl Setup<'_> {
         let remembered = (0..inputs).filter(slow).collect();
         let (direct, _) = self.variances(&slopes, |_| true);
         self.remembered = remembered;
+        self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
         for (own, direct) in self.noise[inputs..].iter_mut().zip(direct) {
             *own = (*own * *own + direct).sqrt();
         }

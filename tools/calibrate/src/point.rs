@@ -211,9 +211,11 @@ impl<'a> Point<'a> {
         Some(DMatrix::from_vec(self.evidence.values(), count, all))
     }
 
-    /// The values of what terms may follow, at the rows of the runs.
+    /// The values of what terms may follow, at the rows of the runs: where the naive fit stands, which is near what was measured. A
+    /// point that lacks what was found stands elsewhere, where no reading tells of a term.
     pub fn drivers(&self) -> impl Iterator<Item = &Drivers> {
-        self.slopes.tangents.iter().flat_map(|t| &t.drivers)
+        let own = if self.setup.reached.is_empty() { &self.slopes.tangents[..] } else { &[] };
+        self.setup.reached.iter().chain(own.iter().flat_map(|t| &t.drivers))
     }
 }
 

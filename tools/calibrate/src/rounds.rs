@@ -10,11 +10,12 @@
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
-use crate::hypothesis::{Addition, Hypothesis};
-use crate::outcome::Evidence;
+use crate::hypothesis::{Addition, Hypothesis, Shape};
+use crate::outcome::{Evidence, Follows};
 use crate::point::Point;
 use crate::search::{CHOICE, Scored};
 use crate::setup::{Setup, Shown};
+use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
 /// Fall of the cost that a term needs.
@@ -29,6 +30,10 @@ const FURTHER: [usize; 3] = [3, 1, 1];
 const HELD_OUT: f64 = 0.25;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
 const FORETELLING: (f64, f64) = (30.0, 0.02);
+/// A table that predicts better than a power by less than this share is not clearly better.
+const CLEARLY: f64 = 1.05;
+/// A sensor may wander by so many deviations of its noise.
+const WANDERS: f64 = 4.0;
 /// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
 const FORETOLD: f64 = 6.0;
 /// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
@@ -157,13 +162,17 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     Round { contenders, taken, alike }
 }
 
-/// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted: a
-/// power goes on where a table is held, and where the data does not ask for a table that is what counts.
+/// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted. A power goes
+/// on where a table is held: a table has to be clearly better.
 fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
     let place = |c: &Contender| (c.addition().port, c.addition().follows);
     if contenders[k].addition().is_listed() {
         return k;
     }
+    let worth = |c: &Contender| {
+        let table = matches!(c.addition().shape, Shape::Table { .. });
+        c.validation.unwrap_or(1.0) * if table { CLEARLY } else { 1.0 }
+    };
     let mut best = k;
     for other in 0..contenders.len() {
         let apart = contenders[k].sure() - contenders[other].sure();
@@ -174,7 +183,7 @@ fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
         }
         let Ok((validation, None)) = gate(point, &contenders[other]) else { continue };
         contenders[other].validation = validation;
-        if validation.zip(contenders[best].validation).is_some_and(|(a, b)| a < b) {
+        if worth(&contenders[other]) < worth(&contenders[best]) {
             best = other;
         }
     }
@@ -262,6 +271,9 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
     }
+    if let Some(sentence) = wanders(contender) {
+        return Ok((None, Some(sentence)));
+    }
     let unlike = unlike(contender);
     let foretold = validation(before, contender)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
@@ -280,6 +292,20 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
         return Ok((validation, Some(sentence)));
     }
     Ok((validation, None))
+}
+
+/// A shape over time at a sensor that is no more than what sensors wander, in one sentence.
+fn wanders(contender: &Contender) -> Option<String> {
+    let (setup, addition) = (contender.point.setup, contender.addition());
+    let sensor = matches!(addition.port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor);
+    if !sensor || addition.is_listed() || addition.follows != Follows::Driver(Driver::Time) {
+        return None;
+    }
+    let most =
+        contender.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
+    (most < WANDERS).then(|| {
+        format!("moves no output by more than {most:.1} deviations of its noise: a sensor wanders as much")
+    })
 }
 
 /// A run that wants another size than the others, in one sentence: what leaving it out would show.

@@ -7,6 +7,7 @@ use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::simulate::{Bench, Drive};
 use physics::model::Slot;
+use physics::terms::Drivers;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -71,6 +72,8 @@ pub struct Setup<'a> {
     pub noise: Vec<f64>,
     /// Inputs whose noise the stores of heat remember, so that it shows in neighbouring rows alike.
     pub remembered: Vec<usize>,
+    /// Where the naive fit stands at the rows of the runs that are fitted: what is looked for over a driver is looked for there.
+    pub reached: Arc<Vec<Drivers>>,
     /// From and to of the rows that count, run by run, s.
     pub windows: Vec<(f64, f64)>,
     /// Blocks of each run.
@@ -126,6 +129,7 @@ impl<'a> Setup<'a> {
             declared,
             noise,
             remembered: Vec::new(),
+            reached: Arc::default(),
             windows,
             blocks,
         })
