@@ -216,11 +216,16 @@ impl Entry {
         self.row.causality == Causality::Input && self.row.variability == Variability::Continuous
     }
 
+    /// Whether it is for others to set: an input or a parameter.
+    pub fn is_settable(&self) -> bool {
+        matches!(self.row.causality, Causality::Input | Causality::Parameter)
+    }
+
     /// Whether `value` may be set; `running` once initialization is over.
     #[inline]
     pub fn check(&self, value: f64, running: bool) -> Result<(), Refusal> {
         let row = self.row;
-        if matches!(row.causality, Causality::Output | Causality::Local) {
+        if !self.is_settable() {
             return Err(Refusal::Computed);
         }
         if running && row.variability == Variability::Fixed {

@@ -56,7 +56,7 @@ impl Dependencies {
         let states = of_kind(&|e| e.slot.group == Slot::STATES);
         let rates = of_kind(&|e| e.slot.group == Slot::RATES);
         let inputs = of_kind(&|e| e.row.causality == Causality::Input);
-        let settable = of_kind(&|e| matches!(e.row.causality, Causality::Input | Causality::Parameter));
+        let settable = of_kind(&Entry::is_settable);
         let choices = of_kind(&|e| matches!(e.row.kind, Kind::Enumeration(_)));
 
         let mut at_start = [&outputs[..], &states, &rates].concat();

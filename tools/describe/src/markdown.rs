@@ -35,7 +35,7 @@ pub fn sections(kind: &ModelType, starts: &StartValues) -> Vec<Section> {
 fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
     let row = entry.row;
     let start = match row.kind {
-        _ if matches!(row.causality, Causality::Output | Causality::Local) => String::new(),
+        _ if !entry.is_settable() => String::new(),
         Kind::Enumeration(t) => {
             let item = t.items.iter().find(|i| f64::from(i.value) == starts.of(entry));
             item.map(|i| i.name.to_string()).unwrap_or_default()

@@ -113,7 +113,7 @@ pub(crate) fn variable_attributes(entry: &Entry) -> Attributes {
 pub(crate) fn start_attribute(entry: &Entry, starts: &StartValues) -> Option<(&'static str, String)> {
     let start = starts.of(entry);
     let text = match entry.row.kind {
-        _ if matches!(entry.row.causality, Causality::Output | Causality::Local) => return None,
+        _ if !entry.is_settable() => return None,
         Kind::Boolean => (start != 0.0).to_string(),
         Kind::Real | Kind::Integer | Kind::Enumeration(_) => number(start),
     };

@@ -11,10 +11,6 @@ fn entries() -> impl Iterator<Item = &'static Entry> {
     models::ALL.iter().flat_map(|m| &(m.declaration)().entries)
 }
 
-fn settable(entry: &Entry) -> bool {
-    matches!(entry.row.causality, Causality::Input | Causality::Parameter)
-}
-
 #[test]
 fn names_and_value_references_are_unique() {
     for kind in models::ALL {
@@ -39,7 +35,7 @@ fn every_variable_is_described_and_within_its_own_limits() {
             }
             _ => assert_eq!(e.check(row.start, false), Ok(()), "{} = {}", e.name, row.start),
         }
-        if settable(e) && matches!(row.kind, Kind::Real | Kind::Integer) {
+        if e.is_settable() && matches!(row.kind, Kind::Real | Kind::Integer) {
             assert!(
                 row.min.is_finite() && row.max.is_finite() && row.min < row.max,
                 "{} has no limits",
@@ -68,7 +64,7 @@ fn effects_are_off_by_default() {
 fn a_value_set_is_the_value_read() {
     for kind in models::ALL {
         let mut model = (kind.new)();
-        for e in (kind.declaration)().entries.iter().filter(|e| settable(e)) {
+        for e in (kind.declaration)().entries.iter().filter(|e| e.is_settable()) {
             let value = if e.row.kind == Kind::Real { e.row.min } else { e.row.start };
             assert!(model.set(e.slot, value), "{}", e.name);
             assert_eq!(model.get(e.slot), value, "{}", e.name);

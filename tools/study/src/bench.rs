@@ -43,7 +43,7 @@ impl Bench {
         let declaration = (kind.declaration)();
         let mut bench = Bench { declaration, model: (kind.new)(), time: 0.0, running: false };
         for entry in &declaration.entries {
-            if entry.row.causality != Causality::Output {
+            if entry.is_settable() {
                 bench.assign(entry, preset.map_or(entry.row.start, |p| p.starts.of(entry)))?;
             }
         }
