@@ -1,8 +1,9 @@
 //! The crate `fmi`: FMI 2.0 through its Co-Simulation instance.
 
 use crate::{Motor, Outcome};
+use fmi::CS;
 use fmi::fmi2::import::Fmi2Import;
-use fmi::fmi2::instance::{CS, CoSimulation, Common, Instance};
+use fmi::fmi2::instance::{CoSimulation, Common, Instance};
 use fmi::fmi3::import::Fmi3Import;
 use fmi::traits::FmiImport;
 use std::collections::HashMap;
