@@ -91,10 +91,15 @@ fn in_the_archive(native: &Native<'_>) -> String {
     if !terminals.is_empty() {
         text +=
             "<h2>Terminals</h2>\n<table>\n<tr><th>terminal</th><th>what it is</th><th>variables</th></tr>\n";
-        for (name, what, members) in terminals {
+        for terminal in terminals {
             let members: Vec<String> =
-                members.iter().map(|(variable, kind)| format!("{variable} ({kind})")).collect();
-            text += &format!("<tr><td>{name}</td><td>{what}</td><td>{}</td></tr>\n", members.join(", "));
+                terminal.members.iter().map(|(variable, kind)| format!("{variable} ({kind})")).collect();
+            text += &format!(
+                "<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                terminal.name,
+                terminal.what,
+                members.join(", ")
+            );
         }
         text += "</table>\n";
     }

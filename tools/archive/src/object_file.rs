@@ -1,7 +1,7 @@
 //! What a library says of itself: the platform that it is for, what it exports, and which C library it needs.
 
 use object::elf::FileHeader64;
-use object::read::elf::{FileHeader, SectionHeader as _};
+use object::read::elf::FileHeader;
 use object::{Architecture, BinaryFormat, Endianness, Object};
 
 /// What a library of an FMU may export.

@@ -7,12 +7,24 @@ use std::io;
 /// The folder in the archive.
 pub const FOLDER: &str = "terminalsAndIcons";
 
-/// A place where the motor is connected: name, what it is, and its members as variable and kind.
-type Terminal = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
+/// A variable, and what it is at its terminal.
+type Member = (&'static str, &'static str);
+/// A place where a motor may be connected: name, what it is, and its members.
+type Place = (&'static str, &'static str, &'static [Member]);
+
+/// A terminal of a model.
+pub struct Terminal {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is.
+    pub what: &'static str,
+    /// The variables that the model has of it, each with its kind.
+    pub members: Vec<Member>,
+}
 
 /// Potentials are signals; what flows is counted positive into the model (inflow) or out of it (outflow), as the
 /// variables themselves are (fmu-src/README.md).
-const TERMINALS: &[Terminal] = &[
+const PLACES: &[Place] = &[
     (
         "electrical",
         "Winding, or the drive in front of it",
@@ -49,16 +61,16 @@ const TERMINALS: &[Terminal] = &[
 ];
 
 /// The terminals of a model with the members that it has; the flow decides whether the model has the terminal.
-pub fn of(declaration: &Declaration) -> Vec<(&'static str, &'static str, Vec<(&'static str, &'static str)>)> {
+pub fn of(declaration: &Declaration) -> Vec<Terminal> {
     let connects = |name: &str| {
         let entry = declaration.by_name(name);
         entry.is_some_and(|e| e.row.causality != Causality::Parameter)
     };
-    let with_members = |&(name, what, members): &Terminal| {
+    let with_members = |&(name, what, members): &Place| {
         let members: Vec<_> = members.iter().copied().filter(|(variable, _)| connects(variable)).collect();
-        members.iter().any(|(_, kind)| *kind != "signal").then_some((name, what, members))
+        members.iter().any(|(_, kind)| *kind != "signal").then_some(Terminal { name, what, members })
     };
-    TERMINALS.iter().filter_map(with_members).collect()
+    PLACES.iter().filter_map(with_members).collect()
 }
 
 /// terminalsAndIcons.xml: the icon, and the terminals on its edges.
@@ -89,11 +101,12 @@ fn write(xml: &mut Writer<Vec<u8>>, declaration: &Declaration) -> io::Result<()>
                 return Ok(());
             }
             xml.create_element("Terminals").write_inner_content(|xml| {
-                terminals.iter().try_for_each(|(name, what, members)| {
-                    let attributes = [("name", *name), ("matchingRule", "bus"), ("description", *what)];
+                terminals.iter().try_for_each(|terminal| {
+                    let attributes =
+                        [("name", terminal.name), ("matchingRule", "bus"), ("description", terminal.what)];
                     xml.create_element("Terminal").with_attributes(attributes).write_inner_content(
                         |xml| {
-                            members.iter().try_for_each(|(variable, kind)| {
+                            terminal.members.iter().try_for_each(|(variable, kind)| {
                                 let member = [
                                     ("variableName", *variable),
                                     ("memberName", *variable),
@@ -122,10 +135,10 @@ mod tests {
 
     #[test]
     fn every_member_is_somewhere_a_variable() {
-        for (variable, _) in TERMINALS.iter().flat_map(|(_, _, members)| members.iter()) {
+        for (variable, _) in PLACES.iter().flat_map(|(_, _, members)| members.iter()) {
             let known = models::ALL
                 .iter()
-                .any(|m| of(&(m.declaration)()).iter().any(|t| t.2.iter().any(|m| m.0 == *variable)));
+                .any(|m| of((m.declaration)()).iter().any(|t| t.members.iter().any(|m| m.0 == *variable)));
             assert!(known, "{variable}");
         }
     }
@@ -133,7 +146,7 @@ mod tests {
     #[test]
     fn the_motor_has_three_terminals() {
         let motor = (models::by_name("AnnulusCooledMotor").unwrap().declaration)();
-        let names: Vec<_> = of(motor).iter().map(|t| t.0).collect();
+        let names: Vec<_> = of(motor).iter().map(|t| t.name).collect();
         assert_eq!(names, ["electrical", "shaft", "heat"]);
     }
 }
