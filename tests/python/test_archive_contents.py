@@ -4,6 +4,7 @@ import csv
 import io
 import re
 import struct
+import sys
 import zipfile
 from xml.etree import ElementTree
 
@@ -128,3 +129,24 @@ def table(text):
     number = {"true": 1.0, "false": 0.0}
     rows = csv.DictReader(io.StringIO(text))
     return [{name: number[cell] if cell in number else float(cell) for name, cell in row.items() if name != "time"} for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("platform", "told"),
+    [
+        # No command here makes a library for macOS, so there is none to be found.
+        ("x86_64-darwin" if sys.platform != "darwin" else "x86_64-windows", "cargo xtask cross"),
+        ("win64", "x86_64-windows"),
+    ],
+)
+def test_a_platform_without_a_library_is_told_in_one_sentence(platform, told, motor_fmu, tmp_path):
+    done = motor_fmu("build", "--platform", platform, "--out", tmp_path / "dist")
+    assert done.returncode == 2 and not (tmp_path / "dist").exists()
+    assert platform in done.stderr and told in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
+def test_build_says_what_its_libraries_need(motor_fmu, tmp_path):
+    done = motor_fmu("build", "--fmi", "2", "--out", tmp_path / "dist")
+    assert done.returncode == 0, done.stderr
+    pattern = r"libraries for \S+-linux with glibc 2\.\d+ or later" if sys.platform == "linux" else "libraries for "
+    assert re.match(pattern, done.stdout), done.stdout

@@ -58,15 +58,15 @@ pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
     )
 }
 
-/// A script that runs the model with its first input and its load at their nominal values.
+/// A script that runs the model with what drives it and its load at their nominal values.
 fn start(native: &Native<'_>) -> String {
     let declaration = (native.kind.declaration)();
     let name = declaration.name;
+    // Behind a bridge the duty drives the motor, elsewhere the voltage does.
+    let driving = if declaration.by_name("supply_voltage").is_some() { "duty" } else { "voltage" };
     let inputs = declaration.entries.iter().filter(|e| e.row.causality == Causality::Input);
     let drive: Vec<String> = inputs
-        .filter(|e| e.row.start == 0.0 && e.row.nominal != 1.0 || e.name == "duty")
-        .filter(|e| ["voltage", "duty", "load_torque"].contains(&e.name.as_str()))
-        .filter(|e| e.name != "duty" || declaration.by_name("supply_voltage").is_some())
+        .filter(|e| [driving, "load_torque"].contains(&e.name.as_str()))
         .map(|e| format!("\"{}\": {}", e.name, e.row.nominal.clamp(e.row.min, e.row.max)))
         .collect();
     format!(

@@ -92,7 +92,10 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     for one in &TARGETS {
         shell::stage(&format!("running on {}", one.platform));
         match runner(one) {
-            Ok(runner) => compare::run(workspace, one, &runner, &target, &dist)?,
+            Ok(runner) => {
+                compare::help_wine(one, &target)?;
+                compare::run(workspace, one, &runner, &target, &dist)?;
+            }
             Err(sentence) => missing.push(sentence),
         }
     }

@@ -84,3 +84,37 @@ fn a_missing_library_is_named() {
         .to_string();
     assert!(error.contains("nothing.so") && error.contains("cargo build --release"), "{error}");
 }
+
+#[test]
+fn a_library_for_another_platform_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let platform = crate::platform::ALL.into_iter().find(|p| *p != HERE).unwrap();
+    let library = Library { platform, path: std::env::current_exe().unwrap() };
+    let error = build_for(&models::ALL[0], &Standard::ALL, Contents::default(), &[library], folder.path())
+        .unwrap_err();
+    let sentence = error.to_string();
+    assert!(sentence.contains(HERE.tuple) && sentence.contains(platform.tuple), "{sentence}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is written");
+}
+
+#[test]
+fn every_platform_has_its_own_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = library(folder.path());
+    let libraries = crate::platform::ALL.map(|platform| Library { platform, path: path.clone() });
+    for standard in Standard::ALL {
+        let out =
+            build_for(&models::ALL[0], &[standard], Contents::default(), &libraries, folder.path()).unwrap();
+        let zip = zip::ZipArchive::new(fs::File::open(&out[0]).unwrap()).unwrap();
+        let names = zip.file_names().map(|name| name.unwrap().into_owned());
+        let mut found: Vec<String> = names.filter(|n| n.starts_with("binaries/")).collect();
+        found.sort_unstable();
+        let name = |p: &Platform| if standard == Standard::Fmi2 { p.fmi2 } else { p.tuple };
+        let mut wanted: Vec<String> = crate::platform::ALL
+            .iter()
+            .map(|p| format!("binaries/{}/AnnulusCooledMotor.{}", name(p), p.ending))
+            .collect();
+        wanted.sort_unstable();
+        assert_eq!(found, wanted);
+    }
+}

@@ -52,6 +52,25 @@ pub fn run(workspace: &Workspace, one: &Target, runner: &[String], target: &Path
     Ok(())
 }
 
+/// A library of Windows that Rust's standard library takes random bytes from, and that wine 8 has not.
+const PRNG: &str = "\
+unsigned char __stdcall SystemFunction036(void *, unsigned long);
+__declspec(dllexport) int __stdcall ProcessPrng(void *to, unsigned long long bytes) {
+    return SystemFunction036(to, (unsigned long)bytes);
+}
+";
+
+/// Puts that library beside the programs for wine, where Windows' own is not looked for first.
+pub fn help_wine(one: &Target, target: &Path) -> Outcome {
+    let Some(compiler) = one.linker else { return Ok(()) };
+    let folder = built(one, target).join("examples");
+    let source = folder.join("bcryptprimitives.c");
+    std::fs::write(&source, PRNG).map_err(|e| format!("{} cannot be written: {e}", source.display()))?;
+    let mut command = Command::new(compiler);
+    command.arg("-shared").arg("-o").arg(folder.join("bcryptprimitives.dll")).arg(&source).arg("-ladvapi32");
+    shell::output(&mut command).map(drop)
+}
+
 fn read(file: &Path) -> Outcome<Rows> {
     let text =
         std::fs::read_to_string(file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
