@@ -48,8 +48,8 @@ def test_the_page_opens_without_a_network(packed):
         ElementTree.fromstring(svg)
 
 
-def test_the_page_shows_every_variable_with_its_unit(packed, archives):
-    model, _, _, files = packed
+def test_the_page_shows_every_variable_with_its_unit(packed):
+    files = packed[3]
     page = files["documentation/index.html"].decode()
     description = ElementTree.fromstring(files["modelDescription.xml"])
     variables = [v for v in description.find("ModelVariables") if v.get("causality") in ("input", "output", "parameter")]
@@ -62,7 +62,7 @@ def test_the_page_shows_every_variable_with_its_unit(packed, archives):
 
 def test_the_page_s_script_runs(packed, monkeypatch, tmp_path):
     """The lines of `How to start` as a reader copies them."""
-    model, fmi, path, files = packed
+    _, _, path, files = packed
     script = re.search(r"<pre>(.*?)</pre>", files["documentation/index.html"].decode(), re.S)[1].replace("&quot;", '"')
     shown = []
     monkeypatch.chdir(path.parent)
