@@ -52,7 +52,7 @@ pub use windage::Windage;
 pub use winding_sensor_offset::WindingSensorOffset;
 pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
-use crate::terms::{Drivers, GenericTerm};
+use crate::terms::{Driver, Drivers, GenericTerm};
 use num_dual::{Dual64, DualNum};
 pub use ports::{Effect, Port};
 
@@ -121,6 +121,10 @@ macro_rules! effects {
             #[inline]
             fn tell(&mut self, drivers: &Drivers) {
                 $(self.$id.tell(drivers);)*
+            }
+
+            fn holds(&self, driver: Driver) -> bool {
+                false $(|| self.$id.holds(driver))*
             }
 
             #[inline]

@@ -134,6 +134,21 @@ pub struct Drivers {
 }
 
 impl Drivers {
+    /// Half way from these to those.
+    pub fn middle(&self, to: &Drivers) -> Drivers {
+        let mean = |of: fn(&Drivers) -> f64| 0.5 * (of(self) + of(to));
+        Drivers {
+            speed: mean(|d| d.speed),
+            current: mean(|d| d.current),
+            load_torque: mean(|d| d.load_torque),
+            winding_temperature: mean(|d| d.winding_temperature),
+            housing_temperature: mean(|d| d.housing_temperature),
+            ambient_temperature: mean(|d| d.ambient_temperature),
+            fan_command: mean(|d| d.fan_command),
+            time: mean(|d| d.time),
+        }
+    }
+
     /// One of them.
     #[inline]
     pub fn of(&self, driver: Driver) -> f64 {
@@ -282,6 +297,14 @@ impl GenericTerm {
                     .fold(D::from(product.coefficient), |value, factor| value * factor.of(of(factor.driver)))
             }
             Law::Table(table) => table.at(of(table.driver)).0,
+        }
+    }
+
+    /// Whether it follows this driver.
+    pub fn follows(&self, driver: Driver) -> bool {
+        match &self.law {
+            Law::Product(product) => product.factors.iter().flatten().any(|f| f.driver == driver),
+            Law::Table(table) => table.driver == driver,
         }
     }
 

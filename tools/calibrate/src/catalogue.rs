@@ -2,7 +2,7 @@
 
 use crate::hypothesis::{Addition, Number, Shape};
 use crate::outcome::Follows;
-use crate::simulate::Bench;
+use crate::setup::Setup;
 use physics::declare::Kind;
 use physics::model::Slot;
 use physics::terms::{Driver, Port};
@@ -35,6 +35,8 @@ pub struct Listed {
     pub way: Way,
     /// Whether it may act in some runs only: something on the bench, not in the motor.
     pub may_vary: bool,
+    /// The most that one that grows with time may have done by the end of the clock: beyond, it is broken and has not drifted.
+    most: f64,
 }
 
 use Driver::{Current, FanCommand, HousingTemperature, LoadTorque, Speed, Time, WindingTemperature};
@@ -49,7 +51,16 @@ const fn on(driver: Driver) -> Follows {
 }
 
 const fn listed(id: &'static str, symbols: &'static [&'static str], port: Port, follows: Follows) -> Listed {
-    Listed { id, symbols, port, follows, settings: &[], way: Way::Slope, may_vary: false }
+    Listed {
+        id,
+        symbols,
+        port,
+        follows,
+        settings: &[],
+        way: Way::Slope,
+        may_vary: false,
+        most: f64::INFINITY,
+    }
 }
 
 const fn of_the_bench(listed: Listed) -> Listed {
@@ -81,7 +92,7 @@ pub const LISTED: &[Listed] = &[
     listed("interface_temperature", &["beta"], WindingHousingResistance, on(WindingTemperature)),
     Listed { way: Way::Store, ..listed("stator_node", &["C_s", "R_sh"], HeatCapacity, Nothing) },
     Listed { way: Way::Step, ..listed("demagnetisation", &["fraction", "time"], TorqueConstant, on(Time)) },
-    listed("ambient_drift", &["rate"], AmbientSensor, on(Time)),
+    Listed { most: 5.0, ..listed("ambient_drift", &["rate"], AmbientSensor, on(Time)) },
     Listed { way: Way::Store, ..listed("housing_sensor_lag", &["tau"], HousingSensor, History) },
     of_the_bench(listed("winding_sensor_offset", &["offset"], WindingSensor, Nothing)),
     of_the_bench(listed("housing_sensor_offset", &["offset"], HousingSensor, Nothing)),
@@ -92,18 +103,20 @@ pub const LISTED: &[Listed] = &[
 
 impl Listed {
     /// The effect as an addition of size 0 to a model, acting in `active` runs; `None` where the model has no such effect.
-    pub fn addition(&self, bench: &Bench, active: &[bool]) -> Option<Addition> {
-        let declaration = bench.declaration();
+    pub fn addition(&self, setup: &Setup, active: &[bool]) -> Option<Addition> {
+        let declaration = setup.bench.declaration();
         let entry = |symbol: &str| declaration.by_name(&format!("effect.{}.{symbol}", self.id));
         let mut slots = Vec::new();
         let mut numbers = Vec::new();
+        let clock = setup.drives.iter().flat_map(|d| &d.time).fold(0.0f64, |end, t| end.max(t.abs()));
+        let most = self.most / clock;
         for (k, symbol) in self.symbols.iter().enumerate() {
             let found = entry(symbol)?;
             slots.push(found.slot);
             numbers.push(Number {
                 symbol: (*symbol).to_string(),
                 value: 0.0,
-                limits: (found.row.min, found.row.max),
+                limits: (found.row.min.max(-most), found.row.max.min(most)),
                 unit: found.row.unit.name(),
                 scale: found.row.nominal,
                 sloped: self.way != Way::Step || k == 0,
@@ -115,11 +128,6 @@ impl Listed {
             let Kind::Enumeration(table) = found.row.kind else { return None };
             let item = table.items.iter().find(|i| i.name == *item)?;
             with.push((found.slot, f64::from(item.value)));
-        }
-        // Where the set says how narrowly friction turns round, all friction does.
-        let narrow = |id: &str| declaration.by_name(&format!("effect.{id}.w_small"));
-        if let Some((own, friction)) = narrow(self.id).zip(narrow("coulomb_friction")) {
-            with.push((own.slot, bench.start_of(friction.slot)));
         }
         Some(Addition {
             id: self.id.to_string(),
@@ -142,9 +150,9 @@ mod tests {
     fn the_list_is_that_of_the_motor() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/bench-synthetic/iron-loss");
         let experiment = Experiment::read(&std::path::Path::new(folder).join("experiment.toml")).unwrap();
-        let bench = Bench::new(&experiment, &[]).unwrap();
+        let setup = Setup::new(&experiment, &[]).unwrap();
         for listed in LISTED {
-            let addition = listed.addition(&bench, &[true]).unwrap_or_else(|| panic!("{}", listed.id));
+            let addition = listed.addition(&setup, &[true]).unwrap_or_else(|| panic!("{}", listed.id));
             let numbers = &addition.numbers;
             assert!(numbers.iter().all(|n| n.scale > 0.0 && n.limits.0 < n.limits.1), "{}", listed.id);
         }

@@ -12,13 +12,14 @@ use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::Hypothesis;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::point::Point;
-use crate::rounds::{ASTRAY, Contender, LEAST, Round, acting, compete, per_number};
+use crate::rounds::{Contender, LEAST, Round, acting, compete};
 use crate::search::{Scored, search};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::tangent::Probe;
 use crate::telling;
 use physics::terms::{MOST_TERMS, Port};
+use std::sync::Arc;
 
 /// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
 /// of what there is to explain (slopes mislead by some hundredths), and a number.
@@ -130,7 +131,7 @@ impl<'a> Search<'a> {
             if self.left.first().is_none_or(|s| s.sure() <= LEAST) {
                 break;
             }
-            let round_of = compete(self.point(), &self.point().fitted.hypothesis, &self.left)?;
+            let round_of = compete(self.point(), &self.point().fitted.hypothesis, &self.left);
             let ended = round_of.taken.is_none();
             self.rounds.push(round_of);
             if ended {
@@ -179,7 +180,7 @@ impl<'a> Search<'a> {
                 self.setup.fit(others.clone(), &runs)?
             };
             let without = Point::judged(self.setup, refit, &runs)?;
-            let round = compete(&without, &others, &scored)?;
+            let round = compete(&without, &others, &scored);
             let old = self.rounds.remove(0);
             let now = self.rounds.last().unwrap_or(&old);
             let cost = |r: &Round| r.taken.map_or(f64::INFINITY, |t| r.contenders[t].point.evidence.cost().0);
@@ -209,7 +210,7 @@ impl<'a> Search<'a> {
     /// Whether a parameter of the naive fit has gone so far that it stands in for something else.
     fn astray(&self) -> bool {
         let declared = self.setup.declared.iter().zip(&self.first.fitted.hypothesis.declared);
-        declared.into_iter().any(|(d, value)| (value - d.prior).abs() > ASTRAY * d.deviation)
+        declared.into_iter().any(|(d, value)| d.astray(*value))
     }
 
     /// The force that knows its past, where nothing that was added comes near what it would explain.
@@ -284,10 +285,12 @@ impl<'a> Search<'a> {
             judgement.hypothesis.additions.iter().map(|a| a.active.iter().any(|on| !on)).collect();
         acting(setup, &mut judgement.hypothesis, &unfitted)?;
         for (a, addition) in judgement.hypothesis.additions.iter().enumerate().filter(|(a, _)| partly[*a]) {
-            let runs = || setup.experiment.runs.iter().zip(&addition.active);
             judgement.effects[a].runs = files(setup, &addition.active);
-            let decided: Vec<&str> =
-                runs().filter(|(r, _)| !fitted(setup, &r.file)).map(|(r, _)| r.file.as_str()).collect();
+            let runs = setup.experiment.runs.iter().enumerate();
+            let decided: Vec<&str> = runs
+                .filter(|(k, _)| setup.fitted_with(*k).is_none())
+                .map(|(_, run)| run.file.as_str())
+                .collect();
             if !decided.is_empty() {
                 judgement.notes.push(format!(
                     "{} acts in some runs only; whether it acts in {} was decided by which predicts that run better, its size kept",
@@ -350,7 +353,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
             let follows = with_driver.map_or(Follows::History, |s| s.follows);
-            let gain = free.raw + 2.0 * per_number(&self.first);
+            let gain = free.raw + 2.0 * self.first.per_number();
             Some(Localised { port: *port, share: (gain / excess).clamp(0.0, 1.0), follows })
         };
         let mut all: Vec<Localised> = Port::ALL.iter().filter_map(of).collect();
@@ -370,35 +373,24 @@ fn files(setup: &Setup, active: &[bool]) -> Vec<String> {
     all
 }
 
-/// Whether rows of a file are fitted.
-fn fitted(setup: &Setup, file: &str) -> bool {
-    setup.runs(Role::Fit).iter().any(|run| setup.experiment.runs[*run].file == file)
-}
-
 fn told(scored: &Scored, added: bool) -> Unexplained {
     Unexplained { port: scored.port, follows: scored.follows, shape: scored.shape.clone(), added }
 }
 
 impl Setup<'_> {
-    /// Adds to the noise of each output what the noise of the inputs does to it within a row, and finds the inputs whose
-    /// noise is remembered.
+    /// Adds to the noise of each output what the noise of the inputs does to it within a row, finds the inputs whose
+    /// noise is remembered, and where the drivers stand.
     fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
-        let of = |setup: &Setup, own: usize| {
-            let mut alone = setup.clone();
-            alone.noise[..inputs]
-                .iter_mut()
-                .enumerate()
-                .filter(|(k, _)| *k != own)
-                .for_each(|(_, s)| *s = 0.0);
-            alone.input_noise(&fitted.hypothesis, runs)
-        };
-        let each = (0..inputs).map(|k| of(self, k)).collect::<Result<Vec<_>, _>>()?;
-        let (direct, _) = self.input_noise(&fitted.hypothesis, runs)?;
-        let slow = |(direct, whole): &(Vec<f64>, Vec<f64>)| {
+        let slopes = self.by_inputs(&fitted.hypothesis, runs)?;
+        let slow = |input: &usize| {
+            let (direct, whole) = self.variances(&slopes, |k| k == *input);
             (0..m).any(|k| whole[k] - direct[k] > (REMEMBERED * self.sigma(k)).powi(2))
         };
-        self.remembered = (0..inputs).filter(|k| slow(&each[*k])).collect();
+        let remembered = (0..inputs).filter(slow).collect();
+        let (direct, _) = self.variances(&slopes, |_| true);
+        self.remembered = remembered;
+        self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
         for (own, direct) in self.noise[inputs..].iter_mut().zip(direct) {
             *own = (*own * *own + direct).sqrt();
         }
@@ -414,14 +406,26 @@ impl Setup<'_> {
         hypothesis: &Hypothesis,
         runs: &[usize],
     ) -> Result<(Vec<f64>, Vec<f64>), CalibrateError> {
+        Ok(self.variances(&self.by_inputs(hypothesis, runs)?, |_| true))
+    }
+
+    /// A hypothesis linearised along runs, with what each input does.
+    fn by_inputs(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Slopes, CalibrateError> {
+        let probes: Vec<Probe> = (0..self.experiment.inputs.len()).map(Probe::Input).collect();
+        Slopes::new(self, hypothesis, runs, &probes)
+    }
+
+    /// The same of those inputs that `heard` says, along runs that are linearised.
+    fn variances(&self, slopes: &Slopes, heard: impl Fn(usize) -> bool) -> (Vec<f64>, Vec<f64>) {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
-        let probes: Vec<Probe> = (0..inputs).map(Probe::Input).collect();
-        let slopes = Slopes::new(self, hypothesis, runs, &probes)?;
         let (mut direct, mut whole, mut rows) = (vec![0.0; m], vec![0.0; m], 0.0);
-        for r in 0..runs.len() {
-            let known = slopes.further(r, inputs).iter().zip(&self.noise);
-            let noises: Vec<_> = known.filter_map(|(d, sigma)| Some((d.as_ref()?, *sigma))).collect();
-            let (at_once, all) = slopes.tangents[r].variance(&noises);
+        for (r, tangent) in slopes.tangents.iter().enumerate() {
+            let known = slopes.further(r, inputs).iter().zip(&self.noise).enumerate();
+            let noises: Vec<_> = known
+                .filter(|(k, _)| heard(*k))
+                .filter_map(|(_, (d, sigma))| Some((d.as_ref()?, *sigma)))
+                .collect();
+            let (at_once, all) = tangent.variance(&noises);
             for (k, (a, b)) in at_once.iter().zip(&all).enumerate() {
                 direct[k % m] += a;
                 whole[k % m] += b;
@@ -429,6 +433,6 @@ impl Setup<'_> {
             rows += (at_once.len() / m) as f64;
         }
         let mean = |sums: Vec<f64>| sums.into_iter().map(|s| s / rows).collect();
-        Ok((mean(direct), mean(whole)))
+        (mean(direct), mean(whole))
     }
 }

@@ -113,6 +113,11 @@ impl Evidence {
         Some(Evidence { r, z, drifts })
     }
 
+    /// The drift that suits best.
+    fn fitting(&self) -> &Drift {
+        self.drifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.drifts[0])
+    }
+
     /// Number of values in the residual.
     pub fn values(&self) -> usize {
         self.r.len()
@@ -121,34 +126,24 @@ impl Evidence {
     /// The drift that suits best without a further column: its standard deviation over that of the noise, and its
     /// memory, s.
     pub fn drift(&self) -> (f64, f64) {
-        let best = self.drifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        best.map_or((0.0, 1.0), |d| (d.sd, d.length))
+        let best = self.fitting();
+        (best.sd, best.length)
     }
 
     /// Mean square of what is left with the drift that suits best: 1 for noise.
     pub fn misfit(&self) -> f64 {
-        let best = self.drifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        best.map_or(1.0, |d| d.left.norm_squared() / self.r.len() as f64)
+        self.fitting().left.norm_squared() / self.r.len() as f64
     }
 
     /// Eq. (2) of the drift that suits best, and without drift.
     pub fn cost(&self) -> (f64, f64) {
-        let best = self.drifts.iter().map(|d| d.cost).fold(f64::INFINITY, f64::min);
-        (best, self.drifts[0].cost)
-    }
-
-    /// By how much the parameters move from where they stand, in units of their prior deviations, once the columns are
-    /// followed with these numbers; without drift.
-    pub fn moved(&self, s: &DMatrix<f64>, numbers: &DVector<f64>, parameters: usize) -> Vec<f64> {
-        let first = &self.drifts[0];
-        let c = first.factor.solve(&(&first.rhs - self.z.tr_mul(&(s * numbers))));
-        c.rows(0, parameters).iter().copied().collect()
+        (self.fitting().cost, self.drifts[0].cost)
     }
 
     /// The parameters' corrections to first order and their deviations, with the drift that suits best, in units of
     /// their prior deviations.
     pub fn estimate(&self, parameters: usize) -> (Vec<f64>, DMatrix<f64>) {
-        let best = self.drifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.drifts[0]);
+        let best = self.fitting();
         let c = best.factor.solve(&best.rhs);
         let covariance = best.factor.inverse();
         let view = covariance.view((0, 0), (parameters, parameters)).into_owned();

@@ -201,7 +201,9 @@ impl Experiment {
             if let Some((from, to)) = run.window_s.filter(|(from, to)| from >= to) {
                 return Err(place.at(start, &format!("window_s = [{from}, {to}] is empty in {}", run.file)));
             }
-            let table = Table::read(&folder.join(&run.file), &all)?;
+            let path = folder.join(&run.file);
+            let mut table = Table::read(&path, &all)?;
+            table.set_clipped_aside(&path.display().to_string(), &all, inputs.len()..all.len());
             if let Some((from, to)) = run.window_s
                 && !table.time.iter().any(|t| (from..=to).contains(t))
             {

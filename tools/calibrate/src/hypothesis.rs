@@ -46,6 +46,17 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// Its kind, as an index: an effect of the list, a power, a table.
+    pub fn kind(&self) -> usize {
+        match self {
+            Shape::Listed { .. } => 0,
+            Shape::Power { .. } => 1,
+            Shape::Table { .. } => 2,
+        }
+    }
+}
+
 /// What was added to a model.
 #[derive(Clone, Debug)]
 pub struct Addition {
@@ -67,6 +78,12 @@ impl Addition {
     /// Whether it stands in the list of effects.
     pub fn is_listed(&self) -> bool {
         matches!(self.shape, Shape::Listed { .. })
+    }
+
+    /// Numbers that it costs: of a table half, since neighbours are alike.
+    pub fn price(&self) -> f64 {
+        let count = self.numbers.len() as f64;
+        if matches!(self.shape, Shape::Table { .. }) { 0.5 * count } else { count }
     }
 
     /// The law as data, where it is in no list.

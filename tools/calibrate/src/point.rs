@@ -72,7 +72,7 @@ impl<'a> Point<'a> {
         let listed: Vec<(&'static Listed, Addition)> = LISTED
             .iter()
             .filter(|l| searching && l.way == Way::Slope)
-            .filter_map(|l| Some((l, l.addition(&setup.bench, &all)?)))
+            .filter_map(|l| Some((l, l.addition(setup, &all)?)))
             .filter(|(l, a)| !known(l, a))
             .collect();
         let ports: &[Port] = if searching { Port::ALL } else { &[] };
@@ -87,6 +87,11 @@ impl<'a> Point<'a> {
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
         Ok(Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs })
+    }
+
+    /// What a number costs: ln n, n the blocks.
+    pub fn per_number(&self) -> f64 {
+        (self.evidence.values() as f64).ln()
     }
 
     fn further(&self, r: usize) -> &[Option<Direction>] {
@@ -206,9 +211,11 @@ impl<'a> Point<'a> {
         Some(DMatrix::from_vec(self.evidence.values(), count, all))
     }
 
-    /// The values of what terms may follow, at the rows of the runs.
+    /// The values of what terms may follow, at the rows of the runs: where the naive fit stands, which is near what was measured. A
+    /// point that lacks what was found stands elsewhere, where no reading tells of a term.
     pub fn drivers(&self) -> impl Iterator<Item = &Drivers> {
-        self.slopes.tangents.iter().flat_map(|t| &t.drivers)
+        let own = if self.setup.reached.is_empty() { &self.slopes.tangents[..] } else { &[] };
+        self.setup.reached.iter().chain(own.iter().flat_map(|t| &t.drivers))
     }
 }
 

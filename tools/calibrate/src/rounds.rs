@@ -10,11 +10,12 @@
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
-use crate::hypothesis::{Addition, Hypothesis};
-use crate::outcome::Evidence;
+use crate::hypothesis::{Addition, Hypothesis, Shape};
+use crate::outcome::{Evidence, Follows};
 use crate::point::Point;
 use crate::search::{CHOICE, Scored};
 use crate::setup::{Setup, Shown};
+use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
 /// Fall of the cost that a term needs.
@@ -27,12 +28,12 @@ const CONTENDERS: [usize; 3] = [4, 2, 2];
 const FURTHER: [usize; 3] = [3, 1, 1];
 /// Share of a run that is held out where no validation run has the effect.
 const HELD_OUT: f64 = 0.25;
-/// A parameter further than this from its prior, in its deviations, stands in for something else.
-pub const ASTRAY: f64 = 2.5;
-/// A sensor of the room that drifts further than this is broken, K.
-const MOST_DRIFT: f64 = 5.0;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
 const FORETELLING: (f64, f64) = (30.0, 0.02);
+/// A table that predicts better than a power by less than this share is not clearly better.
+const CLEARLY: f64 = 1.05;
+/// A sensor may wander by so many deviations of its noise.
+const WANDERS: f64 = 4.0;
 /// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
 const FORETOLD: f64 = 6.0;
 /// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
@@ -121,19 +122,11 @@ impl<'a> Round<'a> {
 }
 
 /// Lets the best of what was scored at a point compete; `point` is the model without any of them, and their fits begin at
-/// `start`.
-///
-/// # Errors
-/// What the model says where it cannot be run.
-pub fn compete<'a>(
-    point: &Point<'a>,
-    start: &Hypothesis,
-    scored: &[Scored],
-) -> Result<Round<'a>, CalibrateError> {
+/// `start`. A candidate that the model cannot be run with is none.
+pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let chosen = choose(scored);
     let fitted: Vec<Result<Contender<'a>, CalibrateError>> =
         chosen.par_iter().map(|scored| fitted(point, start, scored)).collect();
-    // A candidate that the model cannot be run with is none.
     let mut contenders: Vec<Contender<'a>> = fitted.into_iter().filter_map(Result::ok).collect();
     contenders.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     let mut taken = None;
@@ -166,16 +159,20 @@ pub fn compete<'a>(
     if taken.is_some_and(|t| !contenders[t].addition().is_listed()) {
         alike.clear();
     }
-    Ok(Round { contenders, taken, alike })
+    Round { contenders, taken, alike }
 }
 
-/// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted: a
-/// power goes on where a table is held, and where the data does not ask for a table that is what counts.
+/// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted. A power goes
+/// on where a table is held: a table has to be clearly better.
 fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
     let place = |c: &Contender| (c.addition().port, c.addition().follows);
     if contenders[k].addition().is_listed() {
         return k;
     }
+    let worth = |c: &Contender| {
+        let table = matches!(c.addition().shape, Shape::Table { .. });
+        c.validation.unwrap_or(1.0) * if table { CLEARLY } else { 1.0 }
+    };
     let mut best = k;
     for other in 0..contenders.len() {
         let apart = contenders[k].sure() - contenders[other].sure();
@@ -186,7 +183,7 @@ fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
         }
         let Ok((validation, None)) = gate(point, &contenders[other]) else { continue };
         contenders[other].validation = validation;
-        if validation.zip(contenders[best].validation).is_some_and(|(a, b)| a < b) {
+        if worth(&contenders[other]) < worth(&contenders[best]) {
             best = other;
         }
     }
@@ -204,7 +201,8 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
         let best = scored.iter().map(worth).fold(0.0, f64::max);
         let mut taken = [0; 3];
         for candidate in order {
-            let k = candidate.kind();
+            let Some(addition) = &candidate.addition else { continue };
+            let k = addition.shape.kind();
             let names = chosen.iter().filter(|c| c.name == candidate.name).count();
             // An effect may act in other runs than was thought at first.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
@@ -225,7 +223,7 @@ fn begun(setup: &Setup, start: &Hypothesis, addition: &Addition) -> Hypothesis {
     let mut hypothesis = start.clone();
     // A parameter that stands in for the effect is far off; from there the way back is long, or there is none.
     for (value, declared) in hypothesis.declared.iter_mut().zip(&setup.declared) {
-        if (*value - declared.prior).abs() > ASTRAY * declared.deviation {
+        if declared.astray(*value) {
             *value = declared.prior;
         }
     }
@@ -244,23 +242,12 @@ fn fitted<'a>(
     let setup = point.setup;
     let fitted = setup.fit(begun(setup, start, addition), &point.runs)?;
     let larger = Point::judged(setup, fitted, &point.runs)?;
-    let cost = per_number(point) * price(addition) + if addition.is_listed() { 0.0 } else { CHOICE };
+    let cost = point.per_number() * addition.price() + if addition.is_listed() { 0.0 } else { CHOICE };
     let choice =
         if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (before, after) = (point.evidence.cost(), larger.evidence.cost());
     let delta = (before.0 - after.0 - cost - choice, before.1 - after.1 - cost - choice);
     Ok(Contender { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
-}
-
-/// ln n.
-pub fn per_number(point: &Point) -> f64 {
-    (point.evidence.values() as f64).ln()
-}
-
-/// Numbers that an addition costs: of a table, half, since neighbours are alike.
-fn price(addition: &Addition) -> f64 {
-    let count = addition.numbers.len() as f64;
-    if count > 3.0 { 0.5 * count } else { count }
 }
 
 type Judged = (Option<f64>, Option<String>);
@@ -284,7 +271,7 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
     }
-    if let Some(sentence) = implausible(contender) {
+    if let Some(sentence) = wanders(contender) {
         return Ok((None, Some(sentence)));
     }
     let unlike = unlike(contender);
@@ -307,16 +294,17 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
     Ok((validation, None))
 }
 
-/// A size that no bench has, in one sentence.
-fn implausible(contender: &Contender) -> Option<String> {
+/// A shape over time at a sensor that is no more than what sensors wander, in one sentence.
+fn wanders(contender: &Contender) -> Option<String> {
     let (setup, addition) = (contender.point.setup, contender.addition());
-    if addition.id != "ambient_drift" {
+    let sensor = matches!(addition.port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor);
+    if !sensor || addition.is_listed() || addition.follows != Follows::Driver(Driver::Time) {
         return None;
     }
-    let times = || setup.drives.iter().flat_map(|d| d.time.iter().map(|t| t.abs()));
-    let most = addition.numbers[0].value.abs() * times().fold(0.0, f64::max);
-    (most > MOST_DRIFT).then(|| {
-        format!("the room would stand {most:.1} K beside its sensor in the end; more than {MOST_DRIFT} K is no drift")
+    let most =
+        contender.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
+    (most < WANDERS).then(|| {
+        format!("moves no output by more than {most:.1} deviations of its noise: a sensor wanders as much")
     })
 }
 
@@ -391,25 +379,17 @@ fn validation(before: &Point, contender: &Contender) -> Result<Option<Foretold>,
     Ok(Some(Foretold { with: error(&with)?, without: error(&without)? }))
 }
 
-/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better; whether any
-/// does.
+/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better.
 ///
 /// # Errors
 /// What the model says where it cannot be run.
-pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<bool, CalibrateError> {
-    let mut any = false;
+pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<(), CalibrateError> {
     for a in 0..hypothesis.additions.len() {
-        let fits: Vec<bool> =
-            setup.runs(Role::Fit).iter().map(|r| hypothesis.additions[a].active[*r]).collect();
-        if fits.iter().all(|on| *on) {
-            any = true;
+        if setup.runs(Role::Fit).iter().all(|r| hypothesis.additions[a].active[*r]) {
             continue;
         }
         for run in runs {
-            // The same file has the same effects, whatever rows are asked for.
-            let file = &setup.experiment.runs[*run].file;
-            let same = setup.runs(Role::Fit).into_iter().find(|r| setup.experiment.runs[*r].file == *file);
-            let on = if let Some(same) = same {
+            let on = if let Some(same) = setup.fitted_with(*run) {
                 hypothesis.additions[a].active[same]
             } else {
                 let mut error = |on: bool| -> Result<f64, CalibrateError> {
@@ -420,8 +400,7 @@ pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Res
                 error(true)? < error(false)?
             };
             hypothesis.additions[a].active[*run] = on;
-            any |= on;
         }
     }
-    Ok(any)
+    Ok(())
 }

@@ -10,7 +10,7 @@
 //!
 //! Everything is compared by the fall of the evidence's cost less ln n for each number (Schwarz), n the blocks.
 
-use crate::catalogue::{LISTED, Way};
+use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
 use crate::hypothesis::{Addition, Number, Shape, hat, power};
 use crate::outcome::Follows;
@@ -56,15 +56,6 @@ pub struct Scored {
 }
 
 impl Scored {
-    /// What kind it is: an effect of the list, a power, a table or what no addition carries.
-    pub fn kind(&self) -> usize {
-        match &self.addition {
-            Some(a) if !self.listed && a.numbers.len() == 2 => 1,
-            _ if self.listed => 0,
-            _ => 2,
-        }
-    }
-
     /// What speaks for it whichever way the noise is taken.
     pub fn sure(&self) -> f64 {
         self.evidence.min(self.raw)
@@ -104,7 +95,7 @@ fn alike(knots: &[f64]) -> DMatrix<f64> {
 }
 
 /// Zero and usual size of a driver.
-pub fn scale(point: &Point, driver: Driver) -> Factor {
+fn scale(point: &Point, driver: Driver) -> Factor {
     let offset = match driver {
         Driver::WindingTemperature | Driver::HousingTemperature => 298.15,
         Driver::AmbientTemperature => 293.15,
@@ -116,7 +107,7 @@ pub fn scale(point: &Point, driver: Driver) -> Factor {
 
 /// Everything that a model may lack at a point, the one with the most evidence first.
 pub fn search(point: &Point) -> Vec<Scored> {
-    let per_number = (point.evidence.values() as f64).ln();
+    let per_number = point.per_number();
     let mut all = listed(point, per_number);
     let jobs: Vec<(Port, Driver)> =
         Port::ALL.iter().flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d))).collect();
@@ -177,19 +168,9 @@ fn listed(point: &Point, per_number: f64) -> Vec<Scored> {
                     }
                     // Which runs, out of so many: a choice costs as its number of answers.
                     let choice = if partly { 2.0 * (everywhere as f64).ln() } else { 0.0 };
-                    let shape = vec![(0.0, gain.size[0], gain.covariance[(0, 0)].sqrt())];
                     let name =
                         if partly { format!("{} in some runs", listed.id) } else { listed.id.to_string() };
-                    Some(Scored {
-                        addition: Some(addition),
-                        name,
-                        port: listed.port,
-                        follows: listed.follows,
-                        listed: true,
-                        evidence: gain.whitened - per_number - choice,
-                        raw: gain.raw - per_number - choice,
-                        shape,
-                    })
+                    Some(named(listed, name, addition, &gain, per_number + choice))
                 })
                 .collect::<Vec<_>>()
         })
@@ -199,27 +180,23 @@ fn listed(point: &Point, per_number: f64) -> Vec<Scored> {
         if point.fitted.hypothesis.additions.iter().any(|a| a.id == listed.id) {
             continue;
         }
-        let Some(addition) = listed.addition(&point.setup.bench, &everywhere) else { continue };
+        let Some(addition) = listed.addition(point.setup, &everywhere) else { continue };
         let found = match listed.way {
             Way::Step => step(point, addition),
             _ => store(point, addition),
         };
         if let Some((addition, gain)) = found {
             let cost = per_number * addition.numbers.len() as f64;
-            let shape = vec![(0.0, gain.size[0], gain.covariance[(0, 0)].sqrt())];
-            all.push(Scored {
-                addition: Some(addition),
-                name: listed.id.to_string(),
-                port: listed.port,
-                follows: listed.follows,
-                listed: true,
-                evidence: gain.whitened - cost,
-                raw: gain.raw - cost,
-                shape,
-            });
+            all.push(named(listed, listed.id.to_string(), addition, &gain, cost));
         }
     }
     all
+}
+
+/// An effect of the list, with the size that it would have.
+fn named(listed: &Listed, name: String, addition: Addition, gain: &Gain, cost: f64) -> Scored {
+    let found = scored(name, listed.port, listed.follows, gain, cost, &[0.0]);
+    Scored { addition: Some(addition), listed: true, ..found }
 }
 
 /// A step at a time that is tried: first all over the clock, then at every row near the best.

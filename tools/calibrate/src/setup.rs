@@ -7,6 +7,7 @@ use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::simulate::{Bench, Drive};
 use physics::model::Slot;
+use physics::terms::Drivers;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ use std::sync::Arc;
 const EASE: f64 = 100.0;
 /// Blocks of a run, for each output: a residual is looked at in means over this share of it.
 const BLOCKS: usize = 400;
+/// A parameter further than this from its prior, in its deviations, stands in for something else.
+const ASTRAY: f64 = 2.5;
 
 /// A declared parameter that may differ from specimen to specimen.
 #[derive(Clone, Debug)]
@@ -31,6 +34,13 @@ pub struct Declared {
     pub limits: (f64, f64),
     /// Its unit.
     pub unit: &'static str,
+}
+
+impl Declared {
+    /// Whether a value is so far from the prior that it stands in for something else.
+    pub fn astray(&self, value: f64) -> bool {
+        (value - self.prior).abs() > ASTRAY * self.deviation
+    }
 }
 
 /// Neighbouring rows of one output, taken together.
@@ -62,6 +72,8 @@ pub struct Setup<'a> {
     pub noise: Vec<f64>,
     /// Inputs whose noise the stores of heat remember, so that it shows in neighbouring rows alike.
     pub remembered: Vec<usize>,
+    /// Where the naive fit stands at the rows of the runs that are fitted: what is looked for over a driver is looked for there.
+    pub reached: Arc<Vec<Drivers>>,
     /// From and to of the rows that count, run by run, s.
     pub windows: Vec<(f64, f64)>,
     /// Blocks of each run.
@@ -117,6 +129,7 @@ impl<'a> Setup<'a> {
             declared,
             noise,
             remembered: Vec::new(),
+            reached: Arc::default(),
             windows,
             blocks,
         })
@@ -161,6 +174,12 @@ impl<'a> Setup<'a> {
     /// The runs of a role.
     pub fn runs(&self, role: Role) -> Vec<usize> {
         (0..self.experiment.runs.len()).filter(|r| self.experiment.runs[*r].role == role).collect()
+    }
+
+    /// The fitted run of the same file as a run: the same file has the same effects, whatever rows are asked for.
+    pub fn fitted_with(&self, run: usize) -> Option<usize> {
+        let file = |run: usize| &self.experiment.runs[run].file;
+        self.runs(Role::Fit).into_iter().find(|r| file(*r) == file(run))
     }
 
     /// The preset, untouched.

@@ -61,6 +61,13 @@ impl Bench {
         for (name, value) in &experiment.set {
             starts.push((slot(name)?, *value));
         }
+        // Where it is said how narrowly friction turns round, all friction does of which nothing else is said.
+        let said = |slot: Slot| starts.iter().rev().find(|(s, _)| *s == slot).map(|(_, value)| *value);
+        let narrow = declaration.by_name("effect.coulomb_friction.w_small").and_then(|e| said(e.slot));
+        let others =
+            declaration.entries.iter().filter(|e| e.name.ends_with(".w_small") && said(e.slot).is_none());
+        let others: Vec<Slot> = others.map(|e| e.slot).collect();
+        starts.extend(narrow.into_iter().flat_map(|w| others.iter().map(move |slot| (*slot, w))));
         let of = |channels: &[&'static Channel], role: fn(&Channel) -> Option<&'static str>| {
             channels.iter().filter_map(|c| role(c)).map(slot).collect::<Result<Vec<_>, _>>()
         };

@@ -6,7 +6,8 @@ use crate::experiment::Role;
 use crate::hypothesis::Hypothesis;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Setting, Verdict, Whiteness};
 use crate::point::Point;
-use crate::rounds::{LEAST, per_number};
+use crate::report::ROLES;
+use crate::rounds::LEAST;
 use crate::setup::{Setup, Shown};
 use nalgebra::DMatrix;
 
@@ -35,6 +36,8 @@ pub fn outcome(
     let mut notes = experiment.notes.clone();
     notes.extend(judged.notes);
     let mut corrected = hypothesis.clone();
+    let (mut naive, _) = estimates(setup, first, None);
+    naive.truncate(setup.declared.len());
     let (estimates, correlation) = estimates(setup, point, Some(&mut corrected));
     // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read.
     if judged.verdict != Verdict::Nothing {
@@ -43,7 +46,6 @@ pub fn outcome(
         let sentence = "parameters are told beside drifting sensors and the inputs' noise; the model keeps those of the refit";
         notes.push(sentence.to_string());
     }
-    let (naive, _) = estimates_of_naive(setup, first);
     let mut effects = judged.effects;
     let declared = setup.declared.len();
     let mut rest = estimates[declared..].iter();
@@ -65,7 +67,7 @@ pub fn outcome(
     let fitted = exact.show(refit, &all)?;
     let after = exact.show(&hypothesis, &all)?;
     let mut errors = Vec::new();
-    for role in [Role::Fit, Role::Validate, Role::Test] {
+    for role in ROLES {
         let runs = setup.runs(role);
         let pick = |shown: &[Shown]| runs.iter().map(|r| shown[*r].clone()).collect::<Vec<Shown>>();
         let rmse = |shown: &[Shown]| setup.rmse(&runs, &pick(shown));
@@ -81,20 +83,19 @@ pub fn outcome(
             errors.push(ChannelError { role, column, before: b[k], refit: r[k], after: a[k], floor });
         }
     }
-    let names = |k: usize| match setup.declared.get(k) {
-        Some(d) => d.name.clone(),
-        None => {
-            let numbers = hypothesis.additions.iter().flat_map(|a| {
-                a.numbers.iter().filter(|n| n.sloped).map(move |n| format!("{}.{}", a.id, n.symbol))
-            });
-            numbers.collect::<Vec<_>>().get(k - declared).cloned().unwrap_or_default()
-        }
-    };
+    let added =
+        hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped).map(move |n| (a, n)));
+    let names: Vec<String> = setup
+        .declared
+        .iter()
+        .map(|d| d.name.clone())
+        .chain(added.map(|(a, n)| format!("{}.{}", a.id, n.symbol)))
+        .collect();
     let mut correlated = Vec::new();
     for a in 0..correlation.nrows() {
         for b in 0..a {
             if correlation[(a, b)].abs() > CORRELATED {
-                correlated.push((names(b), names(a), correlation[(a, b)]));
+                correlated.push((names[b].clone(), names[a].clone(), correlation[(a, b)]));
             }
         }
     }
@@ -125,12 +126,6 @@ pub fn outcome(
         notes,
         seconds: 0.0,
     })
-}
-
-fn estimates_of_naive(setup: &Setup, first: &Point) -> (Vec<Estimate>, DMatrix<f64>) {
-    let (mut all, correlation) = estimates(setup, first, None);
-    all.truncate(setup.declared.len());
-    (all, correlation)
 }
 
 /// Every number that slopes find, with its interval, and their correlations. Where sensors drift, a `corrected` hypothesis takes
@@ -183,7 +178,7 @@ pub fn magnitude(point: &Point) -> String {
 }
 
 fn limits(point: &Point) -> Vec<Limit> {
-    let least = LEAST + per_number(point);
+    let least = LEAST + point.per_number();
     let known: Vec<_> = point.listed().collect();
     let everywhere = vec![true; point.runs.len()];
     let found = known.iter().enumerate().filter_map(|(k, (listed, addition))| {

@@ -50,7 +50,7 @@ pub fn read(experiment: &mut Experiment, declared: &[f64], term: Option<GenericT
 /// An effect of the list with its size.
 pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
     let listed = crate::catalogue::LISTED.iter().find(|l| l.id == id).unwrap();
-    let mut addition = listed.addition(&setup.bench, &[true]).unwrap();
+    let mut addition = listed.addition(setup, &[true]).unwrap();
     addition.numbers[0].value = size;
     addition
 }

@@ -4,7 +4,7 @@
 //!
 //! | port | what y does | driver that is alive within a step |
 //! |---|---|---|
-//! | drag_torque | y tanh(w / 1 rad/s), N.m: y > 0 brakes either way and heats the housing | speed |
+//! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes either way and heats the housing | speed |
 //! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is lost either way and heats the winding | current |
 //! | winding_resistance, torque_constant | times 1 + y | |
 //! | winding_housing_resistance | times 1 + y | winding_temperature |
@@ -16,8 +16,9 @@
 //! | ambient_sensor | the true ambient temperature is y, K, above the shown one | |
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
 //!
-//! *Assumes* that drivers which are not alive stand still over a step: inputs and time at their middle, temperatures at the
-//! start, so that such a term is of second order in the step, and of first in a temperature. The energy books close all the same. *Neglects* history.
+//! *Assumes* that drivers which are not alive stand still over a step, at the middle of where they begin and end, so that such a
+//! term is of second order in the step; of first where it acts on the very quantity that it follows and that answers within the step
+//! (heat in the winding by the winding's temperature). The energy books close all the same. *Neglects* history.
 //! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
 //! *Source*: the data that the terms were found in.
 
@@ -25,8 +26,6 @@ use super::{Effect, Number, smooth_sign};
 use crate::terms::{Driver, Drivers, GenericTerm, MOST_TERMS, Port};
 use declare::{Group, Unit, Variable, variables};
 
-/// Speed below which a drag turns round, rad/s.
-const W_SMALL: f64 = 1.0;
 /// Current below which a drop turns round, A.
 const I_SMALL: f64 = 0.05;
 /// Least factor on a parameter of the motor.
@@ -34,49 +33,64 @@ const LEAST_FACTOR: f64 = 0.05;
 
 variables! {
     /// What of the terms can be tuned.
-    pub struct Gain {
+    pub struct Tuning {
         /// Multiplies all terms of resources/effects.json; 0 switches them off
         gain: f64 = Variable::tunable(0, 1.0, Unit::One, -10.0, 10.0),
+        /// Speed below which a drag of a term turns round
+        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log(),
+    }
+}
+
+/// The driver that a port keeps alive within a step.
+fn live(port: Port) -> Option<Driver> {
+    match port {
+        Port::DragTorque => Some(Driver::Speed),
+        Port::TerminalVoltage => Some(Driver::Current),
+        Port::WindingHousingResistance => Some(Driver::WindingTemperature),
+        Port::HousingHeat | Port::HousingAmbientConductance => Some(Driver::HousingTemperature),
+        Port::FanFlow => Some(Driver::FanCommand),
+        _ => None,
     }
 }
 
 /// The terms of a motor, with the drivers that they were told of last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GenericTerms {
-    gain: Gain,
+    tuning: Tuning,
     terms: [Option<GenericTerm>; MOST_TERMS],
     drivers: Drivers,
 }
 
 impl Group for GenericTerms {
-    const TABLE: &'static [Variable] = Gain::TABLE;
+    const TABLE: &'static [Variable] = Tuning::TABLE;
 
     #[inline]
     fn get(&self, index: usize) -> f64 {
-        self.gain.get(index)
+        self.tuning.get(index)
     }
 
     #[inline]
     fn set(&mut self, index: usize, value: f64) -> bool {
-        self.gain.set(index, value)
+        self.tuning.set(index, value)
     }
 }
 
 impl GenericTerms {
-    /// The sum at a port, with one driver alive; nothing where no term is on.
+    /// The sum at a port, with the driver that it keeps alive at `x`; nothing where no term is on.
     #[inline]
-    fn along<D: Number>(&self, port: Port, live: Driver, x: D) -> D {
+    fn along<D: Number>(&self, port: Port, x: D) -> D {
         if !self.is_on() {
             return D::from(0.0);
         }
         let here = self.terms.iter().flatten().filter(|term| term.port == port);
-        here.fold(D::from(0.0), |sum, term| sum + term.along(&self.drivers, live, x)) * self.gain.gain
+        let live = live(port).unwrap_or(Driver::Speed);
+        here.fold(D::from(0.0), |sum, term| sum + term.along(&self.drivers, live, x)) * self.tuning.gain
     }
 
     /// The sum at a port.
     #[inline]
     fn sum(&self, port: Port) -> f64 {
-        self.along(port, Driver::Speed, self.drivers.speed)
+        self.along(port, self.drivers.of(live(port).unwrap_or(Driver::Speed)))
     }
 
     fn factor<D: Number>(sum: D) -> D {
@@ -87,7 +101,7 @@ impl GenericTerms {
 impl Effect for GenericTerms {
     #[inline]
     fn is_on(&self) -> bool {
-        self.terms[0].is_some() && self.gain.gain != 0.0
+        self.terms[0].is_some() && self.tuning.gain != 0.0
     }
 
     fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
@@ -103,14 +117,19 @@ impl Effect for GenericTerms {
         self.drivers = *drivers;
     }
 
+    fn holds(&self, driver: Driver) -> bool {
+        let here = self.terms.iter().flatten().filter(|_| self.is_on());
+        here.filter(|term| live(term.port) != Some(driver)).any(|term| term.follows(driver))
+    }
+
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
-        self.along(Port::DragTorque, Driver::Speed, w) * smooth_sign(w, W_SMALL)
+        self.along(Port::DragTorque, w) * smooth_sign(w, self.tuning.w_small)
     }
 
     #[inline]
     fn terminal_voltage<D: Number>(&self, i: D) -> D {
-        self.along(Port::TerminalVoltage, Driver::Current, i) * smooth_sign(i, I_SMALL)
+        self.along(Port::TerminalVoltage, i) * smooth_sign(i, I_SMALL)
     }
 
     #[inline]
@@ -130,17 +149,17 @@ impl Effect for GenericTerms {
 
     #[inline]
     fn winding_housing_resistance<D: Number>(&self, t_w: D) -> D {
-        Self::factor(self.along(Port::WindingHousingResistance, Driver::WindingTemperature, t_w))
+        Self::factor(self.along(Port::WindingHousingResistance, t_w))
     }
 
     #[inline]
     fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
-        self.along(Port::HousingAmbientConductance, Driver::HousingTemperature, t_h) * (t_h - t_a)
+        self.along(Port::HousingAmbientConductance, t_h) * (t_h - t_a)
     }
 
     #[inline]
     fn housing_heat<D: Number>(&self, t_h: D) -> D {
-        self.along(Port::HousingHeat, Driver::HousingTemperature, t_h)
+        self.along(Port::HousingHeat, t_h)
     }
 
     #[inline]
@@ -150,7 +169,7 @@ impl Effect for GenericTerms {
 
     #[inline]
     fn fan_flow(&self, n: f64) -> f64 {
-        n * (1.0 + self.along(Port::FanFlow, Driver::FanCommand, n)).max(0.0)
+        n * (1.0 + self.along(Port::FanFlow, n)).max(0.0)
     }
 
     #[inline]

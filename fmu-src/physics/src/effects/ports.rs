@@ -1,7 +1,7 @@
 //! The ports of a model: where effects act, and what each may do there.
 
 use super::{Number, PerNode};
-use crate::terms::{Drivers, GenericTerm};
+use crate::terms::{Driver, Drivers, GenericTerm};
 
 /// What an effect may do, port by port. A port that an effect does not touch stays neutral.
 pub trait Effect {
@@ -17,6 +17,11 @@ pub trait Effect {
     /// Tells where the motor stands: what follows a driver slowly holds that over a step.
     #[inline]
     fn tell(&mut self, _drivers: &Drivers) {}
+
+    /// Whether it holds this driver over a step, as [`tell`](Effect::tell) told it.
+    fn holds(&self, _driver: Driver) -> bool {
+        false
+    }
 
     /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.
     #[inline]

@@ -19,6 +19,9 @@ pub struct Table {
 const DEAD: f64 = -40.0;
 /// Share of a channel's readings from which on it counts as dead.
 const DEAD_SHARE: f64 = 0.5;
+/// How many times as often as each of so many readings next to it the last one stands there, where a sensor ends.
+const CLIPPED: usize = 8;
+const NEXT: usize = 8;
 /// A pause in time this many times the usual distance of rows is a gap.
 const GAP: f64 = 5.0;
 
@@ -102,6 +105,29 @@ impl Table {
         }
     }
 
+    /// Readings that stand at one end of what a sensor shows are no readings: as many times the very same number as its neighbours
+    /// are not. `columns` are those that are read and not commanded.
+    pub fn set_clipped_aside(
+        &mut self,
+        file: &str,
+        wanted: &[&'static Channel],
+        columns: std::ops::Range<usize>,
+    ) {
+        for k in columns {
+            for side in [1.0, -1.0] {
+                let Some(end) = clipped(&self.columns[k], side) else { continue };
+                let column = &mut self.columns[k];
+                let count = column.iter().filter(|v| **v == end).count();
+                column.iter_mut().filter(|v| **v == end).for_each(|v| *v = f64::NAN);
+                self.notes.push(format!(
+                    "{file}: {count} readings of {} stand at {}, where the sensor ends, and are set aside as clipped",
+                    wanted[k].column,
+                    end - wanted[k].offset
+                ));
+            }
+        }
+    }
+
     /// Long pauses are noted; they are simulated across.
     fn note_gaps(&mut self, file: &str) {
         let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
@@ -113,6 +139,17 @@ impl Table {
             .collect();
         self.notes.extend(sentences);
     }
+}
+
+/// The greatest reading (`side` 1) or the least (-1), where it is the end of what the sensor shows: repeated far more often than the
+/// readings next to it, which a sensor with steps repeats as well.
+fn clipped(column: &[f64], side: f64) -> Option<f64> {
+    let mut values: Vec<f64> = column.iter().filter(|v| v.is_finite()).map(|v| side * v).collect();
+    values.sort_by(|a, b| b.total_cmp(a));
+    let runs: Vec<&[f64]> = values.chunk_by(|a, b| a == b).take(NEXT + 1).collect();
+    let (first, next) = runs.split_first()?;
+    let usual = next.iter().map(|run| run.len()).max()?;
+    (next.len() == NEXT && first.len() >= CLIPPED * usual).then_some(side * first[0])
 }
 
 /// The number of a cell; a blank is NaN where it may be. One sentence else.
@@ -175,6 +212,25 @@ mod tests {
             let sentence = read(text).unwrap_err().to_string();
             assert!(parts.iter().all(|part| sentence.contains(part)), "{sentence}");
         }
+    }
+
+    /// A ramp of 300 readings with a little noise, cut off at 50; one of a sensor with steps of 0.5 is not, nor one that rests.
+    #[test]
+    fn what_stands_at_the_end_of_a_sensor_is_set_aside() {
+        let noise = |k: i32| f64::from((k * 7919) % 101) * 1e-3;
+        let of = |shown: &dyn Fn(i32) -> f64| {
+            let rows: String = (0..300).map(|k| format!("{k},{},1\n", shown(k))).collect();
+            let mut table = read(&format!("{HEADER}{rows}")).unwrap();
+            let wanted = ["current_A", "winding_temperature_degC"].map(|c| Channel::of(c).unwrap());
+            table.set_clipped_aside("run.csv", &wanted, 1..2);
+            (table.columns[1].iter().filter(|v| v.is_nan()).count(), table.notes)
+        };
+        let (aside, notes) = of(&|k| (0.2 * f64::from(k) + noise(k)).min(50.0));
+        assert_eq!((aside, notes.len()), (50, 1), "{notes:?}");
+        assert!(notes[0].contains("50 readings of winding_temperature_degC stand at 50,"), "{notes:?}");
+        assert_eq!(of(&|k| (0.4 * f64::from(k)).round() * 0.5).0, 0);
+        assert_eq!(of(&|k| (0.4 * f64::from(k)).round().min(50.0) * 0.5 + noise(k)).0, 0);
+        assert_eq!(of(&|k| (-0.2 * f64::from(k) - noise(k)).max(-30.0)).0, 150);
     }
 
     #[test]

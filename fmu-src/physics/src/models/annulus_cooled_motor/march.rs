@@ -25,7 +25,17 @@ impl AnnulusCooledMotor {
         if let Some(fault) = &self.fault {
             return Err(Fault(fault.clone()));
         }
-        self.tell_effects_over(time, h);
+        if self.holds_states() {
+            self.tell_effects_middle(time, h)?;
+        } else {
+            self.tell_effects_over(time, h);
+        }
+        self.march(time, h)
+    }
+
+    /// A step with what the effects were told.
+    #[inline]
+    pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         let before = self.housing_temperature();
         if self.network.is_some() {
             self.advance_in_pieces(time, h)?;

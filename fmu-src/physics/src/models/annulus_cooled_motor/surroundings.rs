@@ -3,7 +3,8 @@
 use super::{AnnulusCooledMotor, DriveMode, Inputs, MechanicalMode, Network, Temperatures};
 use crate::components::sensor::lagged;
 use crate::effects::{Effect, PerNode, Port};
-use crate::model::Node;
+use crate::model::{Fault, Node};
+use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
 use crate::terms::Drivers;
 
 impl AnnulusCooledMotor {
@@ -18,13 +19,20 @@ impl AnnulusCooledMotor {
     #[inline]
     pub(super) fn tell_effects_over(&mut self, time: f64, h: f64) {
         if self.parameters.effects.acts_at(Port::Any) {
-            let drivers = self.drivers_over(time, h);
-            self.parameters.effects.tell(&drivers);
-            self.fan = (f64::NAN, PerNode::default());
-            if let Some(network) = &mut self.network {
-                network.forget();
-            }
+            self.tell_drivers(&self.drivers_over(time, h));
         }
+        self.follow_capacity();
+    }
+
+    fn tell_drivers(&mut self, drivers: &Drivers) {
+        self.parameters.effects.tell(drivers);
+        self.fan = (f64::NAN, PerNode::default());
+        if let Some(network) = &mut self.network {
+            network.forget();
+        }
+    }
+
+    fn follow_capacity(&mut self) {
         let factor = self.parameters.effects.heat_capacity();
         if factor != self.capacity_factor {
             let before = self.constants.heat(&self.state.temperature);
@@ -32,6 +40,31 @@ impl AnnulusCooledMotor {
             self.follow_parameters();
             self.stored_at_start += self.constants.heat(&self.state.temperature) - before;
         }
+    }
+
+    /// Whether an effect that is data holds over a step what the states decide.
+    #[inline]
+    pub(super) fn holds_states(&self) -> bool {
+        let effects = &self.parameters.effects;
+        effects.acts_at(Port::Any)
+            && [Speed, Current, LoadTorque, WindingTemperature, HousingTemperature]
+                .iter()
+                .any(|d| effects.holds(*d))
+    }
+
+    /// Tells the effects that are data the middle of a step of `h` seconds, whose end a first pass finds: what they hold over it is
+    /// then of second order in the step, also where it follows a current that answers within milliseconds.
+    pub(super) fn tell_effects_middle(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        let before = self.clone();
+        let from = self.drivers_over(time, 0.0);
+        self.tell_effects_over(time, h);
+        let passed = self.march(time, h);
+        let to = self.drivers_over(time + h, 0.0);
+        *self = before;
+        passed?;
+        self.tell_drivers(&from.middle(&to));
+        self.follow_capacity();
+        Ok(())
     }
 
     /// What terms may follow in the middle of a step of `h` seconds from `time` on.

@@ -79,7 +79,7 @@ variables! {
         /// Pressure of the surrounding air (altitude); without effect in cooling_mode conductance
         ambient_pressure: f64 = Variable::input(8, 101_325.0, Unit::Pascal, 1e4, 2e5).nominal(1e5),
         /// Electrical power that heats the winding, less what the drive loses (drive_mode power)
-        electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, 0.0, 1e6).nominal(10.0),
+        electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
         /// Further heat set free in the winding
         heat_power: f64 = Variable::input(10, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
     }
