@@ -47,8 +47,7 @@ pub fn run(workspace: &Workspace, one: &Target, runner: &[String], target: &Path
             shell::output(&mut foreign)?;
             let (worst, column) = difference(&read(&here)?, &read(&there)?)?;
             println!("{model}, {standard}, {}: differs by {worst:.1e} at most ({column})", one.platform);
-            // A number that is none fails here, too.
-            if !(worst <= TOLERANCE) {
+            if worst > TOLERANCE || worst.is_nan() {
                 return Err(format!(
                     "{model}, {standard}: {column} on {} differs from this machine by {worst:.1e}, the limit is {TOLERANCE:.0e}",
                     one.platform
