@@ -340,7 +340,7 @@ impl Drop for Instance {
 }
 
 /// Opens the binary with all symbols resolved at once, so that a missing one is an error here and no crash later.
-fn load(binary: &Path) -> Result<Library, libloading::Error> {
+pub(crate) fn load(binary: &Path) -> Result<Library, libloading::Error> {
     #[cfg(unix)]
     {
         use libloading::os::unix::{Library as Unix, RTLD_LOCAL, RTLD_NOW};

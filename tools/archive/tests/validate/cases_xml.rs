@@ -89,7 +89,7 @@ pub const CASES: &[Case] = &[
     ("name-control", Clocks, r#"name="last""#, r#"name="last&#10;x""#),
     ("value-reference-repeated", Fmi3, r#"name="k" valueReference="13""#, r#"name="k" valueReference="12""#),
     ("type-name-clash", Fmi2, r#"name="p""#, r#"name="Mode""#),
-    ("unit-name-empty", Fmi2, r#"<Unit name="m">"#, r#"<Unit name="">"#),
+    ("unit-name-empty", Fmi3, r#"<Unit name="K/s">"#, r#"<Unit name=""><BaseUnit/></Unit><Unit name="K/s">"#),
     ("unit-repeated", Fmi2, r#"<Unit name="m">"#, r#"<Unit name="K/s">"#),
     ("unit-factor", Fmi2, r#"<BaseUnit m="1"/>"#, r#"<BaseUnit m="1" factor="0"/>"#),
     ("unit-factor", Fmi3, r#"offset="-273.15""#, r#"offset="NaN""#),
