@@ -1,5 +1,7 @@
 //! Slopes that the FMU tells, against differences of the values that it gives.
 
+use cosim::raw::InterfaceType;
+
 use crate::validate::dynamic::facts::{Facts, Variable};
 use crate::validate::dynamic::probe::{Fault, Seen};
 use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
@@ -9,9 +11,13 @@ use crate::validate::rules;
 
 /// What a slope may be off, as a share of itself.
 const SHARE: f64 = 0.01;
+/// The slope of a fast variable that has come to rest is the difference of large numbers; below this share of its
+/// largest value it says nothing.
+const STIFF: f64 = 1e-3;
 /// Parts of the default experiment for the second, slower look.
-const PARTS: f64 = 200.0;
-
+const PARTS: usize = 200;
+/// Parts of a step for a finer look, where the FMU can be made to take it.
+const FINER: usize = 32;
 /// Steps over which slopes are summed up: enough to see that they swing, where they do.
 const WINDOW: usize = 4;
 
@@ -30,41 +36,74 @@ impl Series {
 
     /// The first disagreement (number of its first point, mean slope told, mean slope seen), if nearly all windows that
     /// say anything disagree. An event spoils some of them; a wrong slope is wrong always.
-    fn disagrees(&self, h: f64, noise: impl Fn(f64) -> f64) -> Option<(usize, f64, f64)> {
-        let (mut informative, mut wrong, mut example) = (0, 0, None);
+    /// `largest` is the largest slope that was seen at all.
+    fn disagrees(&self, look: &Look, largest: f64, noise: impl Fn(f64) -> f64) -> Option<(usize, f64, f64)> {
+        let (mut informative, mut example) = (0, None);
+        let mut factors: Vec<f64> = Vec::new();
+        let steps = WINDOW as f64;
         for k in 0..self.values.len().saturating_sub(WINDOW) {
-            let slopes = &self.slopes[k..=k + WINDOW];
-            let pairs = || slopes.windows(2).map(|d| (d[0], d[1]));
-            let steps = WINDOW as f64;
+            let pairs = || self.slopes[k..=k + WINDOW].windows(2).map(|d| (d[0], d[1]));
             let told = pairs().map(|(a, b)| 0.5 * (a + b)).sum::<f64>() / steps;
-            let seen = (self.values[k + WINDOW] - self.values[k]) / (h * steps);
+            let seen = (self.values[k + WINDOW] - self.values[k]) / (look.h * steps);
             // A step may have been made with the slope at its beginning or at its end.
             let swing = pairs().map(|(a, b)| (b - a).abs()).sum::<f64>() / steps;
-            let room = 0.6 * swing + noise(self.values[k]) / (h * steps);
+            let room = 0.6 * swing + STIFF * largest + noise(self.values[k]) / (look.h * steps);
             let size = told.abs().max(seen.abs());
-            if !(size > 0.0 && room.is_finite()) || room > 0.5 * size {
+            // NaN is never right.
+            if size == 0.0 || room > 0.5 * size {
                 continue;
             }
             informative += 1;
-            if (told - seen).abs() > SHARE * size + room {
-                wrong += 1;
+            if told.is_nan() || (told - seen).abs() > SHARE * size + room {
+                factors.push(told / seen);
                 example.get_or_insert((k, told, seen));
             }
         }
-        example.filter(|_| wrong >= 3 && 10 * wrong >= 8 * informative)
+        let wrong = factors.len() >= 3 && 10 * factors.len() >= 8 * informative;
+        example.filter(|_| wrong && (!look.is_fine || is_steady(&factors)))
     }
 }
 
-/// The step sizes at which to look: that of the experiment, and one that shows slow variables move.
-fn looks(facts: &Facts, subject: &Subject) -> Vec<(f64, usize)> {
+/// Whether a slope is off by about the same factor all the time. Values that stand still and jump, as those of a fixed
+/// internal step do when looked at more finely, have no such factor.
+fn is_steady(factors: &[f64]) -> bool {
+    let low = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = factors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    high - low < 0.5 * (low - 1.0).abs().min((high - 1.0).abs())
+}
+
+/// Steps of a run during which slopes and values are compared.
+struct Look {
+    h: f64,
+    n: usize,
+    is_fine: bool,
+}
+
+/// The steps at which to look: those of the experiment, longer ones for slow variables, and fine ones for small faults.
+fn looks(subject: &Subject) -> Vec<Look> {
+    let facts = subject.facts;
     let h = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
-    let mut looks = vec![(h, steps(facts))];
-    let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS);
+    let mut looks = vec![Look { h, n: steps(facts), is_fine: false }];
+    let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
     if slow > 3.0 * h {
         // Multiples of the step, as not every FMU takes others.
-        looks.push(((slow / h).floor() * h, PARTS as usize));
+        looks.push(Look { h: (slow / h).floor() * h, n: PARTS, is_fine: false });
+    }
+    let is_free = subject.interface.variable_step && subject.interface.internal_step.is_none();
+    if is_free || subject.interface.kind == InterfaceType::ModelExchange {
+        looks.push(Look { h: h / FINER as f64, n: FINER, is_fine: true });
     }
     looks
+}
+
+/// A session at the beginning of a look. A fine one begins where things have come to move.
+fn begin<'a>(subject: &Subject<'a>, look: &Look) -> Result<(Session<'a>, Drive), Fault> {
+    let mut session = subject.started(&subject.base()?.settings)?;
+    let mut drive = Drive::new(&mut session)?;
+    for _ in 0..if look.is_fine { 3 } else { 0 } {
+        drive.advance(&mut session, look.h * FINER as f64)?;
+    }
+    Ok((session, drive))
 }
 
 /// What the values of a variable are uncertain by.
@@ -86,24 +125,26 @@ pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> 
         return Ok(());
     }
     let (values, slopes): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
-    for (h, n) in looks(facts, subject) {
-        let mut session = subject.started(&subject.base()?.settings)?;
-        let mut drive = Drive::new(&mut session)?;
+    let mut largest = vec![0.0_f64; pairs.len()];
+    for look in looks(subject) {
+        let (mut session, mut drive) = begin(subject, &look)?;
+        let start = session.now;
         let mut series = vec![Series::default(); pairs.len()];
-        for k in 0..=n {
-            if k > 0 && !drive.advance(&mut session, h)? {
+        for k in 0..=look.n {
+            if k > 0 && !drive.advance(&mut session, look.h)? {
                 break;
             }
             let (x, d) = (session.get_all(&values)?, session.get_all(&slopes)?);
             series.iter_mut().zip(x.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
+            largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
         }
-        for ((value, slope), series) in pairs.iter().zip(series) {
-            if let Some((k, told, is)) = series.disagrees(h, |x| noise(facts, value, x)) {
+        for (((value, slope), series), largest) in pairs.iter().zip(series).zip(&largest) {
+            if let Some((k, told, is)) = series.disagrees(&look, *largest, |x| noise(facts, value, x)) {
                 let message = format!(
                     "Variable \"{}\" is declared to be the derivative of \"{}\", but from t = {} s on it is {told} while \"{}\" changes by {is} per second",
                     short(&slope.name),
                     short(&value.name),
-                    facts.start + h * k as f64,
+                    start + look.h * k as f64,
                     short(&value.name)
                 );
                 seen.add(&rules::DERIVATIVE_VALUE, &slope.place, message);
@@ -121,11 +162,13 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     if outputs.is_empty() {
         return Ok(());
     }
-    for (h, n) in looks(facts, subject) {
-        let mut session = subject.started(&subject.base()?.settings)?;
+    let mut largest = vec![0.0_f64; outputs.len()];
+    for look in looks(subject) {
+        let (mut session, _) = begin(subject, &look)?;
+        let start = session.now;
         let mut series = vec![Series::default(); outputs.len()];
-        for _ in 0..n {
-            if !session.step(h)? {
+        for _ in 0..look.n {
+            if !session.step(look.h)? {
                 break;
             }
             let values = session.get_all(&outputs)?;
@@ -133,13 +176,14 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
             let status = session.raw.get_output_derivatives(&references, &mut told);
             session.ok("GetOutputDerivatives", status)?;
             series.iter_mut().zip(values.iter().zip(&told)).for_each(|(s, (x, d))| s.push(*x, *d));
+            largest.iter_mut().zip(&told).for_each(|(l, d)| *l = l.max(d.abs()));
         }
-        for (v, series) in outputs.iter().zip(series) {
-            if let Some((k, told, is)) = series.disagrees(h, |x| noise(facts, v, x)) {
+        for ((v, series), largest) in outputs.iter().zip(series).zip(&largest) {
+            if let Some((k, told, is)) = series.disagrees(&look, *largest, |x| noise(facts, v, x)) {
                 let message = format!(
                     "The derivative of output \"{}\" is told to be {told} from t = {} s on, but it changes by {is} per second",
                     short(&v.name),
-                    facts.start + h * (k + 1) as f64
+                    start + look.h * (k + 1) as f64
                 );
                 seen.add(&rules::OUTPUT_DERIVATIVE, &v.place, message);
             }

@@ -140,7 +140,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
     session.iterate_events()?;
     let status = session.raw.enter_step_mode();
     session.ok("EnterStepMode", status)?;
-    for _ in 0..runs::steps(facts) {
+    for k in 1..=runs::steps(facts) {
         let end = session.now + facts.step();
         let h = session.next.filter(|t| *t > session.now).map_or(end, |t| t.min(end)) - session.now;
         let step = session.raw.do_step(session.now, h);
@@ -149,7 +149,8 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         if step.terminated {
             break;
         }
-        if step.event || session.next.is_some_and(|t| session.now >= t) {
+        // An importer may have events of its own.
+        if k % 3 == 0 || step.event || session.next.is_some_and(|t| session.now >= t) {
             let status = session.raw.enter_event_mode();
             session.ok("EnterEventMode", status)?;
             session.iterate_events()?;

@@ -10,8 +10,8 @@ use crate::validate::dynamic::session::{Session, Subject, column};
 use crate::validate::rules;
 
 /// Instances made in each of three rounds, and bytes that each may leave behind.
-const ROUND: usize = 200;
-const LEAK: f64 = 512.0;
+const ROUND: usize = 400;
+const LEAK: f64 = 128.0;
 /// Bytes that a step, or a state saved and freed, may leave behind.
 const STEP_LEAK: f64 = 24.0;
 const STEP_ROUND: usize = 10_000;
@@ -69,6 +69,10 @@ pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
     let mut rows: Rows = vec![one.observe()?];
     for step in 0..runs::steps(facts) {
         if step < 3 {
+            for v in facts.inputs() {
+                let values = v.start.clone();
+                other.set(v, &values)?;
+            }
             other_drive.advance(&mut other, facts.step())?;
         } else if step == 3 {
             let status = other.raw.reset();
