@@ -1,12 +1,17 @@
 """Runs checkers on an FMU: ours, and two others that are free."""
 
+import functools
 import json
 import logging
 import subprocess
 
+import xmlschema
 from fmpy.validation import validate_fmu
 from fmu_manipulation_toolbox.checker import get_checkers
 from fmu_manipulation_toolbox.operations import FMU
+
+# Reading a schema takes longer than checking a file with it.
+xmlschema.XMLSchema = functools.cache(xmlschema.XMLSchema)
 
 #: Seconds that a stage of the run may take, so that a hang is seen soon.
 PATIENCE = 4

@@ -129,6 +129,13 @@ def into_subfolder(files, path):
     return path
 
 
+LICENSE = "documentation/licenses/license.txt"
+
+
+def license_elsewhere(files):
+    files.entries["documentation/licenses/terms.pdf"] = files.entries.pop(LICENSE)
+
+
 TERMINALS = '<?xml version="1.0" encoding="UTF-8"?>\n<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals><Terminal name="shaft" ' \
     'matchingRule="plug">{}</Terminal></Terminals></fmiTerminalsAndIcons>'
 MEMBER = '<TerminalMemberVariable variableName="{}" memberName="{}" variableKind="signal"/>'
@@ -210,7 +217,9 @@ FILES = [
     Fault("svg-without-png", "an icon as SVG alone", FOREIGN[3], add("terminalsAndIcons/icon.svg", "<svg/>")),
     Fault("build-description-missing", "source code that nobody can build", FOREIGN[3], add("sources/model.c", "int x;")),
     Fault("source-file-missing", "a source file that is listed and not there", FOREIGN[3], add("sources/buildDescription.xml", BUILD.format("oscillator", "model.c"))),
-    Fault("license-entry", "a licence folder without an entry point", FOREIGN[3], add("documentation/licenses/terms.pdf", "terms")),
+    Fault("license-entry", "a licence folder without an entry point", FOREIGN[3], license_elsewhere),
+    Fault("documentation-missing", "no documentation", FOREIGN[2], lambda files: files.entries.pop("documentation/index.html")),
+    Fault("license-missing", "no licence", FOREIGN[3], lambda files: files.entries.pop(LICENSE)),
 ]
 #: Model description and library are each right, and do not fit together.
 TOGETHER = [

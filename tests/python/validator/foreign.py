@@ -29,6 +29,8 @@ def build(fmi, out):
     return Files({
         "modelDescription.xml": (FOLDER / f"fmi{fmi}.xml").read_bytes(),
         f"binaries/{folder(fmi)}/oscillator.{ENDING}": binary.read_bytes(),
+        "documentation/index.html": b"<!DOCTYPE html><title>Oscillator</title><p>A mass on a spring with a damper.</p>",
+        "documentation/licenses/license.txt": b"Public domain.",
     })
 
 

@@ -50,19 +50,19 @@ def judge_all(program, dist, out, workers=2):
 def text(answers):
     """The table in Markdown."""
     lines, number = [], 0
-    counts = [0, 0, 0]
+    counts = [0, 0, 0, 0]
     mark = {True: "yes", False: "-"}
     for title, group in faults.GROUPS:
         lines += ["", f"**{title}**", "", "| fault | in | code | ours | fmpy | fmutool |", "|---|---|---|---|---|---|"]
         for fault in group:
             _, findings, *others = answers[number]
             found = [any(f["code"] == fault.code for f in findings), *others]
-            counts = [count + bool(hit) for count, hit in zip(counts, found)]
+            counts = [count + bool(hit) for count, hit in zip(counts, [*found, any(others)])]
             cells = " | ".join(mark[bool(hit)] for hit in found)
             lines.append(f"| {fault.what} | {fault.base} | `{fault.code}` | {cells} |")
             number += 1
-    ours, fmpy, fmutool = counts
-    total = f"{number} faults: `motor-fmu validate` finds {ours}, `fmpy validate` {fmpy}, `fmutool -check` {fmutool}."
+    ours, fmpy, fmutool, others = counts
+    total = f"{number} faults: `motor-fmu validate` finds {ours}, `fmpy validate` {fmpy}, `fmutool -check` {fmutool}, the last two together {others}."
     return "\n".join([total, *lines]) + "\n"
 
 

@@ -95,7 +95,7 @@ impl Instance {
         let library = load(&binary).map_err(|e| Error::Library {
             path: path.clone(),
             binary: binary.strip_prefix(archive.dir()).unwrap_or(&binary).to_owned(),
-            reason: e.to_string(),
+            reason: loader_says(&e),
         })?;
         let setup = Setup { name: c_string(name), token: c_string(&description.token), dir: archive.dir() };
         let mark = log.mark();
@@ -337,6 +337,11 @@ impl Drop for Instance {
         // SAFETY: dropped once, here; nothing of the library is used afterwards, as the backend's pointers are data.
         unsafe { ManuallyDrop::drop(&mut self.library) };
     }
+}
+
+/// The loader's own words, which the error keeps one level down.
+pub(crate) fn loader_says(error: &libloading::Error) -> String {
+    std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
 }
 
 /// Opens the binary with all symbols resolved at once, so that a missing one is an error here and no crash later.

@@ -84,7 +84,7 @@ impl RawBinary {
         let library = crate::instance::load(&binary).map_err(|e| Error::Library {
             path: archive.path().to_owned(),
             binary: binary.strip_prefix(archive.dir()).unwrap_or(&binary).to_owned(),
-            reason: e.to_string(),
+            reason: crate::instance::loader_says(&e),
         })?;
         let missing = |symbol| Error::Symbol { path: archive.path().to_owned(), symbol };
         let version = archive.description().fmi_version;

@@ -43,11 +43,11 @@ rules! {
     EXTENSION "file-extension" Warning "the archive's name ends in .fmu" "2.3" "2.5";
     ARCHIVE_SPANNED "archive-spanned" Error "the archive is one file" "2.3" "2.5";
     ARCHIVE_BOMB "archive-bomb" Error "the archive unpacks to a sensible size" "" "";
-    ENTRY_DUPLICATE "entry-duplicate" Error "an entry name occurs once" "2.3" "2.5";
+    ENTRY_DUPLICATE "entry-duplicate" Error "an entry name occurs once" "" "";
     ENTRY_CASE "entry-case" Warning "entry names differ in more than case" "" "";
     ENTRY_BACKSLASH "entry-backslash" Error "only / separates folders" "2.3" "2.5";
     ENTRY_ABSOLUTE "entry-absolute" Error "entry names are relative" "2.3" "2.5";
-    ENTRY_OUTSIDE "entry-outside" Error "entries stay inside the folder they are unpacked to" "2.3" "2.5";
+    ENTRY_OUTSIDE "entry-outside" Error "entries stay inside the folder they are unpacked to" "" "";
     ENTRY_NOT_ASCII "entry-not-ascii" Warning "entry names are plain ASCII" "2.3" "2.5";
     ENTRY_UNPORTABLE "entry-unportable" Warning "entry names are allowed on every system" "" "";
     ENTRY_ENCRYPTED "entry-encrypted" Error "nothing is encrypted" "2.3" "2.5";
@@ -55,8 +55,8 @@ rules! {
     ENTRY_VERSION "entry-version" Error "zip version 2.0 is enough to extract" "2.3" "2.5";
     ENTRY_DESCRIPTOR "entry-descriptor" Error "stored entries do not set general purpose bit 3" "2.3" "2.5";
     ENTRY_LINK "entry-link" Error "the archive has no links" "2.3" "2.5";
-    ENTRY_HEADER "entry-header" Error "directory and entry agree on the name" "2.3" "2.5";
-    ENTRY_DAMAGED "entry-damaged" Error "every entry can be unpacked" "2.3" "2.5";
+    ENTRY_HEADER "entry-header" Error "directory and entry agree on the name" "" "";
+    ENTRY_DAMAGED "entry-damaged" Error "every entry can be unpacked" "" "";
     DESCRIPTION_MISSING "model-description-missing" Error "modelDescription.xml is at the root" "2.3" "2.5.1";
     // XML.
     XML_NOT_UTF8 "xml-not-utf8" Error "XML files are UTF-8 text" "2.2" "2.4";
@@ -105,9 +105,9 @@ rules! {
     UNIT_FACTOR "unit-factor" Error "factors are not zero, factors and offsets are finite" "2.2.2" "2.4.3";
     DISPLAY_UNIT_REPEATED "display-unit-repeated" Error "display units of a unit have unique names" "2.2.2" "2.4.3";
     DISPLAY_UNIT_INVERSE "display-unit-inverse" Error "inverse display units have no offset" "" "2.4.3";
-    UNIT_UNDEFINED "unit-undefined" Error "units are defined" "2.2.3" "2.4.7.5";
-    DISPLAY_UNIT_ALONE "display-unit-alone" Error "a display unit comes with a unit" "2.2.3" "2.4.7.5";
-    DISPLAY_UNIT_UNDEFINED "display-unit-undefined" Error "display units belong to the unit" "" "2.4.7.5";
+    UNIT_UNDEFINED "unit-undefined" Error "units are defined" "2.2.3" "2.4.4";
+    DISPLAY_UNIT_ALONE "display-unit-alone" Error "a display unit comes with a unit" "2.2.3" "2.4.4";
+    DISPLAY_UNIT_UNDEFINED "display-unit-undefined" Error "display units belong to the unit" "" "2.4.4";
     DISPLAY_UNIT_IGNORED "display-unit-ignored" Warning "display units belong to the unit, or are ignored" "2.2.3" "";
     RELATIVE_WITHOUT_UNIT "relative-without-unit" Warning "relativeQuantity comes with a unit" "2.2.3" "2.4.4";
     // Types.
@@ -134,6 +134,7 @@ rules! {
     LIMIT_NAN "limit-nan" Error "min and max are numbers" "2.2.3" "2.4.4";
     LIMITS_CROSSED "limits-crossed" Error "min is not above max" "2.2.3" "2.4.4";
     START_OUTSIDE "start-outside" Error "start lies within min and max" "2.2.3" "2.4.4";
+    VALUE_SPECIAL "value-special" Error "FMI 2 allows neither NaN nor INF as a value" "2.2" "";
     START_NOT_FINITE "start-not-finite" Warning "start is a finite number" "" "";
     START_NO_ITEM "start-no-item" Error "start of an enumeration is one of its items" "2.2.7" "2.4.7.5";
     NOMINAL_STATE "nominal-state" Error "nominal values of states are positive" "3.2.2" "2.3.3";
@@ -165,8 +166,8 @@ rules! {
     DERIVATIVE_NOT_CONTINUOUS "derivative-not-continuous" Error "state derivatives are continuous real variables" "2.2.8" "2.4.8";
     DERIVATIVE_MISSING "derivative-missing" Error "state derivatives say of which variable" "2.2.8" "2.4.8";
     DERIVATIVE_NOT_LISTED "derivative-not-listed" Warning "Model Exchange lists the derivatives of all states" "2.2.8" "2.4.8";
-    DERIVATIVE_UNIT "derivative-unit" Error "a derivative has its state's unit per second" "2.2.2" "2.4.3";
-    DERIVATIVE_UNIT_TIMELESS "derivative-unit-timeless" Warning "a derivative's unit has the time in it" "2.2.2" "2.4.3";
+    DERIVATIVE_UNIT "derivative-unit" Error "a derivative has its state's unit per second" "2.2.7" "2.4.7.5";
+    DERIVATIVE_UNIT_TIMELESS "derivative-unit-timeless" Warning "a derivative's unit has the time in it" "2.2.7" "2.4.7.5";
     DERIVATIVE_SIZE "derivative-size" Error "state and derivative have the same size" "" "2.4.8";
     STATE_REPEATED "state-repeated" Error "a state has one derivative" "2.2.8" "2.4.8";
     STATE_CAUSALITY "state-causality" Error "states are local or output" "2.2.7" "2.4.7.4";
@@ -189,6 +190,8 @@ rules! {
     // Other files.
     NO_IMPLEMENTATION "no-implementation" Error "there are binaries or sources" "2.3" "2.5";
     SVG_WITHOUT_PNG "svg-without-png" Error "an SVG picture comes with its PNG" "2.3" "2.5.1";
+    DOCUMENTATION_MISSING "documentation-missing" Note "there is documentation" "2.3" "2.5.1.1";
+    LICENSE_MISSING "license-missing" Note "there are licences" "2.3" "2.5.1.1.1";
     LICENSE_ENTRY "license-entry" Error "the licence folder has an entry point" "" "2.5.1.1.1";
     TOOL_UNDOCUMENTED "tool-undocumented" Error "a needed tool is documented" "" "2.5.1.1";
     BUILD_DESCRIPTION_MISSING "build-description-missing" Error "sources come with a build description" "" "2.5.1.3";
@@ -249,7 +252,7 @@ rules! {
     STATES_NUMBER "states-number" Error "states and event indicators are as many as declared" "" "2.4.8";
     STATES_ORDER "states-order" Error "states and derivatives are in the order of the model structure" "2.2.8" "2.4.8";
     STATES_KEPT "states-kept" Error "states that were set are kept" "3.2.1" "3.2.1";
-    NOMINAL_VALUE "nominal-value" Error "nominal values of states are positive" "3.2.2" "2.3.4";
+    NOMINAL_VALUE "nominal-value" Error "nominal values of states are positive" "3.2.2" "2.3.3";
     EVALUATION_MEMORY "evaluation-memory" Error "derivatives hang on time, states and inputs alone" "3.1" "3.1";
     INDICATOR_JUMPS "indicator-jumps" Warning "event indicators go through zero and do not jump over it" "3.1" "3.1.1";
     DIRECTIONAL "directional-derivative" Error "directional derivatives are the derivatives" "2.1.9" "2.2.12.1";

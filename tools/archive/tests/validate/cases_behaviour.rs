@@ -49,6 +49,9 @@ fn oscillator(fault: &str, platform: &str) -> (tempfile::TempDir, PathBuf) {
     let options = zip::write::SimpleFileOptions::default();
     zip.start_file("modelDescription.xml", options).unwrap();
     zip.write_all(&std::fs::read(format!("{FOLDER}/fmi2.xml")).unwrap()).unwrap();
+    for name in ["documentation/index.html", "documentation/licenses/license.txt"] {
+        zip.start_file(name, options).unwrap();
+    }
     zip.start_file(format!("binaries/{platform}/oscillator.so"), options).unwrap();
     zip.write_all(&bytes).unwrap();
     zip.finish().unwrap();

@@ -29,6 +29,7 @@ pub const CASES: &[Case] = &[
     ("xsd-element-repeated", Fmi2, "<x/>", "<x/><x/>"),
     ("xsd-element-repeated", Fmi3, "<BaseUnit K=\"1\"/>", "<BaseUnit K=\"1\"/><BaseUnit K=\"1\"/>"),
     ("xsd-element-missing", Fmi3, r#"<Category name="logEvents"/><Category name="logAll"/>"#, ""),
+    ("xsd-text", Fmi2, "<x/></Tool>", "<x/>words</Tool>"),
     ("xsd-text", Fmi2, "<LogCategories>", "<LogCategories>text"),
     ("xsd-attribute-unknown", Fmi2, r#"<Real start="0"/>"#, r#"<Real start="0" initial="exact"/>"#),
     ("xsd-attribute-missing", Fmi2, r#"fmiVersion="2.0" "#, ""),

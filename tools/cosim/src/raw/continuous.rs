@@ -161,8 +161,9 @@ impl RawInstance {
         let (s, o) = (seed.as_ptr(), out.as_mut_ptr());
         let (seeds, outs) = (seed.len(), out.len());
         self.status(|api, _, h| match api {
-            // SAFETY: see above; FMI 2 has scalars alone, so that references and values are as many.
+            // FMI 2 has scalars alone, so references and values are as many.
             Api::Two(f) if nu == outs && nk == seeds => {
+                // SAFETY: see above.
                 f.directional.map(|f| unsafe { f(h, u, nu, k, nk, s, o) })
             }
             Api::Two(_) => None,
