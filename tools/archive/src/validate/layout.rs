@@ -40,7 +40,8 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
         );
     }
     // Releases of FMI 2.0 differ in where the folder is.
-    if !in_folder("documentation/licenses/") && !(model.version == Version::Fmi2 && in_folder("licenses/")) {
+    let beside = model.version == Version::Fmi2 && in_folder("licenses/");
+    if !(in_folder("documentation/licenses/") || beside) {
         out.add(
             &rules::LICENSE_MISSING,
             "documentation/",

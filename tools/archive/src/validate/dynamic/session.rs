@@ -152,7 +152,7 @@ impl<'a> Session<'a> {
             self.ok(name, status)?;
             changed |= update.values_changed;
             self.next = update.next;
-            if let Some(next) = update.next.filter(|t| !(*t >= self.now)) {
+            if let Some(next) = update.next.filter(|t| t.is_nan() || *t < self.now) {
                 let message =
                     format!("The next time event is at {next} s, before the present time {} s", self.now);
                 return Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message));
