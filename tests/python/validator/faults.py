@@ -136,11 +136,15 @@ def license_elsewhere(files):
     files.entries["documentation/licenses/terms.pdf"] = files.entries.pop(LICENSE)
 
 
-TERMINALS = '<?xml version="1.0" encoding="UTF-8"?>\n<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals><Terminal name="shaft" ' \
+TERMINALS = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals><Terminal name="shaft" '
     'matchingRule="plug">{}</Terminal></Terminals></fmiTerminalsAndIcons>'
+)
 MEMBER = '<TerminalMemberVariable variableName="{}" memberName="{}" variableKind="signal"/>'
-BUILD = '<?xml version="1.0" encoding="UTF-8"?>\n<fmiBuildDescription fmiVersion="3.0"><BuildConfiguration modelIdentifier="{}">' \
+BUILD = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<fmiBuildDescription fmiVersion="3.0"><BuildConfiguration modelIdentifier="{}">'
     '<SourceFileSet><SourceFile name="{}"/></SourceFileSet></BuildConfiguration></fmiBuildDescription>'
+)
 ICONS = "terminalsAndIcons/terminalsAndIcons.xml"
 
 ARCHIVE = [
@@ -149,20 +153,32 @@ ARCHIVE = [
     Fault("entry-backslash", "a backslash separates folders", FOREIGN[2], write=special("resources", filename="resources\\x.txt")),
     Fault("entry-duplicate", "modelDescription.xml occurs twice", FOREIGN[3], write=also((DESCRIPTION, b"<x/>"))),
     Fault("entry-case", "two names differ in case alone", FOREIGN[2], write=also(("MODELDESCRIPTION.XML", b"<x/>"))),
-    Fault("entry-link", "a symbolic link to /etc/passwd", FOREIGN[3], write=special("resources/link", create_system=3, external_attr=0o120777 << 16)),
+    Fault(
+        "entry-link",
+        "a symbolic link to /etc/passwd",
+        FOREIGN[3],
+        write=special("resources/link", create_system=3, external_attr=0o120777 << 16),
+    ),
     Fault("entry-method", "an entry is compressed with bzip2", FOREIGN[2], write=special("resources/x", compress_type=zipfile.ZIP_BZIP2)),
     Fault("entry-damaged", "an entry promises another size", FOREIGN[3], write=lambda files, path: lie_about_size(files.write(path))),
     Fault("archive-bomb", "150 MB of zeros", FOREIGN[2], write=bomb),
     Fault("model-description-missing", "everything is in a subfolder", OURS[3], write=into_subfolder),
 ]
 XML = [
-    Fault("xml-doctype", "a document type with an entity", OURS[2], edit(r"\?>", r'?><!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/passwd">]>')),
+    Fault(
+        "xml-doctype", "a document type with an entity", OURS[2], edit(r"\?>", r'?><!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/passwd">]>')
+    ),
     Fault("xml-malformed", "an end tag is missing", FOREIGN[2], edit(r"</ModelStructure>", "")),
     Fault("xml-encoding", "the file says that it is Latin-1", FOREIGN[3], edit("UTF-8", "ISO-8859-1")),
     Fault("xsd-attribute-unknown", "an attribute that no schema has", OURS[2], attribute("duty", "colour", "red")),
     Fault("xsd-attribute-missing", "a variable without value reference", OURS[3], attribute("duty", "valueReference", None)),
     Fault("xsd-attribute-value", "a start value that is no number", OURS[2], attribute("thermal.C_h", "start", "many")),
-    Fault("xsd-element-order", "log categories before the units", FOREIGN[2], edit(r"(  <UnitDefinitions>.*)(  <LogCategories>.*?</LogCategories>\n)", r"\2\1")),
+    Fault(
+        "xsd-element-order",
+        "log categories before the units",
+        FOREIGN[2],
+        edit(r"(  <UnitDefinitions>.*)(  <LogCategories>.*?</LogCategories>\n)", r"\2\1"),
+    ),
     Fault("xsd-element-missing", "no model structure", FOREIGN[3], edit(r"<ModelStructure>.*</ModelStructure>", "")),
     Fault("xsd-element-unknown", "an element that no schema has", OURS[3], edit(r"<ModelVariables>", "<Colours/><ModelVariables>")),
 ]
@@ -174,7 +190,12 @@ MEANING = [
     Fault("display-unit-undefined", "a display unit of another unit", OURS[3], attribute("duty", "displayUnit", "degC")),
     Fault("unit-factor", "a unit with the factor 0", FOREIGN[2], edit(r'factor="1000"', 'factor="0"')),
     Fault("unit-repeated", "a unit defined twice", FOREIGN[3], edit(r'<Unit name="m/s">', '<Unit name="m">')),
-    Fault("item-repeated", "two items of an enumeration with one value", OURS[2], edit(r'(<Item name="\w+" value=")(\d+)("[^>]*>\s*<Item name="\w+" value=")\d+', r"\1\2\3\2")),
+    Fault(
+        "item-repeated",
+        "two items of an enumeration with one value",
+        OURS[2],
+        edit(r'(<Item name="\w+" value=")(\d+)("[^>]*>\s*<Item name="\w+" value=")\d+', r"\1\2\3\2"),
+    ),
     Fault("type-undefined", "a declared type that is not defined", FOREIGN[2], edit(r'declaredType="Position"', 'declaredType="Place"')),
     Fault("causality-variability", "a continuous parameter", OURS[3], attribute("thermal.C_h", "variability", "continuous")),
     Fault("start-missing", "a parameter without start value", OURS[2], attribute("thermal.C_h", "start", None)),
@@ -190,46 +211,128 @@ MEANING = [
     Fault("initial-unknown-missing", "an initial unknown that is not listed", FOREIGN[2], edit(r'<Unknown index="5"/>', "")),
     Fault("unknown-repeated", "an output listed twice", OURS[3], edit(r'(<Output valueReference="22"[^>]*/>)', r"\1\1")),
     Fault("dependency-reference", "a dependency on nothing", FOREIGN[3], edit(r'dependencies="2 5"', 'dependencies="2 99"')),
-    Fault("dependencies-kind-length", "fewer kinds than dependencies", FOREIGN[2], edit(r'dependencies="3 6"', 'dependencies="3 6" dependenciesKind="dependent"')),
+    Fault(
+        "dependencies-kind-length",
+        "fewer kinds than dependencies",
+        FOREIGN[2],
+        edit(r'dependencies="3 6"', 'dependencies="3 6" dependenciesKind="dependent"'),
+    ),
     Fault("derivative-reference", "the derivative of nothing", FOREIGN[3], attribute("der(v)", "derivative", "99")),
     Fault("derivative-target", "the derivative of a Boolean", FOREIGN[3], attribute("der(v)", "derivative", "20")),
     Fault("derivative-name", "der(v) declared as derivative of x", FOREIGN[2], attribute("der(v)", "derivative", "2")),
     Fault("derivative-unit", "a derivative in another unit than its state's per second", FOREIGN[3], attribute("der(v)", "unit", "W")),
-    Fault("event-indicator", "a Boolean event indicator", FOREIGN[3], edit(r'EventIndicator valueReference="13"', 'EventIndicator valueReference="20"')),
+    Fault(
+        "event-indicator",
+        "a Boolean event indicator",
+        FOREIGN[3],
+        edit(r'EventIndicator valueReference="13"', 'EventIndicator valueReference="20"'),
+    ),
     Fault("default-experiment", "a stop before the start", OURS[2], edit(r'stopTime="[^"]*"', 'stopTime="-1"')),
-    Fault("model-identifier", "a modelIdentifier that is no C identifier", FOREIGN[2], edit(r'CoSimulation modelIdentifier="oscillator"', 'CoSimulation modelIdentifier="2nd-order"')),
+    Fault(
+        "model-identifier",
+        "a modelIdentifier that is no C identifier",
+        FOREIGN[2],
+        edit(r'CoSimulation modelIdentifier="oscillator"', 'CoSimulation modelIdentifier="2nd-order"'),
+    ),
     Fault("capability-requires", "serialisation without saved states", OURS[2], edit(r' canGetAndSetFMUstate="true"', "")),
     Fault("token-empty", "an empty token", FOREIGN[3], edit(r'instantiationToken="[^"]*"', 'instantiationToken=""')),
-    Fault("dimension", "an array as long as a real parameter says", FOREIGN[3], variable('<Float64 name="row" valueReference="40"><Dimension valueReference="7"/></Float64>')),
-    Fault("start-count", "two start values for three elements", FOREIGN[3], variable('<Float64 name="row" valueReference="40" causality="parameter" variability="fixed" start="1 2"><Dimension start="3"/></Float64>')),
-    Fault("clock-interval", "a periodic clock without interval", FOREIGN[3], variable('<Clock name="tick" valueReference="40" causality="input" intervalVariability="constant"/>')),
+    Fault(
+        "dimension",
+        "an array as long as a real parameter says",
+        FOREIGN[3],
+        variable('<Float64 name="row" valueReference="40"><Dimension valueReference="7"/></Float64>'),
+    ),
+    Fault(
+        "start-count",
+        "two start values for three elements",
+        FOREIGN[3],
+        variable(
+            '<Float64 name="row" valueReference="40" causality="parameter" variability="fixed" start="1 2"><Dimension start="3"/></Float64>'
+        ),
+    ),
+    Fault(
+        "clock-interval",
+        "a periodic clock without interval",
+        FOREIGN[3],
+        variable('<Clock name="tick" valueReference="40" causality="input" intervalVariability="constant"/>'),
+    ),
 ]
 FILES = [
-    Fault("binary-missing", "a library with another name than modelIdentifier", OURS[2], lambda files: move_library(library(files).replace(".", "_2."))(files)),
-    Fault("binary-architecture", "a Linux library in the folder of Windows", OURS[3], move_library("binaries/x86_64-windows/BrushedGearmotor.dll")),
+    Fault(
+        "binary-missing",
+        "a library with another name than modelIdentifier",
+        OURS[2],
+        lambda files: move_library(library(files).replace(".", "_2."))(files),
+    ),
+    Fault(
+        "binary-architecture",
+        "a Linux library in the folder of Windows",
+        OURS[3],
+        move_library("binaries/x86_64-windows/BrushedGearmotor.dll"),
+    ),
     Fault("binary-format", "a library cut short", FOREIGN[2], lambda files: move_library(library(files), 200)(files)),
     Fault("symbol-missing", "a library without fmi2Reset", FOREIGN[2], in_library(b"fmi2Reset\0", b"fmi2Rexet\0")),
-    Fault("symbol-missing", "a library without fmi3GetAdjointDerivative", FOREIGN[3], in_library(b"fmi3GetAdjointDerivative\0", b"fmi3GetAdjointDerivatibe\0")),
+    Fault(
+        "symbol-missing",
+        "a library without fmi3GetAdjointDerivative",
+        FOREIGN[3],
+        in_library(b"fmi3GetAdjointDerivative\0", b"fmi3GetAdjointDerivatibe\0"),
+    ),
     Fault("platform-of-fmi2", "the FMI 2 name of a platform in FMI 3", FOREIGN[3], move_library("binaries/linux64/oscillator.so")),
     Fault("no-implementation", "neither binaries nor sources", FOREIGN[2], lambda files: files.entries.pop(library(files))),
-    Fault("terminal-variable", "a terminal with a variable that does not exist", OURS[3], add(ICONS, TERMINALS.format(MEMBER.format("torque", "tau")))),
-    Fault("member-name", "two members of a terminal with one name", FOREIGN[2], add(ICONS, TERMINALS.format(MEMBER.format("x", "a") + MEMBER.format("power", "a")))),
+    Fault(
+        "terminal-variable",
+        "a terminal with a variable that does not exist",
+        OURS[3],
+        add(ICONS, TERMINALS.format(MEMBER.format("torque", "tau"))),
+    ),
+    Fault(
+        "member-name",
+        "two members of a terminal with one name",
+        FOREIGN[2],
+        add(ICONS, TERMINALS.format(MEMBER.format("x", "a") + MEMBER.format("power", "a"))),
+    ),
     Fault("svg-without-png", "an icon as SVG alone", FOREIGN[3], add("terminalsAndIcons/icon.svg", "<svg/>")),
     Fault("build-description-missing", "source code that nobody can build", FOREIGN[3], add("sources/model.c", "int x;")),
-    Fault("source-file-missing", "a source file that is listed and not there", FOREIGN[3], add("sources/buildDescription.xml", BUILD.format("oscillator", "model.c"))),
+    Fault(
+        "source-file-missing",
+        "a source file that is listed and not there",
+        FOREIGN[3],
+        add("sources/buildDescription.xml", BUILD.format("oscillator", "model.c")),
+    ),
     Fault("license-entry", "a licence folder without an entry point", FOREIGN[3], license_elsewhere),
     Fault("documentation-missing", "no documentation", FOREIGN[2], lambda files: files.entries.pop("documentation/index.html")),
     Fault("license-missing", "no licence", FOREIGN[3], lambda files: files.entries.pop(LICENSE)),
 ]
 #: Model description and library are each right, and do not fit together.
 TOGETHER = [
-    Fault("instantiate", "the XML has the GUID of another build", OURS[2], edit(r'guid="[^"]*"', 'guid="{0a1b2c3d-0000-4000-8000-0123456789ab}"')),
+    Fault(
+        "instantiate",
+        "the XML has the GUID of another build",
+        OURS[2],
+        edit(r'guid="[^"]*"', 'guid="{0a1b2c3d-0000-4000-8000-0123456789ab}"'),
+    ),
     Fault("start-differs", "a start value that the library does not have", OURS[3], attribute("thermal.C_h", "start", "86")),
-    Fault("dependency-undeclared", "a dependency is left out", OURS[2], edit(r'(<Outputs>\s*<Unknown index="\d+" dependencies=")[^"]*"', r'\1"')),
+    Fault(
+        "dependency-undeclared",
+        "a dependency is left out",
+        OURS[2],
+        edit(r'(<Outputs>\s*<Unknown index="\d+" dependencies=")[^"]*"', r'\1"'),
+    ),
     Fault("value-outside", "an output outside the limits it is given", OURS[3], attribute("winding_temperature", "max", "200")),
-    Fault("life-cycle", "a value reference that the library does not know", OURS[2], attribute("winding_temperature", "valueReference", "9999")),
+    Fault(
+        "life-cycle",
+        "a value reference that the library does not know",
+        OURS[2],
+        attribute("winding_temperature", "valueReference", "9999"),
+    ),
     Fault("derivative-value", "the angle declared as derivative of the temperature", OURS[3], attribute("shaft_angle", "derivative", "25")),
-    Fault("states-number", "a state that the model structure lacks", FOREIGN[3], edit(r'<ContinuousStateDerivative valueReference="3"[^>]*>', "")),
+    Fault(
+        "states-number",
+        "a state that the model structure lacks",
+        FOREIGN[3],
+        edit(r'<ContinuousStateDerivative valueReference="3"[^>]*>', ""),
+    ),
 ]
 
 

@@ -26,12 +26,14 @@ def build(fmi, out):
     binary = Path(out) / f"oscillator-{fmi}.{ENDING}"
     command = ["cc", "-shared", "-fPIC", "-O1", "-w", "-o", str(binary), str(FOLDER / f"fmi{fmi}.c"), "-lm"]
     subprocess.run(command, check=True)
-    return Files({
-        "modelDescription.xml": (FOLDER / f"fmi{fmi}.xml").read_bytes(),
-        f"binaries/{folder(fmi)}/oscillator.{ENDING}": binary.read_bytes(),
-        "documentation/index.html": b"<!DOCTYPE html><title>Oscillator</title><p>A mass on a spring with a damper.</p>",
-        "documentation/licenses/license.txt": b"Public domain.",
-    })
+    return Files(
+        {
+            "modelDescription.xml": (FOLDER / f"fmi{fmi}.xml").read_bytes(),
+            f"binaries/{folder(fmi)}/oscillator.{ENDING}": binary.read_bytes(),
+            "documentation/index.html": b"<!DOCTYPE html><title>Oscillator</title><p>A mass on a spring with a damper.</p>",
+            "documentation/licenses/license.txt": b"Public domain.",
+        }
+    )
 
 
 def seed(files, fault):
@@ -42,6 +44,6 @@ def seed(files, fault):
             at = content.index(MARK)
             text = (MARK + fault.encode()).ljust(LENGTH, b"\0")
             assert len(text) == LENGTH
-            files.entries[name] = content[:at] + text + content[at + LENGTH:]
+            files.entries[name] = content[:at] + text + content[at + LENGTH :]
             return files
     raise AssertionError("no library with a mark")

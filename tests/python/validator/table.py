@@ -62,7 +62,10 @@ def text(answers):
             lines.append(f"| {fault.what} | {fault.base} | `{fault.code}` | {cells} |")
             number += 1
     ours, fmpy, fmutool, others = counts
-    total = f"{number} faults: `motor-fmu validate` finds {ours}, `fmpy validate` {fmpy}, `fmutool -check` {fmutool}, the last two together {others}."
+    total = (
+        f"{number} faults: `motor-fmu validate` finds {ours}, `fmpy validate` {fmpy}, `fmutool -check` {fmutool}, "
+        f"the last two together {others}."
+    )
     return "\n".join([total, *lines]) + "\n"
 
 

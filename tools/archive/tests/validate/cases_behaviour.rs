@@ -26,8 +26,9 @@ const OTHERS: &[&str] = &["not-run", "load", "crash", "hang", "hang-on-misuse", 
 /// All codes that are seen to be found here or in Python.
 pub fn covered() -> Vec<String> {
     let list = std::fs::read_to_string(format!("{FOLDER}/faults.py")).unwrap();
-    let first = |call: &'static str| list.split(call).skip(1).filter_map(|rest| rest.split_once('"'));
-    let seeded = first("Fault(\"").chain(first("seeded(\"")).map(|(code, _)| code.to_owned());
+    // The first text of each `Fault(...)` and `seeded(...)`.
+    let first = |call: &'static str| list.split(call).skip(1).filter_map(|rest| rest.split('"').nth(1));
+    let seeded = first("Fault(").chain(first("seeded(")).map(str::to_owned);
     OTHERS.iter().map(|s| (*s).to_owned()).chain(seeded).collect()
 }
 

@@ -11,6 +11,9 @@ use crate::validate::schema::types::{parse_boolean, parse_double, parse_integer}
 use crate::validate::semantics::arrays;
 use crate::validate::xml::Xml;
 
+/// Elements of an array that are read; a larger one says more of the file than of the FMU.
+const LARGEST_ARRAY: usize = 1 << 20;
+
 /// A variable.
 #[derive(Clone, Debug)]
 pub(super) struct Variable {
@@ -258,7 +261,7 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
         "Binary" => Kind::Binary,
         _ => Kind::String,
     };
-    let size = arrays::size(model, v).and_then(|n| usize::try_from(n).ok()).unwrap_or(1);
+    let size = arrays::size(model, v).and_then(|n| usize::try_from(n).ok()).unwrap_or(1).min(LARGEST_ARRAY);
     let number = |text: &str| match kind {
         Kind::Boolean => parse_boolean(text).map(|b| f64::from(u8::from(b))),
         Kind::Float64 => parse_double(text),
@@ -270,7 +273,7 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
     let mut start: Vec<f64> = written.split_ascii_whitespace().filter_map(number).collect();
     // One value stands for all elements.
     if let [all] = start[..] {
-        start = vec![all; size.min(1 << 20)];
+        start = vec![all; size];
     }
     let limit = |name: &str| {
         let text = model.attribute(v, name)?;
