@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 from .archive import DESCRIPTION, lie_about_size, library
+from .foreign import REFERENCE
 
 #: Our archives, and the oscillator that is built from C: name of the base, standard.
 OURS = {2: "ours 2", 3: "ours 3"}
@@ -320,6 +321,7 @@ TOGETHER = [
         edit(r'(<Outputs>\s*<Unknown index="\d+" dependencies=")[^"]*"', r'\1"'),
     ),
     Fault("value-outside", "an output outside the limits it is given", OURS[3], attribute("winding_temperature", "max", "200")),
+    Fault("reference-file", "reference results are listed and not there", FOREIGN[2], lambda files: files.entries.pop(REFERENCE)),
     Fault(
         "life-cycle",
         "a value reference that the library does not know",
@@ -381,6 +383,7 @@ BEHAVIOUR = [
     seeded("derivative-value", "a declared derivative is 2 % too large", "derivative_told", 2),
     seeded("exchange-differs", "the spring is 2 % too stiff in Co-Simulation", "dynamics_steps", 3),
     seeded("exchange-differs", "the spring is 2 % too stiff in Model Exchange", "dynamics_exchange", 2),
+    seeded("reference-differs", "the spring is 2 % too stiff everywhere", "dynamics", 3),
     seeded("output-derivative", "a derivative of an output is 5 % too large", "output_derivative", 3),
     seeded("input-derivative", "slopes of inputs are ignored", "input_derivative", 2),
     seeded("directional-derivative", "a directional derivative is 2 % too large", "directional", 3),

@@ -1,5 +1,6 @@
 """A small FMU that has nothing to do with this project: an oscillator, compiled from the C source in this folder."""
 
+import math
 import platform
 import subprocess
 import sys
@@ -9,6 +10,16 @@ from .archive import Files
 
 FOLDER = Path(__file__).resolve().parent
 MARK, LENGTH = b"SEEDED-FAULT-IS:", 48
+#: Where reference results are, after the layered standard of that name.
+EXTRA = "extra/org.fmi-standard.fmi-ls-ref"
+REFERENCE = f"{EXTRA}/oscillator.csv"
+MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest" fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref"
+    fmi-ls:fmi-ls-version="1.0.0-alpha.1">
+  <Related type="text/csv" source="inputs.csv" role="testcase" description="No force at all"/>
+  <Related type="text/csv" source="oscillator.csv" role="result" description="The closed form of a damped oscillation"/>
+</fmiReferences>
+"""
 ENDING = {"linux": "so", "darwin": "dylib"}.get(sys.platform, "dll")
 
 
@@ -19,6 +30,17 @@ def folder(fmi):
     if fmi == 2 and machine == "x86_64":
         return {"windows": "win64"}.get(system, f"{system}64")
     return f"{machine}-{system}"
+
+
+def closed_form(damping=0.4, stiffness=25.0, start=0.5):
+    """x(t) of the unforced mass of 1 kg, as a table."""
+    decay, pulsation = damping / 2, math.sqrt(stiffness - damping**2 / 4)
+    lines = ["time,x"]
+    for k in range(41):
+        t = 0.05 * k
+        x = start * math.exp(-decay * t) * (math.cos(pulsation * t) + decay / pulsation * math.sin(pulsation * t))
+        lines.append(f"{t:.17g},{x:.17g}")
+    return "\n".join(lines) + "\n"
 
 
 def build(fmi, out):
@@ -32,6 +54,9 @@ def build(fmi, out):
             f"binaries/{folder(fmi)}/oscillator.{ENDING}": binary.read_bytes(),
             "documentation/index.html": b"<!DOCTYPE html><title>Oscillator</title><p>A mass on a spring with a damper.</p>",
             "documentation/licenses/license.txt": b"Public domain.",
+            f"{EXTRA}/fmi-ls-manifest.xml": MANIFEST.encode(),
+            f"{EXTRA}/inputs.csv": b"time,force\n0,0\n2,0\n",
+            REFERENCE: closed_form().encode(),
         }
     )
 

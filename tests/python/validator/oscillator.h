@@ -61,6 +61,7 @@ static double acceleration(const Instance *c, double x, double v, double force) 
     double k = s->stiffness;
     if (fault("dynamics_exchange") && c->exchange) k *= 1.02;
     if (fault("dynamics_steps") && !c->exchange) k *= 1.02;
+    if (fault("dynamics")) k *= 1.02;
     if (fault("set_disturbs") && s->user) k *= 1.5;
     return (force - k * x - s->damping * v) / s->mass;
 }

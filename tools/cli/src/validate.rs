@@ -19,7 +19,7 @@ pub struct Args {
     /// Print the findings as JSON.
     #[arg(long)]
     json: bool,
-    /// How long a stage of the run may take; after that the FMU counts as hung.
+    /// How long a call may take; after that the FMU counts as hung.
     #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs_f64(), value_parser = seconds)]
     patience: f64,
 }

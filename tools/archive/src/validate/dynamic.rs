@@ -29,7 +29,7 @@ pub use probe::{Event, Observation, probe};
 const MOST_CHILDREN: usize = 6;
 
 /// Runs the dynamic checks of an FMU through `program probe FILE STAGE`, which must print what [`probe`] tells, one JSON
-/// text a line. A stage may take `patience`.
+/// text a line. A call may take `patience`.
 pub fn run(program: &Path, file: &Path, patience: Duration) -> Vec<Finding> {
     let mut out = Findings::new();
     out.version = version_of(file);
@@ -78,6 +78,7 @@ fn follow(
                     out.add(rule.copied().unwrap_or(&rules::LIFE_CYCLE), o.place, o.message);
                 }
             }
+            Ok(Event::Alive) => {}
             Ok(Event::End) => {
                 let _ = child.wait();
                 return Ok(None);
@@ -186,6 +187,12 @@ mod tests {
     #[test]
     fn a_hang_is_a_finding() {
         assert_eq!(codes(&format!("[ $3 = 0 ] && exec sleep 30; {END}")), ["hang"]);
+    }
+
+    #[test]
+    fn a_slow_child_that_shows_life_is_not_hung() {
+        let alive = r#"for i in 1 2 3 4 5; do echo '"alive"'; sleep 0.4; done"#;
+        assert!(codes(&format!("{alive}; {END}")).is_empty());
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub struct Unreadable {
 
 /// A model description larger than this is an attack or a mistake.
 const LARGEST_XML: u64 = 512 << 20;
-/// How long a stage of the run may take before the FMU counts as hung.
+/// How long a call may take before the FMU counts as hung.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
@@ -54,7 +54,7 @@ pub fn validate(path: &Path, program: &Path) -> Result<Vec<Finding>, Unreadable>
     validate_within(path, program, PATIENCE)
 }
 
-/// As [`validate`], with another patience than [`PATIENCE`] for each stage of the run.
+/// As [`validate`], with another patience than [`PATIENCE`] for each call.
 ///
 /// # Errors
 /// As [`validate_static`].

@@ -259,6 +259,9 @@ rules! {
     ADJOINT "adjoint-derivative" Error "adjoint derivatives are the derivatives" "" "2.2.12.2";
     DEPENDENCY_UNDECLARED "dependency-undeclared" Error "unknowns depend on declared dependencies alone" "2.2.8" "2.4.8";
     EXCHANGE_DIFFERS "exchange-differs" Error "Model Exchange and Co-Simulation agree" "" "";
+    // Behaviour: reference results in extra/org.fmi-standard.fmi-ls-ref.
+    REFERENCE_FILE "reference-file" Warning "files with reference results are there and are tables" "" "";
+    REFERENCE_DIFFERS "reference-differs" Error "the FMU computes the reference results that it carries" "" "";
     // Behaviour: what importers must not do.
     TOKEN_UNCHECKED "token-unchecked" Warning "a wrong guid or token is refused" "2.1.5" "2.3.1";
     NAN_ACCEPTED "nan-accepted" Note "NaN and infinity are refused" "" "";

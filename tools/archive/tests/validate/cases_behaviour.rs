@@ -71,7 +71,7 @@ fn codes(path: &Path) -> Vec<String> {
     dynamic::probe(path, 0, &mut |event| match event {
         dynamic::Event::Seen(o) => codes.push(o.code),
         dynamic::Event::End => ended = true,
-        dynamic::Event::Begin(..) => {}
+        dynamic::Event::Begin(..) | dynamic::Event::Alive => {}
     });
     assert!(ended);
     codes.dedup();

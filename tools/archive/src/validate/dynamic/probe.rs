@@ -1,6 +1,8 @@
 //! What the child does: all stages for all interface types, each event told as it happens.
 
+use std::cell::{Cell, RefCell};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use cosim::Archive;
 use cosim::raw::RawBinary;
@@ -18,6 +20,8 @@ use crate::validate::rules::{self, Rule};
 pub enum Event {
     /// A stage begins: its place in the order, and what it does in words.
     Begin(usize, String),
+    /// Calls still return; said now and then, so that a slow FMU is not taken for a hung one.
+    Alive,
     /// Something was found.
     Seen(Observation),
     /// All stages are through.
@@ -59,9 +63,39 @@ impl Fault {
     }
 }
 
+/// How often a sign of life is enough.
+const PULSE: Duration = Duration::from_secs(1);
+
+/// The way to the parent.
+pub(super) struct Line<'a> {
+    tell: RefCell<&'a mut dyn FnMut(Event)>,
+    last: Cell<Instant>,
+}
+
+impl Line<'_> {
+    fn tell(&self, event: Event) {
+        self.last.set(Instant::now());
+        (self.tell.borrow_mut())(event);
+    }
+}
+
+/// Something that wants to know that calls return.
+pub(super) trait Pulse {
+    /// A call has returned.
+    fn alive(&self);
+}
+
+impl Pulse for Line<'_> {
+    fn alive(&self) {
+        if self.last.get().elapsed() > PULSE {
+            self.tell(Event::Alive);
+        }
+    }
+}
+
 /// Where stages put what they find.
 pub(super) struct Seen<'a> {
-    tell: &'a mut dyn FnMut(Event),
+    line: &'a Line<'a>,
     /// What has been said already: the same fault may show in several stages.
     said: Vec<(&'static str, String)>,
     failed: bool,
@@ -77,15 +111,15 @@ impl Seen<'_> {
         self.said.push(key);
         self.failed = true;
         let (code, place) = (rule.code.to_owned(), place.to_owned());
-        (self.tell)(Event::Seen(Observation { code, place, message: message.into() }));
+        self.line.tell(Event::Seen(Observation { code, place, message: message.into() }));
     }
 }
 
 /// Loads and runs the FMU in this process, beginning with stage number `from`.
 pub fn probe(file: &Path, from: usize, tell: &mut dyn FnMut(Event)) {
-    let mut seen = Seen { tell, said: Vec::new(), failed: false };
-    run(file, from, &mut seen);
-    (seen.tell)(Event::End);
+    let line = Line { tell: RefCell::new(tell), last: Cell::new(Instant::now()) };
+    run(file, from, &mut Seen { line: &line, said: Vec::new(), failed: false });
+    line.tell(Event::End);
 }
 
 fn run(file: &Path, from: usize, seen: &mut Seen) {
@@ -110,7 +144,7 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
             seen.add(&rules::NOT_RUN, place, message);
             continue;
         }
-        (seen.tell)(Event::Begin(first, "loading the library".to_owned()));
+        seen.line.tell(Event::Begin(first, "loading the library".to_owned()));
         let binary = match RawBinary::load(&archive, &interface.identifier) {
             Ok(binary) => binary,
             Err(error @ cosim::Error::Library { .. }) => {
@@ -123,8 +157,15 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
             }
         };
         let place = format!("{} ({})", interface.identifier, name_of(interface.kind));
-        let subject =
-            Subject { archive: &archive, facts: &facts, interface, binary, place, base: Default::default() };
+        let subject = Subject {
+            archive: &archive,
+            facts: &facts,
+            interface,
+            binary,
+            place,
+            base: Default::default(),
+            line: seen.line,
+        };
         for (i, stage) in stages::ALL.iter().enumerate().filter(|(i, _)| first + i >= from) {
             let before = std::mem::take(&mut seen.failed);
             let ended = run_stage(stage, first + i, &subject, seen);
@@ -143,7 +184,7 @@ fn run_stage(stage: &Stage, number: usize, subject: &Subject, seen: &mut Seen) -
         return true;
     }
     let words = format!("{}: {}", name_of(subject.interface.kind), stage.what);
-    (seen.tell)(Event::Begin(number, words));
+    seen.line.tell(Event::Begin(number, words));
     match (stage.run)(subject, seen) {
         Ok(()) => true,
         Err(fault) => {

@@ -4,7 +4,7 @@ use cosim::raw::{InterfaceType, RawBinary, RawInstance, RawSetup};
 use cosim::{Archive, Kind, Log, Status};
 
 use super::facts::{Facts, Interface, Variable};
-use super::probe::Fault;
+use super::probe::{Fault, Pulse};
 use super::runs::{Base, BaseCell};
 use crate::validate::finding::short;
 use crate::validate::model::Version;
@@ -22,6 +22,7 @@ pub(super) struct Subject<'a> {
     /// The archive's name of the library.
     pub(super) place: String,
     pub(super) base: BaseCell<'a>,
+    pub(super) line: &'a dyn Pulse,
 }
 
 /// Values that differ from the start values.
@@ -52,6 +53,7 @@ impl<'a> Subject<'a> {
                 raw,
                 facts: self.facts,
                 interface: self.interface,
+                line: self.line,
                 now: self.facts.start,
                 next: None,
             }),
@@ -94,6 +96,7 @@ pub(super) struct Session<'a> {
     pub(super) raw: RawInstance,
     pub(super) facts: &'a Facts,
     pub(super) interface: &'a Interface,
+    pub(super) line: &'a dyn Pulse,
     /// The time reached, s.
     pub(super) now: f64,
     /// The next time event, s.
@@ -103,6 +106,7 @@ pub(super) struct Session<'a> {
 impl<'a> Session<'a> {
     /// A fault unless the status is OK or Warning; `function` is without the prefix of its standard.
     pub(super) fn ok(&self, function: &str, status: Status) -> Result<(), Fault> {
+        self.line.alive();
         if status <= Status::Warning {
             return Ok(());
         }

@@ -12,6 +12,7 @@ mod exchange;
 mod jacobian;
 mod life;
 mod misuse;
+mod reference;
 mod repeat;
 mod setting;
 mod state;
@@ -71,6 +72,11 @@ pub(super) static ALL: &[Stage] = &[
     stage("states, derivatives and event indicators", is_integrated, exchange::run),
     stage("partial derivatives and dependencies", moves, jacobian::run),
     stage("Model Exchange against Co-Simulation", is_integrated, compare::run),
+    stage(
+        "reference results that the FMU carries",
+        |s| steps_itself(s) && reference::is_there(s),
+        reference::run,
+    ),
     stage("freeing an instance that is NULL", |_| true, life::free_nothing),
     Stage { is_misuse: true, ..stage("a wrong guid or token", |_| true, misuse::token) },
     Stage { is_misuse: true, ..stage("NaN and values outside the limits", moves, misuse::values) },

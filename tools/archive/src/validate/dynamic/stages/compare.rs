@@ -29,8 +29,15 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     };
     let Ok(binary) = RawBinary::load(subject.archive, &interface.identifier) else { return Ok(()) };
     let place = subject.place.clone();
-    let other =
-        Subject { archive: subject.archive, facts, interface, binary, place, base: Default::default() };
+    let other = Subject {
+        archive: subject.archive,
+        facts,
+        interface,
+        binary,
+        place,
+        base: Default::default(),
+        line: subject.line,
+    };
     let watched = facts
         .select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input") && !v.is("independent"));
     let h = facts.step().max(interface.internal_step.unwrap_or(0.0));

@@ -135,7 +135,14 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         return Err(Fault::new(&rules::INSTANTIATE, &subject.interface.place, message));
     };
     let facts = subject.facts;
-    let mut session = Session { raw, facts, interface: subject.interface, now: facts.start, next: None };
+    let mut session = Session {
+        raw,
+        facts,
+        interface: subject.interface,
+        line: subject.line,
+        now: facts.start,
+        next: None,
+    };
     session.initialise(None)?;
     session.iterate_events()?;
     let status = session.raw.enter_step_mode();
