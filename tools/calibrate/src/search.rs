@@ -112,9 +112,7 @@ pub fn search(point: &Point) -> Vec<Scored> {
     let jobs: Vec<(Port, Driver)> = Port::ALL
         .iter()
         .flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d)))
-        .filter(|(port, driver)| {
-            *port == Port::DragTorque || *driver != Driver::LoadTorque || point.setup.has_load()
-        })
+        .filter(|(_, driver)| *driver != Driver::LoadTorque || point.setup.has_load())
         .collect();
     let mut shapes: Vec<(Port, Driver, Scored)> = jobs
         .par_iter()
