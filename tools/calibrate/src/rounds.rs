@@ -145,6 +145,7 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     let mut order: Vec<usize> = (0..contenders.len()).collect();
     let near = LEAST.max(STANDS_FOR * best);
     order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < near));
+    prefer_what_is_no_sensor(&contenders, &mut order);
     for k in order {
         // Who explains far less than one that was taken is not looked at.
         if taken.is_some_and(|t: usize| contenders[t].sure() - contenders[k].sure() > NEAR) {
@@ -169,6 +170,30 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
         alike.clear();
     }
     Round { contenders, taken, alike }
+}
+
+/// A sensor that errs by what the motor does is rarer than a motor that does it: of two laws of no list that explain the same, the one
+/// at the sensor comes second.
+fn prefer_what_is_no_sensor(contenders: &[Contender], order: &mut Vec<usize>) {
+    let unnamed = |k: &usize| !contenders[*k].addition().is_listed();
+    let Some(first) = order.iter().position(unnamed) else { return };
+    let best = order[first];
+    if !is_sensor(contenders[best].addition().port) {
+        return;
+    }
+    let same = |k: &usize| {
+        unnamed(k)
+            && !is_sensor(contenders[*k].addition().port)
+            && contenders[best].sure() - contenders[*k].sure() < NEAR
+    };
+    if let Some(other) = order.iter().position(same) {
+        let other = order.remove(other);
+        order.insert(first, other);
+    }
+}
+
+fn is_sensor(port: Port) -> bool {
+    matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor)
 }
 
 /// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted. A power goes
@@ -315,8 +340,8 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
 /// A shape over time at a sensor that is no more than what sensors wander, in one sentence.
 fn wanders(contender: &Contender) -> Option<String> {
     let (setup, addition) = (contender.point.setup, contender.addition());
-    let sensor = matches!(addition.port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor);
-    if !sensor || addition.is_listed() || addition.follows != Follows::Driver(Driver::Time) {
+    if !is_sensor(addition.port) || addition.is_listed() || addition.follows != Follows::Driver(Driver::Time)
+    {
         return None;
     }
     let most =
