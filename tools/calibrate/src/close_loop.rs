@@ -27,6 +27,8 @@ const MOVES: usize = 4;
 const SETTLED: f64 = 0.2;
 /// Cost by which two effects of the list have to be better than one law in place of both.
 const ONE_LAW: f64 = 6.0;
+/// Share of what a force that is free in time explains from which on a switch explains it.
+const SWITCHED: f64 = 0.9;
 /// Who explains less than this share of what the first does is far behind.
 const AHEAD: f64 = 0.9;
 /// What is left unexplained is said from this evidence on.
@@ -256,7 +258,15 @@ impl<'a> Search<'a> {
         let explained = before.0 - after.0;
         let (share, least) = HISTORY;
         let ahead = |evidence: f64, explained: f64| evidence - explained > least.max(share * evidence.abs());
-        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1)).then_some(free)
+        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1)).then(|| self.switched(free))
+    }
+
+    /// Forces that are free in time explain the same at many ports of heat. One that latches, switches or comes and goes says at which
+    /// it does: the force there, where that explains nearly as much.
+    fn switched<'s>(&'s self, free: &'s Scored) -> &'s Scored {
+        let past = || self.scored.iter().filter(|s| s.follows == Follows::History && !s.listed);
+        let known = past().find(|s| !s.is_free() && s.sure() > SWITCHED * free.sure());
+        known.and_then(|known| past().find(|s| s.is_free() && s.port == known.port)).unwrap_or(free)
     }
 
     fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
@@ -414,11 +424,8 @@ impl<'a> Search<'a> {
         let (_, raw) = self.first.evidence.cost();
         let excess = (raw - self.first.evidence.values() as f64).max(1.0);
         let of = |port: &Port| {
-            let free = self.scored.iter().find(|s| s.port == *port && s.name.ends_with("free in time"))?;
-            let with_driver = self
-                .scored
-                .iter()
-                .find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
+            let free = self.scored.iter().find(|s| s.port == *port && s.is_free())?;
+            let with_driver = self.scored.iter().find(|s| s.port == *port && !s.listed && !s.is_free());
             let follows = with_driver.map_or(Follows::History, |s| s.follows);
             let gain = free.raw + 2.0 * self.first.per_number();
             Some(Localised { port: *port, share: (gain / excess).clamp(0.0, 1.0), follows })
