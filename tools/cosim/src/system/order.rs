@@ -144,15 +144,17 @@ impl<'a> Graph<'a> {
         (read, set, rounds)
     }
 
-    /// Components with sources before those that pass their values on; otherwise in the order of the file.
+    /// Components with sources before those that pass their values on, or that feed nobody; otherwise in the order of
+    /// the file.
     fn components(&self) -> Vec<usize> {
         let count = self.parts.structure.components.len();
+        let (outputs, feeds) = (&self.wiring.outputs, &self.wiring.feeds);
         let waits_for = |c: usize| {
-            let outputs =
-                (0..self.wiring.outputs.len()).filter(move |o| self.wiring.outputs[*o].component == c);
-            outputs
-                .flat_map(|o| &self.through[o])
-                .map(|i| self.wiring.outputs[self.wiring.feeds[*i].source].component)
+            let own = move |o: &usize| outputs[*o].component == c;
+            let through = (0..outputs.len()).filter(own).flat_map(|o| self.through[o].iter().copied());
+            let sink = !(0..outputs.len()).any(|o| own(&o));
+            let last = (0..feeds.len()).filter(move |i| sink && feeds[*i].port.component == c);
+            through.chain(last).map(|i| outputs[feeds[i].source].component)
         };
         let mut order: Vec<usize> = Vec::new();
         while order.len() < count {

@@ -23,10 +23,11 @@ const SAFETY: f64 = 0.8;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 2.0;
 
-/// Why a step must be made again.
+/// How a step went.
 enum Trial {
-    /// Made; its error over what is allowed, or the component that asks for the end.
+    /// Made, with its error over what is allowed.
     Made(f64),
+    /// A component asks for the end.
     Ended(usize),
     /// An FMU refused it.
     Refused(Error),
@@ -56,14 +57,13 @@ pub(crate) fn run(
         let step = if last { rest } else { h.min(0.5 * rest) };
         bus.save()?;
         let trial = attempt(bus, t, step, control, &mut largest, &mut whole)?;
-        let error = match trial {
+        let (error, refusal) = match trial {
             Trial::Ended(component) => {
                 outcome.ended = Some((component, t));
                 return Ok(outcome);
             }
-            Trial::Refused(error) if step * 0.5 < least => return Err(error),
-            Trial::Refused(_) => f64::INFINITY,
-            Trial::Made(error) => error,
+            Trial::Refused(refusal) => (f64::INFINITY, Some(refusal)),
+            Trial::Made(error) => (error, None),
         };
         // The error of a step falls with one order more than that of the whole run.
         let factor = SAFETY * error.max(1e-12).powf(-1.0 / f64::from(control.order + 1));
@@ -82,11 +82,11 @@ pub(crate) fn run(
             outcome.rejected += 1;
             h = step * factor.clamp(SHRINK, 0.9);
             if h < least {
-                return Err(Error::Option {
+                return Err(refusal.unwrap_or_else(|| Error::Option {
                     option: "tolerance",
                     value: control.tolerance.to_string(),
-                    reason: format!("cannot be met at t = {t} s: steps of {step} s are still too long"),
-                });
+                    reason: format!("cannot be met at t = {t} s: steps of {step:e} s are still too long"),
+                }));
             }
         }
     }
