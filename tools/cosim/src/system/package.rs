@@ -97,6 +97,8 @@ impl<'a> Document<'a> {
         let structure = self.parts.structure;
         self.xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         let mut root: Vec<(&str, &str)> = NAMESPACES.to_vec();
+        // At the root: libcosim takes an attribute of its own element for an algorithm.
+        root.extend(structure.step.map(|_| STEP_NAMESPACE));
         root.extend([("name", structure.name.as_str()), ("version", "1.0"), ("generationTool", "motor-fmu")]);
         self.open("ssd:SystemStructureDescription", &root)?;
         self.open("ssd:System", &[("name", &structure.name)])?;
@@ -314,7 +316,7 @@ impl<'a> Document<'a> {
         self.open("ssd:DefaultExperiment", &attributes)?;
         self.open("ssd:Annotations", &[])?;
         self.open("ssc:Annotation", &[("type", STEP_ANNOTATION)])?;
-        self.open("osp:Algorithm", &[STEP_NAMESPACE])?;
+        self.open("osp:Algorithm", &[])?;
         self.empty("osp:FixedStepAlgorithm", &[("baseStepSize", &step.to_string())])?;
         for tag in ["osp:Algorithm", "ssc:Annotation", "ssd:Annotations", "ssd:DefaultExperiment"] {
             self.close(tag)?;
