@@ -43,8 +43,9 @@ def test_the_same_bits(master, motor_fmu, tmp_path):
         ours = [[float(row[f"{component}.{name}"]) for component, name in READ] for row in csv.DictReader(file)]
 
     theirs = tmp_path / "theirs.json"
+    environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
     command = [sys.executable, __file__, str(tmp_path / "walk.ssp"), str(theirs)]
-    told = subprocess.run(command, capture_output=True, text=True, timeout=300, env=os.environ)
+    told = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
     assert told.returncode == 0, told.stderr[-2000:]
     found = json.loads(theirs.read_text())
     assert len(found) == STEPS and len(ours) == STEPS + 1

@@ -48,7 +48,7 @@ impl Record {
 
     /// Told at each communication point; keeps a row if it is time for one, or if it is the `last`.
     pub(crate) fn point(&mut self, bus: &mut Bus, t: f64, last: bool) -> Result<(), Error> {
-        if self.points % self.every == 0 || last {
+        if self.points.is_multiple_of(self.every) || last {
             if self.room.is_some_and(|room| self.times.len() >= room) {
                 self.thin();
             }
