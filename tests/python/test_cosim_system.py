@@ -151,3 +151,17 @@ def test_a_variable_step_walks_as_well(cosim, toml):
     assert told["steps"] < 40_000
     for name in ("motor.winding_temperature", "actuator.joint_torque", "actuator.energy_joint"):
         assert told["final"][name] == pytest.approx(fixed[name], rel=2e-3), name
+
+
+def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
+    """FMI 3 has no slopes of inputs: the same bits as FMI 2 with inputs held. Standards mix."""
+    held, three, mixed = (tmp_path / f"{name}.csv" for name in ("held", "three", "mixed"))
+    cosim(toml, "--stop", "3", "--no-slopes", "--output", held)
+    fmi3 = tmp_path / "fmi3.toml"
+    fmi3.write_text(description.replace("/fmi2/", "/fmi3/"))
+    told = cosim(fmi3, "--stop", "3", "--output", three)
+    assert told["slopes"] is False
+    assert three.read_bytes() == held.read_bytes()
+    fmi3.write_text(description.replace("/fmi2/GaitLoad", "/fmi3/GaitLoad"))
+    told = cosim(fmi3, "--stop", "3", "--no-slopes", "--output", mixed)
+    assert mixed.read_bytes() == held.read_bytes()
