@@ -3,17 +3,20 @@
 //! | file | holds |
 //! |---|---|
 //! | `structure.rs` | what a file says, with its lines; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
-//! | `wiring.rs`, `units.rs` | the same held against the FMUs: who feeds whom, converted how |
+//! | `wiring.rs`, `ends.rs`, `settings.rs`, `units.rs` | the same held against the FMUs: who feeds whom, converted how, values |
 //! | `order.rs` | what passes through without a step; algebraic loops |
-//! | `bus.rs` | instances and one macro step |
+//! | `bus.rs`, `batch.rs` | instances and one macro step |
 //! | `master.rs`, `variable.rs` | the run, with a fixed or a variable step |
 //! | `energy.rs`, `record.rs` | the books of the coupling; the rows that are kept |
+mod batch;
 mod bus;
+mod ends;
 mod energy;
 mod master;
 mod order;
 mod package;
 mod record;
+mod settings;
 mod ssd;
 mod structure;
 mod text;

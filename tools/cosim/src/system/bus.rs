@@ -1,4 +1,5 @@
 //! The running system: instances, the values on all connections, and one macro step.
+use super::batch::Batch;
 use super::energy::{Books, Stepped};
 use super::order::Order;
 use super::units::Affine;
@@ -18,32 +19,6 @@ pub enum Algorithm {
     /// As Jacobi, but all outputs are read once after the step: what passes through a component arrives a step later.
     /// Many masters do so.
     JacobiDelayed,
-}
-
-/// Variables of one component and kind that are read or set in one call.
-#[derive(Debug)]
-struct Batch {
-    component: usize,
-    kind: Kind,
-    vrs: Vec<u32>,
-    /// The outputs or inputs on the bus.
-    slots: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Batch {
-    fn add(batches: &mut Vec<Self>, component: usize, variable: &Variable, slot: usize) {
-        let kind = variable.kind;
-        let same = batches.iter().position(|b| b.component == component && b.kind == kind);
-        let index = same.unwrap_or_else(|| {
-            batches.push(Self { component, kind, vrs: Vec::new(), slots: Vec::new(), values: Vec::new() });
-            batches.len() - 1
-        });
-        let batch = &mut batches[index];
-        batch.vrs.push(variable.value_reference);
-        batch.slots.push(slot);
-        batch.values.push(0.0);
-    }
 }
 
 /// One round of a sweep: read, then set.
@@ -231,15 +206,14 @@ impl Bus {
         let Memory { outputs, inputs, .. } = &mut self.memory;
         for round in &mut self.rounds {
             for batch in &mut round.gets {
-                read(&mut self.instances, batch, outputs)?;
+                batch.read(&mut self.instances, outputs)?;
             }
             for batch in &mut round.sets {
-                for (value, slot) in batch.values.iter_mut().zip(&batch.slots) {
+                for slot in &batch.slots {
                     let (source, convert) = self.sources[*slot];
                     inputs[*slot] = convert.of(outputs[source]);
-                    *value = inputs[*slot];
                 }
-                self.instances[batch.component].set_number(batch.kind, &batch.vrs, &batch.values)?;
+                batch.give(&mut self.instances, inputs)?;
             }
         }
         Ok(())
@@ -314,7 +288,7 @@ impl Bus {
 
     fn at_once(&mut self, t: f64, h: f64) -> Result<Option<usize>, Error> {
         for batch in &mut self.ramps {
-            give_slopes(&mut self.instances, batch, &self.slopes)?;
+            batch.give_slopes(&mut self.instances, &self.slopes)?;
         }
         for turn in &self.turns {
             if self.instances[turn.component].do_step(t, h)? == Step::Terminated {
@@ -337,16 +311,16 @@ impl Bus {
                 }
             }
             for batch in &mut turn.sets {
-                give(&mut self.instances, batch, inputs)?;
+                batch.give(&mut self.instances, inputs)?;
             }
             for batch in self.ramps.iter_mut().filter(|b| b.component == turn.component) {
-                give_slopes(&mut self.instances, batch, &self.slopes)?;
+                batch.give_slopes(&mut self.instances, &self.slopes)?;
             }
             if self.instances[turn.component].do_step(t, h)? == Step::Terminated {
                 return Ok(Some(turn.component));
             }
             for batch in &mut turn.gets {
-                read(&mut self.instances, batch, outputs)?;
+                batch.read(&mut self.instances, outputs)?;
             }
         }
         Ok(None)
@@ -378,7 +352,7 @@ impl Bus {
         }
         // Whether inputs belong to the state is seen differently.
         for batch in &mut self.again {
-            give(&mut self.instances, batch, &self.memory.inputs)?;
+            batch.give(&mut self.instances, &self.memory.inputs)?;
         }
         Ok(())
     }
@@ -387,28 +361,6 @@ impl Bus {
     pub(crate) fn terminate(&mut self) -> Result<(), Error> {
         self.instances.iter_mut().try_for_each(Instance::terminate)
     }
-}
-
-fn read(instances: &mut [Instance], batch: &mut Batch, outputs: &mut [f64]) -> Result<(), Error> {
-    instances[batch.component].get_number(batch.kind, &batch.vrs, &mut batch.values)?;
-    for (value, slot) in batch.values.iter().zip(&batch.slots) {
-        outputs[*slot] = *value;
-    }
-    Ok(())
-}
-
-fn give(instances: &mut [Instance], batch: &mut Batch, inputs: &[f64]) -> Result<(), Error> {
-    for (value, slot) in batch.values.iter_mut().zip(&batch.slots) {
-        *value = inputs[*slot];
-    }
-    instances[batch.component].set_number(batch.kind, &batch.vrs, &batch.values)
-}
-
-fn give_slopes(instances: &mut [Instance], batch: &mut Batch, slopes: &[f64]) -> Result<(), Error> {
-    for (value, slot) in batch.values.iter_mut().zip(&batch.slots) {
-        *value = slopes[*slot];
-    }
-    instances[batch.component].set_input_derivatives(&batch.vrs, &batch.values)
 }
 
 /// Who steps when, and what is exchanged in between.

@@ -5,9 +5,11 @@
 //! output as it runs and with the other's signal as it was given, held or on a line. What both get differs, and the
 //! difference is energy that the coupling made or lost:
 //!
-//!     side A   E_A = integral of y_A(t) * u_A(t) dt, y_A a line between communication points
-//!     side B   E_B = integral of y_B(t) * u_B(t) dt
-//!     error    E_A - E_B
+//! ```text
+//! side A   E_A = integral of y_A(t) * u_A(t) dt, y_A a line between communication points
+//! side B   E_B = integral of y_B(t) * u_B(t) dt
+//! error    E_A - E_B
+//! ```
 use super::units::{unit_of, watts};
 use super::wiring::{Parts, Port, Wiring};
 use crate::Kind;

@@ -4,7 +4,7 @@
 //! connectors only where something feeds them; values of enumerations are whole numbers, as FMI 2 sets them; units are
 //! those of the FMUs; a step size stands in an annotation that other masters read as well.
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
-use super::structure::Component;
+use super::structure::{Component, End};
 use super::units::unit_of;
 use super::wiring::{Parts, Port, Wiring, resolve};
 use crate::{Causality, Error, Kind, Unit, Value, Variable};
@@ -127,7 +127,7 @@ impl<'a> Document<'a> {
                 (Some(_), None) => (&connection.end, &connection.start),
                 _ => continue,
             };
-            let Some(port) = self.port(&inner.to_string()) else { continue };
+            let Some(port) = self.port(inner) else { continue };
             if !ports.iter().any(|(name, _, _)| *name == outer.connector) {
                 ports.push((outer.connector.clone(), kind_of(self.parts.variable(port)), port));
             }
@@ -157,11 +157,8 @@ impl<'a> Document<'a> {
         self.open("ssd:Connectors", &[])?;
         for (place, variable) in description.variables.iter().enumerate() {
             let port = Port { component: index, variable: place };
-            let name = self.parts.name(port);
-            let joined = self.parts.structure.connections.iter().any(|c| {
-                c.start.component.is_some() && c.start.to_string() == name
-                    || c.end.component.is_some() && c.end.to_string() == name
-            });
+            let ends = self.parts.structure.connections.iter().flat_map(|c| [&c.start, &c.end]);
+            let joined = ends.into_iter().any(|end| self.port(end) == Some(port));
             let plain = variable.dimensions.is_empty()
                 && (variable.kind.is_numeric() && variable.kind != Kind::Enumeration || joined);
             if plain && (variable.causality == Causality::Output || joined) {
@@ -242,7 +239,7 @@ impl<'a> Document<'a> {
         self.open("ssd:Connections", &[])?;
         for connection in &structure.connections {
             // Readers that go by the order want the source first.
-            let backwards = self.port(&connection.start.to_string()).is_some_and(|p| {
+            let backwards = self.port(&connection.start).is_some_and(|p| {
                 connection.end.component.is_some()
                     && connection.start.component.is_some()
                     && self.parts.variable(p).causality == Causality::Input
@@ -324,14 +321,12 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// The variable called `component.variable`.
-    fn port(&self, name: &str) -> Option<Port> {
-        let structure = self.parts.structure;
-        structure.components.iter().enumerate().find_map(|(component, c)| {
-            let rest = name.strip_prefix(c.name.as_str())?.strip_prefix('.')?;
-            let variable = self.parts.description(component).variables.iter().position(|v| v.name == rest)?;
-            Some(Port { component, variable })
-        })
+    /// The variable at an end of a connection; none for connectors of the system.
+    fn port(&self, end: &End) -> Option<Port> {
+        let name = end.component.as_ref()?;
+        let component = self.parts.structure.components.iter().position(|c| c.name == *name)?;
+        let variables = &self.parts.description(component).variables;
+        Some(Port { component, variable: variables.iter().position(|v| v.name == end.connector)? })
     }
 
     fn open(&mut self, tag: &str, attributes: &[(&str, &str)]) -> Written {

@@ -1,7 +1,8 @@
 //! The names of a system held against its FMUs: who feeds whom, with which conversion, and which values are set.
-use super::structure::{Component, Connection, Connector, Direction, End, Place, Setting, Sort, Structure};
-use super::units::{Affine, conversion, unit_of};
-use crate::value::nearest;
+use super::ends::{Found, apart, find, no_signal, sort};
+use super::settings::{Given, given, owner, refused, told, value};
+use super::structure::{Connection, Direction, End, Structure};
+use super::units::{Affine, conversion};
 use crate::{Archive, Causality, Error, Kind, ModelDescription, Unit, Value, Variable};
 
 /// A variable of a component.
@@ -67,59 +68,29 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// An end of a connection, found.
-enum Found<'a> {
-    Variable {
-        port: Port,
-        direction: Direction,
-        unit: Option<Unit>,
-        to_connector: Affine,
-        from_connector: Affine,
-    },
-    System {
-        name: &'a str,
-        declared: Option<&'a Connector>,
-    },
-}
-
 /// Resolves every name. `overrides` are settings `component.variable` or inputs of the system that win over the
 /// file's.
 pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Wiring, Error> {
     let structure = parts.structure;
     let mut wiring = Wiring { sets: vec![Vec::new(); structure.components.len()], ..Wiring::default() };
-    let mut given: Vec<(&Setting, bool)> = structure.settings.iter().map(|s| (s, false)).collect();
-    let nowhere = Place { file: "".into(), line: 0 };
-    let asked: Vec<Setting> = overrides
-        .iter()
-        .map(|(name, text)| Setting {
-            name: name.clone(),
-            text: text.clone(),
-            unit: None,
-            place: nowhere.clone(),
-        })
-        .collect();
-    given.extend(asked.iter().map(|s| (s, true)));
-
     for (index, component) in structure.components.iter().enumerate() {
         for setting in &component.settings {
             let set = value(parts.description(index), &setting.name, setting, None);
             wiring.put(index, set.map_err(|e| told(component, setting, false, e))?);
         }
     }
-    let mut system_inputs: Vec<(&Setting, bool, bool)> = Vec::new();
-    for (setting, asked) in given {
-        match owner(structure, &setting.name) {
-            Some((index, name)) => {
-                let set = value(parts.description(index), name, setting, None);
-                wiring.put(index, set.map_err(|e| told(&structure.components[index], setting, asked, e))?);
-            }
-            None => system_inputs.push((setting, asked, false)),
-        }
+    // What belongs to no component is for inputs of the system.
+    let mut given = given(structure, overrides);
+    for Given { setting, asked, used } in &mut given {
+        let Some((index, name)) = owner(structure, &setting.name) else { continue };
+        let set = value(parts.description(index), name, setting, None);
+        wiring.put(index, set.map_err(|e| told(&structure.components[index], setting, *asked, e))?);
+        *used = true;
     }
     for (index, connection) in structure.connections.iter().enumerate() {
-        wiring.connect(parts, index, connection, &mut system_inputs)?;
+        wiring.connect(parts, index, connection, &mut given)?;
     }
-    if let Some((setting, asked, _)) = system_inputs.iter().find(|(_, _, used)| !used) {
+    if let Some(Given { setting, asked, .. }) = given.iter().find(|g| !g.used) {
         let message = "is neither component.variable nor an input of the system".to_owned();
         return Err(refused(setting, *asked, message));
     }
@@ -140,7 +111,7 @@ impl Wiring {
         parts: Parts,
         index: usize,
         connection: &Connection,
-        system_inputs: &mut [(&Setting, bool, bool)],
+        given: &mut [Given],
     ) -> Result<(), Error> {
         let fault = |message: String| connection.place.fault(format!("{connection}: {message}"));
         let start = find(parts, connection, &connection.start)?;
@@ -173,6 +144,9 @@ impl Wiring {
                     let convert = between(connection, unit.as_ref(), outer.as_ref(), relative)
                         .ok_or_else(|| fault(apart(&parts.name(port), &unit, name, &outer)))?;
                     let convert = to_connector.then(convert);
+                    if self.shown.iter().any(|s| s.name == name) {
+                        return Err(fault(format!("the system's output {name} has a source already")));
+                    }
                     self.shown.push(Shown { name: name.to_owned(), port, convert, unit: outer.or(unit) });
                     return Ok(());
                 }
@@ -182,18 +156,18 @@ impl Wiring {
                 self.check_free(parts, index, port)?;
                 let convert = between(connection, outer.as_ref(), unit.as_ref(), relative)
                     .ok_or_else(|| fault(apart(name, &outer, &parts.name(port), &unit)))?;
-                let mut text = None;
-                for entry in system_inputs.iter_mut().filter(|(s, _, _)| s.name == *name) {
-                    entry.2 = true;
-                    text = Some(*entry);
+                let mut last = None;
+                for entry in given.iter_mut().filter(|g| g.setting.name == *name) {
+                    entry.used = true;
+                    last = Some(entry);
                 }
-                let Some((setting, asked, _)) = text else { return Ok(()) };
+                let Some(Given { setting, asked, .. }) = last else { return Ok(()) };
                 let variable = &parts.variable(port).name;
                 let way = convert.then(from_connector);
                 let set =
                     value(parts.description(port.component), variable, setting, Some((outer.as_ref(), way)));
                 let component = &parts.structure.components[port.component];
-                self.put(port.component, set.map_err(|e| told(component, setting, asked, e))?);
+                self.put(port.component, set.map_err(|e| told(component, setting, *asked, e))?);
                 Ok(())
             }
         }
@@ -302,80 +276,6 @@ impl Wiring {
     }
 }
 
-/// Looks an end up among the components and connectors.
-fn find<'a>(parts: Parts<'a>, connection: &Connection, end: &'a End) -> Result<Found<'a>, Error> {
-    let structure = parts.structure;
-    let fault = |message: String| connection.place.fault(format!("{connection}: {message}"));
-    let Some(name) = &end.component else {
-        let declared = structure.connectors.as_ref().map(|all| all.iter().find(|c| c.name == end.connector));
-        return match declared {
-            Some(None) => Err(fault(format!("the system has no connector {}", end.connector))),
-            Some(found) => Ok(Found::System { name: &end.connector, declared: found }),
-            None => Ok(Found::System { name: &end.connector, declared: None }),
-        };
-    };
-    let Some(component) = structure.components.iter().position(|c| c.name == *name) else {
-        let names = structure.components.iter().map(|c| c.name.as_str());
-        return Err(fault(format!("there is no component {name}{}", hint(nearest(name, names)))));
-    };
-    let description = parts.description(component);
-    let Some(variable) = description.variables.iter().position(|v| v.name == end.connector) else {
-        let signals = description.variables.iter().filter(|v| direction(v) != Direction::Parameter);
-        let near = nearest(&end.connector, signals.map(|v| v.name.as_str()));
-        return Err(fault(format!("{name} has no variable {}{}", end.connector, hint(near))));
-    };
-    let port = Port { component, variable };
-    let variable = parts.variable(port);
-    let inner = unit_of(description, variable);
-    let direction = direction(variable);
-    let Some(connectors) = &structure.components[component].connectors else {
-        let (to_connector, from_connector) = (Affine::IDENTITY, Affine::IDENTITY);
-        return Ok(Found::Variable { port, direction, unit: inner, to_connector, from_connector });
-    };
-    let connector = connectors.iter().find(|c| c.name == end.connector);
-    let connector =
-        connector.ok_or_else(|| fault(format!("component {name} has no connector {}", end.connector)))?;
-    let at = |message: String| connector.place.fault(format!("connector {end}: {message}"));
-    if connector.direction != direction {
-        return Err(at(format!(
-            "it is an {} here and a variable of causality {} in the FMU",
-            connector.direction, variable.causality
-        )));
-    }
-    if let Some(declared) = connector.sort.filter(|s| *s != sort(variable.kind)) {
-        return Err(at(format!("it is {declared:?} here and {:?} in the FMU", variable.kind)));
-    }
-    let outer = connector.unit.clone().or_else(|| inner.clone());
-    let way = |a: &Option<Unit>, b: &Option<Unit>| conversion(a.as_ref(), b.as_ref(), variable.relative);
-    let (Some(to_connector), Some(from_connector)) = (way(&inner, &outer), way(&outer, &inner)) else {
-        return Err(at(format!(
-            "its unit {} is no unit of the variable, which is in {}",
-            named(&outer),
-            named(&inner)
-        )));
-    };
-    Ok(Found::Variable { port, direction, unit: outer, to_connector, from_connector })
-}
-
-fn direction(variable: &Variable) -> Direction {
-    match variable.causality {
-        Causality::Input => Direction::Input,
-        Causality::Output => Direction::Output,
-        _ => Direction::Parameter,
-    }
-}
-
-fn sort(kind: Kind) -> Sort {
-    match kind {
-        Kind::Float64 | Kind::Float32 => Sort::Real,
-        Kind::Boolean => Sort::Boolean,
-        Kind::String => Sort::String,
-        Kind::Enumeration => Sort::Enumeration,
-        Kind::Binary | Kind::Clock => Sort::Binary,
-        _ => Sort::Integer,
-    }
-}
-
 /// The conversion that a connection makes between the units of two connectors.
 fn between(
     connection: &Connection,
@@ -384,77 +284,4 @@ fn between(
     relative: bool,
 ) -> Option<Affine> {
     if connection.convert_units { conversion(from, to, relative) } else { Some(Affine::IDENTITY) }
-}
-
-/// The component that a setting `component.variable` belongs to, and the rest of the name.
-fn owner<'a>(structure: &Structure, name: &'a str) -> Option<(usize, &'a str)> {
-    let rest = |c: &Component| name.strip_prefix(c.name.as_str())?.strip_prefix('.');
-    let all = structure.components.iter().enumerate().filter_map(|(i, c)| Some((i, rest(c)?)));
-    // Names of SSP may have dots: the longest one counts.
-    all.min_by_key(|(_, rest)| rest.len())
-}
-
-/// A setting as a value of the variable `name`. `way` leads from a connector of the system, with its unit, inward.
-fn value(
-    description: &ModelDescription,
-    name: &str,
-    setting: &Setting,
-    way: Option<(Option<&Unit>, Affine)>,
-) -> Result<(usize, Value), Error> {
-    let variable = description.settable(name)?;
-    let place = description.variables.iter().position(|v| v.name == name).unwrap_or(0);
-    let inner = unit_of(description, variable);
-    let (outer, way) = way.unwrap_or((inner.as_ref(), Affine::IDENTITY));
-    let Some(convert) = conversion(setting.unit.as_ref(), outer, variable.relative) else {
-        return Err(Error::Unsupported {
-            name: variable.name.clone(),
-            reason: format!(
-                "is in {}, its value in {}: these cannot be converted",
-                named(&inner),
-                named(&setting.unit)
-            ),
-        });
-    };
-    let convert = convert.then(way);
-    let number: Option<f64> = setting.text.trim().parse().ok();
-    let text = match number.filter(|_| convert != Affine::IDENTITY && variable.kind.is_float()) {
-        Some(number) => convert.of(number).to_string(),
-        None => setting.text.clone(),
-    };
-    Ok((place, description.value_of(variable, &text)?))
-}
-
-/// What is wrong with a setting, and where it stands.
-fn told(component: &Component, setting: &Setting, asked: bool, error: Error) -> Error {
-    if asked {
-        return refused(setting, true, format!("is refused: {error}"));
-    }
-    setting.place.fault(format!("component {}: {error}", component.name))
-}
-
-fn refused(setting: &Setting, asked: bool, reason: String) -> Error {
-    if asked {
-        return Error::Option {
-            option: "setting",
-            value: format!("{} = {}", setting.name, setting.text),
-            reason,
-        };
-    }
-    setting.place.fault(format!("{} {reason}", setting.name))
-}
-
-fn apart(a: &str, a_unit: &Option<Unit>, b: &str, b_unit: &Option<Unit>) -> String {
-    format!("{a} is in {} and {b} in {}: these cannot be converted", named(a_unit), named(b_unit))
-}
-
-fn named(unit: &Option<Unit>) -> &str {
-    unit.as_ref().map_or("no unit", |u| &u.name)
-}
-
-fn no_signal(name: &str, variable: &Variable) -> String {
-    format!("{name} is a {}, and connections join outputs and inputs", variable.causality)
-}
-
-fn hint(near: Vec<String>) -> String {
-    if near.is_empty() { String::new() } else { format!(", did you mean {}?", near.join(" or ")) }
 }
