@@ -7,6 +7,7 @@ mod reproduce;
 mod simulate;
 mod study;
 mod validate;
+mod walk;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;

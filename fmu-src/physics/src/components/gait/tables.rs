@@ -9,11 +9,13 @@
 //!
 //! torque = sign z^(1/2) (p^2 + p_0^2)^(1/4),   speed = p / torque                                         (1)
 //!
-//! with z, torque over speed, as the same joint has it in level walking (root mean squares), and p_0 a fiftieth of the
-//! greatest power, so that both are smooth where the power changes its sign. The sign is positive but for one part of
-//! the stride, in which the joint is drawn the other way: the part that best brings it back to where the stride began and whose
-//! ends lie where there is little power. What is then left of the way is taken back where there is little power. Work
-//! and peak power are thus measured, peak torque and peak speed are an estimate; `power_is_kept` says how well.
+//! with z such that the greatest torque is the published one ([`PEAK_TORQUE`]), and p_0 a fiftieth of the greatest power,
+//! so that both are smooth where the power changes its sign. The sign is positive at the greatest power, and negative in
+//! one part of the stride, in which the joint is drawn the other way: the part that best brings it back to where the stride began
+//! and whose ends lie where there is little power. What is then left of the way is taken back where there is little
+//! power. Work, peak power and peak torque are thus measured; speed and angle are an estimate, and have less range than a
+//! leg that swings back freely. What is left of the power's curve differs from the measured one by a tenth (root mean
+//! square), at the knee on the way down by a fifth: `power_is_kept`.
 
 use super::spline::Spline;
 use super::{Activity, Joint};
@@ -49,10 +51,13 @@ const STAIRS: [[&str; 3]; 2] = [
 const STAIRS_STRIDE: f64 = 1.11;
 /// Points of a stride on stairs.
 const STAIRS_POINTS: usize = 100;
+/// Greatest torque on stairs up and down at hip, knee and ankle, N.m/kg. Up: knee, and the hip's "similar", Costigan,
+/// Deluzio, Wyss, Gait Posture 16 (2002) 31. Down: knee, Reid et al., Med. Sci. Sports Exerc. 39 (2007) 2005; hip, 0.25
+/// less than up, Protopapadaki et al., Clin. Biomech. 22 (2007) 203. The ankle's is that of level walking, which it does not
+/// reach on the way down (Beaulieu, Pelland, Robertson, Gait Posture 27 (2008) 564).
+const PEAK_TORQUE: [[f64; 3]; 2] = [[1.16, 1.16, 1.23], [0.91, 1.05, 1.23]];
 /// Names of the speeds in the table, in the order of [`Activity`].
 const SPEEDS: [&str; 5] = ["VerySlow", "Slow", "Free", "Fast", "VeryFast"];
-/// The speed that `z` comes from.
-const FREE: usize = 2;
 /// Names of the joints in the table, in the order of [`Joint`].
 const JOINTS: [&str; 3] = ["hip", "knee", "ankle"];
 
@@ -62,8 +67,8 @@ pub fn cycle(activity: Activity, joint: Joint) -> &'static Cycle {
     let all = ALL.get_or_init(|| {
         let level =
             (0..SPEEDS.len()).flat_map(|speed| (0..JOINTS.len()).map(move |joint| level(speed, joint)));
-        let stairs =
-            STAIRS.iter().flat_map(|way| way.iter().enumerate().map(|(joint, text)| stairs(text, joint)));
+        let ways = STAIRS.iter().flatten().zip(PEAK_TORQUE.iter().flatten());
+        let stairs = ways.map(|(text, &peak)| stairs(text, peak));
         level.chain(stairs).collect()
     });
     &all[(activity as usize - 1) * JOINTS.len() + joint as usize - 1]
@@ -120,18 +125,11 @@ fn power(text: &str) -> Vec<f64> {
     (0..STAIRS_POINTS).map(|k| at(k as f64 / STAIRS_POINTS as f64)).collect()
 }
 
-/// A stride on stairs: eq. (1) for the power of a joint.
-fn stairs(text: &str, joint: usize) -> Cycle {
-    let free = level(FREE, joint);
-    let mean_square =
-        |of: &dyn Fn(f64) -> f64| (0..200).map(|k| of(f64::from(k) / 200.0).powi(2)).sum::<f64>();
-    let torque_square = mean_square(&|phase| free.torque.at(phase).0);
-    let speed_square = mean_square(&|phase| free.angle.at(phase).1 / free.stride_time);
-    let root_z = (torque_square / speed_square).sqrt().sqrt();
-
+/// A stride on stairs: eq. (1) for the power of a joint and its greatest torque, N.m/kg.
+fn stairs(text: &str, peak: f64) -> Cycle {
     let power = power(text);
     let most = power.iter().fold(0.0f64, |most, p| most.max(p.abs()));
-    let size: Vec<f64> = power.iter().map(|p| root_z * p.hypot(0.02 * most).sqrt()).collect();
+    let size: Vec<f64> = power.iter().map(|p| peak * (p.hypot(0.02 * most) / most).sqrt()).collect();
     let speed: Vec<f64> = power.iter().zip(&size).map(|(p, m)| p / m).collect();
     let sign = signs(&power, &speed, most);
     let torque: Vec<f64> = size.iter().zip(&sign).map(|(m, s)| m * s).collect();
@@ -154,6 +152,7 @@ fn stairs(text: &str, joint: usize) -> Cycle {
 fn signs(power: &[f64], speed: &[f64], most: f64) -> Vec<f64> {
     const SMOOTH: f64 = 1.5;
     let whole: f64 = speed.iter().map(|w| w.abs()).sum();
+    let greatest = (0..STAIRS_POINTS).find(|&k| power[k].abs() == most).unwrap_or(0);
     let sign = |k: usize, from: usize, to: usize| {
         let inside = |at: usize| ((k as f64 - at as f64) / SMOOTH).tanh();
         1.0 - (inside(from) - inside(to))
@@ -167,6 +166,7 @@ fn signs(power: &[f64], speed: &[f64], most: f64) -> Vec<f64> {
     let ends = 5..STAIRS_POINTS - 5;
     let parts =
         ends.clone().flat_map(|from| ends.clone().filter(move |&to| to >= from).map(move |to| (from, to)));
+    let parts = parts.filter(|&(from, to)| !(from..=to).contains(&greatest));
     let (from, to) = parts.min_by(|a, b| cost(a).total_cmp(&cost(b))).expect("there are parts");
     all(from, to).collect()
 }
@@ -196,7 +196,7 @@ mod tests {
     fn power_is_kept() {
         for (way, texts) in STAIRS.iter().enumerate() {
             for (joint, text) in texts.iter().enumerate() {
-                let cycle = stairs(text, joint);
+                let cycle = stairs(text, PEAK_TORQUE[way][joint]);
                 let measured = power(text);
                 let made: Vec<f64> = (0..STAIRS_POINTS)
                     .map(|k| k as f64 / STAIRS_POINTS as f64)
@@ -206,7 +206,7 @@ mod tests {
                 let difference: Vec<f64> = made.iter().zip(&measured).map(|(a, b)| a - b).collect();
                 let share = norm(&difference) / norm(&measured);
                 println!("{way} {} differs by {share:.3}", JOINTS[joint]);
-                assert!(share < 0.15, "{way} {} {share}", JOINTS[joint]);
+                assert!(share < 0.22, "{way} {} {share}", JOINTS[joint]);
             }
         }
     }
