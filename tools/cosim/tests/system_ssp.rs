@@ -141,9 +141,15 @@ fn connections_transform_and_may_suppress_the_units() {
     );
     assert_ne!(described, xml("gain"));
     folder.fmu("gain", &described);
-    for (attributes, expected) in [("", 2.0 * speed), ("suppressUnitConversion=\"true\"", 2.0 * speed / RPM)]
-    {
-        let ssd = with(attributes, "");
+    let suppressed = "suppressUnitConversion=\"true\"";
+    for (attributes, body, expected) in [
+        ("", "", 2.0 * speed),
+        (suppressed, "", 2.0 * speed / RPM),
+        // Units first.
+        ("", linear, 2.0 * (3.0 * speed + 1.0)),
+        (suppressed, linear, 2.0 * (3.0 * speed / RPM + 1.0)),
+    ] {
+        let ssd = with(attributes, body);
         let system = folder.ssp(&ssd, &[("resources/all.ssv", SSV)]).unwrap();
         let r = cosimulate(&system, &SystemOptions::default(), &mut |_| ()).unwrap();
         close(last(&r, "gain.y"), expected);
