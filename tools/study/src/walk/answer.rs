@@ -10,6 +10,11 @@ use serde::Serialize;
 
 /// Width of the bracket about the support at which the search ends.
 const SUPPORT_TOLERANCE: f64 = 1e-5;
+/// A torque counts as followed while the root mean square of its error is below this share of its greatest value, and so
+/// many N.m.
+const FOLLOWED: (f64, f64) = (0.05, 0.5);
+/// Kelvins that a newton metre of error too many counts in the search.
+const KELVINS: f64 = 100.0;
 /// The share of the biological torque that is asked for.
 const SUPPORT: &str = "gait.support";
 
@@ -161,7 +166,8 @@ pub fn forever(load: &Load) -> Result<Forever, StudyError> {
     Ok(Forever::of(&stride, walked))
 }
 
-/// The greatest share of the biological torque that the motor can give for ever, and the steady state there.
+/// The greatest share of the biological torque that the actuator can follow and the motor give for ever, and the steady
+/// state there.
 ///
 /// # Errors
 /// A winding that is too hot without any torque, or a load that does not start.
@@ -175,7 +181,8 @@ pub fn continuous_support(load: &Load) -> Result<(f64, Forever), StudyError> {
         match forever(&load) {
             Ok(f) => {
                 found = Some(f);
-                Ok(f.winding_temperature - limit)
+                let lag = f.torque_error_rms - FOLLOWED.0 * f.joint_torque_peak - FOLLOWED.1;
+                Ok((f.winding_temperature - limit).max(KELVINS * lag))
             }
             Err(StudyError::Unsettled(_)) => Ok(f64::INFINITY),
             Err(other) => Err(other),
@@ -184,8 +191,8 @@ pub fn continuous_support(load: &Load) -> Result<(f64, Forever), StudyError> {
     let idle = excess(0.0)?;
     if idle >= 0.0 {
         return Err(StudyError::new(format!(
-            "no torque can be given for ever: the winding is {idle:.1} K above its limit of {limit} K when the actuator only \
-             follows the joint"
+            "no torque can be given for ever: already when the actuator only follows the joint, the winding passes its limit \
+             of {limit} K or the motor cannot keep up (the excess is worth {idle:.1} K)"
         )));
     }
     let support = if excess(most)? < 0.0 {
