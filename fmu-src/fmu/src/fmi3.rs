@@ -1,15 +1,17 @@
 //! FMI 3.0: the 75 functions. Only translation; what is allowed is decided in `instance.rs`.
 //!
 //! Arguments are as in the standard, "Functional Mock-up Interface Specification", version 3.0.2.
-//! `fmi3/values.rs` has the getters and setters, `fmi3/exchange.rs` Model Exchange, `fmi3/absent.rs` what these
+//! `fmi3/values.rs` has the getters and setters, `fmi3/exchange.rs` Model Exchange, `fmi3/slopes.rs` derivatives, `fmi3/absent.rs` what these
 //! models have no use for: clocks, intervals, dependencies of array elements.
 
 mod absent;
 mod exchange;
+mod slopes;
 mod values;
 
 pub use absent::*;
 pub use exchange::*;
+pub use slopes::*;
 pub use values::*;
 
 use crate::boundary::{Wanted, enter, hand_out, set_logging, take_back, write};

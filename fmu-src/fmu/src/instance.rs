@@ -2,8 +2,10 @@
 
 mod exchange;
 mod mode;
+mod slopes;
 
 pub use mode::{Interface, Mode, Type};
+pub use slopes::same_numbers;
 
 use crate::boundary::{Outcome, Refused};
 use crate::logger::{CATEGORIES, Log};
@@ -18,6 +20,8 @@ use std::path::Path;
 pub struct Instance {
     kind: &'static ModelType,
     model: Box<dyn Model>,
+    /// A model to be moved about for derivatives, made when the first are asked for.
+    scratch: Option<Box<dyn Model>>,
     /// The terms of the archive.
     terms: Vec<GenericTerm>,
     interface: Interface,
@@ -67,7 +71,8 @@ impl Instance {
         }
         let elements = counted(model.as_mut());
         let (mode, window) = (Mode::Instantiated, (0.0, f64::INFINITY));
-        Ok(Instance { kind, model, terms, interface, elements, mode, window, unsettled: true, log })
+        let scratch = None;
+        Ok(Instance { kind, model, scratch, terms, interface, elements, mode, window, unsettled: true, log })
     }
 
     /// Whether the archive has this variable: there may be fewer elements than the library knows.

@@ -26,7 +26,7 @@ pub struct Update {
 ///
 /// States are those of the declaration, in its order; slices may be shorter than all of them and hold the first ones.
 pub trait Exchange {
-    /// Leaves the integration to the caller, from the next start on and for good.
+    /// Leaves the integration to the caller, from here on and for good; the present time counts as an event.
     fn hand_over(&mut self);
     /// Writes the states.
     fn read_states(&self, out: &mut [f64]);

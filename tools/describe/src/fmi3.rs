@@ -7,10 +7,20 @@ use physics::declare::Kind;
 use physics::model::{Declaration, Entry};
 use std::io;
 
-const CAN_EXCHANGE: &[&str] = &["canGetAndSetFMUState", "canSerializeFMUState"];
+const CAN_EXCHANGE: &[&str] = &[
+    "canGetAndSetFMUState",
+    "canSerializeFMUState",
+    "providesDirectionalDerivatives",
+    "providesAdjointDerivatives",
+];
 
-const CAN: &[&str] =
-    &["canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"];
+const CAN: &[&str] = &[
+    "canGetAndSetFMUState",
+    "canSerializeFMUState",
+    "canHandleVariableCommunicationStepSize",
+    "providesDirectionalDerivatives",
+    "providesAdjointDerivatives",
+];
 
 /// The text of modelDescription.xml of an archive with these start values and dependencies.
 pub fn model_description(
@@ -20,7 +30,9 @@ pub fn model_description(
 ) -> String {
     xml::document("fmiModelDescription", &xml::root("3.0", "instantiationToken", declaration), |xml| {
         empty(xml, "ModelExchange", &xml::interface(declaration, CAN_EXCHANGE))?;
-        empty(xml, "CoSimulation", &xml::interface(declaration, CAN))?;
+        let mut stepping = xml::interface(declaration, CAN);
+        stepping.push(("maxOutputDerivativeOrder", "1".to_string()));
+        empty(xml, "CoSimulation", &stepping)?;
         xml::unit_definitions(xml, declaration)?;
         xml::type_definitions(xml, declaration, |xml, attributes, items| {
             element(xml, "EnumerationType", attributes, items)

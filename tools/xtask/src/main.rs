@@ -4,6 +4,7 @@ mod bench;
 mod blind;
 mod demo;
 mod describe;
+mod fuzz;
 mod mutants;
 mod product;
 mod shell;
@@ -37,6 +38,7 @@ const COMMANDS: &[Command] = &[
         "a hundred and more synthetic benches through the closed loop, into docs/blind-suite.md",
         blind::run,
     ),
+    ("fuzz", "calls without order into both C interfaces, --seconds 60", fuzz::run),
     ("mutants", "break the physics by hand and see the tests fail; arguments name mutants", mutants::run),
     ("removals", "take each effect out in turn and see the physics compile", mutants::removal::run),
 ];

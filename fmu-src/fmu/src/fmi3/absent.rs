@@ -85,24 +85,6 @@ absent! {
 }
 
 absent! {
-    "derivatives are not provided; modelDescription.xml says so.";
-    /// Get directional derivative.
-    fmi3GetDirectionalDerivative(
-        _unknowns: *const u32, _n_unknowns: usize, _knowns: *const u32, _n_knowns: usize,
-        _seed: *const f64, _n_seed: usize, _sensitivity: *mut f64, _n_sensitivity: usize
-    );
-    /// Get adjoint derivative.
-    fmi3GetAdjointDerivative(
-        _unknowns: *const u32, _n_unknowns: usize, _knowns: *const u32, _n_knowns: usize,
-        _seed: *const f64, _n_seed: usize, _sensitivity: *mut f64, _n_sensitivity: usize
-    );
-    /// Get output derivatives.
-    fmi3GetOutputDerivatives(
-        _vr: *const u32, _n: usize, _orders: *const i32, _values: *mut f64, _n_values: usize
-    );
-}
-
-absent! {
     "dependencies of array elements are not provided (providesPerElementDependencies is false).";
     /// Get number of variable dependencies.
     fmi3GetNumberOfVariableDependencies(_vr: u32, _n: *mut usize);

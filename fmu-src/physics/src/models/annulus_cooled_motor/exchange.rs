@@ -104,6 +104,7 @@ impl AnnulusCooledMotor {
 impl Exchange for AnnulusCooledMotor {
     fn hand_over(&mut self) {
         self.held = Some(Held::NONE);
+        self.hold_start();
     }
 
     fn read_states(&self, out: &mut [f64]) {
@@ -116,12 +117,18 @@ impl Exchange for AnnulusCooledMotor {
     }
 
     fn write_states(&mut self, states: &[f64]) {
-        let Some(mut held) = self.held else { return };
-        held.states[..states.len()].copy_from_slice(states);
-        for (k, &value) in states.iter().enumerate().filter(|(k, _)| held.moving[*k]) {
-            self.put_state(k, value);
+        for (k, &value) in states.iter().enumerate() {
+            let moves = match &mut self.held {
+                Some(held) => {
+                    held.states[k] = value;
+                    held.moving[k]
+                }
+                None => self.moves(k),
+            };
+            if moves {
+                self.put_state(k, value);
+            }
         }
-        self.held = Some(held);
         self.follow_states();
     }
 

@@ -119,6 +119,7 @@ impl BrushedGearmotor {
 impl Exchange for BrushedGearmotor {
     fn hand_over(&mut self) {
         self.held = Some(Held::NONE);
+        self.update();
     }
 
     fn read_states(&self, out: &mut [f64]) {
