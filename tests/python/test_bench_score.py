@@ -1,6 +1,7 @@
 """The judge of the blind suite, on reports made by hand: outcomes, rates, intervals, errors, and the run of a program."""
 
 import json
+import os
 import sys
 from copy import deepcopy
 
@@ -226,14 +227,17 @@ def suite(tmp_path):
         (folder / "truth.json").write_text(json.dumps(truth(["iron_loss"] if number == 0 else [], name=folder.name)))
         (folder / "experiment.toml").write_text("")
     (sets / "report").write_text(json.dumps(report("named", "iron_loss")))
-    program = tmp_path / "bin" / "motor-fmu"
-    program.parent.mkdir()
-    program.write_text(STAND_IN.replace("{python}", sys.executable))
-    program.chmod(0o755)
+    script = tmp_path / "bin" / "motor-fmu"
+    script.parent.mkdir()
+    script.write_text(STAND_IN.replace("{python}", sys.executable))
+    script.chmod(0o755)
+    if os.name != "nt":
+        return sets, script
+    program = script.with_suffix(".cmd")  # where a script does not say who runs it
+    program.write_text(f'@"{sys.executable}" "{script}" %*\n')
     return sets, program
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="the stand-in is a script")
 def test_a_program_is_asked_once_about_each_set_and_counted(suite, capsys):
     sets, program = suite
     ask = [str(sets), "--program", str(program), "--jobs", "2"]
@@ -244,7 +248,7 @@ def test_a_program_is_asked_once_about_each_set_and_counted(suite, capsys):
     assert "bench-1-2" in out and "no report: exit code 2" in out and "run-1.csv:7: time runs backwards" in out
     assert not list(sets.rglob("*.fmu"))
     kept = json.loads((sets / "bench-1-0" / "result" / "run.json").read_text())
-    assert kept["exit_code"] == 0 and 1.0 < kept["memory_MB"] < 500.0 and 0.0 < kept["seconds"] < 60.0
+    assert kept["exit_code"] == 0 and (1.0 < kept["memory_MB"] < 500.0 if hasattr(os, "wait4") else kept["memory_MB"] is None) and 0.0 < kept["seconds"] < 60.0
     # What the same program has said of the same set is kept; another set or program is asked anew.
     run.main(ask)
     assert len((sets / "asked").read_text().split()) == 2

@@ -6,7 +6,7 @@
 //! instance. Layout after the magic: number of entries, then that many pairs of value reference and value, all
 //! little-endian, `u32` and `f64`.
 
-/// Marks the block. Occurs once in the library.
+/// Marks the block.
 pub const MAGIC: [u8; 24] = *b"motor-fmu start values 1";
 /// Size of the block, bytes.
 pub const SIZE: usize = 8192;
@@ -27,7 +27,7 @@ pub const fn empty() -> [u8; SIZE] {
 /// Why start values cannot be put into a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PatchError {
-    /// The block does not occur exactly once.
+    /// The empty block does not occur exactly once.
     #[error("the library holds {0} blocks for start values instead of 1")]
     Blocks(usize),
     /// More entries than the block holds.
@@ -40,8 +40,10 @@ pub fn patch(library: &mut [u8], entries: &[(u32, f64)]) -> Result<(), PatchErro
     if entries.len() > CAPACITY {
         return Err(PatchError::TooMany(entries.len()));
     }
-    let found: Vec<usize> =
-        library.windows(MAGIC.len()).enumerate().filter(|(_, w)| *w == MAGIC).map(|(k, _)| k).collect();
+    // The magic alone is no block: a linker may keep that of this very function.
+    let is_empty = |at: usize| library.get(at..at + SIZE).is_some_and(|block| *block == empty());
+    let magics = library.windows(MAGIC.len()).enumerate().filter(|(_, w)| *w == MAGIC).map(|(k, _)| k);
+    let found: Vec<usize> = magics.filter(|&at| is_empty(at)).collect();
     let &[at] = found.as_slice() else { return Err(PatchError::Blocks(found.len())) };
     let Some(block) = library.get_mut(at + MAGIC.len()..at + SIZE) else { return Err(PatchError::Blocks(0)) };
     block[..4].copy_from_slice(&(entries.len() as u32).to_le_bytes());
@@ -70,6 +72,7 @@ mod tests {
     fn what_is_patched_is_read() {
         let mut library = vec![7u8; 100];
         library.extend(empty());
+        library.extend(MAGIC);
         library.extend([9u8; 50]);
         patch(&mut library, &[(100, 0.5), (201, -3.25)]).unwrap();
         let block: [u8; SIZE] = library[100..100 + SIZE].try_into().unwrap();

@@ -1,6 +1,8 @@
 //! Packs a model into an FMU archive, the same bytes at every run.
 
-use crate::documentation;
+use crate::native::Native;
+pub use crate::platform::{HERE, Library, Platform, library_path};
+use crate::{documentation, object_file, reference, terminals};
 use describe::{Dependencies, ModelType, Preset, StartValues, fmi2, fmi3, start_values};
 use std::fs;
 use std::io::{self, Cursor, Write};
@@ -8,6 +10,12 @@ use std::path::{Path, PathBuf};
 pub use terms::{TermText, TermsError, TermsFile};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// Whose work is compiled into the library, and its licences: written by `cargo xtask licenses`.
+const THIRD_PARTY: &str = include_str!("../assets/third-party.txt");
+const ICON_SVG: &[u8] = include_bytes!("../assets/icon.svg");
+/// The same, rendered.
+const ICON_PNG: &[u8] = include_bytes!("../assets/icon.png");
 
 /// Which standard an archive follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,30 +39,6 @@ impl Standard {
     }
 }
 
-/// A platform that the library can be for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Platform {
-    /// Its name in FMI 3, and for the user.
-    pub tuple: &'static str,
-    /// Its name in FMI 2.
-    pub fmi2: &'static str,
-    /// Ending of a library.
-    pub ending: &'static str,
-}
-
-/// The platform that this tool runs on.
-pub const HERE: Platform = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-    Platform { tuple: "x86_64-linux", fmi2: "linux64", ending: "so" }
-} else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
-    Platform { tuple: "aarch64-linux", fmi2: "aarch64-linux", ending: "so" }
-} else if cfg!(all(target_os = "windows", target_arch = "x86_64")) {
-    Platform { tuple: "x86_64-windows", fmi2: "win64", ending: "dll" }
-} else if cfg!(target_arch = "aarch64") {
-    Platform { tuple: "aarch64-darwin", fmi2: "darwin64", ending: "dylib" }
-} else {
-    Platform { tuple: "x86_64-darwin", fmi2: "darwin64", ending: "dylib" }
-};
-
 /// Why an archive cannot be made: one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
@@ -75,6 +59,43 @@ pub enum BuildError {
         path: PathBuf,
         /// Why.
         source: start_values::PatchError,
+    },
+    /// The library is for another platform.
+    #[error("the library {path} is for {found} and not for {platform}")]
+    WrongPlatform {
+        /// Which.
+        path: PathBuf,
+        /// What its own header says.
+        found: String,
+        /// What it was to be.
+        platform: &'static str,
+    },
+    /// The library exports more than the functions of FMI, which may meet other libraries' names in an importer.
+    #[error("the library {path} exports {names} beside the functions of FMI")]
+    Exports {
+        /// Which.
+        path: PathBuf,
+        /// What.
+        names: String,
+    },
+    /// The library has not been made.
+    #[error(
+        "there is no library for {platform} at {path}; `cargo xtask cross` makes it, on any platform with its compiler \
+         `cargo build --release`"
+    )]
+    NoLibrary {
+        /// For which platform.
+        platform: &'static str,
+        /// Where it was looked for.
+        path: PathBuf,
+    },
+    /// A name that is no platform.
+    #[error("{name} is no platform; there is {known}")]
+    Platform {
+        /// The name.
+        name: String,
+        /// All names.
+        known: String,
     },
     /// A preset for another model.
     #[error("preset {preset} is for {of} and not for {model}")]
@@ -105,15 +126,6 @@ pub enum BuildError {
     },
 }
 
-/// The FMU library beside the running program.
-pub fn library_path() -> Result<PathBuf, BuildError> {
-    let name = format!("{}motor_fmu.{}", std::env::consts::DLL_PREFIX, HERE.ending);
-    match std::env::current_exe() {
-        Ok(program) => Ok(program.with_file_name(name)),
-        Err(source) => Err(BuildError::Library { path: PathBuf::from(name), source }),
-    }
-}
-
 /// What is built into an archive beside the model.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contents<'a> {
@@ -142,6 +154,17 @@ pub fn build_all(
     library: &Path,
     out: &Path,
 ) -> Result<Vec<PathBuf>, BuildError> {
+    build_for(kind, standards, contents, &[Library::here(library)], out)
+}
+
+/// The same with a library for each of several platforms.
+pub fn build_for(
+    kind: &ModelType,
+    standards: &[Standard],
+    contents: Contents<'_>,
+    libraries: &[Library],
+    out: &Path,
+) -> Result<Vec<PathBuf>, BuildError> {
     let name = (kind.declaration)().name;
     if let Some(preset) = contents.preset.filter(|p| p.model != name) {
         return Err(BuildError::Preset {
@@ -155,14 +178,12 @@ pub fn build_all(
     if !terms.is_empty() && !(kind.new)().set_terms(&terms) {
         return Err(BuildError::NoTerms { model: name });
     }
-    let read = fs::read(library);
-    let mut binary = read.map_err(|source| BuildError::Library { path: library.to_path_buf(), source })?;
-    start_values::patch(&mut binary, &starts.entries())
-        .map_err(|source| BuildError::Patch { path: library.to_path_buf(), source })?;
+    let binaries = libraries.iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
     let found = Dependencies::of(kind, &terms, &starts);
+    let common = common(&Native { kind, starts: &starts, terms: &terms }, contents);
     let write = |standard: &Standard| {
         let path = out.join(standard.folder()).join(format!("{name}.fmu"));
-        let bytes = pack(&entries(kind, *standard, &starts, contents, &found, binary.clone()));
+        let bytes = pack(&entries(kind, *standard, &starts, &found, &binaries, &common));
         let written = bytes.and_then(|bytes| {
             fs::create_dir_all(path.parent().unwrap_or(out))?;
             fs::write(&path, bytes)
@@ -173,6 +194,23 @@ pub fn build_all(
     standards.iter().map(write).collect()
 }
 
+/// A library with the start values in it, for its platform and no other.
+fn binary(library: &Library, starts: &StartValues) -> Result<(Platform, Vec<u8>), BuildError> {
+    let path = || library.path.clone();
+    let read = fs::read(&library.path);
+    let mut binary = read.map_err(|source| BuildError::Library { path: path(), source })?;
+    if let Some(found) = object_file::platform(&binary).filter(|found| found != library.platform.tuple) {
+        return Err(BuildError::WrongPlatform { path: path(), found, platform: library.platform.tuple });
+    }
+    let names = object_file::foreign_exports(&binary).join(", ");
+    if !names.is_empty() {
+        return Err(BuildError::Exports { path: path(), names });
+    }
+    start_values::patch(&mut binary, &starts.entries())
+        .map_err(|source| BuildError::Patch { path: path(), source })?;
+    Ok((library.platform, binary))
+}
+
 /// A file of the archive.
 struct File {
     name: String,
@@ -180,38 +218,63 @@ struct File {
     executable: bool,
 }
 
+fn file(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> File {
+    File { name: name.into(), bytes: bytes.into(), executable: false }
+}
+
+/// What the archives of both standards hold alike.
+fn common(native: &Native<'_>, contents: Contents<'_>) -> Vec<(String, Vec<u8>)> {
+    let name = (native.kind.declaration)().name;
+    let page = documentation::page(native, contents.preset);
+    let mut files = vec![("documentation/index.html".to_string(), page.into_bytes())];
+    if let Some(run) = reference::run(native) {
+        let [inputs, results] = reference::file_names(name);
+        let entry = |file: &str, text: String| (format!("{}/{file}", reference::FOLDER), text.into_bytes());
+        files.extend([
+            entry("fmi-ls-manifest.xml", reference::manifest(name)),
+            entry(&inputs, run.inputs),
+            entry(&results, run.results),
+        ]);
+    }
+    let effects = |file: &TermsFile| (format!("resources/{}", terms::FILE_NAME), file.text().into_bytes());
+    files.extend(contents.effects.map(effects));
+    files
+}
+
 fn entries(
     kind: &ModelType,
     standard: Standard,
     starts: &StartValues,
-    contents: Contents<'_>,
     found: &Dependencies,
-    binary: Vec<u8>,
+    binaries: &[(Platform, Vec<u8>)],
+    common: &[(String, Vec<u8>)],
 ) -> Vec<File> {
     let declaration = (kind.declaration)();
     let name = declaration.name;
-    let plain = |name: &str, text: String| File {
-        name: name.to_string(),
-        bytes: text.into_bytes(),
-        executable: false,
+    let (description, licenses) = match standard {
+        Standard::Fmi2 => (fmi2::model_description(declaration, starts, found), "licenses"),
+        Standard::Fmi3 => (fmi3::model_description(declaration, starts, found), "documentation/licenses"),
     };
-    let (description, platform, license) = match standard {
-        Standard::Fmi2 => {
-            (fmi2::model_description(declaration, starts, found), HERE.fmi2, "licenses/license.txt")
+    let mut files = vec![file("modelDescription.xml", description)];
+    for (platform, bytes) in binaries {
+        let folder = if standard == Standard::Fmi2 { platform.fmi2 } else { platform.tuple };
+        let name = format!("binaries/{folder}/{name}.{}", platform.ending);
+        files.push(File { name, bytes: bytes.clone(), executable: true });
+    }
+    files.push(file(format!("{licenses}/license.txt"), include_str!("../../../LICENSE")));
+    files.push(file(format!("{licenses}/third-party.txt"), THIRD_PARTY));
+    match standard {
+        Standard::Fmi2 => files.push(file("model.png", ICON_PNG)),
+        Standard::Fmi3 => {
+            let entry = |name: &str, bytes: &[u8]| file(format!("{}/{name}", terminals::FOLDER), bytes);
+            files.extend([
+                entry("terminalsAndIcons.xml", terminals::document(declaration).as_bytes()),
+                entry("icon.png", ICON_PNG),
+                entry("icon.svg", ICON_SVG),
+            ]);
         }
-        Standard::Fmi3 => (
-            fmi3::model_description(declaration, starts, found),
-            HERE.tuple,
-            "documentation/licenses/license.txt",
-        ),
-    };
-    let mut files = vec![
-        plain("modelDescription.xml", description),
-        File { name: format!("binaries/{platform}/{name}.{}", HERE.ending), bytes: binary, executable: true },
-        plain("documentation/index.html", documentation::page(kind, starts, contents.preset)),
-        plain(license, include_str!("../../../LICENSE").to_string()),
-    ];
-    files.extend(contents.effects.map(|file| plain(&format!("resources/{}", terms::FILE_NAME), file.text())));
+    }
+    files.extend(common.iter().map(|(name, bytes)| file(name.as_str(), bytes.as_slice())));
     files
 }
 
@@ -231,91 +294,4 @@ fn pack(files: &[File]) -> io::Result<Vec<u8>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use describe::models;
-    use std::io::Read;
-
-    fn library(folder: &Path) -> PathBuf {
-        let path = folder.join("library");
-        let mut bytes = b"code ".to_vec();
-        bytes.extend(start_values::empty());
-        fs::write(&path, bytes).unwrap();
-        path
-    }
-
-    #[test]
-    fn the_same_input_gives_the_same_bytes() {
-        let folder = tempfile::tempdir().unwrap();
-        let library = library(folder.path());
-        for standard in Standard::ALL {
-            let make = |out: &str| {
-                let path =
-                    build(&models::ALL[0], standard, Contents::default(), &library, &folder.path().join(out))
-                        .unwrap();
-                fs::read(path).unwrap()
-            };
-            assert_eq!(make("a"), make("b"));
-        }
-    }
-
-    #[test]
-    fn a_preset_reaches_the_xml_and_the_binary() {
-        let folder = tempfile::tempdir().unwrap();
-        let library = library(folder.path());
-        let preset = Preset::load("maxon-305015").unwrap();
-        let contents = Contents { preset: Some(&preset), ..Contents::default() };
-        let path = build(&models::ALL[0], Standard::Fmi2, contents, &library, folder.path()).unwrap();
-        let mut zip = zip::ZipArchive::new(fs::File::open(path).unwrap()).unwrap();
-        let mut read = |name: &str| {
-            let mut bytes = Vec::new();
-            zip.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
-            bytes
-        };
-        let xml = String::from_utf8(read("modelDescription.xml")).unwrap();
-        assert!(xml.contains("start=\"0.00983\""), "tau_c of the preset is the start value");
-        let binary = read(&format!("binaries/{}/AnnulusCooledMotor.{}", HERE.fmi2, HERE.ending));
-        let block: [u8; start_values::SIZE] = binary[5..].try_into().unwrap();
-        assert!(start_values::entries(&block).any(|entry| entry == (1000, 9.83e-3)));
-    }
-
-    #[test]
-    fn effects_are_packed_and_checked() {
-        let folder = tempfile::tempdir().unwrap();
-        let library = library(folder.path());
-        let term = r#"{"port": "drag_torque", "coefficient": 1e-3}"#;
-        let text = |terms: &str| format!(r#"{{"format": "motor-fmu effects 1", "terms": [{terms}]}}"#);
-        let mut file = TermsFile::parse(&text(term), "x.json").unwrap();
-        let make = |file: &TermsFile| {
-            let contents = Contents { effects: Some(file), ..Contents::default() };
-            build(&models::ALL[0], Standard::Fmi3, contents, &library, folder.path())
-        };
-        let mut zip = zip::ZipArchive::new(fs::File::open(make(&file).unwrap()).unwrap()).unwrap();
-        let mut packed = String::new();
-        zip.by_name("resources/effects.json").unwrap().read_to_string(&mut packed).unwrap();
-        assert_eq!(TermsFile::parse(&packed, "resources").unwrap(), file);
-        file.terms[0].port = "nowhere".to_string();
-        assert!(make(&file).unwrap_err().to_string().contains("nowhere"));
-    }
-
-    #[test]
-    fn a_preset_for_another_model_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut preset = Preset::load("maxon-305015").unwrap();
-        preset.model = "Other".to_string();
-        let library = library(folder.path());
-        let contents = Contents { preset: Some(&preset), ..Contents::default() };
-        let error = build(&models::ALL[0], Standard::Fmi2, contents, &library, folder.path()).unwrap_err();
-        assert_eq!(error.to_string(), "preset maxon-305015 is for Other and not for AnnulusCooledMotor");
-    }
-
-    #[test]
-    fn a_missing_library_is_named() {
-        let folder = tempfile::tempdir().unwrap();
-        let missing = folder.path().join("nothing.so");
-        let error = build(&models::ALL[0], Standard::Fmi3, Contents::default(), &missing, folder.path())
-            .unwrap_err()
-            .to_string();
-        assert!(error.contains("nothing.so") && error.contains("cargo build --release"), "{error}");
-    }
-}
+mod tests;

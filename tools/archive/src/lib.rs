@@ -1,5 +1,10 @@
 //! Builds and validates FMU archives.
 
 pub mod build;
-pub mod documentation;
+mod documentation;
+mod native;
+mod object_file;
+pub mod platform;
+mod reference;
+mod terminals;
 pub mod validate;

@@ -133,7 +133,7 @@ impl Listed {
             id: self.id.to_string(),
             port: self.port,
             follows: self.follows,
-            shape: Shape::Listed { slots, with },
+            shape: Shape::Listed { slots, with, stores: self.way == Way::Store },
             numbers,
             active: active.to_vec(),
         })

@@ -9,7 +9,7 @@
 use crate::CalibrateError;
 use crate::experiment::{Experiment, Role};
 use crate::fit::{Fitted, Slopes};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Addition, Hypothesis};
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::point::Point;
 use crate::rounds::{Contender, LEAST, Round, acting, compete};
@@ -26,6 +26,11 @@ use std::sync::Arc;
 const HISTORY: (f64, f64) = (0.03, 30.0);
 /// Noise that is remembered counts from this share of an output's own on.
 const REMEMBERED: f64 = 0.1;
+/// Times that numbers move beside a force, and share of their deviations by which they do no more.
+const MOVES: usize = 4;
+const SETTLED: f64 = 0.2;
+/// Cost by which two effects of the list have to be better than one law in place of both.
+const ONE_LAW: f64 = 6.0;
 /// Who explains less than this share of what the first does is far behind.
 const AHEAD: f64 = 0.9;
 /// What is left unexplained is said from this evidence on.
@@ -55,6 +60,9 @@ pub fn run(
     // What cannot be looked at again stays as it was found.
     if let Err(e) = search_of.look_again(progress) {
         search_of.notes.push(format!("what was found could not be looked at again: {e}"));
+    }
+    if let Err(e) = search_of.one_law() {
+        search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
     }
     progress(0.85, "judging what was found");
     let verdict = search_of.verdict()?;
@@ -93,6 +101,8 @@ pub struct Judgement<'a> {
     pub effects: Vec<Found>,
     /// What has no name.
     pub unexplained: Option<Unexplained>,
+    /// Where something has no name: the model from which parameters are told beside a force at its port that is free in time.
+    pub beside: Option<(Point<'a>, Port)>,
     /// Where the residual sat.
     pub localised: Vec<Localised>,
     /// What was tried.
@@ -197,6 +207,36 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
+    /// Two effects of the list at one port and over one driver may stand in for one law between them: where a power explains as
+    /// much, it is the simpler story.
+    fn one_law(&mut self) -> Result<(), CalibrateError> {
+        let Some(point) = self.taken().map(|c| &c.point) else { return Ok(()) };
+        let additions = &point.fitted.hypothesis.additions;
+        let place = |a: &Addition| (a.port, a.follows);
+        let twice = |a: &&Addition| {
+            a.is_listed() && additions.iter().filter(|b| b.is_listed() && place(b) == place(a)).count() > 1
+        };
+        let Some(at) = additions.iter().find(twice).map(place) else { return Ok(()) };
+        let cost = point.evidence.cost().0;
+        let mut others = point.fitted.hypothesis.clone();
+        others.additions.retain(|a| place(a) != at);
+        let runs = self.first.runs.clone();
+        let refit = self.setup.fit(others.clone(), &runs)?;
+        let without = Point::new(self.setup, refit, &runs)?;
+        let is_power = |s: &&Scored| {
+            s.addition.as_ref().is_some_and(|a| place(a) == at && !a.is_listed() && !a.is_table())
+        };
+        let powers: Vec<Scored> = search(&without).iter().filter(is_power).cloned().collect();
+        let round = compete(&without, &others, &powers);
+        if round.taken.is_some_and(|t| round.contenders[t].point.evidence.cost().0 < cost + ONE_LAW) {
+            let kept =
+                |round: &Round| round.taken.is_some_and(|t| place(round.contenders[t].addition()) != at);
+            self.rounds.retain(kept);
+            self.rounds.push(round);
+        }
+        Ok(())
+    }
+
     /// Whether what was taken first is far ahead of all that act elsewhere.
     fn clear(&self) -> bool {
         let Some((round, taken)) = self.rounds.first().and_then(|r| Some((r, r.taken?))) else {
@@ -234,6 +274,7 @@ impl<'a> Search<'a> {
             hypothesis: self.first.fitted.hypothesis.clone(),
             effects: Vec::new(),
             unexplained: None,
+            beside: None,
             localised,
             ladder,
             notes: std::mem::take(&mut self.notes),
@@ -241,6 +282,7 @@ impl<'a> Search<'a> {
         if let Some(free) = self.history().cloned() {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(told(&free, false));
+            judgement.beside = self.beside(free.port, &self.first);
             return Ok(judgement);
         }
         let setup = self.setup;
@@ -272,6 +314,9 @@ impl<'a> Search<'a> {
             judgement.unexplained = Some(told(rest, false));
         }
         judgement.effects = effects;
+        if let Some(unexplained) = &judgement.unexplained {
+            judgement.beside = self.beside(unexplained.port, self.point());
+        }
         if let Some(taken) = self.rounds.iter().rposition(|r| r.taken.is_some()) {
             let mut rounds = std::mem::take(&mut self.rounds);
             let round = rounds.swap_remove(taken);
@@ -300,6 +345,32 @@ impl<'a> Search<'a> {
             }
         }
         Ok(judgement)
+    }
+
+    /// A model moved to where its numbers are best beside a force at a port that is free in time; `None` where that cannot be run.
+    fn beside(&self, port: Port, from: &Point) -> Option<(Point<'a>, Port)> {
+        let (setup, runs) = (self.setup, &self.first.runs);
+        let place = Port::ALL.iter().find(|p| **p == port)?;
+        let mut point = Point::beside(setup, from.fitted.clone(), runs, place).ok()?;
+        let scales = setup.scales(&point.fitted.hypothesis);
+        for _ in 0..MOVES {
+            let told = point.told(scales.len(), Some(port));
+            let far = |(k, way): (usize, &f64)| way.abs() > SETTLED * told.covariance[(k, k)].sqrt();
+            if !told.moves.iter().enumerate().any(far) {
+                break;
+            }
+            let mut moved = point.fitted.hypothesis.clone();
+            let numbers = moved.numbers().into_iter().zip(&scales).zip(&told.moves);
+            let numbers: Vec<f64> =
+                numbers.map(|((x, (scale, (a, b), _)), way)| (x + way * scale).clamp(*a, *b)).collect();
+            moved.take(&numbers);
+            let Ok(next) = setup.judged(moved, runs).and_then(|f| Point::beside(setup, f, runs, place))
+            else {
+                break;
+            };
+            point = next;
+        }
+        Some((point, port))
     }
 
     /// What a round has taken, but for its numbers.

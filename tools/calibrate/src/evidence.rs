@@ -53,6 +53,8 @@ pub struct Gain {
     pub size: DVector<f64>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
+    /// That drift, by its index.
+    drift: usize,
 }
 
 impl Evidence {
@@ -130,9 +132,17 @@ impl Evidence {
         (best.sd, best.length)
     }
 
-    /// Mean square of what is left with the drift that suits best: 1 for noise.
-    pub fn misfit(&self) -> f64 {
-        self.fitting().left.norm_squared() / self.r.len() as f64
+    /// Mean square of what is left with the drift that suits best, beside further columns with what they explain: 1 for noise.
+    pub fn misfit(&self, beside: Option<(&DMatrix<f64>, &Gain)>) -> f64 {
+        let left = match beside {
+            None => self.fitting().left.norm_squared(),
+            Some((s, gain)) => {
+                let drift = &self.drifts[gain.drift];
+                let lent = drift.factor.solve(&self.z.tr_mul(s));
+                (&drift.left - (s - &self.z * lent) * &gain.size).norm_squared()
+            }
+        };
+        left / self.r.len() as f64
     }
 
     /// Eq. (2) of the drift that suits best, and without drift.
@@ -140,12 +150,21 @@ impl Evidence {
         (self.fitting().cost, self.drifts[0].cost)
     }
 
-    /// The parameters' corrections to first order and their deviations, with the drift that suits best, in units of
-    /// their prior deviations.
-    pub fn estimate(&self, parameters: usize) -> (Vec<f64>, DMatrix<f64>) {
-        let best = self.fitting();
-        let c = best.factor.solve(&best.rhs);
-        let covariance = best.factor.inverse();
+    /// The parameters' corrections to first order and their covariance, with the drift that suits best, in units of
+    /// their prior deviations; beside further columns with what they explain.
+    pub fn estimate(
+        &self,
+        parameters: usize,
+        beside: Option<(&DMatrix<f64>, &Gain)>,
+    ) -> (Vec<f64>, DMatrix<f64>) {
+        let best = beside.map_or(self.fitting(), |(_, gain)| &self.drifts[gain.drift]);
+        let mut c = best.factor.solve(&best.rhs);
+        let mut covariance = best.factor.inverse();
+        if let Some((s, gain)) = beside {
+            let lent = best.factor.solve(&self.z.tr_mul(s));
+            c -= &lent * &gain.size;
+            covariance += &lent * &gain.covariance * lent.transpose();
+        }
         let view = covariance.view((0, 0), (parameters, parameters)).into_owned();
         (c.rows(0, parameters).iter().copied().collect(), view)
     }
@@ -190,7 +209,7 @@ impl Evidence {
         explain: impl Fn(&DMatrix<f64>, &DVector<f64>) -> Option<(f64, DVector<f64>, Cholesky<f64, Dyn>)>,
     ) -> Option<Gain> {
         let (sts, zts) = (s.tr_mul(s), self.z.tr_mul(s));
-        let mut best: Option<(f64, DVector<f64>, Cholesky<f64, Dyn>)> = None;
+        let mut best: Option<(f64, DVector<f64>, Cholesky<f64, Dyn>, usize)> = None;
         let mut raw = 0.0;
         for (k, drift) in self.drifts.iter().enumerate() {
             let power = &sts - zts.tr_mul(&drift.factor.solve(&zts));
@@ -201,11 +220,11 @@ impl Evidence {
             }
             let cost = drift.cost - gain;
             if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-                best = Some((cost, size, factor));
+                best = Some((cost, size, factor, k));
             }
         }
-        let (cost, size, factor) = best?;
-        Some(Gain { raw, whitened: self.cost().0 - cost, size, covariance: factor.inverse() })
+        let (cost, size, factor, drift) = best?;
+        Some(Gain { raw, whitened: self.cost().0 - cost, size, covariance: factor.inverse(), drift })
     }
 }
 

@@ -71,7 +71,7 @@ impl Slopes {
         let mut ports: Vec<(Port, usize)> = Vec::new();
         for (a, addition) in hypothesis.additions.iter().enumerate() {
             for (n, number) in addition.numbers.iter().enumerate().filter(|(_, n)| n.sloped) {
-                if let Shape::Listed { slots, with } = &addition.shape {
+                if let Shape::Listed { slots, with, .. } = &addition.shape {
                     leads.push((probes.len(), Some((a, n))));
                     let mut way = 1e-4 * number.value.abs().max(number.scale);
                     if number.value + way > number.limits.1 {

@@ -31,6 +31,8 @@ pub enum Shape {
         slots: Vec<Slot>,
         /// What stands still.
         with: Vec<(Slot, f64)>,
+        /// Whether it brings a store of its own.
+        stores: bool,
     },
     /// A term: coefficient, and exponent where there is a second number, over a driver.
     Power {
@@ -80,10 +82,20 @@ impl Addition {
         matches!(self.shape, Shape::Listed { .. })
     }
 
+    /// Whether it is a table.
+    pub fn is_table(&self) -> bool {
+        matches!(self.shape, Shape::Table { .. })
+    }
+
+    /// Whether it brings a store of its own.
+    pub fn is_store(&self) -> bool {
+        matches!(&self.shape, Shape::Listed { stores: true, .. })
+    }
+
     /// Numbers that it costs: of a table half, since neighbours are alike.
     pub fn price(&self) -> f64 {
         let count = self.numbers.len() as f64;
-        if matches!(self.shape, Shape::Table { .. }) { 0.5 * count } else { count }
+        if self.is_table() { 0.5 * count } else { count }
     }
 
     /// The law as data, where it is in no list.
@@ -109,7 +121,7 @@ impl Addition {
 
     /// Adds itself to a change.
     pub fn apply(&self, change: &mut Change) {
-        if let Shape::Listed { slots, with } = &self.shape {
+        if let Shape::Listed { slots, with, .. } = &self.shape {
             change.values.extend(with);
             change.values.extend(slots.iter().zip(&self.numbers).map(|(slot, number)| (*slot, number.value)));
         } else {
@@ -255,14 +267,15 @@ mod tests {
         let mut change = Change::default();
         table.apply(&mut change);
         assert_eq!((change.terms.len(), change.values.len()), (1, 0));
-        let listed = addition(Shape::Listed { slots: Vec::new(), with: Vec::new() }, &[]);
+        let listed = addition(Shape::Listed { slots: Vec::new(), with: Vec::new(), stores: false }, &[]);
         assert!(listed.term().is_none() && listed.is_listed());
     }
 
     /// What is not found by slopes stays where it is.
     #[test]
     fn numbers_are_taken_in_the_order_in_which_they_are_told() {
-        let mut second = addition(Shape::Listed { slots: Vec::new(), with: Vec::new() }, &[5.0]);
+        let mut second =
+            addition(Shape::Listed { slots: Vec::new(), with: Vec::new(), stores: false }, &[5.0]);
         second.numbers.push(number(77.0, false));
         second.numbers.push(number(6.0, true));
         let first = addition(Shape::Table { driver: Driver::Speed, knots: vec![0.0, 1.0] }, &[3.0, 4.0]);

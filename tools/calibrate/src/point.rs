@@ -5,6 +5,7 @@ use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Evidence;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
+use crate::search::free_in_time;
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe};
 use nalgebra::{DMatrix, DVector};
@@ -17,6 +18,16 @@ const ZERO: f64 = 0.5;
 const KNOT: f64 = 900.0;
 /// Most such points over the whole clock.
 const MOST_KNOTS: usize = 24;
+
+/// What a point says of its numbers.
+pub struct Told {
+    /// How far each would move, in units of its prior's deviation.
+    pub moves: Vec<f64>,
+    /// Covariance, in the same units.
+    pub covariance: DMatrix<f64>,
+    /// Mean square of what is left: 1 for noise.
+    pub misfit: f64,
+}
 
 /// A fitted model, linearised.
 pub struct Point<'a> {
@@ -43,7 +54,7 @@ impl<'a> Point<'a> {
     /// # Errors
     /// What the model says where it cannot be run.
     pub fn new(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
-        Point::of(setup, fitted, runs, true)
+        Point::of(setup, fitted, runs, LISTED, Port::ALL)
     }
 
     /// The same, from which nothing further is looked for: it knows what is left and how sure its numbers are.
@@ -51,14 +62,28 @@ impl<'a> Point<'a> {
     /// # Errors
     /// What the model says where it cannot be run.
     pub fn judged(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
-        Point::of(setup, fitted, runs, false)
+        Point::of(setup, fitted, runs, &[], &[])
+    }
+
+    /// The same, from which a force at one port can be looked for.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn beside(
+        setup: &'a Setup<'a>,
+        fitted: Fitted,
+        runs: &[usize],
+        port: &'static Port,
+    ) -> Result<Point<'a>, CalibrateError> {
+        Point::of(setup, fitted, runs, &[], std::slice::from_ref(port))
     }
 
     fn of(
         setup: &'a Setup<'a>,
         fitted: Fitted,
         runs: &[usize],
-        searching: bool,
+        effects: &'static [Listed],
+        ports: &'static [Port],
     ) -> Result<Point<'a>, CalibrateError> {
         let all = vec![true; setup.experiment.runs.len()];
         let known = |listed: &Listed, addition: &Addition| {
@@ -69,24 +94,33 @@ impl<'a> Point<'a> {
             // What is declared may still be otherwise in some runs.
             taken || (set && !listed.may_vary)
         };
-        let listed: Vec<(&'static Listed, Addition)> = LISTED
+        let listed: Vec<(&'static Listed, Addition)> = effects
             .iter()
-            .filter(|l| searching && l.way == Way::Slope)
+            .filter(|l| l.way == Way::Slope)
             .filter_map(|l| Some((l, l.addition(setup, &all)?)))
             .filter(|(l, a)| !known(l, a))
             .collect();
-        let ports: &[Port] = if searching { Port::ALL } else { &[] };
         let mut further: Vec<Probe> = ports.iter().map(|port| Probe::Port(*port)).collect();
         let inputs = setup.experiment.inputs.len();
         further.extend((0..inputs).map(Probe::Input));
         for (_, addition) in &listed {
-            let Shape::Listed { slots, with } = &addition.shape else { continue };
+            let Shape::Listed { slots, with, .. } = &addition.shape else { continue };
             let way = 1e-3 * addition.numbers[0].scale;
             further.push(Probe::Parameter { slot: slots[0], with: with.clone(), way });
         }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
         Ok(Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs })
+    }
+
+    /// What the first `parameters` numbers would move by to first order, and how sure they are; beside a force at a port that is
+    /// free in time, which the point must look at.
+    pub fn told(&self, parameters: usize, beside: Option<Port>) -> Told {
+        let free = beside.and_then(|port| free_in_time(self, port));
+        let gain = free.as_ref().and_then(|f| self.evidence.shape(&f.columns, &f.kernel));
+        let beside = free.as_ref().zip(gain.as_ref()).map(|(f, gain)| (&f.columns, gain));
+        let (moves, covariance) = self.evidence.estimate(parameters, beside);
+        Told { moves, covariance, misfit: self.evidence.misfit(beside) }
     }
 
     /// What a number costs: ln n, n the blocks.

@@ -10,7 +10,7 @@
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
-use crate::hypothesis::{Addition, Hypothesis, Shape};
+use crate::hypothesis::{Addition, Hypothesis};
 use crate::outcome::{Evidence, Follows};
 use crate::point::Point;
 use crate::search::{CHOICE, Scored};
@@ -20,12 +20,17 @@ use rayon::prelude::*;
 
 /// Fall of the cost that a term needs.
 pub const LEAST: f64 = 10.0;
+/// The same for a term of no list, which has so many ports, drivers and shapes to choose from.
+const UNNAMED: f64 = 30.0;
 /// Costs as near as this cannot be told apart.
 const NEAR: f64 = 6.0;
 /// Contenders: effects of the list, powers, shapes.
 const CONTENDERS: [usize; 3] = [4, 2, 2];
 /// The same, by another measure.
 const FURTHER: [usize; 3] = [3, 1, 1];
+/// What brings a store of its own is simulated ten times as slowly, and competes from this share of the best on; true ones were
+/// scored at 0.55 and more.
+const STORED: f64 = 0.5;
 /// Share of a run that is held out where no validation run has the effect.
 const HELD_OUT: f64 = 0.25;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
@@ -34,6 +39,8 @@ const FORETELLING: (f64, f64) = (30.0, 0.02);
 const CLEARLY: f64 = 1.05;
 /// A sensor may wander by so many deviations of its noise.
 const WANDERS: f64 = 4.0;
+/// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none.
+const HARDLY: (f64, f64) = (0.995, 0.98);
 /// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
 const FORETOLD: f64 = 6.0;
 /// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
@@ -169,10 +176,8 @@ fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
     if contenders[k].addition().is_listed() {
         return k;
     }
-    let worth = |c: &Contender| {
-        let table = matches!(c.addition().shape, Shape::Table { .. });
-        c.validation.unwrap_or(1.0) * if table { CLEARLY } else { 1.0 }
-    };
+    let worth =
+        |c: &Contender| c.validation.unwrap_or(1.0) * if c.addition().is_table() { CLEARLY } else { 1.0 };
     let mut best = k;
     for other in 0..contenders.len() {
         let apart = contenders[k].sure() - contenders[other].sure();
@@ -206,7 +211,8 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
             let names = chosen.iter().filter(|c| c.name == candidate.name).count();
             // An effect may act in other runs than was thought at first.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
-            let far = worth(candidate) < 0.3 * best && taken[k] >= 1;
+            let far = (worth(candidate) < 0.3 * best && taken[k] >= 1)
+                || (addition.is_store() && worth(candidate) < STORED * best);
             if taken[k] < quota[k] && !far {
                 taken[k] += 1;
                 if !twice && !chosen.iter().any(|c| std::ptr::eq(*c, candidate)) {
@@ -255,9 +261,10 @@ type Judged = (Option<f64>, Option<String>);
 /// Whether a contender passes: its error on what was not fitted over that without, and why not.
 fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError> {
     let (white, raw) = contender.delta;
-    if raw <= LEAST || white <= LEAST {
+    let least = if contender.addition().is_listed() { LEAST } else { UNNAMED };
+    if raw <= least || white <= least {
         let sentence = format!(
-            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {LEAST} is asked for"
+            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {least} is asked for"
         );
         return Ok((None, Some(sentence)));
     }
@@ -283,6 +290,13 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
     if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0) {
         let sentence =
             format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
+        return Ok((validation, Some(sentence)));
+    }
+    let most = if addition.is_listed() { HARDLY.0 } else { HARDLY.1 };
+    if let Some(ratio) = validation.filter(|ratio| *ratio >= most) {
+        let sentence = format!(
+            "what was not fitted is hardly predicted better: {ratio:.4} times the error without it; {most} is asked for"
+        );
         return Ok((validation, Some(sentence)));
     }
     if let Some(fall) = foretold.map(|f| f.without - f.with).filter(|fall| *fall < FORETOLD) {

@@ -109,8 +109,13 @@ fn scale(point: &Point, driver: Driver) -> Factor {
 pub fn search(point: &Point) -> Vec<Scored> {
     let per_number = point.per_number();
     let mut all = listed(point, per_number);
-    let jobs: Vec<(Port, Driver)> =
-        Port::ALL.iter().flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d))).collect();
+    let jobs: Vec<(Port, Driver)> = Port::ALL
+        .iter()
+        .flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d)))
+        .filter(|(port, driver)| {
+            *port == Port::DragTorque || *driver != Driver::LoadTorque || point.setup.has_load()
+        })
+        .collect();
     let mut shapes: Vec<(Port, Driver, Scored)> = jobs
         .par_iter()
         .filter_map(|(port, driver)| Some((*port, *driver, smooth(point, *port, *driver, per_number)?)))
@@ -362,7 +367,18 @@ fn clock<'a>(point: &'a Point, r: usize) -> &'a [f64] {
     &point.setup.drives[point.runs[r]].time
 }
 
-fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
+/// A force at a port that is free in time.
+pub struct Free {
+    /// Columns of its values at instants.
+    pub columns: DMatrix<f64>,
+    /// Their covariance: near instants are alike.
+    pub kernel: DMatrix<f64>,
+    /// The instants, s.
+    at: Vec<f64>,
+}
+
+/// A force that is free in time.
+pub fn free_in_time(point: &Point, port: Port) -> Option<Free> {
     let mut instants: Vec<(usize, Vec<f64>)> = Vec::new();
     for r in 0..point.runs.len() {
         let time = clock(point, r);
@@ -379,9 +395,14 @@ fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
     })?;
     let memory = 600.0;
     let kernel = DMatrix::from_fn(at.len(), at.len(), |a, b| (-(at[a] - at[b]).abs() / memory).exp());
-    let gain = point.evidence.shape(&columns, &kernel)?;
+    Some(Free { columns, kernel, at })
+}
+
+fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
+    let free = free_in_time(point, port)?;
+    let gain = point.evidence.shape(&free.columns, &free.kernel)?;
     let name = format!("{} free in time", port.name());
-    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + CHOICE, &at))
+    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + CHOICE, &free.at))
 }
 
 /// What knows its past: it latches, switches with hysteresis, or comes and goes.

@@ -66,6 +66,9 @@ pub struct Setup<'a> {
     /// The same without the inputs' noise: along these the model is linearised. A slope that trembles with the very noise that
     /// the residual holds would find effects in it.
     pub smooth: Arc<Vec<Drive>>,
+    /// Those that simulations follow: the smooth ones while searching, since a reading that trembles with its input would be
+    /// explained best by whatever makes the model deaf to it; as measured for what is reported.
+    pub driven: Arc<Vec<Drive>>,
     /// What may be fitted.
     pub declared: Vec<Declared>,
     /// Standard deviations of the noise: inputs, then outputs.
@@ -113,6 +116,7 @@ impl<'a> Setup<'a> {
         let declared = declared.collect::<Result<Vec<_>, CalibrateError>>()?;
         let noise = noise::of_experiment(experiment);
         let smooth = drives.iter().map(|d| d.smoothed(&noise[..experiment.inputs.len()])).collect();
+        let smooth = Arc::new(smooth);
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let windows: Vec<(f64, f64)> = experiment.runs.iter().map(|run| run.window.unwrap_or(all)).collect();
         let blocks = experiment
@@ -125,7 +129,8 @@ impl<'a> Setup<'a> {
             experiment,
             bench: Arc::new(bench),
             drives: Arc::new(drives),
-            smooth: Arc::new(smooth),
+            driven: Arc::clone(&smooth),
+            smooth,
             declared,
             noise,
             remembered: Vec::new(),
@@ -135,11 +140,11 @@ impl<'a> Setup<'a> {
         })
     }
 
-    /// The same at the model's own accuracy.
+    /// The same at the model's own accuracy, with the inputs as measured.
     pub fn exact(&self) -> Setup<'a> {
         let mut bench = Bench::clone(&self.bench);
         bench.ease = 1.0;
-        Setup { bench: Arc::new(bench), ..self.clone() }
+        Setup { bench: Arc::new(bench), driven: Arc::clone(&self.drives), ..self.clone() }
     }
 
     /// The same with other rows of a run counting.
@@ -159,6 +164,12 @@ impl<'a> Setup<'a> {
             ends = Some(ends.map_or((a, b), |(from, to)| (from.min(a), to.max(b))));
         }
         ends
+    }
+
+    /// Whether the load is an input. Where the shaft is turned instead, its torque is the current over again, and what is no drag
+    /// follows the current.
+    pub fn has_load(&self) -> bool {
+        self.experiment.inputs.iter().any(|c| c.input == Some("load_torque"))
     }
 
     /// Number of outputs.
@@ -203,7 +214,7 @@ impl<'a> Setup<'a> {
     pub fn show(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Vec<Shown>, CalibrateError> {
         runs.par_iter()
             .map(|&run| {
-                let columns = self.bench.run(&self.drives[run], &self.change(hypothesis, run))?;
+                let columns = self.bench.run(&self.driven[run], &self.change(hypothesis, run))?;
                 let rows = self.drives[run].time.len();
                 Ok((0..rows).flat_map(|row| columns.iter().map(move |c| c[row])).collect())
             })

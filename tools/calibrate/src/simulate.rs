@@ -38,6 +38,8 @@ pub struct Drive {
 const REACH: usize = 6;
 /// Readings within this many deviations of the noise are alike.
 const ALIKE: f64 = 4.0;
+/// Rows on either side over which the means of such rows are.
+const FAR: usize = 48;
 /// A sensor shows what was read to this, K.
 const SHOWN: f64 = 1e-9;
 /// Most tries until it does.
@@ -271,17 +273,13 @@ impl Drive {
     }
 
     /// The same run with the noise of its inputs (standard deviations, in their order) smoothed out: each reading is the mean
-    /// of the readings near it in time that its noise does not tell from it, so that steps stay steps.
+    /// of the readings near it in time that its noise does not tell from it, so that steps stay steps. Of these means the same is
+    /// taken once more over a longer reach, where they stand still: at rest noise would else be all that there is.
     pub fn smoothed(&self, noise: &[f64]) -> Drive {
-        let rows = self.time.len();
         let smooth = |(column, sigma): (&Vec<f64>, &f64)| -> Vec<f64> {
-            let near = |row: usize| row.saturating_sub(REACH)..(row + REACH + 1).min(rows);
-            let mean = |row: usize| {
-                let alike = near(row).filter(|k| (column[*k] - column[row]).abs() <= ALIKE * sigma);
-                let (sum, count) = alike.fold((0.0, 0.0), |(sum, count), k| (sum + column[k], count + 1.0));
-                sum / count
-            };
-            (0..rows).map(mean).collect()
+            let once = means_of_alike(column, REACH, ALIKE * sigma);
+            let left = sigma / ((2 * REACH + 1) as f64).sqrt();
+            means_of_alike(&once, FAR, ALIKE * left)
         };
         Drive { inputs: self.inputs.iter().zip(noise).map(smooth).collect(), ..self.clone() }
     }
@@ -292,6 +290,21 @@ impl Drive {
             model.set(*slot, input[row]);
         }
     }
+}
+
+/// The mean of each value and of its neighbours within `reach` rows, as far as they and all between are within `size` of it; as far on
+/// one side as on the other, so that a ramp stays where it is.
+fn means_of_alike(column: &[f64], reach: usize, size: f64) -> Vec<f64> {
+    let mean = |row: usize| {
+        let alike = |k: usize| (column[k] - column[row]).abs() <= size;
+        let before = (1..=reach.min(row)).take_while(|k| alike(row - k)).count();
+        let after = (1..=reach.min(column.len() - 1 - row)).take_while(|k| alike(row + k)).count();
+        let both = before.min(after);
+        let (from, to) = if both > 0 { (both, both) } else { (before, after) };
+        let near = &column[row - from..=row + to];
+        near.iter().sum::<f64>() / near.len() as f64
+    };
+    (0..column.len()).map(mean).collect()
 }
 
 /// A column with its blanks on lines between their neighbours, held at its ends; `None` where all is blank.

@@ -10,6 +10,7 @@ use crate::report::ROLES;
 use crate::rounds::LEAST;
 use crate::setup::{Setup, Shown};
 use nalgebra::DMatrix;
+use physics::terms::Port;
 
 /// Rows of a run in plots, at most.
 const PLOTTED: usize = 600;
@@ -36,9 +37,9 @@ pub fn outcome(
     let mut notes = experiment.notes.clone();
     notes.extend(judged.notes);
     let mut corrected = hypothesis.clone();
-    let (mut naive, _) = estimates(setup, first, None);
+    let (mut naive, _) = estimates(setup, first, None, None);
     naive.truncate(setup.declared.len());
-    let (estimates, correlation) = estimates(setup, point, Some(&mut corrected));
+    let (mut estimates_of, correlation) = estimates(setup, point, None, Some(&mut corrected));
     // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read.
     if judged.verdict != Verdict::Nothing {
         hypothesis = corrected;
@@ -46,9 +47,25 @@ pub fn outcome(
         let sentence = "parameters are told beside drifting sensors and the inputs' noise; the model keeps those of the refit";
         notes.push(sentence.to_string());
     }
+    if let Some((beside, port)) = &judged.beside {
+        let added = judged.unexplained.as_ref().is_some_and(|u| u.added);
+        let (others, _) = estimates(setup, beside, Some(*port), None);
+        for (estimate, other) in estimates_of.iter_mut().zip(others) {
+            let (least, most) = other.ci95;
+            // The model has the numbers that were fitted with the term; how far the term's law may be off widens their intervals.
+            let value = if added { estimate.value } else { other.value };
+            *estimate = Estimate { value, ci95: (least.min(value), most.max(value)), ..other };
+        }
+        if !added {
+            notes.push(format!(
+                "parameters are told beside a force at {} that is free in time; the model keeps those of the refit",
+                port.name()
+            ));
+        }
+    }
     let mut effects = judged.effects;
     let declared = setup.declared.len();
-    let mut rest = estimates[declared..].iter();
+    let mut rest = estimates_of[declared..].iter();
     for (found, addition) in effects.iter_mut().zip(&hypothesis.additions) {
         for number in &addition.numbers {
             let mut estimate = if number.sloped { rest.next().cloned() } else { None }.unwrap_or_else(|| {
@@ -109,7 +126,7 @@ pub fn outcome(
         verdict: judged.verdict,
         effects,
         unexplained: judged.unexplained,
-        parameters: estimates[..declared].to_vec(),
+        parameters: estimates_of[..declared].to_vec(),
         refit: naive,
         correlated,
         errors,
@@ -128,30 +145,38 @@ pub fn outcome(
     })
 }
 
-/// Every number that slopes find, with its interval, and their correlations. Where sensors drift, a `corrected` hypothesis takes
-/// the numbers that are best with that drift.
+/// Every number that slopes find, with its interval, and their correlations: beside drifting sensors, and beside a force at a port
+/// that is free in time. Where sensors drift, a `corrected` hypothesis takes the numbers that are best with that drift.
 fn estimates(
     setup: &Setup,
     point: &Point,
+    beside: Option<Port>,
     corrected: Option<&mut Hypothesis>,
 ) -> (Vec<Estimate>, DMatrix<f64>) {
     let hypothesis = &point.fitted.hypothesis;
     let scales = setup.scales(hypothesis);
     let p = scales.len();
-    let (moves, covariance) = point.evidence.estimate(p);
+    let told = point.told(p, beside);
     let mut numbers = hypothesis.numbers();
+    let step = |numbers: &mut [f64]| {
+        for (k, x) in numbers.iter_mut().enumerate() {
+            *x = (*x + told.moves[k] * scales[k].0).clamp(scales[k].1.0, scales[k].1.1);
+        }
+    };
+    // The last step, along slopes that know nothing of the inputs' noise and beside drifting sensors; where much is left
+    // that they do not know of it would lead astray.
+    let trusted = told.misfit < TRUSTED;
     if let Some(corrected) = corrected {
-        // The last step, along slopes that know nothing of the inputs' noise and beside drifting sensors; where much is left
-        // that they do not know of it would lead astray.
-        if point.evidence.misfit() < TRUSTED {
-            for (k, x) in numbers.iter_mut().enumerate() {
-                *x = (*x + moves[k] * scales[k].0).clamp(scales[k].1.0, scales[k].1.1);
-            }
+        if trusted {
+            step(&mut numbers);
         }
         corrected.take(&numbers);
+    } else if beside.is_some() {
+        step(&mut numbers);
     }
     // What is left beyond noise widens the intervals.
-    let widen = point.evidence.misfit().max(1.0).sqrt();
+    let widen = told.misfit.max(1.0).sqrt();
+    let covariance = told.covariance;
     let units = setup.declared.iter().map(|d| (d.name.clone(), d.prior, d.unit));
     let added = hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
     let names: Vec<(String, f64, &'static str)> =

@@ -1,7 +1,8 @@
 //! `motor-fmu build`: archives of the models.
 
 use crate::Failure;
-use archive::build::{Contents, Standard, TermsFile, build_all, library_path};
+use archive::build::{Contents, Library, Standard, TermsFile, build_for, library_path};
+use archive::platform;
 use clap::ValueEnum;
 use describe::{ModelType, Preset, models};
 use std::path::PathBuf;
@@ -35,6 +36,10 @@ pub struct Args {
     /// Terms found in data, to be carried as resources/effects.json.
     #[arg(long, value_name = "FILE")]
     effects: Option<PathBuf>,
+    /// Platforms to hold a library for, as far as `cargo xtask cross` has made it: x86_64-linux, x86_64-windows,
+    /// aarch64-linux, ...; the one that this program runs on if none is named.
+    #[arg(long, value_name = "P,...", value_delimiter = ',')]
+    platform: Vec<String>,
     /// Folder to write to.
     #[arg(long, value_name = "DIR", default_value = "dist")]
     out: PathBuf,
@@ -49,7 +54,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         Which::Three => &Standard::ALL[1..],
         Which::Both => &Standard::ALL[..],
     };
-    let library = library_path()?;
+    let libraries = libraries(&args.platform)?;
     let mut paths = Vec::new();
     for kind in chosen(&args.models)? {
         // A preset belongs to its model, and not every model takes terms. Where all are built, the others are built
@@ -59,9 +64,26 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         let takes = |f: &&TermsFile| named || f.terms().map_or(true, |terms| (kind.new)().set_terms(&terms));
         let contents =
             Contents { preset: preset.as_ref().filter(fits), effects: effects.as_ref().filter(takes) };
-        paths.extend(build_all(kind, standards, contents, &library, &args.out)?);
+        paths.extend(build_for(kind, standards, contents, &libraries, &args.out)?);
     }
+    let needs: Vec<String> = libraries.iter().map(Library::needs).collect();
+    crate::say(&format!("libraries for {}\n", needs.join(", ")));
     crate::validate::report(&paths, false)
+}
+
+/// The libraries for the platforms that are named, each once; for none that of this program.
+fn libraries(names: &[String]) -> Result<Vec<Library>, Failure> {
+    if names.is_empty() {
+        return Ok(vec![Library::here(&library_path()?)]);
+    }
+    let mut found = Vec::new();
+    for name in names {
+        let library = platform::library(platform::by_name(name)?)?;
+        if !found.contains(&library) {
+            found.push(library);
+        }
+    }
+    Ok(found)
 }
 
 /// The models that are named; without names all.

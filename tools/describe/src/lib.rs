@@ -14,8 +14,8 @@ pub mod preset;
 mod xml;
 
 pub use dependencies::{Dependencies, Unknown};
-pub use physics::declare::Kind;
-pub use physics::model::{Declaration, Entry, ModelType};
+pub use physics::declare::{Causality, Kind};
+pub use physics::model::{Declaration, Entry, Model, ModelType};
 pub use physics::terms::{Driver, GenericTerm, Law, Port};
 pub use physics::{models, start_values};
 pub use preset::{Preset, StartValues};

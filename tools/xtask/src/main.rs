@@ -2,9 +2,12 @@
 
 mod bench;
 mod blind;
+mod cross;
 mod demo;
 mod describe;
 mod fuzz;
+mod importers;
+mod licenses;
 mod mutants;
 mod product;
 mod shell;
@@ -32,6 +35,11 @@ const COMMANDS: &[Command] = &[
     ("test", "every check there is: tidy, Rust, FMUs, Python, removals, mutants", test::run),
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
     ("describe", "write model-description/ anew (with --check: compare only)", describe::run),
+    (
+        "licenses",
+        "write the list of licences for the archives anew (with --check: compare only)",
+        licenses::run,
+    ),
     ("bench", "benchmarks; further arguments go to criterion", bench::run),
     (
         "blind",
@@ -39,6 +47,12 @@ const COMMANDS: &[Command] = &[
         blind::run,
     ),
     ("fuzz", "calls without order into both C interfaces, --seconds 60", fuzz::run),
+    ("importers", "the archives in other people's Rust importers", importers::run),
+    (
+        "cross",
+        "one archive for three platforms, run on each; --toolchain DIR names a Rust with the sources of its library",
+        cross::run,
+    ),
     ("mutants", "break the physics by hand and see the tests fail; arguments name mutants", mutants::run),
     ("removals", "take each effect out in turn and see the physics compile", mutants::removal::run),
 ];

@@ -3,7 +3,7 @@
 mod arrows;
 mod lengths;
 
-use crate::{Outcome, describe, shell, workspace::Workspace};
+use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
 
 /// A check: what it is called while it runs, and the check.
 type Check = (&'static str, fn(&Workspace) -> Outcome);
@@ -25,6 +25,7 @@ const CHECKS: &[Check] = &[
         ]))
     }),
     ("generated files", describe::check),
+    ("licences", licenses::check),
 ];
 
 /// Runs every check, failed or not. Takes no arguments.

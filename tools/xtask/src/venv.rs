@@ -1,20 +1,40 @@
-//! The Python of tests and examples: a venv in the target folder with pinned packages.
+//! Python environments in the target folder, with pinned packages: that of tests and examples, and one for each command
+//! that needs a tool which comes as a package.
 
 use crate::{Outcome, shell, workspace::Workspace};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const REQUIREMENTS: &str = "tests/python/requirements.txt";
+/// Of tests and examples.
+const TESTS: &str = "tests/python/requirements.txt";
+/// Of `cargo xtask cross`: a linker for other platforms.
+const CROSS: &str = "tools/xtask/cross-requirements.txt";
+/// Of `cargo xtask importers`: what bindings to C are made with.
+const IMPORTERS: &str = "tests/importers/requirements.txt";
 const OLDEST: (u32, u32) = (3, 10);
 /// Says which requirements the venv has, so that it is made again when they change and only then.
 const STAMP: &str = "requirements.stamp";
 
-/// The venv's Python, made first if it is not there or has other packages.
+/// The Python of tests and examples, made first if it is not there or has other packages.
 pub fn python(workspace: &Workspace) -> Outcome<PathBuf> {
-    let file = workspace.root.join(REQUIREMENTS);
+    made(workspace, "venv", TESTS)
+}
+
+/// The Python with the linker.
+pub fn cross(workspace: &Workspace) -> Outcome<PathBuf> {
+    made(workspace, "venv-cross", CROSS)
+}
+
+/// The Python with libclang.
+pub fn importers(workspace: &Workspace) -> Outcome<PathBuf> {
+    made(workspace, "venv-importers", IMPORTERS)
+}
+
+fn made(workspace: &Workspace, name: &str, requirements: &str) -> Outcome<PathBuf> {
+    let file = workspace.root.join(requirements);
     let wanted =
         std::fs::read_to_string(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
-    let folder = workspace.target.join("venv");
+    let folder = workspace.target.join(name);
     let python = if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
     if is_current(&folder, &wanted) && works(&python) {
         return Ok(python);
@@ -29,7 +49,7 @@ pub fn python(workspace: &Workspace) -> Outcome<PathBuf> {
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]).arg(&file);
     shell::run(&mut pip).map_err(|e| {
-        format!("the packages of {REQUIREMENTS} could not be installed; is the network reachable? {e}")
+        format!("the packages of {requirements} could not be installed; is the network reachable? {e}")
     })?;
     let stamp = folder.join(STAMP);
     std::fs::write(&stamp, &wanted).map_err(|e| format!("{} cannot be written: {e}", stamp.display()))?;
@@ -91,12 +111,14 @@ mod tests {
 
     #[test]
     fn every_requirement_is_pinned() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(REQUIREMENTS);
-        let text = std::fs::read_to_string(file).unwrap();
-        let lines: Vec<&str> = text.lines().filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
-        assert!(!lines.is_empty());
-        for line in lines {
-            assert!(line.contains("=="), "{line}");
+        for file in [TESTS, CROSS, IMPORTERS] {
+            let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
+            let text = std::fs::read_to_string(file).unwrap();
+            let lines: Vec<&str> = text.lines().filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
+            assert!(!lines.is_empty());
+            for line in lines {
+                assert!(line.contains("=="), "{line}");
+            }
         }
     }
 }

@@ -429,6 +429,9 @@ impl Model for AnnulusCooledMotor {
 
     fn ease(&mut self, factor: f64) {
         self.split.ease(factor);
+        if let Some(network) = &mut self.network {
+            network.ease(factor);
+        }
     }
 
     fn drivers(&self) -> Drivers {

@@ -83,6 +83,8 @@ pub struct Network {
     next: States,
     /// Length that the next piece of a step may try, s.
     pub piece: f64,
+    /// Error that a piece may make, K.
+    pub tolerance: f64,
 }
 
 impl Network {
@@ -99,7 +101,13 @@ impl Network {
             fastest: 0.0,
             next: [temperature; MOST],
             piece: 1e-3,
+            tolerance: TOLERANCE,
         }
+    }
+
+    /// The error that a piece may make, as a multiple of the usual.
+    pub fn ease(&mut self, factor: f64) {
+        self.tolerance = TOLERANCE * factor;
     }
 
     /// Draws the consequences of parameters that were written. The number of segments must not have changed.
@@ -353,7 +361,7 @@ impl Network {
         // A bound of the local error, (h lambda)^2 h y'/6, which at steps of milliseconds is far below the estimate's
         // own rounding; only where it is not is the estimate worth another evaluation.
         let steepest = first[..FIRST + n].iter().fold(0.0f64, |m, r| m.max(r.abs()));
-        if stiffness * stiffness * h * steepest > 0.1 * TOLERANCE {
+        if stiffness * stiffness * h * steepest > 0.1 * self.tolerance {
             let mut last = [0.0; MOST];
             at(h, &end, &mut last);
             for k in 0..FIRST + n {
@@ -361,7 +369,7 @@ impl Network {
             }
         }
         self.next = end;
-        let over = if stiffness > self.method.stiffness() { f64::INFINITY } else { worst / TOLERANCE };
+        let over = if stiffness > self.method.stiffness() { f64::INFINITY } else { worst / self.tolerance };
         Advance { left, to_ambient: end[FIRST + n], error: over }
     }
 

@@ -1,0 +1,152 @@
+"""What lies in an archive beside the description and the library: a page, licences, an icon, terminals, reference results."""
+
+import csv
+import io
+import re
+import struct
+import sys
+import zipfile
+from xml.etree import ElementTree
+
+import pytest
+from clients import paths
+from conftest import STANDARDS
+
+MODELS = sorted(path.stem for path in (paths.dist() / "fmi2").glob("*.fmu"))
+MOST_BYTES = 3 << 20
+REFERENCE = "extra/org.fmi-standard.fmi-ls-ref"
+NAMES = "{http://fmi-standard.org/fmi-ls-manifest}"
+
+
+@pytest.fixture(params=[(model, fmi) for model in MODELS for fmi in STANDARDS], ids=lambda p: f"{p[0]}-fmi{p[1]}")
+def packed(request):
+    """Model, standard, path, and the files of the archive by name."""
+    model, fmi = request.param
+    path = paths.archive(model, fmi)
+    with zipfile.ZipFile(path) as archive:
+        return model, fmi, path, {name: archive.read(name) for name in archive.namelist()}
+
+
+def test_an_archive_is_small(packed):
+    assert packed[2].stat().st_size <= MOST_BYTES
+
+
+def test_one_library_and_for_this_platform_alone(packed):
+    """A platform is in the archive only with `--platform`, and then its own library."""
+    model, _, _, files = packed
+    binaries = [name for name in files if name.startswith("binaries/")]
+    assert len(binaries) == 1 and binaries[0].rsplit("/", 1)[1].split(".")[0] == model
+
+
+def test_the_page_opens_without_a_network(packed):
+    page = packed[3]["documentation/index.html"].decode()
+    addresses = set(re.findall(r"https?://[^\"' <]+", page))
+    assert addresses <= {"http://www.w3.org/2000/svg"}, addresses
+    assert not re.search(r"<(script|link|img|iframe)", page)
+    assert page.count("<svg") == page.count("</figure>") == 3
+    for svg in re.findall(r"<svg.*?</svg>", page, re.S):
+        ElementTree.fromstring(svg)
+
+
+def test_the_page_shows_every_variable_with_its_unit(packed):
+    files = packed[3]
+    page = files["documentation/index.html"].decode()
+    description = ElementTree.fromstring(files["modelDescription.xml"])
+    variables = [v for v in description.find("ModelVariables") if v.get("causality") in ("input", "output", "parameter")]
+    assert len(variables) > 50
+    for variable in variables:
+        real = variable.find("Real") if variable.tag == "ScalarVariable" else variable if variable.tag == "Float64" else None
+        unit = "" if real is None else real.get("unit")
+        assert f"<td>{variable.get('name')}</td><td>{unit}</td>" in page, variable.get("name")
+
+
+def test_the_page_s_script_runs(packed, monkeypatch, tmp_path):
+    """The lines of `How to start` as a reader copies them."""
+    _, _, path, files = packed
+    script = re.search(r"<pre>(.*?)</pre>", files["documentation/index.html"].decode(), re.S)[1].replace("&quot;", '"')
+    shown = []
+    monkeypatch.chdir(path.parent)
+    monkeypatch.setattr("fmpy.plot_result", shown.append)
+    exec(compile(script, "index.html", "exec"), {})
+    (result,) = shown
+    assert len(result) > 100 and result["shaft_speed"][-1] > 1.0
+
+
+def test_licences_are_there(packed):
+    _, fmi, _, files = packed
+    folder = "licenses" if fmi == 2 else "documentation/licenses"
+    assert files[f"{folder}/license.txt"] == (paths.ROOT / "LICENSE").read_bytes()
+    third = files[f"{folder}/third-party.txt"].decode()
+    assert re.search(r"^nalgebra [0-9.]+: Apache-2.0$", third, re.M) and "Apache License" in third
+
+
+def test_the_icon_is_a_picture(packed):
+    _, fmi, _, files = packed
+    png = files["model.png" if fmi == 2 else "terminalsAndIcons/icon.png"]
+    assert png.startswith(b"\x89PNG\r\n\x1a\n") and struct.unpack(">II", png[16:24]) == (200, 200)
+    if fmi == 3:
+        ElementTree.fromstring(files["terminalsAndIcons/icon.svg"])
+
+
+def test_terminals_name_variables_of_the_model(packed):
+    _, fmi, _, files = packed
+    if fmi == 2:
+        assert not [name for name in files if name.startswith("terminalsAndIcons")], "FMI 2 has none"
+        return
+    terminals = ElementTree.fromstring(files["terminalsAndIcons/terminalsAndIcons.xml"])
+    causalities = {v.get("name"): v.get("causality") for v in ElementTree.fromstring(files["modelDescription.xml"]).find("ModelVariables")}
+    assert [t.get("name") for t in terminals.iter("Terminal")] == ["electrical", "shaft", "heat"]
+    for member in terminals.iter("TerminalMemberVariable"):
+        assert causalities[member.get("variableName")] in ("input", "output"), member.get("variableName")
+
+
+def test_the_manifest_names_files_that_are_there(packed):
+    model, _, _, files = packed
+    manifest = ElementTree.fromstring(files[f"{REFERENCE}/fmi-ls-manifest.xml"])
+    assert manifest.tag == "fmiReferences" and manifest.get(f"{NAMES}fmi-ls-name") == "org.fmi-standard.fmi-ls-ref"
+    related = {r.get("role"): r.get("source") for r in manifest.iter("Related")}
+    assert related == {"testcase": f"{model}_in.csv", "result": f"{model}_ref.csv", "document": "../../documentation/index.html"}
+    assert {f"{REFERENCE}/{related['testcase']}", f"{REFERENCE}/{related['result']}", "documentation/index.html"} <= set(files)
+
+
+def test_the_library_gives_the_reference_results(packed, motor_fmu, tmp_path):
+    """The inputs of the archive, played to the archive's library: what the native model wrote when it was packed, bit for bit."""
+    model, _, path, files = packed
+    inputs, out = tmp_path / "inputs.csv", tmp_path / "out.csv"
+    inputs.write_bytes(files[f"{REFERENCE}/{model}_in.csv"])
+    arguments = ("--stop", 1, "--step", 1e-3, "--input", inputs, "--held-inputs", "--output", out)
+    done = motor_fmu("simulate", path, *arguments)
+    assert done.returncode == 0, done.stderr
+    reference = table(files[f"{REFERENCE}/{model}_ref.csv"].decode())
+    played = table(out.read_text())[::10]
+    assert len(reference) == len(played) == 101
+    assert reference == played
+    assert reference[-1]["shaft_speed"] > 1.0
+
+
+def table(text):
+    """Rows by name; true and false as numbers. An importer's own column of time may be rounded in another way."""
+    number = {"true": 1.0, "false": 0.0}
+    rows = csv.DictReader(io.StringIO(text))
+    return [{name: number[cell] if cell in number else float(cell) for name, cell in row.items() if name != "time"} for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("platform", "told"),
+    [
+        # No command here makes a library for macOS, so there is none to be found.
+        ("x86_64-darwin" if sys.platform != "darwin" else "x86_64-windows", "cargo xtask cross"),
+        ("win64", "x86_64-windows"),
+    ],
+)
+def test_a_platform_without_a_library_is_told_in_one_sentence(platform, told, motor_fmu, tmp_path):
+    done = motor_fmu("build", "--platform", platform, "--out", tmp_path / "dist")
+    assert done.returncode == 2 and not (tmp_path / "dist").exists()
+    assert platform in done.stderr and told in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
+def test_build_says_what_its_libraries_need(motor_fmu, tmp_path):
+    done = motor_fmu("build", "--fmi", "2", "--out", tmp_path / "dist")
+    assert done.returncode == 0, done.stderr
+    pattern = r"libraries for \S+-linux with glibc 2\.\d+ or later" if sys.platform == "linux" else "libraries for "
+    assert re.match(pattern, done.stdout), done.stdout

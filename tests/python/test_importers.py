@@ -1,0 +1,154 @@
+"""Our archives in other people's importers: the same bits as `motor-fmu simulate`, whoever asks.
+
+Values are compared, and not exit codes: an importer that ignores what it cannot read goes on with zeros.
+The step is a power of two, because some importers add steps up and some count nanoseconds, and then all times are the same.
+"""
+
+import csv
+import json
+import math
+import os
+import platform
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from clients import paths
+from clients.fmu import Archive
+from conftest import STANDARDS
+from importers import Drive
+
+STEP, STEPS = 2.0**-9, 256
+
+# What each model is told: parameters, then inputs as functions of the communication point's number.
+TOLD = {
+    "AnnulusCooledMotor": (
+        {"effect.viscous_friction.k": 2e-6, "motor.R_ref": 0.4},
+        {
+            "voltage": lambda k: 24.0 * math.sin(0.05 * k),
+            "load_torque": lambda k: 0.02 if k < STEPS // 2 else 0.1,
+            "fan_command": lambda k: k / STEPS,
+            "ambient_temperature": lambda k: 295.15 + 0.01 * k,
+        },
+    ),
+    "BrushedGearmotor": (
+        {"motor.L": 2.5e-3},
+        {
+            "duty": lambda k: 0.9 * math.sin(0.03 * k),
+            "supply_voltage": lambda k: 12.0 - 0.005 * k,
+            "load_torque": lambda k: 0.1 if k < STEPS // 2 else 0.4,
+            "ambient_temperature": lambda k: 293.15,
+        },
+    ),
+}
+
+# Which importers take which standard, and the package of each; docs/comparison.md says why a standard is missing.
+ALL = {
+    "fmpy": ((2, 3), "fmpy"),
+    "ecos": ((2, 3), "ecospy"),
+    "libcosim": ((2,), "libcosimpy"),
+    "container": ((2, 3), "fmu_manipulation_toolbox"),
+}
+# Two of them have packages for some machines and Pythons alone (requirements.txt).
+IMPORTERS = {name: standards for name, (standards, package) in ALL.items() if find_spec(package)}
+# Points at the beginning of a run of which an importer tells nothing.
+BLIND_POINTS = {"libcosim": 1}
+MODELS = sorted(path.stem for path in (paths.dist() / "fmi2").glob("*.fmu"))
+
+
+def test_there_is_an_archive_of_each_model_for_each_standard():
+    assert MODELS == sorted(TOLD), "every model that is built goes through the gate: tell it something in TOLD"
+    assert MODELS == sorted(path.stem for path in (paths.dist() / "fmi3").glob("*.fmu"))
+
+
+def test_the_gate_is_whole_where_it_can_be():
+    if sys.platform == "linux" and platform.machine() == "x86_64" and (3, 11) <= sys.version_info[:2] < (3, 15):
+        assert set(IMPORTERS) == set(ALL)
+    else:
+        assert set(IMPORTERS) >= {"fmpy", "container"}
+
+
+@pytest.fixture(scope="session")
+def drives():
+    """A drive by model. The outputs are those that are real, in the order of the FMI 2 archive."""
+
+    def drive(model):
+        parameters, inputs = TOLD[model]
+        with Archive(paths.archive(model, 2)) as archive:
+            outputs = [v.name for v in archive.variables.values() if v.causality == "output" and v.type == "Real"]
+        return Drive(STEP, parameters, {name: [f(k) for k in range(STEPS)] for name, f in inputs.items()}, outputs)
+
+    return {model: drive(model) for model in TOLD}
+
+
+@pytest.fixture(scope="session")
+def natively(drives, program, tmp_path_factory):
+    """What the native master reads, by model and standard; each is run once."""
+    folder, known = tmp_path_factory.mktemp("natively"), {}
+
+    def rows(model, fmi):
+        if (model, fmi) not in known:
+            known[model, fmi] = simulate(program, paths.archive(model, fmi), drives[model], folder)
+        return known[model, fmi]
+
+    return rows
+
+
+def simulate(program, archive, drive, folder):
+    table, out = folder / "inputs.csv", folder / "rows.csv"
+    with table.open("w", newline="") as text:
+        writer = csv.writer(text)
+        writer.writerow(["time", *drive.inputs])
+        writer.writerows([repr(k * drive.step), *map(repr, drive.at(k).values())] for k in range(drive.steps))
+    settings = [item for name, value in drive.parameters.items() for item in ("--set", f"{name}={value!r}")]
+    stop = drive.step * drive.steps
+    command = [program, "simulate", archive, "--stop", repr(stop), "--step", repr(drive.step), "--held-inputs", "--input", table]
+    subprocess.run([*map(str, command), *settings, "--output", str(out)], check=True, capture_output=True, timeout=60)
+    with out.open(newline="") as text:
+        return [[float(row[name]) for name in drive.outputs] for row in csv.DictReader(text)]
+
+
+def run(importer, archive, drive, folder):
+    """Runs an importer in its own process; what it wrote to standard error tells why it could not."""
+    told, rows = folder / "drive.json", folder / "rows.json"
+    drive.write(told)
+    environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
+    command = [sys.executable, "-m", "importers", importer, archive, told, rows]
+    command = [*map(str, command)]
+    done = subprocess.run(command, cwd=Path(__file__).parent, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, f"{importer} ended with {done.returncode}: {done.stderr[-2000:]}"
+    return json.loads(rows.read_text())
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(("importer", "fmi"), [(name, fmi) for name, takes in IMPORTERS.items() for fmi in takes])
+def test_an_importer_reads_the_same_bits(importer, fmi, model, drives, natively, tmp_path):
+    drive, native = drives[model], natively(model, fmi)
+    read = run(importer, paths.archive(model, fmi), drive, tmp_path)
+    assert len(native) == len(read) == STEPS + 1
+    blind = BLIND_POINTS.get(importer, 0)
+    assert [row is None for row in read] == [k < blind for k in range(STEPS + 1)]
+    for k, (ours, theirs) in enumerate(zip(native[blind:], read[blind:]), blind):
+        differing = {name: (a, b) for name, a, b in zip(drive.outputs, ours, theirs) if a != b}
+        assert not differing, f"point {k}: {differing}"
+    # Not the agreement of two that stand still.
+    assert max(abs(row[drive.outputs.index("shaft_speed")]) for row in read[blind:]) > 0.3
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_both_standards_hear_the_drive_alike(model, natively):
+    assert natively(model, 2) == natively(model, 3)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("fmi", STANDARDS)
+def test_fmutool_finds_nothing(fmi, model):
+    """Schema and semantics as fmu-manipulation-toolbox reads them; its exit code is 0 whatever it finds."""
+    program = Path(sys.executable).with_name("fmutool")
+    command = [program, "-input", paths.archive(model, fmi), "-check"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    said = done.stdout + done.stderr
+    assert f"compliant with FMI-{fmi}.0" in said and "No semantic error" in said, said
+    assert "ERROR" not in said and "WARNING" not in said, said

@@ -1,0 +1,262 @@
+//! The figures of the page, each asked of the model that the archive holds, with its start values and terms.
+//!
+//! A model that cannot be asked (its start values leave no fan, or the importer's preset no tube) goes without the line.
+
+use super::chart::{Chart, Line};
+use crate::native::{Native, Run};
+use crate::reference;
+use describe::{DEFAULT_STEP, DEFAULT_STOP};
+
+/// The hour that a torque is held for, s, and its steps.
+const HOUR: f64 = 3600.0;
+const HOUR_STEP: f64 = 10.0;
+/// Points of a characteristic.
+const POINTS: u32 = 24;
+
+/// A figure and what stands below it.
+pub struct Figure {
+    /// The picture.
+    pub chart: Chart,
+    /// Two sentences: what was done, and what is to be seen.
+    pub caption: String,
+}
+
+/// All figures of a model.
+pub fn of(native: &Native<'_>) -> Vec<Figure> {
+    let own: &[fn(&Native<'_>) -> Option<Figure>] = match (native.kind.declaration)().name {
+        "AnnulusCooledMotor" => &[held_torque, torque_and_speed],
+        "BrushedGearmotor" => &[held_load, duties],
+        _ => &[],
+    };
+    own.iter()
+        .chain(&[reference_run as fn(&Native<'_>) -> Option<Figure>])
+        .filter_map(|f| f(native))
+        .collect()
+}
+
+fn celsius(kelvin: f64) -> f64 {
+    kelvin - 273.15
+}
+
+fn figure(title: &str, x: &str, y: &str, lines: Vec<Line>, caption: String) -> Option<Figure> {
+    let lines: Vec<Line> = lines.into_iter().filter(|(_, points)| points.len() > 1).collect();
+    if lines.is_empty() {
+        return None;
+    }
+    let chart = Chart { title: title.into(), x: x.into(), y: y.into(), lines, limit: None };
+    Some(Figure { chart, caption })
+}
+
+/// An hour of a model; what is to be drawn, over minutes.
+fn hour(run: &mut Run<'_>, name: &str) -> Option<Vec<(f64, f64)>> {
+    let mut points = vec![(0.0, celsius(run.get(name)?))];
+    for k in 1..=(HOUR / HOUR_STEP) as u32 {
+        run.step(HOUR_STEP)?;
+        points.push((f64::from(k) * HOUR_STEP / 60.0, celsius(run.get(name)?)));
+    }
+    Some(points)
+}
+
+/// The value of something at which the winding, after an hour, is just below its limit.
+fn bearable(from: f64, most: f64, margin: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    let mut high = from;
+    while margin(high)? > 0.0 {
+        high *= 2.0;
+        if high > most {
+            return None;
+        }
+    }
+    let mut low = 0.0;
+    for _ in 0..20 {
+        let middle = 0.5 * (low + high);
+        if margin(middle)? > 0.0 { low = middle } else { high = middle }
+    }
+    (low > 0.0).then_some(low)
+}
+
+fn with_limit(figure: Option<Figure>, run: &mut Run<'_>) -> Option<Figure> {
+    let limit = celsius(run.get("thermal.T_w_max")?);
+    figure.map(|mut f| {
+        f.chart.limit = Some((limit, "limit".into()));
+        f
+    })
+}
+
+/// The torque that still air bears for an hour, with all ways of cooling.
+fn held_torque(native: &Native<'_>) -> Option<Figure> {
+    let at = |cooling: &str, current: f64| {
+        let modes =
+            [("drive_mode", "current"), ("mechanical_mode", "imposed_speed"), ("cooling_mode", cooling)];
+        native.start(&[("current_command", current), ("imposed_speed", 0.0), ("fan_command", 1.0)], &modes)
+    };
+    let margin = |current: f64| {
+        let mut run = at("bare", current)?;
+        hour(&mut run, "winding_temperature")?;
+        run.get("winding_margin")
+    };
+    let nominal = native.entry("current_command")?.row.nominal;
+    let current = bearable(nominal, native.entry("current_command")?.row.max, margin)?;
+    let ways = [("bare", "still air"), ("fan_crossflow", "fan"), ("annulus_push", "fan and annulus")];
+    let line = |(mode, label): (&str, &str)| {
+        let points = at(mode, current).and_then(|mut run| hour(&mut run, "winding_temperature"));
+        (label.to_string(), points.unwrap_or_default())
+    };
+    let torque = at("bare", current).and_then(|mut run| {
+        run.step(HOUR_STEP)?;
+        run.get("shaft_torque")
+    })?;
+    let title = format!("Winding temperature while {torque:.3} N.m is held at standstill");
+    let caption = format!(
+        "{current:.2} A from a cold start, cooling_mode bare, fan_crossflow and annulus_push with fan_command 1. \
+         The torque is what the winding bears in still air for one hour."
+    );
+    let figure =
+        figure(&title, "time, min", "winding_temperature, °C", ways.into_iter().map(line).collect(), caption);
+    with_limit(figure, &mut at("bare", current)?)
+}
+
+/// Torque over speed at the nominal voltage, cold and at the winding's limit.
+fn torque_and_speed(native: &Native<'_>) -> Option<Figure> {
+    let voltage = native.entry("voltage")?.row.nominal;
+    let limit = native.starts.of(native.entry("thermal.T_w_max")?);
+    let torque = |ambient: f64, speed: f64| {
+        let values = [
+            ("voltage", voltage),
+            ("imposed_speed", speed),
+            ("ambient_temperature", ambient),
+            ("heat_power", 0.0),
+        ];
+        let modes = [("drive_mode", "voltage"), ("mechanical_mode", "imposed_speed")];
+        let mut run = native.start(&values, &modes)?;
+        // The current has settled after some time constants L / R; the winding has not warmed by then.
+        for _ in 0..10 {
+            run.step(DEFAULT_STEP)?;
+        }
+        run.get("shaft_torque")
+    };
+    let cold = native.starts.of(native.entry("ambient_temperature")?);
+    let line = |ambient: f64| {
+        let constant = native.start(&[("ambient_temperature", ambient)], &[])?.get("torque_constant")?;
+        let fastest = voltage / constant;
+        let points = (0..=POINTS).map(|k| {
+            let speed = fastest * f64::from(k) / f64::from(POINTS);
+            torque(ambient, speed).map(|t| (t, speed))
+        });
+        let points: Option<Vec<_>> = points.collect();
+        Some((
+            format!("all at {:.0} °C", celsius(ambient)),
+            points?.into_iter().filter(|p| p.0 >= 0.0).collect(),
+        ))
+    };
+    let lines = [cold, limit].into_iter().filter_map(line).collect();
+    let caption = format!(
+        "drive_mode voltage, {voltage} V, speed imposed, friction as in the start values. A hot winding has more \
+         resistance, hot magnets less torque per ampere."
+    );
+    figure("Speed and torque", "shaft_torque, N.m", "shaft_speed, rad/s", lines, caption)
+}
+
+/// The load that the gearmotor bears for an hour, and where its heat goes.
+fn held_load(native: &Native<'_>) -> Option<Figure> {
+    let at = |load: f64| native.start(&[("duty", 1.0), ("load_torque", load)], &[]);
+    let margin = |load: f64| {
+        let mut run = at(load)?;
+        hour(&mut run, "winding_temperature")?;
+        run.get("winding_margin")
+    };
+    let nominal = native.entry("load_torque")?.row.nominal;
+    let load = bearable(nominal, native.entry("load_torque")?.row.max, margin)?;
+    let names = ["winding_temperature", "housing_temperature", "box_temperature"];
+    let line = |name: &str| {
+        let points = at(load).and_then(|mut run| hour(&mut run, name));
+        (name.trim_end_matches("_temperature").to_string(), points.unwrap_or_default())
+    };
+    let title = format!("Temperatures under a load of {load:.2} N.m");
+    let caption = "duty 1 from a cold start. The load is what the winding bears for one hour.".to_string();
+    let figure =
+        figure(&title, "time, min", "temperature, °C", names.into_iter().map(line).collect(), caption);
+    with_limit(figure, &mut at(load)?)
+}
+
+/// Speed over load at several duties.
+fn duties(native: &Native<'_>) -> Option<Figure> {
+    let most = 2.0 * native.entry("load_torque")?.row.nominal;
+    let speed = |duty: f64, load: f64| {
+        let mut run = native.start(&[("duty", duty), ("load_torque", load)], &[])?;
+        for _ in 0..300 {
+            run.step(10.0 * DEFAULT_STEP)?;
+        }
+        run.get("shaft_speed")
+    };
+    let line = |duty: f64| {
+        let points = (0..=POINTS).map(|k| most * f64::from(k) / f64::from(POINTS));
+        let points = points.map(|load| speed(duty, load).map(|w| (load, w))).collect::<Option<Vec<_>>>();
+        let driven = |p: &(f64, f64)| p.1 >= 0.0;
+        Some((format!("duty {duty}"), points?.into_iter().filter(driven).collect()))
+    };
+    let lines = [1.0, 0.75, 0.5, 0.25].into_iter().filter_map(line).collect();
+    let caption = format!(
+        "Three seconds after the start, supply_voltage {} V. Each line ends where the load turns the motor back.",
+        native.starts.of(native.entry("supply_voltage")?)
+    );
+    figure("Speed and load", "load_torque, N.m", "shaft_speed, rad/s", lines, caption)
+}
+
+/// The run that the archive carries as reference.
+fn reference_run(native: &Native<'_>) -> Option<Figure> {
+    let mut run = native.start(&[], &[])?;
+    let jumps = reference::jumps(native);
+    let mut points = vec![(0.0, run.get("shaft_speed")?)];
+    for k in 0..(DEFAULT_STOP / DEFAULT_STEP).round() as u32 {
+        for jump in jumps.iter().filter(|j| j.at == k) {
+            run.set(&jump.entry.name, jump.to)?;
+        }
+        run.step(DEFAULT_STEP)?;
+        points.push((f64::from(k + 1) * DEFAULT_STEP, run.get("shaft_speed")?));
+    }
+    let caption = format!(
+        "The run whose inputs and results lie in {}: one input after the other goes to its nominal value.",
+        reference::FOLDER
+    );
+    figure(
+        "The reference run",
+        "time, s",
+        "shaft_speed, rad/s",
+        vec![("shaft_speed".into(), points)],
+        caption,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use describe::{StartValues, models};
+
+    #[test]
+    fn every_model_has_three_figures_and_none_is_empty() {
+        for kind in models::ALL.iter() {
+            let starts = StartValues::default();
+            let figures = of(&Native { kind, starts: &starts, terms: &[] });
+            assert_eq!(figures.len(), 3, "{kind:?}");
+            for figure in figures {
+                let span = |points: &[(f64, f64)]| {
+                    let (low, high) =
+                        points.iter().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p.1), b.max(p.1)));
+                    high - low
+                };
+                assert!(figure.chart.lines.iter().all(|(_, p)| span(p) > 0.0), "{}", figure.chart.title);
+            }
+        }
+    }
+
+    #[test]
+    fn cooling_buys_what_the_figure_says() {
+        let kind = models::by_name("AnnulusCooledMotor").unwrap();
+        let starts = StartValues::default();
+        let figure = held_torque(&Native { kind, starts: &starts, terms: &[] }).unwrap();
+        let end: Vec<f64> = figure.chart.lines.iter().map(|(_, p)| p.last().unwrap().1).collect();
+        let limit = figure.chart.limit.unwrap().0;
+        assert!((end[0] - limit).abs() < 0.1, "still air ends at the limit: {end:?}, {limit}");
+        assert!(end[1] < end[0] - 10.0 && end[2] < end[0] - 10.0, "{end:?}");
+    }
+}

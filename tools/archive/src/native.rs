@@ -1,0 +1,76 @@
+//! The native model behind an archive, by names: what the archive shows of itself is computed with it.
+
+use describe::{Entry, GenericTerm, Kind, Model, ModelType, StartValues};
+
+/// A model with the archive's start values and terms.
+#[derive(Clone, Copy, Debug)]
+pub struct Native<'a> {
+    /// Which model.
+    pub kind: &'a ModelType,
+    /// Start values.
+    pub starts: &'a StartValues,
+    /// Terms that are data.
+    pub terms: &'a [GenericTerm],
+}
+
+/// A model on its way. A call that the model refuses gives `None`: the figure is then not drawn.
+pub struct Run<'a> {
+    native: Native<'a>,
+    model: Box<dyn Model>,
+    steps: u32,
+}
+
+impl<'a> Native<'a> {
+    /// A variable's entry.
+    pub fn entry(&self, name: &str) -> Option<&'static Entry> {
+        (self.kind.declaration)().by_name(name)
+    }
+
+    /// An instance with these values beside the start values; choices by the name of an item.
+    pub fn start(&self, values: &[(&str, f64)], choices: &[(&str, &str)]) -> Option<Run<'a>> {
+        let mut run = Run { native: *self, model: (self.kind.new)(), steps: 0 };
+        if !self.terms.is_empty() && !run.model.set_terms(self.terms) {
+            return None;
+        }
+        for entry in &(self.kind.declaration)().entries {
+            if entry.is_settable() {
+                run.model.set(entry.slot, self.starts.of(entry));
+            }
+        }
+        for (name, choice) in choices {
+            let Kind::Enumeration(t) = self.entry(name)?.row.kind else { return None };
+            let item = t.items.iter().find(|i| i.name == *choice)?;
+            run.set(name, f64::from(item.value))?;
+        }
+        values.iter().try_for_each(|(name, value)| run.set(name, *value))?;
+        run.model.start(0.0).ok()?;
+        Some(run)
+    }
+}
+
+impl Run<'_> {
+    /// Sets an input or a parameter within its limits.
+    pub fn set(&mut self, name: &str, value: f64) -> Option<()> {
+        let entry = self.native.entry(name)?;
+        let row = entry.row;
+        let value = if row.kind == Kind::Real { value.clamp(row.min, row.max) } else { value };
+        self.model.set(entry.slot, value).then_some(())
+    }
+
+    /// The present value.
+    pub fn get(&mut self, name: &str) -> Option<f64> {
+        Some(self.model.get(self.native.entry(name)?.slot))
+    }
+
+    /// The present value of an entry.
+    pub fn value(&mut self, entry: &Entry) -> f64 {
+        self.model.get(entry.slot)
+    }
+
+    /// One of many steps of the same length, at times that are multiples of it.
+    pub fn step(&mut self, h: f64) -> Option<()> {
+        self.model.step(f64::from(self.steps) * h, h).ok()?;
+        self.steps += 1;
+        Some(())
+    }
+}

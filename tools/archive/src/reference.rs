@@ -1,0 +1,180 @@
+//! Reference results that an archive carries, in the place and with the manifest of the layered standard FMI-LS-REF:
+//! a table of inputs that every importer can play, and what the native model answers.
+//!
+//! The drive knows no model: one after the other, each input goes from its start value to its nominal value. Between two
+//! jumps inputs stand still, so that it does not matter whether an importer holds them or draws lines.
+
+use crate::native::Native;
+use describe::{Causality, DEFAULT_STEP, DEFAULT_STOP, Entry};
+use quick_xml::Writer;
+use std::io;
+
+/// The folder in the archive.
+pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
+/// Points between two rows of the results.
+const DECIMATION: u32 = 10;
+/// The version of the layered standard, a draft, that the manifest follows.
+const VERSION: &str = "1.0.0-alpha.1";
+
+/// The table of inputs and the results, both as CSV.
+pub struct Reference {
+    /// Time and all inputs; two rows with the same time make a jump.
+    pub inputs: String,
+    /// Time and all outputs.
+    pub results: String,
+}
+
+/// Names of the two files of a model.
+pub fn file_names(model: &str) -> [String; 2] {
+    [format!("{model}_in.csv"), format!("{model}_ref.csv")]
+}
+
+/// Where an input goes, and at which point.
+pub struct Jump {
+    /// The input.
+    pub entry: &'static Entry,
+    /// The value that it takes.
+    pub to: f64,
+    /// The number of the communication point.
+    pub at: u32,
+}
+
+/// The jumps of the drive, in order of time: between a tenth and nine tenths of the run, on rows of the results.
+pub fn jumps(native: &Native<'_>) -> Vec<Jump> {
+    let entries = (native.kind.declaration)().entries.iter();
+    let inputs: Vec<&Entry> = entries.filter(|e| e.row.causality == Causality::Input).collect();
+    let rows = points() / DECIMATION;
+    let count = inputs.len() as u32;
+    let jump = |(k, entry): (usize, &&'static Entry)| Jump {
+        entry,
+        to: entry.row.nominal.clamp(entry.row.min, entry.row.max),
+        at: DECIMATION * (rows / 10 + rows * 8 / 10 * k as u32 / count),
+    };
+    inputs.iter().enumerate().map(jump).collect()
+}
+
+fn points() -> u32 {
+    (DEFAULT_STOP / DEFAULT_STEP).round() as u32
+}
+
+/// Runs the model; `None` where it refuses its own start values.
+pub fn run(native: &Native<'_>) -> Option<Reference> {
+    let jumps = jumps(native);
+    let entries = &(native.kind.declaration)().entries;
+    let outputs: Vec<&Entry> = entries.iter().filter(|e| e.row.causality == Causality::Output).collect();
+    let mut values: Vec<f64> = jumps.iter().map(|j| native.starts.of(j.entry)).collect();
+    let line = |time: f64, values: &[f64]| {
+        let cells: Vec<String> = std::iter::once(&time).chain(values).map(f64::to_string).collect();
+        cells.join(",") + "\n"
+    };
+    let header =
+        |names: &mut dyn Iterator<Item = &str>| names.fold("time".to_string(), |t, n| t + "," + n) + "\n";
+    let mut inputs = header(&mut jumps.iter().map(|j| j.entry.name.as_str()));
+    let mut results = header(&mut outputs.iter().map(|e| e.name.as_str()));
+    let mut model = native.start(&[], &[])?;
+    inputs += &line(0.0, &values);
+    for k in 0..=points() {
+        let time = f64::from(k) * DEFAULT_STEP;
+        // A row shows the outputs as they are after the step, under the inputs of that step, as an importer records them.
+        if k % DECIMATION == 0 {
+            results += &line(time, &outputs.iter().map(|e| model.value(e)).collect::<Vec<_>>());
+        }
+        if jumps.iter().any(|j| j.at == k) {
+            inputs += &line(time, &values);
+            for (value, jump) in values.iter_mut().zip(&jumps).filter(|(_, j)| j.at == k) {
+                *value = jump.to;
+                model.set(&jump.entry.name, jump.to)?;
+            }
+            inputs += &line(time, &values);
+        }
+        if k < points() {
+            model.step(DEFAULT_STEP)?;
+        }
+    }
+    inputs += &line(DEFAULT_STOP, &values);
+    Some(Reference { inputs, results })
+}
+
+/// What lies in the folder, for the layered standard's readers.
+pub fn manifest(model: &str) -> String {
+    let [inputs, results] = file_names(model);
+    let related = [
+        (
+            "text/csv",
+            inputs,
+            "testcase",
+            "Inputs over time; two rows with the same time make a jump".to_string(),
+        ),
+        (
+            "text/csv",
+            results,
+            "result",
+            format!(
+                "Outputs of the native model under these inputs and the start values, at communication steps of {DEFAULT_STEP} s"
+            ),
+        ),
+        (
+            "text/html",
+            "../../documentation/index.html".into(),
+            "document",
+            "What the model is and holds".into(),
+        ),
+    ];
+    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+    let root = [
+        ("xmlns:fmi-ls", "http://fmi-standard.org/fmi-ls-manifest"),
+        ("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-ref"),
+        ("fmi-ls:fmi-ls-version", VERSION),
+        (
+            "fmi-ls:fmi-ls-description",
+            "Layered Standard providing information on related files included in an FMU.",
+        ),
+    ];
+    let write = |xml: &mut Writer<Vec<u8>>| -> io::Result<()> {
+        xml.create_element("fmiReferences").with_attributes(root).write_inner_content(|xml| {
+            related.iter().try_for_each(|(kind, source, role, description)| {
+                let attributes =
+                    [("type", *kind), ("source", source), ("role", role), ("description", description)];
+                xml.create_element("Related").with_attributes(attributes).write_empty().map(drop)
+            })
+        })?;
+        Ok(())
+    };
+    write(&mut xml).expect("writing to memory does not fail");
+    let text = String::from_utf8(xml.into_inner()).expect("names and descriptions are UTF-8");
+    format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{text}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use describe::{StartValues, models};
+
+    #[test]
+    fn every_input_jumps_once_and_every_model_answers() {
+        for kind in models::ALL.iter() {
+            let starts = StartValues::default();
+            let native = Native { kind, starts: &starts, terms: &[] };
+            let jumps = jumps(&native);
+            assert!(jumps.windows(2).all(|w| w[0].at < w[1].at), "one after the other");
+            assert!(jumps.iter().all(|j| j.at % DECIMATION == 0 && (100..900).contains(&j.at)));
+            let reference = run(&native).expect("the model takes its own start values");
+            assert_eq!(reference.inputs.lines().count(), 1 + 2 + 2 * jumps.len());
+            assert_eq!(reference.results.lines().count(), 1 + 1 + 100);
+            let rows: Vec<&str> = reference.results.lines().collect();
+            assert_ne!(
+                rows[1].split_once(',').unwrap().1,
+                rows[101].split_once(',').unwrap().1,
+                "the model moves"
+            );
+        }
+    }
+
+    #[test]
+    fn the_manifest_names_the_files() {
+        let text = manifest("Motor");
+        let document = roxmltree::Document::parse(&text).unwrap();
+        let sources: Vec<_> = document.descendants().filter_map(|n| n.attribute("source")).collect();
+        assert_eq!(sources, ["Motor_in.csv", "Motor_ref.csv", "../../documentation/index.html"]);
+    }
+}

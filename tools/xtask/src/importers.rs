@@ -1,0 +1,44 @@
+//! `cargo xtask importers`: our archives in other people's Rust importers. Compiling these takes longer than the product
+//! itself, so it is no stage of `cargo xtask test`; their Python counterparts are.
+
+use crate::{Outcome, product, shell, venv, workspace::Workspace};
+use std::path::Path;
+
+const MANIFEST: &str = "tests/importers/Cargo.toml";
+const TESTS: &str = "tests/python/rust_importers.py";
+
+/// Takes no arguments.
+pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
+    if let Some(extra) = arguments.first() {
+        return Err(format!("`importers` takes no arguments, got {extra:?}"));
+    }
+    let (python, tools) = (venv::python(workspace)?, venv::importers(workspace)?);
+    shell::stage("building the archives");
+    product::build(workspace)?;
+    product::archives(workspace)?;
+    shell::stage("building the importers");
+    let target = workspace.target.join("importers");
+    let mut build = workspace.cargo(&["build", "--release", "--locked", "--manifest-path", MANIFEST]);
+    build.env("CARGO_TARGET_DIR", &target).env("LIBCLANG_PATH", libclang(&tools)?);
+    if let Some(headers) = compiler_headers() {
+        build.env("BINDGEN_EXTRA_CLANG_ARGS", format!("-I{headers}"));
+    }
+    shell::run(&mut build)?;
+    shell::stage("running them");
+    let program = target.join("release").join(format!("importers{}", std::env::consts::EXE_SUFFIX));
+    let mut tests = product::python(workspace, &python);
+    tests.env("MOTOR_FMU_RUST_IMPORTERS", program).args(["-m", "pytest", TESTS]);
+    shell::run(&mut tests)
+}
+
+/// The folder of the shared library in the package.
+fn libclang(python: &Path) -> Outcome<String> {
+    let ask = "import clang, pathlib; print(pathlib.Path(clang.__file__).parent / 'native')";
+    shell::output(std::process::Command::new(python).args(["-c", ask]))
+}
+
+/// The package has no headers of its own (stddef.h); those of the C compiler serve.
+fn compiler_headers() -> Option<String> {
+    let found = shell::output(std::process::Command::new("cc").arg("-print-file-name=include")).ok()?;
+    Path::new(&found).is_absolute().then_some(found)
+}
