@@ -485,38 +485,3 @@ fn terms_and_sensors_in_a_network() {
     assert!(slope > 1e-3);
     close((now - shown) / slope, 31.0, 2.0);
 }
-
-/// What a term holds over a step it holds in the middle: halving the step quarters the error of what is slow, whether it follows a
-/// temperature or a current that answers its voltage within milliseconds.
-#[test]
-fn what_is_held_over_a_step_is_of_second_order() {
-    let end = |what: GenericTerm, steps: u32| {
-        let mut m = motor(DriveMode::Voltage, MechanicalMode::ImposedSpeed);
-        assert!(m.set_terms(&[what]));
-        (m.inputs.voltage, m.inputs.imposed_speed) = (1.0, 0.0);
-        m.start(-20.0).unwrap();
-        // What answers fast has settled before.
-        (0..200).for_each(|k| m.step(f64::from(k) * 0.1 - 20.0, 0.1).unwrap());
-        let h = 400.0 / f64::from(steps);
-        for k in 0..steps {
-            m.set_slope(m.declaration().by_name("voltage").unwrap().slot, 0.004);
-            m.step(f64::from(k) * h, h).unwrap();
-        }
-        close(output(&mut m, "energy_balance_error"), 0.0, 1e-6);
-        output(&mut m, "housing_temperature")
-    };
-    for (port, driver, size) in [
-        (Port::WindingHeat, Driver::Current, 5.0),
-        (Port::HousingAmbientConductance, Driver::WindingTemperature, 0.1),
-        (Port::HousingHeat, Driver::WindingTemperature, -5.0),
-    ] {
-        let (offset, reference) = if driver == Driver::Current { (0.0, 10.0) } else { (290.0, 30.0) };
-        let what = term(port, size, driver, offset, reference, 2.0);
-        let truth = end(what, 4096);
-        let errors = [8, 16, 32].map(|steps| (end(what, steps) - truth).abs());
-        for pair in errors.windows(2) {
-            let order = (pair[0] / pair[1]).log2();
-            assert!(order > 1.7, "{port:?} {driver:?}: order {order}, errors {errors:?}");
-        }
-    }
-}

@@ -8,7 +8,7 @@
 
 use crate::CalibrateError;
 use crate::experiment::{Experiment, Role};
-use crate::fit::{Fitted, Slopes};
+use crate::fit::Fitted;
 use crate::hypothesis::{Addition, Hypothesis};
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::point::Point;
@@ -16,21 +16,19 @@ use crate::rounds::{Contender, LEAST, Round, acting, compete};
 use crate::search::{Scored, search};
 use crate::separate::separate;
 use crate::setup::Setup;
-use crate::tangent::Probe;
 use crate::telling;
 use physics::terms::{MOST_TERMS, Port};
-use std::sync::Arc;
 
 /// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
 /// of what there is to explain (slopes mislead by some hundredths), and a number.
 const HISTORY: (f64, f64) = (0.03, 30.0);
-/// Noise that is remembered counts from this share of an output's own on.
-const REMEMBERED: f64 = 0.1;
 /// Times that numbers move beside a force, and share of their deviations by which they do no more.
 const MOVES: usize = 4;
 const SETTLED: f64 = 0.2;
 /// Cost by which two effects of the list have to be better than one law in place of both.
 const ONE_LAW: f64 = 6.0;
+/// Share of what a force that is free in time explains from which on a switch explains it.
+const SWITCHED: f64 = 0.9;
 /// Who explains less than this share of what the first does is far behind.
 const AHEAD: f64 = 0.9;
 /// What is left unexplained is said from this evidence on.
@@ -260,7 +258,15 @@ impl<'a> Search<'a> {
         let explained = before.0 - after.0;
         let (share, least) = HISTORY;
         let ahead = |evidence: f64, explained: f64| evidence - explained > least.max(share * evidence.abs());
-        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1)).then_some(free)
+        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1)).then(|| self.switched(free))
+    }
+
+    /// Forces that are free in time explain the same at many ports of heat. One that latches, switches or comes and goes says at which
+    /// it does: the force there, where that explains nearly as much.
+    fn switched<'s>(&'s self, free: &'s Scored) -> &'s Scored {
+        let past = || self.scored.iter().filter(|s| s.follows == Follows::History && !s.listed);
+        let known = past().find(|s| !s.is_free() && s.sure() > SWITCHED * free.sure());
+        known.and_then(|known| past().find(|s| s.is_free() && s.port == known.port)).unwrap_or(free)
     }
 
     fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
@@ -418,11 +424,8 @@ impl<'a> Search<'a> {
         let (_, raw) = self.first.evidence.cost();
         let excess = (raw - self.first.evidence.values() as f64).max(1.0);
         let of = |port: &Port| {
-            let free = self.scored.iter().find(|s| s.port == *port && s.name.ends_with("free in time"))?;
-            let with_driver = self
-                .scored
-                .iter()
-                .find(|s| s.port == *port && !s.listed && !s.name.ends_with("free in time"));
+            let free = self.scored.iter().find(|s| s.port == *port && s.is_free())?;
+            let with_driver = self.scored.iter().find(|s| s.port == *port && !s.listed && !s.is_free());
             let follows = with_driver.map_or(Follows::History, |s| s.follows);
             let gain = free.raw + 2.0 * self.first.per_number();
             Some(Localised { port: *port, share: (gain / excess).clamp(0.0, 1.0), follows })
@@ -446,64 +449,4 @@ fn files(setup: &Setup, active: &[bool]) -> Vec<String> {
 
 fn told(scored: &Scored, added: bool) -> Unexplained {
     Unexplained { port: scored.port, follows: scored.follows, shape: scored.shape.clone(), added }
-}
-
-impl Setup<'_> {
-    /// Adds to the noise of each output what the noise of the inputs does to it within a row, finds the inputs whose
-    /// noise is remembered, and where the drivers stand.
-    fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
-        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
-        let slopes = self.by_inputs(&fitted.hypothesis, runs)?;
-        let slow = |input: &usize| {
-            let (direct, whole) = self.variances(&slopes, |k| k == *input);
-            (0..m).any(|k| whole[k] - direct[k] > (REMEMBERED * self.sigma(k)).powi(2))
-        };
-        let remembered = (0..inputs).filter(slow).collect();
-        let (direct, _) = self.variances(&slopes, |_| true);
-        self.remembered = remembered;
-        self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
-        for (own, direct) in self.noise[inputs..].iter_mut().zip(direct) {
-            *own = (*own * *own + direct).sqrt();
-        }
-        Ok(())
-    }
-
-    /// Mean variance of each output that white noise on the inputs makes over runs: at once, and in all.
-    ///
-    /// # Errors
-    /// What the model says where it cannot be run.
-    pub fn input_noise(
-        &self,
-        hypothesis: &Hypothesis,
-        runs: &[usize],
-    ) -> Result<(Vec<f64>, Vec<f64>), CalibrateError> {
-        Ok(self.variances(&self.by_inputs(hypothesis, runs)?, |_| true))
-    }
-
-    /// A hypothesis linearised along runs, with what each input does.
-    fn by_inputs(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Slopes, CalibrateError> {
-        let probes: Vec<Probe> = (0..self.experiment.inputs.len()).map(Probe::Input).collect();
-        Slopes::new(self, hypothesis, runs, &probes)
-    }
-
-    /// The same of those inputs that `heard` says, along runs that are linearised.
-    fn variances(&self, slopes: &Slopes, heard: impl Fn(usize) -> bool) -> (Vec<f64>, Vec<f64>) {
-        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
-        let (mut direct, mut whole, mut rows) = (vec![0.0; m], vec![0.0; m], 0.0);
-        for (r, tangent) in slopes.tangents.iter().enumerate() {
-            let known = slopes.further(r, inputs).iter().zip(&self.noise).enumerate();
-            let noises: Vec<_> = known
-                .filter(|(k, _)| heard(*k))
-                .filter_map(|(_, (d, sigma))| Some((d.as_ref()?, *sigma)))
-                .collect();
-            let (at_once, all) = tangent.variance(&noises);
-            for (k, (a, b)) in at_once.iter().zip(&all).enumerate() {
-                direct[k % m] += a;
-                whole[k % m] += b;
-            }
-            rows += (at_once.len() / m) as f64;
-        }
-        let mean = |sums: Vec<f64>| sums.into_iter().map(|s| s / rows).collect();
-        (mean(direct), mean(whole))
-    }
 }

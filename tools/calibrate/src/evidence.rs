@@ -42,6 +42,9 @@ struct Drift {
     length: f64,
 }
 
+/// A gain, the numbers, and the factor of their inverse covariance.
+type Explained = (f64, DVector<f64>, Cholesky<f64, Dyn>);
+
 /// What a column, or several, would explain.
 #[derive(Clone, Debug)]
 pub struct Gain {
@@ -206,10 +209,10 @@ impl Evidence {
     fn best(
         &self,
         s: &DMatrix<f64>,
-        explain: impl Fn(&DMatrix<f64>, &DVector<f64>) -> Option<(f64, DVector<f64>, Cholesky<f64, Dyn>)>,
+        explain: impl Fn(&DMatrix<f64>, &DVector<f64>) -> Option<Explained>,
     ) -> Option<Gain> {
         let (sts, zts) = (s.tr_mul(s), self.z.tr_mul(s));
-        let mut best: Option<(f64, DVector<f64>, Cholesky<f64, Dyn>, usize)> = None;
+        let mut best: Option<(f64, Explained, usize)> = None;
         let mut raw = 0.0;
         for (k, drift) in self.drifts.iter().enumerate() {
             let power = &sts - zts.tr_mul(&drift.factor.solve(&zts));
@@ -220,10 +223,10 @@ impl Evidence {
             }
             let cost = drift.cost - gain;
             if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-                best = Some((cost, size, factor, k));
+                best = Some((cost, (gain, size, factor), k));
             }
         }
-        let (cost, size, factor, drift) = best?;
+        let (cost, (_, size, factor), drift) = best?;
         Some(Gain { raw, whitened: self.cost().0 - cost, size, covariance: factor.inverse(), drift })
     }
 }

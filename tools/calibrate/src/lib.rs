@@ -10,6 +10,7 @@
 //! | [`hypothesis`], [`catalogue`] | a model that may be: parameters, effects of the list, terms of no list |
 //! | [`setup`] | all of it ready to be asked; residuals row by row and in blocks |
 //! | [`fit`] | the numbers of a hypothesis: bounded, with priors |
+//! | `hearing` | what the noise of the inputs does to it |
 //! | [`tangent`] | the model linearised along a run: what any small force at any port would do |
 //! | [`evidence`] | what a column would explain beside all parameters and drifting sensors |
 //! | [`point`] | a fitted model with both: where one looks from |
@@ -25,6 +26,7 @@ pub mod close_loop;
 pub mod evidence;
 pub mod experiment;
 pub mod fit;
+mod hearing;
 pub mod hypothesis;
 pub mod noise;
 pub mod outcome;

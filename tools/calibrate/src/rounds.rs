@@ -28,9 +28,9 @@ const NEAR: f64 = 6.0;
 const CONTENDERS: [usize; 3] = [4, 2, 2];
 /// The same, by another measure.
 const FURTHER: [usize; 3] = [3, 1, 1];
-/// What brings a store of its own is simulated ten times as slowly, and competes from this share of the best on; true ones were
-/// scored at 0.55 and more.
-const STORED: f64 = 0.5;
+/// What brings a store of its own is simulated ten times as slowly, and competes only where what is sure of it is this share of the
+/// best.
+const STORED: f64 = 0.2;
 /// Share of a run that is held out where no validation run has the effect.
 const HELD_OUT: f64 = 0.25;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
@@ -39,8 +39,10 @@ const FORETELLING: (f64, f64) = (30.0, 0.02);
 const CLEARLY: f64 = 1.05;
 /// A sensor may wander by so many deviations of its noise.
 const WANDERS: f64 = 4.0;
-/// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none.
+/// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none. Asked for of
+/// those that lower BIC by less than the second number.
 const HARDLY: (f64, f64) = (0.995, 0.98);
+const WEAK: f64 = 100.0;
 /// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
 const FORETOLD: f64 = 6.0;
 /// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
@@ -143,6 +145,7 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     let mut order: Vec<usize> = (0..contenders.len()).collect();
     let near = LEAST.max(STANDS_FOR * best);
     order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < near));
+    prefer_what_is_no_sensor(&contenders, &mut order);
     for k in order {
         // Who explains far less than one that was taken is not looked at.
         if taken.is_some_and(|t: usize| contenders[t].sure() - contenders[k].sure() > NEAR) {
@@ -167,6 +170,30 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
         alike.clear();
     }
     Round { contenders, taken, alike }
+}
+
+/// A sensor that errs by what the motor does is rarer than a motor that does it: of two laws of no list that explain the same, the one
+/// at the sensor comes second.
+fn prefer_what_is_no_sensor(contenders: &[Contender], order: &mut Vec<usize>) {
+    let unnamed = |k: &usize| !contenders[*k].addition().is_listed();
+    let Some(first) = order.iter().position(unnamed) else { return };
+    let best = order[first];
+    if !is_sensor(contenders[best].addition().port) {
+        return;
+    }
+    let same = |k: &usize| {
+        unnamed(k)
+            && !is_sensor(contenders[*k].addition().port)
+            && contenders[best].sure() - contenders[*k].sure() < NEAR
+    };
+    if let Some(other) = order.iter().position(same) {
+        let other = order.remove(other);
+        order.insert(first, other);
+    }
+}
+
+fn is_sensor(port: Port) -> bool {
+    matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor)
 }
 
 /// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted. A power goes
@@ -199,6 +226,7 @@ fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
 /// most if no sensor drifts. Where a large effect has led the parameters astray, one of both misleads.
 fn choose(scored: &[Scored]) -> Vec<&Scored> {
     let mut chosen: Vec<&Scored> = Vec::new();
+    let surest = scored.iter().map(Scored::sure).fold(0.0, f64::max);
     for (quota, worth) in [(CONTENDERS, Scored::sure as fn(&Scored) -> f64), (FURTHER, |s: &Scored| s.raw)] {
         let mut order: Vec<&Scored> =
             scored.iter().filter(|s| s.addition.is_some() && worth(s) > 0.0).collect();
@@ -212,7 +240,7 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
             // An effect may act in other runs than was thought at first.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));
             let far = (worth(candidate) < 0.3 * best && taken[k] >= 1)
-                || (addition.is_store() && worth(candidate) < STORED * best);
+                || (addition.is_store() && candidate.sure() < STORED * surest);
             if taken[k] < quota[k] && !far {
                 taken[k] += 1;
                 if !twice && !chosen.iter().any(|c| std::ptr::eq(*c, candidate)) {
@@ -293,7 +321,8 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
         return Ok((validation, Some(sentence)));
     }
     let most = if addition.is_listed() { HARDLY.0 } else { HARDLY.1 };
-    if let Some(ratio) = validation.filter(|ratio| *ratio >= most) {
+    let weak = contender.sure() < WEAK;
+    if let Some(ratio) = validation.filter(|ratio| weak && *ratio >= most) {
         let sentence = format!(
             "what was not fitted is hardly predicted better: {ratio:.4} times the error without it; {most} is asked for"
         );
@@ -311,8 +340,8 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
 /// A shape over time at a sensor that is no more than what sensors wander, in one sentence.
 fn wanders(contender: &Contender) -> Option<String> {
     let (setup, addition) = (contender.point.setup, contender.addition());
-    let sensor = matches!(addition.port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor);
-    if !sensor || addition.is_listed() || addition.follows != Follows::Driver(Driver::Time) {
+    if !is_sensor(addition.port) || addition.is_listed() || addition.follows != Follows::Driver(Driver::Time)
+    {
         return None;
     }
     let most =

@@ -31,6 +31,8 @@ const STILL: f64 = 0.01;
 const LIKELY: usize = 16;
 /// What a choice among so many ports and drivers costs, beside the numbers.
 pub const CHOICE: f64 = 9.3;
+/// What a force that is free in time is called, behind its port.
+const FREE: &str = " free in time";
 /// Exponents that are tried.
 const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
 
@@ -56,6 +58,11 @@ pub struct Scored {
 }
 
 impl Scored {
+    /// Whether it is a force that is free in time.
+    pub fn is_free(&self) -> bool {
+        self.name.ends_with(FREE)
+    }
+
     /// What speaks for it whichever way the noise is taken.
     pub fn sure(&self) -> f64 {
         self.evidence.min(self.raw)
@@ -112,9 +119,7 @@ pub fn search(point: &Point) -> Vec<Scored> {
     let jobs: Vec<(Port, Driver)> = Port::ALL
         .iter()
         .flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d)))
-        .filter(|(port, driver)| {
-            *port == Port::DragTorque || *driver != Driver::LoadTorque || point.setup.has_load()
-        })
+        .filter(|(_, driver)| *driver != Driver::LoadTorque || point.setup.has_load())
         .collect();
     let mut shapes: Vec<(Port, Driver, Scored)> = jobs
         .par_iter()
@@ -401,7 +406,7 @@ pub fn free_in_time(point: &Point, port: Port) -> Option<Free> {
 fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
     let free = free_in_time(point, port)?;
     let gain = point.evidence.shape(&free.columns, &free.kernel)?;
-    let name = format!("{} free in time", port.name());
+    let name = format!("{}{FREE}", port.name());
     Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + CHOICE, &free.at))
 }
 

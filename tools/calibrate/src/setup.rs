@@ -166,8 +166,7 @@ impl<'a> Setup<'a> {
         ends
     }
 
-    /// Whether the load is an input. Where the shaft is turned instead, its torque is the current over again, and what is no drag
-    /// follows the current.
+    /// Whether the load is an input. Where the shaft is turned instead, its torque is the current over again.
     pub fn has_load(&self) -> bool {
         self.experiment.inputs.iter().any(|c| c.input == Some("load_torque"))
     }

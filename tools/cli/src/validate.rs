@@ -1,10 +1,12 @@
 //! `motor-fmu validate`: what is wrong with an FMU, ours or not.
 
 use crate::Failure;
-use archive::validate::{Finding, Severity, dynamic, validate};
+use archive::validate::{Finding, PATIENCE, Severity, dynamic, validate_within};
 use serde_json::json;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Checks FMUs of FMI 2.0 and 3.0, statically and by running them.
 ///
@@ -17,20 +19,34 @@ pub struct Args {
     /// Print the findings as JSON.
     #[arg(long)]
     json: bool,
+    /// How long a call may take; after that the FMU counts as hung.
+    #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs_f64(), value_parser = seconds)]
+    patience: f64,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(s) if s > 0.0 && s <= 86_400.0 => Ok(s),
+        _ => Err("it must be a number of seconds above 0, at most 86400".to_owned()),
+    }
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
-    report(&args.files, args.json)
+    report_within(&args.files, args.json, args.patience)
 }
 
 /// Validates files and prints what was found.
 pub fn report(files: &[PathBuf], as_json: bool) -> Result<ExitCode, Failure> {
+    report_within(files, as_json, PATIENCE.as_secs_f64())
+}
+
+fn report_within(files: &[PathBuf], as_json: bool, patience: f64) -> Result<ExitCode, Failure> {
     let program =
         std::env::current_exe().map_err(|e| Failure::new(format!("this program is not to be found: {e}")))?;
     let mut reports = Vec::new();
     for file in files {
-        reports.push((file, validate(file, &program)?));
+        reports.push((file, validate_within(file, &program, Duration::from_secs_f64(patience))?));
     }
     if as_json {
         let list: Vec<_> = reports
@@ -58,15 +74,21 @@ fn text(file: &str, findings: &[Finding]) -> String {
     text
 }
 
-/// The child of `validate`: loads and runs one FMU and prints what it saw.
+/// The child of `validate`: loads and runs one FMU and prints what it sees, as it sees it.
 #[derive(clap::Args)]
 pub struct ProbeArgs {
     file: PathBuf,
+    /// The stage to begin with.
+    from: usize,
 }
 
 /// Runs the child.
 pub fn probe(args: &ProbeArgs) -> Result<ExitCode, Failure> {
-    let seen = dynamic::probe(&args.file);
-    crate::say(&serde_json::to_string(&seen)?);
+    dynamic::probe(&args.file, args.from, &mut |event| {
+        // The line before ours may be one that the FMU has begun.
+        let line = serde_json::to_string(&event).unwrap_or_default();
+        crate::say(&format!("\n{line}\n"));
+        let _ = std::io::stdout().flush();
+    });
     Ok(ExitCode::SUCCESS)
 }

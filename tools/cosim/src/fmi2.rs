@@ -251,7 +251,7 @@ pub(crate) fn c_string(text: &str) -> CString {
 }
 
 /// `path` as a `file:///` URI, with everything but unreserved characters percent-encoded.
-fn file_uri(path: &Path) -> String {
+pub(crate) fn file_uri(path: &Path) -> String {
     let text = path.to_string_lossy().replace('\\', "/");
     let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
     for byte in text.bytes() {

@@ -95,7 +95,7 @@ impl Instance {
         let library = load(&binary).map_err(|e| Error::Library {
             path: path.clone(),
             binary: binary.strip_prefix(archive.dir()).unwrap_or(&binary).to_owned(),
-            reason: e.to_string(),
+            reason: loader_says(&e),
         })?;
         let setup = Setup { name: c_string(name), token: c_string(&description.token), dir: archive.dir() };
         let mark = log.mark();
@@ -339,8 +339,13 @@ impl Drop for Instance {
     }
 }
 
+/// The loader's own words, which the error keeps one level down.
+pub(crate) fn loader_says(error: &libloading::Error) -> String {
+    std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
+}
+
 /// Opens the binary with all symbols resolved at once, so that a missing one is an error here and no crash later.
-fn load(binary: &Path) -> Result<Library, libloading::Error> {
+pub(crate) fn load(binary: &Path) -> Result<Library, libloading::Error> {
     #[cfg(unix)]
     {
         use libloading::os::unix::{Library as Unix, RTLD_LOCAL, RTLD_NOW};

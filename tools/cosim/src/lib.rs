@@ -10,6 +10,7 @@
 //! | turn text into a checked value | [`ModelDescription::parse_value`], [`Value`] |
 //! | call the binary | [`Instance`], [`State`], [`Log`] |
 //! | time tables for the inputs | [`InputTable`] |
+//! | call anything, right or wrong, to test an FMU | [`raw`] |
 //! | the whole run | [`simulate`](fn@simulate), [`Options`], [`Recording`] |
 //!
 //! Every failure is an [`Error`]: one sentence that names the variable, value, limits, file and line.
@@ -33,6 +34,7 @@ mod input;
 mod instance;
 mod log;
 mod plot;
+pub mod raw;
 mod recording;
 mod simulate;
 mod value;

@@ -1,165 +1,144 @@
-//! Checks that need the FMU to run: it loads, goes through its life cycle, gives numbers, and resets.
+//! Checks that need the FMU to run.
 //!
-//! They run in a child process ([`run`] starts it, [`probe`] is what it does), so that an FMU that crashes or
-//! hangs is a finding and not the end of the validator.
+//! They run in a child process ([`run`] starts it, [`probe`] is what it does), so that an FMU that crashes or hangs is a
+//! finding and not the end of the validator. The child tells each stage before it begins; when it dies the next child
+//! goes on behind that stage.
 
 use super::finding::{Finding, Findings};
 use super::model::Version;
-use super::rules::{self, Rule};
-use cosim::{Archive, Error, FmiVersion, Instance, Kind, Log, Step};
-use serde::{Deserialize, Serialize};
-use std::io::Read;
+use super::rules;
+use cosim::{Archive, FmiVersion};
+use std::collections::HashSet;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// How long an FMU may take for its few steps.
-const PATIENCE: Duration = Duration::from_secs(60);
-/// Steps of one run.
-const STEPS: u32 = 10;
+mod facts;
+mod probe;
+mod runs;
+mod session;
+mod solver;
+mod stages;
 
-/// What the child tells the parent.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct Observation {
-    code: String,
-    message: String,
-}
+pub use probe::{Event, Observation, probe};
 
-/// Runs the dynamic checks of an FMU through `program probe FILE`, which must print what [`probe`] gives as JSON.
-pub fn run(program: &Path, file: &Path) -> Vec<Finding> {
-    run_within(program, file, version_of(file), PATIENCE)
-}
+/// Children that may die before the validator gives up on an FMU.
+const MOST_CHILDREN: usize = 6;
 
-fn run_within(program: &Path, file: &Path, version: Version, patience: Duration) -> Vec<Finding> {
+/// Runs the dynamic checks of an FMU through `program probe FILE STAGE`, which must print what [`probe`] tells, one JSON
+/// text a line. A call may take `patience`.
+pub fn run(program: &Path, file: &Path, patience: Duration) -> Vec<Finding> {
     let mut out = Findings::new();
-    out.version = version;
-    let child = Command::new(program)
-        .arg("probe")
-        .arg(file)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn();
-    let mut child = match child {
-        Ok(child) => child,
-        Err(error) => {
-            out.add(
-                &rules::NOT_RUN,
-                "binaries",
-                format!("The FMU was not run: {} {error}", program.display()),
-            );
-            return out.into_list();
-        }
-    };
-    // Read beside waiting: a full pipe would make a healthy child look hung.
-    let pipe = child.stdout.take();
-    let reader = thread::spawn(move || {
-        let mut text = String::new();
-        let _ = pipe.map(|mut p| p.read_to_string(&mut text));
-        text
-    });
-    let started = Instant::now();
-    let ended = loop {
-        match child.try_wait() {
-            Ok(Some(status)) => break Some(status),
-            Ok(None) if started.elapsed() < patience => thread::sleep(Duration::from_millis(2)),
-            _ => {
-                let _ = child.kill();
-                let _ = child.wait();
-                break None;
+    out.version = version_of(file);
+    let mut told = HashSet::new();
+    let mut from = 0;
+    for _ in 0..MOST_CHILDREN {
+        match follow(program, file, from, patience, &mut told, &mut out) {
+            Ok(None) => break,
+            Ok(Some(next)) => from = next,
+            Err(error) => {
+                let message = format!("The FMU was not run: {} {error}", program.display());
+                out.add(&rules::NOT_RUN, "binaries", message);
+                break;
             }
         }
-    };
-    let text = reader.join().unwrap_or_default();
-    match ended {
-        None => out.add(
-            &rules::HANG,
-            "binaries",
-            format!("A call did not return within {} s", patience.as_secs()),
-        ),
-        Some(status) => match serde_json::from_str::<Vec<Observation>>(&text) {
-            Ok(observations) if status.success() => {
-                for o in observations {
-                    let rule =
-                        rules::ALL.iter().find(|r| r.code == o.code).copied().unwrap_or(&rules::LIFE_CYCLE);
-                    out.add(rule, "binaries", o.message);
-                }
-            }
-            _ => out.add(
-                &rules::CRASH,
-                "binaries",
-                format!("The FMU ended the process that ran it ({status})"),
-            ),
-        },
     }
     out.into_list()
 }
 
-/// Loads and runs the FMU in this process.
-pub fn probe(file: &Path) -> Vec<Observation> {
-    let mut seen = Vec::new();
-    if let Err((rule, message)) = observe(file, &mut seen) {
-        seen.push(Observation { code: rule.code.to_string(), message });
+/// Follows one child to its end; then the stage at which the next one should begin, if any.
+fn follow(
+    program: &Path,
+    file: &Path,
+    from: usize,
+    patience: Duration,
+    told: &mut HashSet<(String, String)>,
+    out: &mut Findings,
+) -> std::io::Result<Option<usize>> {
+    let mut child = Command::new(program)
+        .arg("probe")
+        .arg(file)
+        .arg(from.to_string())
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()?;
+    let events = listen(&mut child);
+    let (mut stage, mut doing) = (from, "loading the library".to_owned());
+    let hung = loop {
+        match events.recv_timeout(patience) {
+            Ok(Event::Begin(number, words)) => (stage, doing) = (number, words),
+            Ok(Event::Seen(o)) => {
+                // A later child may see again what an earlier one has told.
+                if told.insert((o.code.clone(), o.place.clone())) {
+                    let rule = rules::ALL.iter().find(|r| r.code == o.code);
+                    out.add(rule.copied().unwrap_or(&rules::LIFE_CYCLE), o.place, o.message);
+                }
+            }
+            Ok(Event::Alive) => {}
+            Ok(Event::End) => {
+                let _ = child.wait();
+                return Ok(None);
+            }
+            Err(RecvTimeoutError::Disconnected) => break false,
+            Err(RecvTimeoutError::Timeout) => break true,
+        }
+    };
+    if hung {
+        let _ = child.kill();
     }
-    seen
+    let status = child.wait()?;
+    let of_all = stage % stages::ALL.len();
+    let is_misuse = stages::ALL[of_all].is_misuse;
+    if hung {
+        let message =
+            format!("A call did not return within {} s (stage \"{doing}\")", patience.as_secs_f64());
+        out.add(if is_misuse { &rules::HANG_ON_MISUSE } else { &rules::HANG }, "binaries", message);
+    } else {
+        let message = format!("The FMU ended the process that ran it: {} (stage \"{doing}\")", cause(status));
+        out.add(if is_misuse { &rules::CRASH_ON_MISUSE } else { &rules::CRASH }, "binaries", message);
+    }
+    // Without a basis the other stages of the same interface type would only die the same death.
+    let rest = if stages::ALL[of_all].is_basis { stages::ALL.len() - of_all } else { 1 };
+    Ok(Some(stage + rest))
 }
 
-type Fault = (&'static Rule, String);
-
-fn observe(file: &Path, seen: &mut Vec<Observation>) -> Result<(), Fault> {
-    let because =
-        |rule: &'static Rule| move |error: Error| (rule, error.to_string().trim_end_matches('.').to_string());
-    // What cannot be opened or has no such interface is the static checks' business.
-    let archive = Archive::open(file).map_err(because(&rules::NOT_RUN))?;
-    if archive.description().co_simulation.is_none() {
-        return Err((&rules::NOT_RUN, "The FMU was not run: it has no Co-Simulation interface".to_string()));
+/// The child's lines; what the FMU itself prints is passed over.
+fn listen(child: &mut Child) -> Receiver<Event> {
+    let (sender, receiver) = channel();
+    if let Some(pipe) = child.stdout.take() {
+        thread::spawn(move || {
+            for line in BufReader::new(pipe).split(b'\n').map_while(Result::ok) {
+                if let Ok(event) = serde_json::from_slice(&line)
+                    && sender.send(event).is_err()
+                {
+                    break;
+                }
+            }
+        });
     }
-    archive.binary_path().map_err(because(&rules::NOT_RUN))?;
-    let log = Log::new();
-    let mut instance = Instance::instantiate(&archive, "probe", log).map_err(because(&rules::INSTANTIATE))?;
-    let first = one_run(&archive, &mut instance).map_err(because(&rules::LIFE_CYCLE))?;
-    for (name, value) in &first {
-        if !value.is_finite() {
-            let message = format!("Output \"{name}\" is {value} with all variables at their start values");
-            seen.push(Observation { code: rules::OUTPUT_NOT_FINITE.code.to_string(), message });
-        }
-    }
-    instance.reset().map_err(because(&rules::LIFE_CYCLE))?;
-    let second = one_run(&archive, &mut instance).map_err(because(&rules::LIFE_CYCLE))?;
-    for ((name, a), (_, b)) in first.iter().zip(&second) {
-        if a.to_bits() != b.to_bits() && !(a.is_nan() && b.is_nan()) {
-            let message =
-                format!("Output \"{name}\" is {a} in the first run and {b} in the same run after a reset");
-            return Err((&rules::RESET, message));
-        }
-    }
-    Ok(())
+    receiver
 }
 
-/// Initialization, some steps, the outputs, termination.
-fn one_run(archive: &Archive, instance: &mut Instance) -> Result<Vec<(String, f64)>, Error> {
-    let description = archive.description();
-    let experiment = &description.default_experiment;
-    let start = experiment.start.unwrap_or(0.0);
-    let span = experiment.stop.map_or(1.0, |stop| stop - start);
-    let h = experiment.step.filter(|h| *h > 0.0).unwrap_or(if span > 0.0 { span / 500.0 } else { 1e-3 });
-    instance.enter_initialization(start, None, None)?;
-    instance.exit_initialization()?;
-    for k in 0..STEPS {
-        if let Step::Terminated = instance.do_step(start + f64::from(k) * h, h)? {
-            break;
+fn cause(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt;
+        let names = [(4, "illegal instruction"), (6, "abort"), (7, "bus error"), (8, "arithmetic exception")];
+        if let Some(signal) = status.signal() {
+            let name =
+                names.iter().find(|(n, _)| *n == signal).map_or("segmentation fault", |(_, name)| name);
+            return if signal == 11 || names.iter().any(|(n, _)| *n == signal) {
+                format!("{name} (signal {signal})")
+            } else {
+                format!("signal {signal}")
+            };
         }
     }
-    let mut values = Vec::new();
-    let scalars = description.outputs().filter(|v| v.kind == Kind::Float64 && v.dimensions.is_empty());
-    for variable in scalars {
-        let mut value = [0.0];
-        instance.get_f64(&[variable.value_reference], &mut value)?;
-        values.push((variable.name.clone(), value[0]));
-    }
-    instance.terminate()?;
-    Ok(values)
+    status.to_string()
 }
 
 /// The version whose sections findings cite.
@@ -170,40 +149,56 @@ fn version_of(file: &Path) -> Version {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
     use std::os::unix::fs::PermissionsExt;
 
-    /// A program that stands for the validator's child.
-    fn child(script: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    /// What a program that stands for the validator's child leads to.
+    fn codes(script: &str) -> Vec<&'static str> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("child");
         std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
-        (folder, path)
+        run(&path, Path::new("x.fmu"), Duration::from_secs(1)).iter().map(|f| f.code).collect()
     }
 
-    fn codes(script: &str) -> Vec<&'static str> {
-        let (_folder, program) = child(script);
-        let patience = Duration::from_secs(1);
-        run_within(&program, Path::new("x.fmu"), Version::Fmi2, patience).iter().map(|f| f.code).collect()
+    const END: &str = r#"echo '"end"'"#;
+
+    #[test]
+    fn a_crash_is_a_finding_and_the_next_child_goes_on() {
+        assert_eq!(codes(&format!("[ $3 = 0 ] && kill -SEGV $$; {END}")), ["crash"]);
+        assert_eq!(codes(&format!("[ $3 = 0 ] && exit 3; {END}")), ["crash"]);
+        assert_eq!(codes("kill -SEGV $$"), ["crash"; MOST_CHILDREN]);
     }
 
     #[test]
-    fn a_crash_is_a_finding() {
-        assert_eq!(codes("kill -SEGV $$"), ["crash"]);
-        assert_eq!(codes("exit 3"), ["crash"]);
+    fn a_death_by_misuse_is_told_apart() {
+        let last = stages::ALL.len() - 1;
+        assert!(stages::ALL[last].is_misuse);
+        let begin = format!(r#"echo '{{"begin":[{last},"x"]}}'"#);
+        assert_eq!(
+            codes(&format!("[ $3 = 0 ] && {{ {begin}; kill -SEGV $$; }}; {END}")),
+            ["crash-on-misuse"]
+        );
+        assert_eq!(codes(&format!("[ $3 = 0 ] && {{ {begin}; exec sleep 30; }}; {END}")), ["hang-on-misuse"]);
     }
 
     #[test]
     fn a_hang_is_a_finding() {
-        assert_eq!(codes("exec sleep 30"), ["hang"]);
+        assert_eq!(codes(&format!("[ $3 = 0 ] && exec sleep 30; {END}")), ["hang"]);
     }
 
     #[test]
-    fn what_the_child_saw_is_told() {
-        assert_eq!(codes(r#"echo '[{"code":"reset","message":"x"}]'"#), ["reset"]);
-        assert!(codes("echo '[]'").is_empty());
+    fn a_slow_child_that_shows_life_is_not_hung() {
+        let alive = r#"for i in 1 2 3 4 5; do echo '"alive"'; sleep 0.4; done"#;
+        assert!(codes(&format!("{alive}; {END}")).is_empty());
+    }
+
+    #[test]
+    fn what_the_child_saw_is_told_once_and_noise_is_passed_over() {
+        let seen = r#"{"seen":{"code":"reset","place":"a","message":"x"}}"#;
+        assert_eq!(codes(&format!("echo '{seen}'; echo 'hello'; echo '{seen}'; {END}")), ["reset"]);
+        assert!(codes(END).is_empty());
     }
 }

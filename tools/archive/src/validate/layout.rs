@@ -32,6 +32,22 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
             );
         }
     }
+    if !any_of(&["documentation/index.html"]) {
+        out.add(
+            &rules::DOCUMENTATION_MISSING,
+            "documentation/",
+            "The archive has no documentation/index.html, which tools show to who asks what the model is",
+        );
+    }
+    // Releases of FMI 2.0 differ in where the folder is.
+    let beside = model.version == Version::Fmi2 && in_folder("licenses/");
+    if !(in_folder("documentation/licenses/") || beside) {
+        out.add(
+            &rules::LICENSE_MISSING,
+            "documentation/",
+            "The archive has no folder documentation/licenses, so nobody knows what may be done with it",
+        );
+    }
     if model.version == Version::Fmi2 {
         return;
     }

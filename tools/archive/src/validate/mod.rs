@@ -23,6 +23,7 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use std::time::Duration;
 
 pub use self::finding::{Finding, Severity};
 use self::finding::{Findings, short};
@@ -40,17 +41,27 @@ pub struct Unreadable {
 
 /// A model description larger than this is an attack or a mistake.
 const LARGEST_XML: u64 = 512 << 20;
+/// How long a call may take before the FMU counts as hung.
+pub const PATIENCE: Duration = Duration::from_secs(60);
 const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
-/// Runs every check. What needs the FMU to run is left out where the static checks find an error, since a master
-/// would refuse it too; it runs through `program probe FILE` (see [`dynamic::run`]).
+/// Runs every check. What needs the FMU to run is left out where archive, XML or schema are broken, since no master
+/// would get that far; it runs through `program` (see [`dynamic::run`]).
 ///
 /// # Errors
 /// As [`validate_static`].
 pub fn validate(path: &Path, program: &Path) -> Result<Vec<Finding>, Unreadable> {
+    validate_within(path, program, PATIENCE)
+}
+
+/// As [`validate`], with another patience than [`PATIENCE`] for each call.
+///
+/// # Errors
+/// As [`validate_static`].
+pub fn validate_within(path: &Path, program: &Path, patience: Duration) -> Result<Vec<Finding>, Unreadable> {
     let mut findings = validate_static(path)?;
-    if findings.iter().all(|f| f.severity != Severity::Error) {
-        findings.extend(dynamic::run(program, path));
+    if findings.iter().all(|f| f.severity != Severity::Error || rules::leaves_readable(f.code)) {
+        findings.extend(dynamic::run(program, path, patience));
     }
     Ok(findings)
 }

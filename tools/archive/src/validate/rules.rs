@@ -32,16 +32,22 @@ macro_rules! rules {
     };
 }
 
+/// Whether an FMU that breaks this rule can still be read: all but the rules on archive, XML and schemas.
+pub(super) fn leaves_readable(code: &str) -> bool {
+    let place = |code: &str| ALL.iter().position(|r| r.code == code);
+    place(code) >= place(INTERFACE_MISSING.code)
+}
+
 rules! {
     // The archive.
     EXTENSION "file-extension" Warning "the archive's name ends in .fmu" "2.3" "2.5";
     ARCHIVE_SPANNED "archive-spanned" Error "the archive is one file" "2.3" "2.5";
     ARCHIVE_BOMB "archive-bomb" Error "the archive unpacks to a sensible size" "" "";
-    ENTRY_DUPLICATE "entry-duplicate" Error "an entry name occurs once" "2.3" "2.5";
+    ENTRY_DUPLICATE "entry-duplicate" Error "an entry name occurs once" "" "";
     ENTRY_CASE "entry-case" Warning "entry names differ in more than case" "" "";
     ENTRY_BACKSLASH "entry-backslash" Error "only / separates folders" "2.3" "2.5";
     ENTRY_ABSOLUTE "entry-absolute" Error "entry names are relative" "2.3" "2.5";
-    ENTRY_OUTSIDE "entry-outside" Error "entries stay inside the folder they are unpacked to" "2.3" "2.5";
+    ENTRY_OUTSIDE "entry-outside" Error "entries stay inside the folder they are unpacked to" "" "";
     ENTRY_NOT_ASCII "entry-not-ascii" Warning "entry names are plain ASCII" "2.3" "2.5";
     ENTRY_UNPORTABLE "entry-unportable" Warning "entry names are allowed on every system" "" "";
     ENTRY_ENCRYPTED "entry-encrypted" Error "nothing is encrypted" "2.3" "2.5";
@@ -49,8 +55,8 @@ rules! {
     ENTRY_VERSION "entry-version" Error "zip version 2.0 is enough to extract" "2.3" "2.5";
     ENTRY_DESCRIPTOR "entry-descriptor" Error "stored entries do not set general purpose bit 3" "2.3" "2.5";
     ENTRY_LINK "entry-link" Error "the archive has no links" "2.3" "2.5";
-    ENTRY_HEADER "entry-header" Error "directory and entry agree on the name" "2.3" "2.5";
-    ENTRY_DAMAGED "entry-damaged" Error "every entry can be unpacked" "2.3" "2.5";
+    ENTRY_HEADER "entry-header" Error "directory and entry agree on the name" "" "";
+    ENTRY_DAMAGED "entry-damaged" Error "every entry can be unpacked" "" "";
     DESCRIPTION_MISSING "model-description-missing" Error "modelDescription.xml is at the root" "2.3" "2.5.1";
     // XML.
     XML_NOT_UTF8 "xml-not-utf8" Error "XML files are UTF-8 text" "2.2" "2.4";
@@ -94,14 +100,14 @@ rules! {
     REFERENCE_REPEATED "value-reference-repeated" Error "value references are unique" "" "2.4.7.4";
     TYPE_NAME_CLASH "type-name-clash" Error "types and variables have different names" "2.2.3" "2.4.4";
     // Units.
-    UNIT_NAME_EMPTY "unit-name-empty" Error "unit names are not empty" "2.2.2" "2.4.3";
+    UNIT_NAME_EMPTY "unit-name-empty" Error "unit names are not empty" "" "2.4";
     UNIT_REPEATED "unit-repeated" Error "unit names are unique" "2.2.2" "2.4.3";
     UNIT_FACTOR "unit-factor" Error "factors are not zero, factors and offsets are finite" "2.2.2" "2.4.3";
     DISPLAY_UNIT_REPEATED "display-unit-repeated" Error "display units of a unit have unique names" "2.2.2" "2.4.3";
     DISPLAY_UNIT_INVERSE "display-unit-inverse" Error "inverse display units have no offset" "" "2.4.3";
-    UNIT_UNDEFINED "unit-undefined" Error "units are defined" "2.2.3" "2.4.7.5";
-    DISPLAY_UNIT_ALONE "display-unit-alone" Error "a display unit comes with a unit" "2.2.3" "2.4.7.5";
-    DISPLAY_UNIT_UNDEFINED "display-unit-undefined" Error "display units belong to the unit" "" "2.4.7.5";
+    UNIT_UNDEFINED "unit-undefined" Error "units are defined" "2.2.3" "2.4.4";
+    DISPLAY_UNIT_ALONE "display-unit-alone" Error "a display unit comes with a unit" "2.2.3" "2.4.4";
+    DISPLAY_UNIT_UNDEFINED "display-unit-undefined" Error "display units belong to the unit" "" "2.4.4";
     DISPLAY_UNIT_IGNORED "display-unit-ignored" Warning "display units belong to the unit, or are ignored" "2.2.3" "";
     RELATIVE_WITHOUT_UNIT "relative-without-unit" Warning "relativeQuantity comes with a unit" "2.2.3" "2.4.4";
     // Types.
@@ -128,6 +134,7 @@ rules! {
     LIMIT_NAN "limit-nan" Error "min and max are numbers" "2.2.3" "2.4.4";
     LIMITS_CROSSED "limits-crossed" Error "min is not above max" "2.2.3" "2.4.4";
     START_OUTSIDE "start-outside" Error "start lies within min and max" "2.2.3" "2.4.4";
+    VALUE_SPECIAL "value-special" Error "FMI 2 allows neither NaN nor INF as a value" "2.2" "";
     START_NOT_FINITE "start-not-finite" Warning "start is a finite number" "" "";
     START_NO_ITEM "start-no-item" Error "start of an enumeration is one of its items" "2.2.7" "2.4.7.5";
     NOMINAL_STATE "nominal-state" Error "nominal values of states are positive" "3.2.2" "2.3.3";
@@ -159,8 +166,8 @@ rules! {
     DERIVATIVE_NOT_CONTINUOUS "derivative-not-continuous" Error "state derivatives are continuous real variables" "2.2.8" "2.4.8";
     DERIVATIVE_MISSING "derivative-missing" Error "state derivatives say of which variable" "2.2.8" "2.4.8";
     DERIVATIVE_NOT_LISTED "derivative-not-listed" Warning "Model Exchange lists the derivatives of all states" "2.2.8" "2.4.8";
-    DERIVATIVE_UNIT "derivative-unit" Error "a derivative has its state's unit per second" "2.2.2" "2.4.3";
-    DERIVATIVE_UNIT_TIMELESS "derivative-unit-timeless" Warning "a derivative's unit has the time in it" "2.2.2" "2.4.3";
+    DERIVATIVE_UNIT "derivative-unit" Error "a derivative has its state's unit per second" "2.2.7" "2.4.7.5";
+    DERIVATIVE_UNIT_TIMELESS "derivative-unit-timeless" Warning "a derivative's unit has the time in it" "2.2.7" "2.4.7.5";
     DERIVATIVE_SIZE "derivative-size" Error "state and derivative have the same size" "" "2.4.8";
     STATE_REPEATED "state-repeated" Error "a state has one derivative" "2.2.8" "2.4.8";
     STATE_CAUSALITY "state-causality" Error "states are local or output" "2.2.7" "2.4.7.4";
@@ -183,6 +190,8 @@ rules! {
     // Other files.
     NO_IMPLEMENTATION "no-implementation" Error "there are binaries or sources" "2.3" "2.5";
     SVG_WITHOUT_PNG "svg-without-png" Error "an SVG picture comes with its PNG" "2.3" "2.5.1";
+    DOCUMENTATION_MISSING "documentation-missing" Note "there is documentation" "2.3" "2.5.1.1";
+    LICENSE_MISSING "license-missing" Note "there are licences" "2.3" "2.5.1.1.1";
     LICENSE_ENTRY "license-entry" Error "the licence folder has an entry point" "" "2.5.1.1.1";
     TOOL_UNDOCUMENTED "tool-undocumented" Error "a needed tool is documented" "" "2.5.1.1";
     BUILD_DESCRIPTION_MISSING "build-description-missing" Error "sources come with a build description" "" "2.5.1.3";
@@ -206,12 +215,59 @@ rules! {
     BINARY_FORMAT "binary-format" Error "libraries are shared libraries" "2.3" "2.5.1.4";
     BINARY_ARCHITECTURE "binary-architecture" Error "libraries fit their platform folder" "2.3" "2.5.1.4.1";
     SYMBOL_MISSING "symbol-missing" Error "libraries export all functions" "2.3" "2.5";
-    // Behaviour.
-    NOT_RUN "not-run" Note "the FMU has a Co-Simulation library for this platform" "" "";
-    INSTANTIATE "instantiate" Error "the library loads and makes an instance" "2.1.5" "2.3.1";
-    LIFE_CYCLE "life-cycle" Error "initialization, steps, termination and reset succeed" "4.2.4" "4.2";
+    // Behaviour: one life.
+    NOT_RUN "not-run" Note "the FMU has a library for this platform and needs no other program" "" "";
+    LOAD "load" Error "the library can be loaded" "2.3" "2.5.1.4";
+    INSTANTIATE "instantiate" Error "the library makes an instance" "2.1.5" "2.3.1";
+    VERSION_STRING "version-string" Error "the library tells the version of the standard" "2.1.4" "2.2.5";
+    LIFE_CYCLE "life-cycle" Error "calls in the standard's order succeed" "2.1.6" "2.3";
+    EVENT_ITERATION "event-iteration" Error "the event iteration ends, and time events are not in the past" "3.2.2" "2.3.5";
     OUTPUT_NOT_FINITE "output-not-finite" Error "outputs are finite at the start values" "" "";
-    RESET "reset" Error "a reset instance runs as a new one" "2.1.6" "2.3.1";
-    CRASH "crash" Error "no call ends the process" "" "";
+    VALUE_OUTSIDE "value-outside" Error "variables stay within their declared limits" "2.2.3" "2.2.7.3";
+    LOG_CATEGORY_UNDECLARED "log-category-undeclared" Warning "messages come in declared categories" "2.1.5" "2.3.1";
+    CRASH "crash" Error "no call ends the process" "2.1.3" "2.2.4";
     HANG "hang" Error "every call returns" "" "";
+    // Behaviour: values.
+    START_DIFFERS "start-differs" Error "variables start at their start values" "2.2.7" "2.4.7.5";
+    SET_START "set-start" Error "setting a variable to its own start value changes nothing" "2.2.7" "2.4.7.5";
+    SET_ORDER "set-order" Error "the order in which values are set does not matter" "2.1.7" "2.2.7.2";
+    SET_LOST "set-lost" Error "a value that was set is kept" "2.1.7" "2.2.7.2";
+    GET_CHANGES "get-changes" Error "reading changes nothing" "2.1.7" "2.2.7.2";
+    // Behaviour: the same run again.
+    NOT_DETERMINISTIC "not-deterministic" Warning "two instances that are treated alike do alike" "" "";
+    RESET "reset" Error "a reset instance runs as a new one" "2.1.6" "2.3.1";
+    INSTANCES "instances" Error "instances do not disturb each other" "2.1.5" "2.2.1";
+    MEMORY "memory" Error "what was allocated is freed" "2.1.5" "2.3.1";
+    ROLLBACK "rollback" Error "a saved state brings everything back" "2.1.8" "2.2.7.4";
+    ROLLBACK_INEXACT "rollback-inexact" Warning "a saved state brings everything back bit for bit" "" "";
+    SERIALIZE "serialize" Error "a state goes through bytes unchanged" "2.1.8" "2.2.7.4";
+    STATE_POINTER "state-pointer" Error "freeing a state sets its pointer to NULL" "2.1.8" "2.2.7.4";
+    // Behaviour: steps and slopes.
+    STEP_SIZE "step-size" Error "smaller communication steps converge" "4.3.1" "4.4";
+    STOP_TIME "stop-time" Error "no step goes past the stop time" "2.1.6" "2.3.2";
+    DERIVATIVE_VALUE "derivative-value" Error "a declared derivative is the slope of its variable" "2.2.7" "2.4.7.5";
+    OUTPUT_DERIVATIVE "output-derivative" Error "derivatives of outputs are their slopes" "4.2.1" "4.1.2";
+    INPUT_DERIVATIVE "input-derivative" Error "derivatives of inputs have an effect" "4.3.1" "";
+    // Behaviour: Model Exchange.
+    STATES_NUMBER "states-number" Error "states and event indicators are as many as declared" "" "2.4.8";
+    STATES_ORDER "states-order" Error "states and derivatives are in the order of the model structure" "2.2.8" "2.4.8";
+    STATES_KEPT "states-kept" Error "states that were set are kept" "3.2.1" "3.2.1";
+    NOMINAL_VALUE "nominal-value" Error "nominal values of states are positive" "3.2.2" "2.3.3";
+    EVALUATION_MEMORY "evaluation-memory" Error "derivatives hang on time, states and inputs alone" "3.1" "3.1";
+    INDICATOR_JUMPS "indicator-jumps" Warning "event indicators go through zero and do not jump over it" "3.1" "3.1.1";
+    DIRECTIONAL "directional-derivative" Error "directional derivatives are the derivatives" "2.1.9" "2.2.12.1";
+    ADJOINT "adjoint-derivative" Error "adjoint derivatives are the derivatives" "" "2.2.12.2";
+    DEPENDENCY_UNDECLARED "dependency-undeclared" Error "unknowns depend on declared dependencies alone" "2.2.8" "2.4.8";
+    EXCHANGE_DIFFERS "exchange-differs" Error "Model Exchange and Co-Simulation agree" "" "";
+    // Behaviour: reference results in extra/org.fmi-standard.fmi-ls-ref.
+    REFERENCE_FILE "reference-file" Warning "files with reference results are there and are tables" "" "";
+    REFERENCE_DIFFERS "reference-differs" Error "the FMU computes the reference results that it carries" "" "";
+    // Behaviour: what importers must not do.
+    TOKEN_UNCHECKED "token-unchecked" Warning "a wrong guid or token is refused" "2.1.5" "2.3.1";
+    NAN_ACCEPTED "nan-accepted" Note "NaN and infinity are refused" "" "";
+    RANGE_UNCHECKED "range-unchecked" Note "values outside the limits are refused or remarked" "2.2.3" "2.2.7.3";
+    REFERENCE_UNCHECKED "reference-unchecked" Error "unknown value references are errors" "2.1.2" "2.2.4";
+    CONSTANT_SETTABLE "constant-settable" Error "constants cannot be set" "2.1.2" "2.2.4";
+    CRASH_ON_MISUSE "crash-on-misuse" Warning "no wrong call ends the process" "2.1.3" "2.2.4";
+    HANG_ON_MISUSE "hang-on-misuse" Warning "every wrong call returns" "" "";
 }

@@ -179,6 +179,16 @@ pub const CASES: &[Case] = &[
         fmu.zip()
     }),
     ("svg-without-png", || with("terminalsAndIcons/icon.svg")),
+    ("documentation-missing", || {
+        let mut fmu = Fmu::new(Base::Fmi2);
+        fmu.remove("documentation/index.html");
+        fmu.zip()
+    }),
+    ("license-missing", || {
+        let mut fmu = Fmu::new(Base::Fmi3);
+        fmu.remove("documentation/licenses/license.txt");
+        fmu.zip()
+    }),
     ("license-entry", || {
         let mut fmu = Fmu::new(Base::Fmi3);
         fmu.remove("documentation/licenses/license.txt");

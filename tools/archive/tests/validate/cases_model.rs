@@ -69,6 +69,7 @@ pub const CASES: &[Case] = &[
     ("start-outside", Fmi2, r#"start="300""#, r#"start="-1""#),
     ("start-outside", Fmi2, r#"<Integer start="3""#, r#"<Integer start="9""#),
     ("start-outside", Fmi3, "300 301 302", "300 301 -302"),
+    ("value-special", Fmi2, r#"<Real start="0"/>"#, r#"<Real start="INF"/>"#),
     ("start-not-finite", Fmi3, r#"causality="input" start="0""#, r#"causality="input" start="INF""#),
     ("start-no-item", Fmi2, r#"declaredType="Mode" start="1""#, r#"declaredType="Mode" start="7""#),
     ("start-no-item", Fmi3, r#"declaredType="Mode" start="1""#, r#"declaredType="Mode" start="7""#),

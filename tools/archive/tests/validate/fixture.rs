@@ -34,7 +34,6 @@ impl Fmu {
                 fmu.add("sources/model.c", "int model;");
                 fmu.add("sources/buildDescription.xml", BUILD);
                 fmu.add("terminalsAndIcons/terminalsAndIcons.xml", TERMINALS);
-                fmu.add("documentation/licenses/license.txt", "MIT");
             }
             Base::Clocks => {
                 fmu.add("modelDescription.xml", CLOCKS);
@@ -43,6 +42,8 @@ impl Fmu {
             }
         }
         fmu.add("terminalsAndIcons/port.png", "png");
+        fmu.add("documentation/index.html", "<html/>");
+        fmu.add("documentation/licenses/license.txt", "MIT");
         fmu
     }
 

@@ -105,6 +105,19 @@ pub(crate) fn check(xml: &Xml, root: &'static Element, out: &mut Findings) -> bo
     true
 }
 
+/// No text other than white space between elements.
+fn check_text(xml: &Xml, child: Node, element: &'static Element, out: &mut Findings) {
+    let text = child.text().filter(|_| child.is_text()).unwrap_or_default();
+    if !text.trim_matches([' ', '\t', '\n', '\r']).is_empty() {
+        let message = format!(
+            "<{}> contains the text \"{}\", but only elements are allowed",
+            element.name,
+            short(text.trim())
+        );
+        out.add(&rules::XSD_TEXT, xml.place(child), message);
+    }
+}
+
 fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
     check_attributes(xml, node, element, out);
     let slots = match element.content {
@@ -115,6 +128,10 @@ fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
                     format!("<{}> has {count} child elements, at most {most} is allowed", element.name);
                 out.add(&rules::XSD_ELEMENT_REPEATED, xml.place(node), message);
             }
+            // A limited number of elements, and nothing between them.
+            if most != UNBOUNDED {
+                node.children().for_each(|child| check_text(xml, child, element, out));
+            }
             return;
         }
         Content::Slots(slots) => slots,
@@ -122,16 +139,7 @@ fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
     let mut counts = vec![0_usize; slots.len()];
     let mut cursor = 0;
     for child in node.children() {
-        if child.is_text()
-            && child.text().is_some_and(|t| !t.trim_matches([' ', '\t', '\n', '\r']).is_empty())
-        {
-            let message = format!(
-                "<{}> contains the text \"{}\", but only elements are allowed",
-                element.name,
-                short(child.text().unwrap_or_default().trim())
-            );
-            out.add(&rules::XSD_TEXT, xml.place(child), message);
-        }
+        check_text(xml, child, element, out);
         if !child.is_element() {
             continue;
         }

@@ -90,7 +90,7 @@ impl Type {
 pub(crate) fn parse_double(text: &str) -> Option<f64> {
     let text = text.trim_matches([' ', '\t', '\n', '\r']);
     match text {
-        "INF" | "+INF" => Some(f64::INFINITY),
+        "INF" => Some(f64::INFINITY),
         "-INF" => Some(f64::NEG_INFINITY),
         "NaN" => Some(f64::NAN),
         _ if text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b)) => text.parse().ok(),
@@ -181,7 +181,7 @@ mod tests {
         for good in ["1", "-1.5e-3", ".5", "5.", "INF", "-INF", "NaN", " 1 "] {
             assert!(Type::Double.accepts(good), "{good}");
         }
-        for bad in ["", "inf", "nan", "infinity", "1,5", "0x10", "1e", "--1", "1_000"] {
+        for bad in ["", "inf", "+INF", "nan", "infinity", "1,5", "0x10", "1e", "--1", "1_000"] {
             assert!(!Type::Double.accepts(bad), "{bad}");
         }
         assert!(

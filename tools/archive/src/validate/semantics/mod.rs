@@ -1,7 +1,7 @@
 //! The rules that no schema can express, one file per theme.
 
 mod aliases;
-mod arrays;
+pub(crate) mod arrays;
 mod clocks;
 mod derivatives;
 mod document;

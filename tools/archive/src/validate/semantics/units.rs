@@ -60,7 +60,8 @@ fn check_definition<'a>(
     name: &str,
     out: &mut Findings,
 ) -> HashSet<&'a str> {
-    if name.is_empty() {
+    // FMI 2.0.5, section 2.2.3: an empty string is a valid unit.
+    if name.is_empty() && model.version == Version::Fmi3 {
         out.add(&rules::UNIT_NAME_EMPTY, model.place(unit), "A unit has an empty name");
     }
     for base in children(unit, "BaseUnit") {

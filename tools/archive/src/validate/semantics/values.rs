@@ -1,7 +1,7 @@
 //! Start values, limits and nominal values.
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, children};
+use crate::validate::model::{Kind, Model, Variable, Version, children};
 use crate::validate::rules;
 use crate::validate::schema::types::{parse_double, parse_integer};
 
@@ -43,7 +43,11 @@ fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
             return;
         }
         if !start.is_finite() {
-            out.add(&rules::START_NOT_FINITE, &place, format!("{} has the start value {text}", v.label()));
+            let rule = match model.version {
+                Version::Fmi2 => &rules::VALUE_SPECIAL,
+                Version::Fmi3 => &rules::START_NOT_FINITE,
+            };
+            out.add(rule, &place, format!("{} has the start value {text}", v.label()));
             return;
         }
     }

@@ -1,0 +1,415 @@
+"""The seeded faults: each with the code that must be found, the archive it is seeded into, and how."""
+
+import re
+import zipfile
+from dataclasses import dataclass
+from typing import Callable
+
+from .archive import DESCRIPTION, lie_about_size, library
+from .foreign import REFERENCE
+
+#: Our archives, and the oscillator that is built from C: name of the base, standard.
+OURS = {2: "ours 2", 3: "ours 3"}
+FOREIGN = {2: "foreign 2", 3: "foreign 3"}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault. `change` takes the files of the base and gives the changed ones; `write` writes them in a way of its own."""
+
+    code: str
+    what: str
+    base: str
+    change: Callable = None
+    write: Callable = None
+    #: A fault of the oscillator's C source instead of a change.
+    seed: str = ""
+
+
+def edit(pattern, replacement, name=DESCRIPTION):
+    """A regular expression that must match, replaced once."""
+
+    def change(files):
+        text, count = re.subn(pattern, replacement, files.entries[name].decode(), count=1, flags=re.S)
+        assert count == 1, f"{name} has no {pattern}"
+        files.entries[name] = text.encode()
+
+    return change
+
+
+def attribute(variable, name, value):
+    """Sets an attribute of a variable of either standard, or adds it; None takes it away."""
+
+    def change(files):
+        text = files.entries[DESCRIPTION].decode()
+        found = re.search(rf'<(\w+) name="{re.escape(variable)}"[^>]*?(/>|>\s*<\w+[^>]*?/>)', text, re.S)
+        assert found, f"there is no variable {variable}"
+        element = found.group(0)
+        if value is None:
+            new, count = re.subn(rf'\s{name}="[^"]*"', "", element, count=1)
+            assert count, f"{variable} has no {name}"
+        elif re.search(rf'\s{name}="', element):
+            new = re.sub(rf'(\s{name}=")[^"]*"', rf'\g<1>{value}"', element, count=1)
+        else:
+            outer = name in ("causality", "variability", "initial")
+            at = element.index(">") if outer else element.rindex(">")
+            at -= element[at - 1] == "/"
+            new = f'{element[:at]} {name}="{value}"{element[at:]}'
+        files.entries[DESCRIPTION] = text.replace(element, new, 1).encode()
+
+    return change
+
+
+def add(name, content):
+    """One more file."""
+
+    def change(files):
+        files.entries[name] = content.encode() if isinstance(content, str) else content
+
+    return change
+
+
+def variable(text):
+    """One more variable, at the end of the list."""
+    return edit(r"  </ModelVariables>", rf"    {text}\n  </ModelVariables>")
+
+
+def move_library(place, cut=None):
+    """Puts the library somewhere else; `cut` keeps only its first bytes."""
+
+    def change(files):
+        name = library(files)
+        content = files.entries.pop(name)
+        files.entries[place] = content[:cut]
+
+    return change
+
+
+def in_library(old, new):
+    """Changes bytes of the library."""
+
+    def change(files):
+        files.replace(old, new, library(files))
+
+    return change
+
+
+def also(*extra):
+    """Writes further entries, which no dictionary could hold."""
+    return lambda files, path: files.write(path, extra)
+
+
+def special(name, **properties):
+    """Writes one further entry with properties of the zip format."""
+
+    def write(files, path):
+        files.write(path)
+        info = zipfile.ZipInfo(name)
+        for key, value in properties.items():
+            setattr(info, key, value)
+        with zipfile.ZipFile(path, "a") as file:
+            file.writestr(info, b"/etc/passwd")
+        return path
+
+    return write
+
+
+def bomb(files, path):
+    """150 MB of zeros."""
+    files.write(path)
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED, compresslevel=1) as file, file.open("resources/zeros", "w") as zeros:
+        for _ in range(150):
+            zeros.write(bytes(1 << 20))
+    return path
+
+
+def into_subfolder(files, path):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, content in files.entries.items():
+            file.writestr(f"model/{name}", content)
+    return path
+
+
+LICENSE = "documentation/licenses/license.txt"
+
+
+def license_elsewhere(files):
+    files.entries["documentation/licenses/terms.pdf"] = files.entries.pop(LICENSE)
+
+
+TERMINALS = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals><Terminal name="shaft" '
+    'matchingRule="plug">{}</Terminal></Terminals></fmiTerminalsAndIcons>'
+)
+MEMBER = '<TerminalMemberVariable variableName="{}" memberName="{}" variableKind="signal"/>'
+BUILD = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<fmiBuildDescription fmiVersion="3.0"><BuildConfiguration modelIdentifier="{}">'
+    '<SourceFileSet><SourceFile name="{}"/></SourceFileSet></BuildConfiguration></fmiBuildDescription>'
+)
+ICONS = "terminalsAndIcons/terminalsAndIcons.xml"
+
+ARCHIVE = [
+    Fault("entry-outside", "an entry leads out of the folder (zip slip)", OURS[2], write=also(("../evil.sh", b"x"))),
+    Fault("entry-absolute", "an entry has an absolute path", OURS[3], write=also(("/tmp/evil.sh", b"x"))),
+    Fault("entry-backslash", "a backslash separates folders", FOREIGN[2], write=special("resources", filename="resources\\x.txt")),
+    Fault("entry-duplicate", "modelDescription.xml occurs twice", FOREIGN[3], write=also((DESCRIPTION, b"<x/>"))),
+    Fault("entry-case", "two names differ in case alone", FOREIGN[2], write=also(("MODELDESCRIPTION.XML", b"<x/>"))),
+    Fault(
+        "entry-link",
+        "a symbolic link to /etc/passwd",
+        FOREIGN[3],
+        write=special("resources/link", create_system=3, external_attr=0o120777 << 16),
+    ),
+    Fault("entry-method", "an entry is compressed with bzip2", FOREIGN[2], write=special("resources/x", compress_type=zipfile.ZIP_BZIP2)),
+    Fault("entry-damaged", "an entry promises another size", FOREIGN[3], write=lambda files, path: lie_about_size(files.write(path))),
+    Fault("archive-bomb", "150 MB of zeros", FOREIGN[2], write=bomb),
+    Fault("model-description-missing", "everything is in a subfolder", OURS[3], write=into_subfolder),
+]
+XML = [
+    Fault(
+        "xml-doctype", "a document type with an entity", OURS[2], edit(r"\?>", r'?><!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/passwd">]>')
+    ),
+    Fault("xml-malformed", "an end tag is missing", FOREIGN[2], edit(r"</ModelStructure>", "")),
+    Fault("xml-encoding", "the file says that it is Latin-1", FOREIGN[3], edit("UTF-8", "ISO-8859-1")),
+    Fault("xsd-attribute-unknown", "an attribute that no schema has", OURS[2], attribute("duty", "colour", "red")),
+    Fault("xsd-attribute-missing", "a variable without value reference", OURS[3], attribute("duty", "valueReference", None)),
+    Fault("xsd-attribute-value", "a start value that is no number", OURS[2], attribute("thermal.C_h", "start", "many")),
+    Fault(
+        "xsd-element-order",
+        "log categories before the units",
+        FOREIGN[2],
+        edit(r"(  <UnitDefinitions>.*)(  <LogCategories>.*?</LogCategories>\n)", r"\2\1"),
+    ),
+    Fault("xsd-element-missing", "no model structure", FOREIGN[3], edit(r"<ModelStructure>.*</ModelStructure>", "")),
+    Fault("xsd-element-unknown", "an element that no schema has", OURS[3], edit(r"<ModelVariables>", "<Colours/><ModelVariables>")),
+]
+MEANING = [
+    Fault("start-outside", "a start value above its max", OURS[2], attribute("thermal.C_h", "start", "1e9")),
+    Fault("start-outside", "an integer's start value below its min", FOREIGN[3], attribute("solver", "start", "0")),
+    Fault("limits-crossed", "min above max", OURS[3], attribute("thermal.C_h", "min", "1e9")),
+    Fault("unit-undefined", "a unit that is not defined", OURS[2], attribute("duty", "unit", "percent")),
+    Fault("display-unit-undefined", "a display unit of another unit", OURS[3], attribute("duty", "displayUnit", "degC")),
+    Fault("unit-factor", "a unit with the factor 0", FOREIGN[2], edit(r'factor="1000"', 'factor="0"')),
+    Fault("unit-repeated", "a unit defined twice", FOREIGN[3], edit(r'<Unit name="m/s">', '<Unit name="m">')),
+    Fault(
+        "item-repeated",
+        "two items of an enumeration with one value",
+        OURS[2],
+        edit(r'(<Item name="\w+" value=")(\d+)("[^>]*>\s*<Item name="\w+" value=")\d+', r"\1\2\3\2"),
+    ),
+    Fault("type-undefined", "a declared type that is not defined", FOREIGN[2], edit(r'declaredType="Position"', 'declaredType="Place"')),
+    Fault("causality-variability", "a continuous parameter", OURS[3], attribute("thermal.C_h", "variability", "continuous")),
+    Fault("start-missing", "a parameter without start value", OURS[2], attribute("thermal.C_h", "start", None)),
+    Fault("start-forbidden", "a start value of what is calculated", OURS[3], attribute("winding_temperature", "start", "300")),
+    Fault("initial-not-allowed", "a parameter that says it is calculated", FOREIGN[2], attribute("damping", "initial", "calculated")),
+    Fault("continuous-not-float", "a continuous Boolean", FOREIGN[3], attribute("beyond", "variability", "continuous")),
+    Fault("name-repeated", "one name for two variables", OURS[2], attribute("thermal.C_h", "name", "duty")),
+    Fault("name-syntax", "a name that is not structured as promised", OURS[3], attribute("thermal.C_h", "name", "thermal C_h")),
+    Fault("value-reference-repeated", "one value reference for two variables", OURS[3], attribute("thermal.C_h", "valueReference", "1")),
+    Fault("alias-start", "two start values for one value reference", FOREIGN[2], attribute("damping", "valueReference", "9")),
+    Fault("alias-unit", "an alias in another unit", FOREIGN[2], attribute("power", "valueReference", "12")),
+    Fault("output-not-listed", "an output that the model structure lacks", FOREIGN[3], edit(r'<Output valueReference="6"[^>]*>', "")),
+    Fault("initial-unknown-missing", "an initial unknown that is not listed", FOREIGN[2], edit(r'<Unknown index="5"/>', "")),
+    Fault("unknown-repeated", "an output listed twice", OURS[3], edit(r'(<Output valueReference="22"[^>]*/>)', r"\1\1")),
+    Fault("dependency-reference", "a dependency on nothing", FOREIGN[3], edit(r'dependencies="2 5"', 'dependencies="2 99"')),
+    Fault(
+        "dependencies-kind-length",
+        "fewer kinds than dependencies",
+        FOREIGN[2],
+        edit(r'dependencies="3 6"', 'dependencies="3 6" dependenciesKind="dependent"'),
+    ),
+    Fault("derivative-reference", "the derivative of nothing", FOREIGN[3], attribute("der(v)", "derivative", "99")),
+    Fault("derivative-target", "the derivative of a Boolean", FOREIGN[3], attribute("der(v)", "derivative", "20")),
+    Fault("derivative-name", "der(v) declared as derivative of x", FOREIGN[2], attribute("der(v)", "derivative", "2")),
+    Fault("derivative-unit", "a derivative in another unit than its state's per second", FOREIGN[3], attribute("der(v)", "unit", "W")),
+    Fault(
+        "event-indicator",
+        "a Boolean event indicator",
+        FOREIGN[3],
+        edit(r'EventIndicator valueReference="13"', 'EventIndicator valueReference="20"'),
+    ),
+    Fault("default-experiment", "a stop before the start", OURS[2], edit(r'stopTime="[^"]*"', 'stopTime="-1"')),
+    Fault(
+        "model-identifier",
+        "a modelIdentifier that is no C identifier",
+        FOREIGN[2],
+        edit(r'CoSimulation modelIdentifier="oscillator"', 'CoSimulation modelIdentifier="2nd-order"'),
+    ),
+    Fault("capability-requires", "serialisation without saved states", OURS[2], edit(r' canGetAndSetFMUstate="true"', "")),
+    Fault("token-empty", "an empty token", FOREIGN[3], edit(r'instantiationToken="[^"]*"', 'instantiationToken=""')),
+    Fault(
+        "dimension",
+        "an array as long as a real parameter says",
+        FOREIGN[3],
+        variable('<Float64 name="row" valueReference="40"><Dimension valueReference="7"/></Float64>'),
+    ),
+    Fault(
+        "start-count",
+        "two start values for three elements",
+        FOREIGN[3],
+        variable(
+            '<Float64 name="row" valueReference="40" causality="parameter" variability="fixed" start="1 2"><Dimension start="3"/></Float64>'
+        ),
+    ),
+    Fault(
+        "clock-interval",
+        "a periodic clock without interval",
+        FOREIGN[3],
+        variable('<Clock name="tick" valueReference="40" causality="input" intervalVariability="constant"/>'),
+    ),
+]
+FILES = [
+    Fault(
+        "binary-missing",
+        "a library with another name than modelIdentifier",
+        OURS[2],
+        lambda files: move_library(library(files).replace(".", "_2."))(files),
+    ),
+    Fault(
+        "binary-architecture",
+        "a Linux library in the folder of Windows",
+        OURS[3],
+        move_library("binaries/x86_64-windows/BrushedGearmotor.dll"),
+    ),
+    Fault("binary-format", "a library cut short", FOREIGN[2], lambda files: move_library(library(files), 200)(files)),
+    Fault("symbol-missing", "a library without fmi2Reset", FOREIGN[2], in_library(b"fmi2Reset\0", b"fmi2Rexet\0")),
+    Fault(
+        "symbol-missing",
+        "a library without fmi3GetAdjointDerivative",
+        FOREIGN[3],
+        in_library(b"fmi3GetAdjointDerivative\0", b"fmi3GetAdjointDerivatibe\0"),
+    ),
+    Fault("platform-of-fmi2", "the FMI 2 name of a platform in FMI 3", FOREIGN[3], move_library("binaries/linux64/oscillator.so")),
+    Fault("no-implementation", "neither binaries nor sources", FOREIGN[2], lambda files: files.entries.pop(library(files))),
+    Fault(
+        "terminal-variable",
+        "a terminal with a variable that does not exist",
+        OURS[3],
+        add(ICONS, TERMINALS.format(MEMBER.format("torque", "tau"))),
+    ),
+    Fault(
+        "member-name",
+        "two members of a terminal with one name",
+        FOREIGN[2],
+        add(ICONS, TERMINALS.format(MEMBER.format("x", "a") + MEMBER.format("power", "a"))),
+    ),
+    Fault("svg-without-png", "an icon as SVG alone", FOREIGN[3], add("terminalsAndIcons/icon.svg", "<svg/>")),
+    Fault("build-description-missing", "source code that nobody can build", FOREIGN[3], add("sources/model.c", "int x;")),
+    Fault(
+        "source-file-missing",
+        "a source file that is listed and not there",
+        FOREIGN[3],
+        add("sources/buildDescription.xml", BUILD.format("oscillator", "model.c")),
+    ),
+    Fault("license-entry", "a licence folder without an entry point", FOREIGN[3], license_elsewhere),
+    Fault("documentation-missing", "no documentation", FOREIGN[2], lambda files: files.entries.pop("documentation/index.html")),
+    Fault("license-missing", "no licence", FOREIGN[3], lambda files: files.entries.pop(LICENSE)),
+]
+#: Model description and library are each right, and do not fit together.
+TOGETHER = [
+    Fault(
+        "instantiate",
+        "the XML has the GUID of another build",
+        OURS[2],
+        edit(r'guid="[^"]*"', 'guid="{0a1b2c3d-0000-4000-8000-0123456789ab}"'),
+    ),
+    Fault("start-differs", "a start value that the library does not have", OURS[3], attribute("thermal.C_h", "start", "86")),
+    Fault(
+        "dependency-undeclared",
+        "a dependency is left out",
+        OURS[2],
+        edit(r'(<Outputs>\s*<Unknown index="\d+" dependencies=")[^"]*"', r'\1"'),
+    ),
+    Fault("value-outside", "an output outside the limits it is given", OURS[3], attribute("winding_temperature", "max", "200")),
+    Fault("reference-file", "reference results are listed and not there", FOREIGN[2], lambda files: files.entries.pop(REFERENCE)),
+    Fault(
+        "life-cycle",
+        "a value reference that the library does not know",
+        OURS[2],
+        attribute("winding_temperature", "valueReference", "9999"),
+    ),
+    Fault("derivative-value", "the angle declared as derivative of the temperature", OURS[3], attribute("shaft_angle", "derivative", "25")),
+    Fault(
+        "states-number",
+        "a state that the model structure lacks",
+        FOREIGN[3],
+        edit(r'<ContinuousStateDerivative valueReference="3"[^>]*>', ""),
+    ),
+]
+
+
+def seeded(code, what, seed, fmi):
+    return Fault(code, what, FOREIGN[fmi], seed=seed)
+
+
+BEHAVIOUR = [
+    seeded("crash", "a step writes where it must not", "crash", 2),
+    seeded("crash", "a step calls abort", "abort", 3),
+    seeded("crash", "a step ends the program", "exit", 2),
+    seeded("crash", "freeing NULL crashes", "free_null", 3),
+    seeded("crash-on-misuse", "NaN ends the program", "nan_crash", 2),
+    seeded("hang", "a step never returns", "hang", 2),
+    seeded("instantiate", "no instance is made", "instantiate", 3),
+    seeded("version-string", "fmi2GetVersion says 1.0", "version", 2),
+    seeded("version-string", "another types platform than default", "platform", 2),
+    seeded("token-unchecked", "any token is accepted", "token", 3),
+    seeded("life-cycle", "the fourth step fails", "step_error", 2),
+    seeded("life-cycle", "termination fails", "terminate", 3),
+    seeded("life-cycle", "reset fails", "reset_error", 2),
+    seeded("life-cycle", "event mode fails", "event_mode", 3),
+    seeded("life-cycle", "a step returns early without leave", "early_return", 3),
+    seeded("output-not-finite", "an output is NaN", "output_nan", 2),
+    seeded("value-outside", "an output is below its min", "value_outside", 3),
+    seeded("log-category-undeclared", "messages in an undeclared category", "log_category", 2),
+    seeded("start-differs", "a parameter starts at another value", "start", 3),
+    seeded("start-differs", "a text starts as another one", "start_text", 2),
+    seeded("set-lost", "a parameter ignores what it is set to", "set_lost", 3),
+    seeded("set-order", "setting one parameter changes another", "set_order", 2),
+    seeded("set-start", "setting what is there already changes the dynamics", "set_disturbs", 3),
+    seeded("get-changes", "reading moves the state", "get_changes", 2),
+    seeded("not-deterministic", "random numbers", "random", 3),
+    seeded("reset", "reset does nothing", "reset_nothing", 2),
+    seeded("reset", "reset keeps a parameter", "reset_parameter", 3),
+    seeded("instances", "instances share their input", "instances_share", 2),
+    seeded("memory", "instances are not freed", "leak_instance", 3),
+    seeded("memory", "saved states are not freed", "leak_state", 2),
+    seeded("memory", "each step leaks 64 bytes", "leak_step", 3),
+    seeded("rollback", "a saved state lacks a continuous state", "rollback", 2),
+    seeded("rollback", "a saved state lacks the input", "rollback_input", 3),
+    seeded("state-pointer", "the pointer to a freed state stays", "state_pointer", 2),
+    seeded("serialize", "bytes lack a continuous state", "serialize", 3),
+    seeded("step-size", "each step is 10 ms, whatever is asked for", "step_ignored", 2),
+    seeded("stop-time", "steps past the stop time", "stop_time", 3),
+    seeded("derivative-value", "a declared derivative is 2 % too large", "derivative_told", 2),
+    seeded("exchange-differs", "the spring is 2 % too stiff in Co-Simulation", "dynamics_steps", 3),
+    seeded("exchange-differs", "the spring is 2 % too stiff in Model Exchange", "dynamics_exchange", 2),
+    seeded("reference-differs", "the spring is 2 % too stiff everywhere", "dynamics", 3),
+    seeded("output-derivative", "a derivative of an output is 5 % too large", "output_derivative", 3),
+    seeded("input-derivative", "slopes of inputs are ignored", "input_derivative", 2),
+    seeded("directional-derivative", "a directional derivative is 2 % too large", "directional", 3),
+    seeded("directional-derivative", "a directional derivative has the wrong sign", "directional_sign", 2),
+    seeded("adjoint-derivative", "adjoint derivatives are 2 % too large", "adjoint", 3),
+    seeded("dependency-undeclared", "an output depends on more than is said", "dependency", 2),
+    seeded("states-order", "states in another order than their derivatives", "states_order", 3),
+    seeded("states-kept", "setting states leaves one as it was", "states_kept", 2),
+    seeded("states-number", "more states than the model structure has", "states_number", 3),
+    seeded("nominal-value", "nominal values of states are 0", "nominal", 2),
+    seeded("evaluation-memory", "derivatives change from call to call", "evaluation_memory", 3),
+    seeded("indicator-jumps", "an event indicator is +1 or -1", "indicator_jumps", 2),
+    seeded("event-iteration", "the event iteration never ends", "events_forever", 3),
+    seeded("event-iteration", "the next time event was a second ago", "event_past", 2),
+    seeded("reference-unchecked", "any value reference can be read", "reference", 3),
+    seeded("constant-settable", "a constant can be set", "constant_settable", 2),
+    seeded("nan-accepted", "NaN is taken as a value", "nan_accepted", 3),
+    seeded("range-unchecked", "values outside the limits are taken", "range_unchecked", 2),
+]
+
+GROUPS = [
+    ("The archive", ARCHIVE),
+    ("XML and schema", XML),
+    ("What the model description says", MEANING),
+    ("Other files and libraries", FILES),
+    ("Model description against library", TOGETHER),
+    ("Behaviour", BEHAVIOUR),
+]
+ALL = [fault for _, faults in GROUPS for fault in faults]

@@ -1,0 +1,302 @@
+//! What the model description promises about the running FMU, as owned data.
+
+use std::path::Path;
+
+use cosim::Kind;
+use cosim::raw::InterfaceType;
+
+use crate::validate::finding::Findings;
+use crate::validate::model::{self, Model, Unknown, Version, double, is_true, unsigned, unsigned_list};
+use crate::validate::schema::types::{parse_boolean, parse_double, parse_integer};
+use crate::validate::semantics::arrays;
+use crate::validate::xml::Xml;
+
+/// Elements of an array that are read; a larger one says more of the file than of the FMU.
+const LARGEST_ARRAY: usize = 1 << 20;
+
+/// A variable.
+#[derive(Clone, Debug)]
+pub(super) struct Variable {
+    pub(super) name: String,
+    pub(super) reference: u32,
+    pub(super) kind: Kind,
+    pub(super) causality: String,
+    pub(super) variability: String,
+    pub(super) initial: Option<String>,
+    /// Start values as numbers, one for each element; empty without a start value or for a string.
+    pub(super) start: Vec<f64>,
+    pub(super) text: Option<String>,
+    pub(super) min: Option<f64>,
+    pub(super) max: Option<f64>,
+    pub(super) nominal: f64,
+    /// Number of elements, 1 for a scalar.
+    pub(super) size: usize,
+    pub(super) clocked: bool,
+    /// `modelDescription.xml:12`
+    pub(super) place: String,
+}
+
+impl Variable {
+    pub(super) fn is(&self, causality: &str) -> bool {
+        self.causality == causality
+    }
+    pub(super) fn is_continuous(&self) -> bool {
+        self.kind == Kind::Float64 && self.variability == "continuous"
+    }
+    /// Whether an importer may set it before initialisation.
+    pub(super) fn is_settable(&self) -> bool {
+        self.variability != "constant"
+            && !self.is("independent")
+            && !self.clocked
+            && (self.is("input") || self.initial.as_deref() == Some("exact"))
+    }
+    /// Whether importers may set it in this client's runs: numbers, not the sizes of arrays.
+    pub(super) fn is_free(&self) -> bool {
+        self.is_settable()
+            && self.kind.is_numeric()
+            && !self.is("structuralParameter")
+            && self.start.len() == self.size
+    }
+    /// A value beside the start value and within the limits; the start value itself where there is no other.
+    pub(super) fn other_value(&self) -> f64 {
+        let start = self.start.first().copied().unwrap_or(0.0);
+        if !self.kind.is_float() {
+            return start;
+        }
+        let step = if start == 0.0 { 0.5 * self.nominal } else { 0.1 * start.abs() };
+        let (low, high) = (self.min.unwrap_or(f64::NEG_INFINITY), self.max.unwrap_or(f64::INFINITY));
+        if start + step <= high {
+            start + step
+        } else if high.is_finite() && high - start > 1e-9 * step {
+            0.5 * (start + high)
+        } else if start - step >= low {
+            start - step
+        } else if low.is_finite() {
+            0.5 * (start + low)
+        } else {
+            start
+        }
+    }
+}
+
+/// An entry of the model structure: a variable, and what it depends on if that is said.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) variable: usize,
+    pub(super) dependencies: Option<Vec<usize>>,
+}
+
+/// An interface type with the flags that matter here.
+#[derive(Clone, Debug)]
+pub(super) struct Interface {
+    pub(super) kind: InterfaceType,
+    pub(super) identifier: String,
+    pub(super) needs_tool: bool,
+    pub(super) only_once: bool,
+    pub(super) state: bool,
+    pub(super) serialize: bool,
+    pub(super) directional: bool,
+    pub(super) adjoint: bool,
+    pub(super) variable_step: bool,
+    pub(super) interpolates: bool,
+    pub(super) output_derivatives: bool,
+    pub(super) event_mode: bool,
+    pub(super) internal_step: Option<f64>,
+    pub(super) completed_step: bool,
+    pub(super) place: String,
+}
+
+/// Everything.
+#[derive(Clone, Debug)]
+pub(super) struct Facts {
+    pub(super) version: Version,
+    pub(super) token: String,
+    pub(super) categories: Vec<String>,
+    pub(super) interfaces: Vec<Interface>,
+    pub(super) variables: Vec<Variable>,
+    pub(super) outputs: Vec<Entry>,
+    pub(super) derivatives: Vec<Entry>,
+    /// The state of each entry of `derivatives`.
+    pub(super) states: Vec<usize>,
+    /// Pairs of a continuous variable and its declared derivative, states or not.
+    pub(super) slopes: Vec<(usize, usize)>,
+    /// Number of event indicators.
+    pub(super) indicators: usize,
+    pub(super) start: f64,
+    pub(super) stop: Option<f64>,
+    pub(super) step: Option<f64>,
+    pub(super) tolerance: Option<f64>,
+}
+
+impl Facts {
+    /// Reads `modelDescription.xml` of an unpacked archive, which the static checks have found sound.
+    pub(super) fn read(folder: &Path) -> Option<Facts> {
+        let bytes = std::fs::read(folder.join("modelDescription.xml")).ok()?;
+        let mut out = Findings::new();
+        let xml = Xml::parse("modelDescription.xml", &bytes, &mut out)?;
+        let version = match xml.root().attribute("fmiVersion")? {
+            "2.0" => Version::Fmi2,
+            _ => Version::Fmi3,
+        };
+        Some(Facts::of(&Model::read(&xml, version)))
+    }
+
+    fn of(model: &Model) -> Facts {
+        let root = model.root;
+        let token = if model.version == Version::Fmi2 { "guid" } else { "instantiationToken" };
+        let experiment = model::children(root, "DefaultExperiment").next();
+        let of_experiment = |name: &str| experiment.and_then(|e| double(e, name)).filter(|v| v.is_finite());
+        let categories = model::children(root, "LogCategories").flat_map(|l| model::children(l, "Category"));
+        let derivatives: Vec<&Unknown> = model
+            .structure
+            .derivatives
+            .iter()
+            .filter(|u| u.variable.is_some_and(|i| model.state_of(&model.variables[i]).is_some()))
+            .collect();
+        let states: Vec<usize> = derivatives
+            .iter()
+            .filter_map(|u| model.state_of(&model.variables[u.variable.unwrap_or_default()]))
+            .collect();
+        let variables: Vec<Variable> = model.variables.iter().map(|v| read_variable(model, v)).collect();
+        let slopes = model.variables.iter().enumerate().filter_map(|(i, v)| Some((model.state_of(v)?, i)));
+        let size = |u: &Unknown| u.variable.map_or(1, |i| variables[i].size);
+        let indicators = match model.version {
+            Version::Fmi2 => unsigned(root, "numberOfEventIndicators").unwrap_or(0) as usize,
+            Version::Fmi3 => model.structure.event_indicators.iter().map(size).sum(),
+        };
+        Facts {
+            version: model.version,
+            token: root.attribute(token).unwrap_or_default().to_owned(),
+            categories: categories.filter_map(|c| c.attribute("name")).map(str::to_owned).collect(),
+            interfaces: model.interfaces.iter().filter_map(|i| read_interface(model, *i)).collect(),
+            outputs: model.structure.outputs.iter().filter_map(|u| read_entry(model, u)).collect(),
+            derivatives: derivatives.into_iter().filter_map(|u| read_entry(model, u)).collect(),
+            states,
+            slopes: slopes.collect(),
+            indicators,
+            start: of_experiment("startTime").unwrap_or(0.0),
+            stop: of_experiment("stopTime"),
+            step: of_experiment("stepSize").filter(|h| *h > 0.0),
+            tolerance: of_experiment("tolerance").filter(|t| *t > 0.0),
+            variables,
+        }
+    }
+
+    /// The interface of a type.
+    pub(super) fn interface(&self, kind: InterfaceType) -> Option<&Interface> {
+        self.interfaces.iter().find(|i| i.kind == kind)
+    }
+
+    /// The step (s) that importers would take: declared, or a 500th of the experiment.
+    pub(super) fn step(&self) -> f64 {
+        let span = self.stop.map_or(1.0, |stop| stop - self.start);
+        self.step.unwrap_or(if span > 0.0 && span.is_finite() { span / 500.0 } else { 1e-3 })
+    }
+
+    /// Variables that pass a test.
+    pub(super) fn select(&self, test: impl Fn(&Variable) -> bool) -> Vec<&Variable> {
+        self.variables.iter().filter(|v| test(v)).collect()
+    }
+
+    /// Continuous inputs that can be moved.
+    pub(super) fn inputs(&self) -> Vec<&Variable> {
+        self.select(|v| v.is("input") && v.is_continuous() && v.is_free())
+    }
+}
+
+fn read_entry(model: &Model, unknown: &Unknown) -> Option<Entry> {
+    let dependencies = unknown
+        .node
+        .attribute("dependencies")
+        .map(|text| unsigned_list(text).into_iter().filter_map(|r| model.resolve(r)).collect());
+    Some(Entry { variable: unknown.variable?, dependencies })
+}
+
+fn read_interface(model: &Model, node: roxmltree::Node) -> Option<Interface> {
+    let kind = match node.tag_name().name() {
+        "CoSimulation" => InterfaceType::CoSimulation,
+        "ModelExchange" => InterfaceType::ModelExchange,
+        "ScheduledExecution" => InterfaceType::ScheduledExecution,
+        _ => return None,
+    };
+    let flag =
+        |two: &str, three: &str| is_true(node, if model.version == Version::Fmi2 { two } else { three });
+    Some(Interface {
+        kind,
+        identifier: node.attribute("modelIdentifier")?.to_owned(),
+        needs_tool: is_true(node, "needsExecutionTool"),
+        only_once: is_true(node, "canBeInstantiatedOnlyOncePerProcess"),
+        state: flag("canGetAndSetFMUstate", "canGetAndSetFMUState"),
+        serialize: flag("canSerializeFMUstate", "canSerializeFMUState"),
+        directional: flag("providesDirectionalDerivative", "providesDirectionalDerivatives"),
+        adjoint: is_true(node, "providesAdjointDerivatives"),
+        variable_step: is_true(node, "canHandleVariableCommunicationStepSize"),
+        interpolates: is_true(node, "canInterpolateInputs"),
+        output_derivatives: unsigned(node, "maxOutputDerivativeOrder").unwrap_or(0) > 0,
+        event_mode: is_true(node, "hasEventMode"),
+        internal_step: double(node, "fixedInternalStepSize").filter(|h| *h > 0.0 && h.is_finite()),
+        completed_step: match model.version {
+            Version::Fmi2 => !is_true(node, "completedIntegratorStepNotNeeded"),
+            Version::Fmi3 => is_true(node, "needsCompletedIntegratorStep"),
+        },
+        place: model.place(node),
+    })
+}
+
+fn read_variable(model: &Model, v: &model::Variable) -> Variable {
+    let kind = match v.type_name {
+        "Real" | "Float64" => Kind::Float64,
+        "Float32" => Kind::Float32,
+        "Int8" => Kind::Int8,
+        "UInt8" => Kind::UInt8,
+        "Int16" => Kind::Int16,
+        "UInt16" => Kind::UInt16,
+        "Integer" | "Int32" => Kind::Int32,
+        "UInt32" => Kind::UInt32,
+        "Int64" => Kind::Int64,
+        "UInt64" => Kind::UInt64,
+        "Boolean" => Kind::Boolean,
+        "Enumeration" => Kind::Enumeration,
+        "Clock" => Kind::Clock,
+        "Binary" => Kind::Binary,
+        _ => Kind::String,
+    };
+    let size = arrays::size(model, v).and_then(|n| usize::try_from(n).ok()).unwrap_or(1).min(LARGEST_ARRAY);
+    let number = |text: &str| match kind {
+        Kind::Boolean => parse_boolean(text).map(|b| f64::from(u8::from(b))),
+        Kind::Float64 => parse_double(text),
+        // Start values are decimal; the FMU holds the nearest number of its type.
+        Kind::Float32 => parse_double(text).map(|x| f64::from(x as f32)),
+        _ => parse_integer(text).map(|i| i as f64),
+    };
+    let written = v.typed.attribute("start").filter(|_| kind.is_numeric()).unwrap_or_default();
+    let mut start: Vec<f64> = written.split_ascii_whitespace().filter_map(number).collect();
+    // One value stands for all elements.
+    if let [all] = start[..] {
+        start = vec![all; size];
+    }
+    let limit = |name: &str| {
+        let text = model.attribute(v, name)?;
+        if kind.is_float() { parse_double(text) } else { parse_integer(text).map(|i| i as f64) }
+    };
+    let text = match model.version {
+        Version::Fmi2 => v.typed.attribute("start"),
+        Version::Fmi3 => model::children(v.typed, "Start").next().and_then(|s| s.attribute("value")),
+    };
+    Variable {
+        name: v.name.to_owned(),
+        reference: v.reference.unwrap_or_default(),
+        kind,
+        causality: v.causality.to_owned(),
+        variability: v.variability.to_owned(),
+        initial: v.initial.map(str::to_owned),
+        start,
+        text: text.filter(|_| kind == Kind::String).map(str::to_owned),
+        min: limit("min"),
+        max: limit("max"),
+        nominal: limit("nominal").filter(|n| *n > 0.0 && n.is_finite()).unwrap_or(1.0),
+        size,
+        clocked: v.clocked,
+        place: model.place(v.typed),
+    }
+}

@@ -1,0 +1,160 @@
+//! Runs that are compared with each other.
+
+use std::cell::OnceCell;
+
+use cosim::raw::InterfaceType;
+
+use super::facts::{Facts, Variable};
+use super::probe::Fault;
+use super::session::{Session, Settings, Subject, column};
+use super::solver::{Reached, Solver};
+
+/// Steps of one run.
+const STEPS: usize = 10;
+/// Relative error of an integrated Model Exchange run whose equal is made by the same steps.
+const TOLERANCE: f64 = 1e-6;
+
+/// Values of everything, after initialisation and after each step.
+pub(super) type Rows = Vec<Vec<f64>>;
+
+/// What moves an instance: its own steps, or the solver.
+pub(super) struct Drive(Option<Solver>);
+
+impl Drive {
+    /// For a session that is ready to step.
+    pub(super) fn new(session: &mut Session) -> Result<Drive, Fault> {
+        let solver = match session.interface.kind {
+            InterfaceType::ModelExchange => Some(Solver::new(session, TOLERANCE)?),
+            _ => None,
+        };
+        Ok(Drive(solver))
+    }
+
+    /// On by `h`; `false` when there is no way on.
+    pub(super) fn advance(&mut self, session: &mut Session, h: f64) -> Result<bool, Fault> {
+        match &mut self.0 {
+            None => session.step(h),
+            Some(solver) => {
+                let end = session.now + h;
+                Ok(solver.advance(session, end, true)? != Reached::Exhausted)
+            }
+        }
+    }
+
+    /// The rows of the next steps, without the present one.
+    pub(super) fn rows(&mut self, session: &mut Session, h: f64, steps: usize) -> Result<Rows, Fault> {
+        let mut rows = Vec::new();
+        for _ in 0..steps {
+            if !self.advance(session, h)? {
+                break;
+            }
+            rows.push(session.observe()?);
+        }
+        Ok(rows)
+    }
+}
+
+/// How long runs are.
+pub(super) fn steps(facts: &Facts) -> usize {
+    let fitting =
+        facts.stop.map_or(STEPS as f64, |stop| ((stop - facts.start) / facts.step() * (1.0 + 1e-9)).floor());
+    (fitting.max(1.0) as usize).min(STEPS)
+}
+
+/// A fresh instance's run.
+pub(super) fn fresh(subject: &Subject, settings: &Settings) -> Result<Rows, Fault> {
+    let mut session = subject.started(settings)?;
+    from_here(&mut session)
+}
+
+/// The run of a session that is ready to step.
+pub(super) fn from_here(session: &mut Session) -> Result<Rows, Fault> {
+    let facts = session.facts;
+    let mut drive = Drive::new(session)?;
+    let mut rows = vec![session.observe()?];
+    rows.extend(drive.rows(session, facts.step(), steps(facts))?);
+    Ok(rows)
+}
+
+/// The run that others are held against: inputs away from their start values if the FMU takes that, so that something
+/// happens.
+pub(super) struct Base<'a> {
+    pub(super) settings: Settings<'a>,
+    pub(super) rows: Rows,
+    /// For each column whether a second instance gives it again.
+    pub(super) steady: Vec<bool>,
+}
+
+/// Made once for a subject.
+pub(super) type BaseCell<'a> = OnceCell<Base<'a>>;
+
+impl<'a> Base<'a> {
+    /// Two runs, and two more without inputs if those fail.
+    pub(super) fn new(subject: &Subject<'a>) -> Result<Base<'a>, Fault> {
+        let moved: Settings =
+            subject.facts.inputs().into_iter().map(|v| (v, vec![v.other_value(); v.size])).collect();
+        if !moved.is_empty()
+            && let Ok(base) = Self::with(subject, moved)
+            && base.rows.iter().flatten().all(|x| x.is_finite())
+        {
+            return Ok(base);
+        }
+        Self::with(subject, Vec::new())
+    }
+
+    fn with(subject: &Subject<'a>, settings: Settings<'a>) -> Result<Base<'a>, Fault> {
+        let rows = fresh(subject, &settings)?;
+        let again = fresh(subject, &settings)?;
+        let mut steady = vec![true; rows.first().map_or(0, Vec::len)];
+        for (a, b) in rows.iter().zip(&again) {
+            for (is_steady, (x, y)) in steady.iter_mut().zip(a.iter().zip(b)) {
+                *is_steady &= same(*x, *y);
+            }
+        }
+        Ok(Base { settings, rows, steady })
+    }
+}
+
+fn same(a: f64, b: f64) -> bool {
+    a == b || a.is_nan() && b.is_nan()
+}
+
+/// The largest relative difference of two runs.
+pub(super) struct Difference<'a> {
+    pub(super) name: String,
+    pub(super) variable: &'a Variable,
+    /// Steps since the runs' first row.
+    pub(super) row: usize,
+    pub(super) first: f64,
+    pub(super) second: f64,
+    pub(super) relative: f64,
+}
+
+/// Where two runs differ most, among the steady columns.
+pub(super) fn difference<'a>(
+    facts: &'a Facts,
+    steady: &[bool],
+    a: &Rows,
+    b: &Rows,
+) -> Option<Difference<'a>> {
+    let mut worst: Option<(f64, usize, usize)> = None;
+    for (row, (x, y)) in a.iter().zip(b).enumerate() {
+        for index in 0..x.len().min(y.len()) {
+            if !steady.get(index).copied().unwrap_or(true) || same(x[index], y[index]) {
+                continue;
+            }
+            let size = a.iter().chain(b).map(|r| r[index].abs()).fold(0.0, f64::max);
+            let relative = (x[index] - y[index]).abs() / size;
+            let relative = if relative.is_finite() { relative } else { f64::INFINITY };
+            if worst.is_none_or(|w| relative > w.0) {
+                worst = Some((relative, row, index));
+            }
+        }
+    }
+    if a.len() != b.len() && worst.is_none() {
+        worst = Some((f64::INFINITY, a.len().min(b.len()).saturating_sub(1), 0));
+    }
+    let (relative, row, index) = worst?;
+    let (name, variable) = column(facts, index);
+    Some(Difference { name, variable, row, first: a[row][index], second: b[row][index], relative })
+}

@@ -1,0 +1,241 @@
+//! One running instance, with each refused call as a fault that names the function, the time and the FMU's own words.
+
+use cosim::raw::{InterfaceType, RawBinary, RawInstance, RawSetup};
+use cosim::{Archive, Kind, Log, Status};
+
+use super::facts::{Facts, Interface, Variable};
+use super::probe::{Fault, Pulse};
+use super::runs::{Base, BaseCell};
+use crate::validate::finding::short;
+use crate::validate::model::Version;
+use crate::validate::rules;
+
+/// Event iterations after which an FMU is held to go on for ever.
+const MOST_ITERATIONS: usize = 1000;
+
+/// What all stages share: the FMU and what it promises.
+pub(super) struct Subject<'a> {
+    pub(super) archive: &'a Archive,
+    pub(super) facts: &'a Facts,
+    pub(super) interface: &'a Interface,
+    pub(super) binary: RawBinary,
+    /// The archive's name of the library.
+    pub(super) place: String,
+    pub(super) base: BaseCell<'a>,
+    pub(super) line: &'a dyn Pulse,
+}
+
+/// Values that differ from the start values.
+pub(super) type Settings<'a> = Vec<(&'a Variable, Vec<f64>)>;
+
+impl<'a> Subject<'a> {
+    /// The run that others are held against.
+    pub(super) fn base(&self) -> Result<&Base<'a>, Fault> {
+        if self.base.get().is_none() {
+            let _ = self.base.set(Base::new(self)?);
+        }
+        Ok(self.base.get().expect("it has just been set"))
+    }
+
+    /// A new instance, or `None` if the FMU refuses.
+    pub(super) fn try_instance(&self, name: &str, token: &str, log: &Log) -> Option<RawInstance> {
+        let setup = RawSetup { interface: self.interface.kind, token, name, event_mode: false };
+        self.binary.instantiate(&setup, log)
+    }
+
+    /// A new instance.
+    pub(super) fn instance(&self, name: &str) -> Result<Session<'a>, Fault> {
+        let log = Log::new();
+        let raw = self.try_instance(name, &self.facts.token, &log);
+        let words = words(&log);
+        match raw {
+            Some(raw) => Ok(Session {
+                raw,
+                facts: self.facts,
+                interface: self.interface,
+                line: self.line,
+                now: self.facts.start,
+                next: None,
+            }),
+            None => Err(Fault::new(
+                &rules::INSTANTIATE,
+                &self.place,
+                format!("The FMU refused to be instantiated for {}{words}", name_of(self.interface.kind)),
+            )),
+        }
+    }
+
+    /// A new instance with these settings, initialised and ready to step.
+    pub(super) fn started(&self, settings: &Settings) -> Result<Session<'a>, Fault> {
+        let mut session = self.instance("probe")?;
+        session.start(settings)?;
+        Ok(session)
+    }
+}
+
+/// The interface type as the XML names it.
+pub(super) fn name_of(kind: InterfaceType) -> &'static str {
+    match kind {
+        InterfaceType::CoSimulation => "Co-Simulation",
+        InterfaceType::ModelExchange => "Model Exchange",
+        InterfaceType::ScheduledExecution => "Scheduled Execution",
+    }
+}
+
+fn words(log: &Log) -> String {
+    let text = log.messages().iter().rev().take(2).map(|m| m.text.trim().to_owned()).collect::<Vec<_>>();
+    if text.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", short(text.join("; ").trim_end_matches('.')))
+    }
+}
+
+/// A running instance.
+pub(super) struct Session<'a> {
+    pub(super) raw: RawInstance,
+    pub(super) facts: &'a Facts,
+    pub(super) interface: &'a Interface,
+    pub(super) line: &'a dyn Pulse,
+    /// The time reached, s.
+    pub(super) now: f64,
+    /// The next time event, s.
+    pub(super) next: Option<f64>,
+}
+
+impl<'a> Session<'a> {
+    /// A fault unless the status is OK or Warning; `function` is without the prefix of its standard.
+    pub(super) fn ok(&self, function: &str, status: Status) -> Result<(), Fault> {
+        self.line.alive();
+        if status <= Status::Warning {
+            return Ok(());
+        }
+        let prefix = if self.facts.version == Version::Fmi2 { "fmi2" } else { "fmi3" };
+        let message = format!(
+            "{prefix}{function} returned {status} for {} at t = {} s{}",
+            name_of(self.interface.kind),
+            self.now,
+            words(self.raw.log())
+        );
+        Err(Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message))
+    }
+
+    /// From instantiated (or reset) to ready to step.
+    pub(super) fn start(&mut self, settings: &Settings) -> Result<(), Fault> {
+        self.now = self.facts.start;
+        for (variable, values) in settings {
+            self.set(variable, values)?;
+        }
+        self.initialise(None)
+    }
+
+    /// Through initialisation mode, and through event mode where that follows.
+    pub(super) fn initialise(&mut self, stop: Option<f64>) -> Result<(), Fault> {
+        let status = self.raw.enter_initialization(self.facts.start, stop, self.facts.tolerance);
+        self.ok("EnterInitializationMode", status)?;
+        let status = self.raw.exit_initialization();
+        self.ok("ExitInitializationMode", status)?;
+        if self.interface.kind == InterfaceType::ModelExchange {
+            self.iterate_events()?;
+            let status = self.raw.enter_continuous_time_mode();
+            self.ok("EnterContinuousTimeMode", status)?;
+        }
+        Ok(())
+    }
+
+    /// The event iteration, in event mode; whether states have changed.
+    pub(super) fn iterate_events(&mut self) -> Result<bool, Fault> {
+        let mut changed = false;
+        for _ in 0..MOST_ITERATIONS {
+            let (status, update) = self.raw.update_discrete_states();
+            let name = if self.facts.version == Version::Fmi2 {
+                "NewDiscreteStates"
+            } else {
+                "UpdateDiscreteStates"
+            };
+            self.ok(name, status)?;
+            changed |= update.values_changed;
+            self.next = update.next;
+            if let Some(next) = update.next.filter(|t| t.is_nan() || *t < self.now) {
+                let message =
+                    format!("The next time event is at {next} s, before the present time {} s", self.now);
+                return Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message));
+            }
+            if !update.again || update.terminate {
+                return Ok(changed);
+            }
+        }
+        let message = format!(
+            "The event iteration at t = {} s asks for another round {MOST_ITERATIONS} times in a row",
+            self.now
+        );
+        Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message))
+    }
+
+    /// One communication step of Co-Simulation; `false` when the FMU asks for the end.
+    pub(super) fn step(&mut self, h: f64) -> Result<bool, Fault> {
+        let step = self.raw.do_step(self.now, h);
+        self.ok("DoStep", step.status)?;
+        if step.early {
+            let message = format!(
+                "fmi3DoStep returned early at t = {} s although the importer did not allow it",
+                self.now
+            );
+            return Err(Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message));
+        }
+        self.now += h;
+        Ok(!step.terminated)
+    }
+
+    /// Sets all elements of a variable.
+    pub(super) fn set(&mut self, variable: &Variable, values: &[f64]) -> Result<(), Fault> {
+        let status = self.raw.set(variable.kind, &[variable.reference], values);
+        self.ok("Set", status).map_err(|f| f.about(variable, values))
+    }
+
+    /// Reads all elements of a variable.
+    pub(super) fn get(&mut self, variable: &Variable) -> Result<Vec<f64>, Fault> {
+        let mut values = vec![0.0; variable.size];
+        let status = self.raw.get(variable.kind, &[variable.reference], &mut values);
+        self.ok("Get", status).map_err(|f| f.about(variable, &[]))?;
+        Ok(values)
+    }
+
+    /// Reads scalar floating point variables in one call.
+    pub(super) fn get_all(&mut self, variables: &[&Variable]) -> Result<Vec<f64>, Fault> {
+        let references: Vec<u32> = variables.iter().map(|v| v.reference).collect();
+        let mut values = vec![0.0; references.len()];
+        if !references.is_empty() {
+            let status = self.raw.get(Kind::Float64, &references, &mut values);
+            self.ok("Get", status)?;
+        }
+        Ok(values)
+    }
+
+    /// Everything that has a number, in the order of [`observed`].
+    pub(super) fn observe(&mut self) -> Result<Vec<f64>, Fault> {
+        let mut row = Vec::new();
+        let facts = self.facts;
+        for v in facts.variables.iter().filter(|v| observed(v)) {
+            row.extend(self.get(v)?);
+        }
+        Ok(row)
+    }
+}
+
+/// Whether a variable belongs to what [`Session::observe`] reads.
+pub(super) fn observed(v: &Variable) -> bool {
+    v.kind.is_numeric() && !v.clocked
+}
+
+/// The name of a column of [`Session::observe`], and the variable.
+pub(super) fn column(facts: &Facts, mut index: usize) -> (String, &Variable) {
+    for v in facts.variables.iter().filter(|v| observed(v)) {
+        if index < v.size {
+            let name = if v.size > 1 { format!("{}[{}]", v.name, index + 1) } else { v.name.clone() };
+            return (short(&name), v);
+        }
+        index -= v.size;
+    }
+    unreachable!("a column belongs to a variable")
+}

@@ -1,0 +1,84 @@
+//! The stages of the run, each a set of checks that share instances. One that ends the process does not take the others
+//! with it: the next child goes on behind it.
+
+use cosim::raw::InterfaceType::{CoSimulation, ModelExchange, ScheduledExecution};
+
+use super::probe::{Fault, Seen};
+use super::session::Subject;
+
+mod compare;
+mod derivatives;
+mod exchange;
+mod jacobian;
+mod life;
+mod misuse;
+mod reference;
+mod repeat;
+mod setting;
+mod state;
+mod steps;
+
+/// A stage.
+pub(super) struct Stage {
+    /// What it does, as a phrase.
+    pub(super) what: &'static str,
+    /// When this fails there is no point in the others.
+    pub(super) is_basis: bool,
+    /// It does what an importer must not do.
+    pub(super) is_misuse: bool,
+    pub(super) applies: fn(&Subject) -> bool,
+    pub(super) run: fn(&Subject, &mut Seen) -> Result<(), Fault>,
+}
+
+const fn stage(
+    what: &'static str,
+    applies: fn(&Subject) -> bool,
+    run: fn(&Subject, &mut Seen) -> Result<(), Fault>,
+) -> Stage {
+    Stage { what, is_basis: false, is_misuse: false, applies, run }
+}
+
+fn moves(s: &Subject) -> bool {
+    s.interface.kind != ScheduledExecution
+}
+
+fn steps_itself(s: &Subject) -> bool {
+    s.interface.kind == CoSimulation
+}
+
+fn is_integrated(s: &Subject) -> bool {
+    s.interface.kind == ModelExchange
+}
+
+/// In the order in which they run.
+pub(super) static ALL: &[Stage] = &[
+    Stage { is_basis: true, ..stage("one life from instantiation to the end", |_| true, life::run) },
+    stage("start values after instantiation", |_| true, setting::start_values),
+    stage("event mode in Co-Simulation", |s| steps_itself(s) && s.interface.event_mode, life::with_events),
+    stage("a second run, and runs after a reset", moves, repeat::reset),
+    stage("saved states", |s| moves(s) && s.interface.state, state::run),
+    stage("values in another order", moves, setting::order),
+    stage("two instances at a time", |s| moves(s) && !s.interface.only_once, repeat::instances),
+    stage("many instances, many steps", moves, repeat::memory),
+    stage("steps of another size", |s| steps_itself(s) && s.interface.variable_step, steps::size),
+    stage("steps past the stop time", steps_itself, steps::stop_time),
+    stage("declared derivatives against differences", moves, derivatives::declared),
+    stage(
+        "derivatives of outputs",
+        |s| steps_itself(s) && s.interface.output_derivatives,
+        derivatives::of_outputs,
+    ),
+    stage("derivatives of inputs", |s| steps_itself(s) && s.interface.interpolates, derivatives::of_inputs),
+    stage("states, derivatives and event indicators", is_integrated, exchange::run),
+    stage("partial derivatives and dependencies", moves, jacobian::run),
+    stage("Model Exchange against Co-Simulation", is_integrated, compare::run),
+    stage(
+        "reference results that the FMU carries",
+        |s| steps_itself(s) && reference::is_there(s),
+        reference::run,
+    ),
+    stage("freeing an instance that is NULL", |_| true, life::free_nothing),
+    Stage { is_misuse: true, ..stage("a wrong guid or token", |_| true, misuse::token) },
+    Stage { is_misuse: true, ..stage("NaN and values outside the limits", moves, misuse::values) },
+    Stage { is_misuse: true, ..stage("value references that do not exist", moves, misuse::references) },
+];

@@ -1,0 +1,205 @@
+//! Model Exchange against Co-Simulation: two ways to the same trajectory.
+//!
+//! Co-Simulation may be coarse: explicit Euler at the declared step is common, and no fault. What counts is a
+//! difference that neither shrinks with the communication step nor looks like Euler's.
+
+use cosim::raw::{InterfaceType, RawBinary};
+
+use super::super::solver::{Reached, Solver};
+use crate::validate::dynamic::facts::Variable;
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::runs::{Rows, steps};
+use crate::validate::dynamic::session::{Settings, Subject};
+use crate::validate::finding::short;
+use crate::validate::rules;
+
+/// Share of a variable's movement that is no difference.
+const TOLERATED: f64 = 0.005;
+/// Share of a nominal value that is no difference either.
+const SMALLEST: f64 = 1e-6;
+/// What may be left of a difference when Euler's error is taken from it.
+const LIKENESS: f64 = 0.15;
+/// Parts of the default experiment for the second, slower look.
+const PARTS: usize = 50;
+
+pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let Some(interface) = facts.interface(InterfaceType::CoSimulation).filter(|i| !i.needs_tool) else {
+        return Ok(());
+    };
+    let Ok(binary) = RawBinary::load(subject.archive, &interface.identifier) else { return Ok(()) };
+    let place = subject.place.clone();
+    let other = Subject {
+        archive: subject.archive,
+        facts,
+        interface,
+        binary,
+        place,
+        base: Default::default(),
+        line: subject.line,
+    };
+    let watched = facts
+        .select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input") && !v.is("independent"));
+    let h = facts.step().max(interface.internal_step.unwrap_or(0.0));
+    let mut looks = vec![(h, steps(facts))];
+    let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
+    if slow > 3.0 * h && interface.variable_step {
+        looks.push(((slow / h).floor() * h, PARTS));
+    }
+    let settings = &subject.base()?.settings;
+    for (h, n) in looks {
+        if let Some((v, t, a, b)) = differs(subject, &other, settings, &watched, h, n)? {
+            let message = format!(
+                "Variable \"{}\" is {a} at t = {t} s when Model Exchange is integrated and {b} in Co-Simulation, and smaller steps do not help",
+                short(&v.name)
+            );
+            seen.add(&rules::EXCHANGE_DIFFERS, &v.place, message);
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+type Place<'a> = (&'a Variable, f64, f64, f64);
+
+fn differs<'a>(
+    subject: &Subject<'a>,
+    other: &Subject,
+    settings: &Settings,
+    watched: &[&'a Variable],
+    h: f64,
+    n: usize,
+) -> Result<Option<Place<'a>>, Fault> {
+    let reference = integrate(subject, settings, watched, h, n)?;
+    // A Co-Simulation that does not take these values has been looked at elsewhere.
+    let Ok(coarse) = stepped(other, settings, watched, h, n, 1) else { return Ok(None) };
+    let rows = reference.len().min(coarse.len());
+    let scale: Vec<f64> = (0..watched.len())
+        .map(|i| {
+            let column = || reference[..rows].iter().map(|r| r[i]);
+            let (low, high) =
+                (column().fold(f64::INFINITY, f64::min), column().fold(f64::NEG_INFINITY, f64::max));
+            // What hardly moves is compared with its size; below its nominal value's 1e-6 nothing is a difference.
+            (high - low).max(1e-4 * high.abs().max(low.abs())).max(SMALLEST / TOLERATED * watched[i].nominal)
+        })
+        .collect();
+    let error = |rows_of: &Rows, i: usize| {
+        reference.iter().zip(rows_of).map(|(a, b)| (a[i] - b[i]).abs() / scale[i]).fold(0.0, f64::max)
+    };
+    let suspects: Vec<usize> = (0..watched.len()).filter(|i| error(&coarse, *i) > TOLERATED).collect();
+    if suspects.is_empty() {
+        return Ok(None);
+    }
+    let fine = if other.interface.variable_step && other.interface.internal_step.is_none() {
+        stepped(other, settings, watched, h, n, 4).ok()
+    } else {
+        None
+    };
+    let euler = euler(subject, settings, watched, h, n)?;
+    for i in suspects {
+        let first = error(&coarse, i);
+        let converges = fine.as_ref().is_some_and(|f| error(f, i) < (0.6 * first).max(TOLERATED));
+        let is_coarse = is_like_euler(&reference, &coarse, &euler, i);
+        if !converges && !is_coarse {
+            let worst = (0..rows).max_by(|a, b| {
+                let e = |k: usize| (reference[k][i] - coarse[k][i]).abs();
+                e(*a).total_cmp(&e(*b))
+            });
+            let k = worst.unwrap_or(0);
+            let t = subject.facts.start + h * k as f64;
+            return Ok(Some((watched[i], t, reference[k][i], coarse[k][i])));
+        }
+    }
+    Ok(None)
+}
+
+/// Whether the difference to the reference has the shape of what a method of first order leaves (explicit or implicit
+/// Euler, with whatever step), and no other.
+fn is_like_euler(reference: &Rows, coarse: &Rows, euler: &Rows, i: usize) -> bool {
+    let n = reference.len().min(coarse.len()).min(euler.len());
+    let pairs: Vec<(f64, f64)> =
+        (0..n).map(|k| (coarse[k][i] - reference[k][i], euler[k][i] - reference[k][i])).collect();
+    let (both, alone): (f64, f64) = pairs.iter().fold((0.0, 0.0), |s, (a, b)| (s.0 + a * b, s.1 + b * b));
+    let factor = both / alone;
+    let left = pairs.iter().map(|(a, b)| (a - factor * b).abs()).fold(0.0, f64::max);
+    let all = pairs.iter().map(|(a, _)| a.abs()).fold(0.0, f64::max);
+    factor.is_finite() && factor.abs() < 2.0 && left < LIKENESS * all
+}
+
+/// Rows at multiples of `h` up to the first event.
+fn integrate(
+    subject: &Subject,
+    settings: &Settings,
+    watched: &[&Variable],
+    h: f64,
+    n: usize,
+) -> Result<Rows, Fault> {
+    let mut session = subject.started(settings)?;
+    let mut solver = Solver::new(&mut session, 1e-8)?;
+    let mut rows = vec![session.get_all(watched)?];
+    for k in 1..=n {
+        let end = subject.facts.start + h * k as f64;
+        if solver.advance(&mut session, end, false)? != Reached::End {
+            break;
+        }
+        rows.push(session.get_all(watched)?);
+    }
+    Ok(rows)
+}
+
+/// Rows of Co-Simulation, with `parts` steps for each `h`.
+fn stepped(
+    subject: &Subject,
+    settings: &Settings,
+    watched: &[&Variable],
+    h: f64,
+    n: usize,
+    parts: usize,
+) -> Result<Rows, Fault> {
+    let mut session = subject.started(settings)?;
+    let mut rows = vec![session.get_all(watched)?];
+    for k in 0..n * parts {
+        session.now = subject.facts.start + h * k as f64 / parts as f64;
+        let next = subject.facts.start + h * (k + 1) as f64 / parts as f64;
+        let size = next - session.now;
+        if !session.step(size)? {
+            break;
+        }
+        if (k + 1) % parts == 0 {
+            rows.push(session.get_all(watched)?);
+        }
+    }
+    Ok(rows)
+}
+
+/// Rows of explicit Euler at the step that Co-Simulation can be expected to use.
+fn euler(
+    subject: &Subject,
+    settings: &Settings,
+    watched: &[&Variable],
+    h: f64,
+    n: usize,
+) -> Result<Rows, Fault> {
+    let facts = subject.facts;
+    let internal = facts
+        .interface(InterfaceType::CoSimulation)
+        .and_then(|i| i.internal_step)
+        .unwrap_or(facts.step())
+        .min(h);
+    let parts = (h / internal).round().clamp(1.0, 10_000.0) as usize;
+    let mut session = subject.started(settings)?;
+    let mut x = Solver::new(&mut session, 1e-6)?.x;
+    let mut rows = vec![session.get_all(watched)?];
+    for k in 1..=n * parts {
+        let (t, dt) = (session.now, h / parts as f64);
+        let Ok(rates) = Solver::rates(&mut session, t, &x) else { break };
+        x.iter_mut().zip(&rates).for_each(|(x, d)| *x += dt * d);
+        if Solver::rates(&mut session, facts.start + dt * k as f64, &x).is_err() {
+            break;
+        }
+        if k % parts == 0 {
+            rows.push(session.get_all(watched)?);
+        }
+    }
+    Ok(rows)
+}

@@ -1,0 +1,231 @@
+//! Slopes that the FMU tells, against differences of the values that it gives.
+
+use cosim::raw::InterfaceType;
+
+use crate::validate::dynamic::facts::{Facts, Variable};
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
+use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::finding::short;
+use crate::validate::rules;
+
+/// What a slope may be off, as a share of itself.
+const SHARE: f64 = 0.01;
+/// The slope of a fast variable that has come to rest is the difference of large numbers; below this share of its
+/// largest value it says nothing.
+const STIFF: f64 = 1e-3;
+/// Parts of the default experiment for the second, slower look.
+const PARTS: usize = 200;
+/// Parts of a step for a finer look, where the FMU can be made to take it.
+const FINER: usize = 32;
+/// Steps over which slopes are summed up: enough to see that they swing, where they do.
+const WINDOW: usize = 4;
+
+/// A variable and its slope, as told, at equidistant times.
+#[derive(Clone, Default)]
+struct Series {
+    values: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
+impl Series {
+    fn push(&mut self, value: f64, slope: f64) {
+        self.values.push(value);
+        self.slopes.push(slope);
+    }
+
+    /// The first disagreement (number of its first point, mean slope told, mean slope seen), if nearly all windows that
+    /// say anything disagree. An event spoils some of them; a wrong slope is wrong always.
+    /// `largest` is the largest slope that was seen at all.
+    fn disagrees(&self, look: &Look, largest: f64, noise: impl Fn(f64) -> f64) -> Option<(usize, f64, f64)> {
+        let (mut informative, mut example) = (0, None);
+        let mut factors: Vec<f64> = Vec::new();
+        let steps = WINDOW as f64;
+        for k in 0..self.values.len().saturating_sub(WINDOW) {
+            let pairs = || self.slopes[k..=k + WINDOW].windows(2).map(|d| (d[0], d[1]));
+            let told = pairs().map(|(a, b)| 0.5 * (a + b)).sum::<f64>() / steps;
+            let seen = (self.values[k + WINDOW] - self.values[k]) / (look.h * steps);
+            // A step may have been made with the slope at its beginning or at its end.
+            let swing = pairs().map(|(a, b)| (b - a).abs()).sum::<f64>() / steps;
+            let room = 0.6 * swing + STIFF * largest + noise(self.values[k]) / (look.h * steps);
+            let size = told.abs().max(seen.abs());
+            // NaN is never right.
+            if size == 0.0 || room > 0.5 * size {
+                continue;
+            }
+            informative += 1;
+            if told.is_nan() || (told - seen).abs() > SHARE * size + room {
+                factors.push(told / seen);
+                example.get_or_insert((k, told, seen));
+            }
+        }
+        let wrong = factors.len() >= 3 && 10 * factors.len() >= 8 * informative;
+        example.filter(|_| wrong && (!look.is_fine || is_steady(&factors)))
+    }
+}
+
+/// Whether a slope is off by about the same factor all the time. Values that stand still and jump, as those of a fixed
+/// internal step do when looked at more finely, have no such factor.
+fn is_steady(factors: &[f64]) -> bool {
+    let low = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = factors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    high - low < 0.5 * (low - 1.0).abs().min((high - 1.0).abs())
+}
+
+/// Steps of a run during which slopes and values are compared.
+struct Look {
+    h: f64,
+    n: usize,
+    is_fine: bool,
+}
+
+/// The steps at which to look: those of the experiment, longer ones for slow variables, and fine ones for small faults.
+fn looks(subject: &Subject) -> Vec<Look> {
+    let facts = subject.facts;
+    let h = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
+    let mut looks = vec![Look { h, n: steps(facts), is_fine: false }];
+    let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
+    if slow > 3.0 * h {
+        // Multiples of the step, as not every FMU takes others.
+        looks.push(Look { h: (slow / h).floor() * h, n: PARTS, is_fine: false });
+    }
+    let is_free = subject.interface.variable_step && subject.interface.internal_step.is_none();
+    if is_free || subject.interface.kind == InterfaceType::ModelExchange {
+        looks.push(Look { h: h / FINER as f64, n: FINER, is_fine: true });
+    }
+    looks
+}
+
+/// A session at the beginning of a look. A fine one begins where things have come to move.
+fn begin<'a>(subject: &Subject<'a>, look: &Look) -> Result<(Session<'a>, Drive), Fault> {
+    let mut session = subject.started(&subject.base()?.settings)?;
+    let mut drive = Drive::new(&mut session)?;
+    for _ in 0..if look.is_fine { 3 } else { 0 } {
+        drive.advance(&mut session, look.h * FINER as f64)?;
+    }
+    Ok((session, drive))
+}
+
+/// What the values of a variable are uncertain by.
+fn noise(facts: &Facts, v: &Variable, value: f64) -> f64 {
+    2.0 * facts.tolerance.unwrap_or(1e-6).min(1e-4) * value.abs().max(1e-3 * v.nominal)
+}
+
+/// `derivative=` names the variable whose slope this is.
+pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let is_plain = |v: &Variable| v.is_continuous() && v.size == 1 && !v.clocked;
+    let pairs: Vec<(&Variable, &Variable)> = facts
+        .slopes
+        .iter()
+        .map(|(x, dx)| (&facts.variables[*x], &facts.variables[*dx]))
+        .filter(|(x, dx)| is_plain(x) && is_plain(dx))
+        .collect();
+    if pairs.is_empty() {
+        return Ok(());
+    }
+    let (values, slopes): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
+    let mut largest = vec![0.0_f64; pairs.len()];
+    for look in looks(subject) {
+        let (mut session, mut drive) = begin(subject, &look)?;
+        let start = session.now;
+        let mut series = vec![Series::default(); pairs.len()];
+        for k in 0..=look.n {
+            if k > 0 && !drive.advance(&mut session, look.h)? {
+                break;
+            }
+            let (x, d) = (session.get_all(&values)?, session.get_all(&slopes)?);
+            series.iter_mut().zip(x.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
+            largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
+        }
+        for (((value, slope), series), largest) in pairs.iter().zip(series).zip(&largest) {
+            if let Some((k, told, is)) = series.disagrees(&look, *largest, |x| noise(facts, value, x)) {
+                let message = format!(
+                    "Variable \"{}\" is declared to be the derivative of \"{}\", but from t = {} s on it is {told} while \"{}\" changes by {is} per second",
+                    short(&slope.name),
+                    short(&value.name),
+                    start + look.h * k as f64,
+                    short(&value.name)
+                );
+                seen.add(&rules::DERIVATIVE_VALUE, &slope.place, message);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The derivatives of outputs that Co-Simulation gives.
+pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let outputs = facts.select(|v| v.is("output") && v.is_continuous() && v.size == 1 && !v.clocked);
+    let references: Vec<u32> = outputs.iter().map(|v| v.reference).collect();
+    if outputs.is_empty() {
+        return Ok(());
+    }
+    let mut largest = vec![0.0_f64; outputs.len()];
+    for look in looks(subject) {
+        let (mut session, _) = begin(subject, &look)?;
+        let start = session.now;
+        let mut series = vec![Series::default(); outputs.len()];
+        for _ in 0..look.n {
+            if !session.step(look.h)? {
+                break;
+            }
+            let values = session.get_all(&outputs)?;
+            let mut told = vec![0.0; outputs.len()];
+            let status = session.raw.get_output_derivatives(&references, &mut told);
+            session.ok("GetOutputDerivatives", status)?;
+            series.iter_mut().zip(values.iter().zip(&told)).for_each(|(s, (x, d))| s.push(*x, *d));
+            largest.iter_mut().zip(&told).for_each(|(l, d)| *l = l.max(d.abs()));
+        }
+        for ((v, series), largest) in outputs.iter().zip(series).zip(&largest) {
+            if let Some((k, told, is)) = series.disagrees(&look, *largest, |x| noise(facts, v, x)) {
+                let message = format!(
+                    "The derivative of output \"{}\" is told to be {told} from t = {} s on, but it changes by {is} per second",
+                    short(&v.name),
+                    start + look.h * (k + 1) as f64
+                );
+                seen.add(&rules::OUTPUT_DERIVATIVE, &v.place, message);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A slope of an input that matters has an effect.
+pub(super) fn of_inputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let h = facts.step();
+    for v in facts.inputs().into_iter().filter(|v| v.size == 1) {
+        let (low, high) = (v.start[0], v.other_value());
+        if low == high {
+            continue;
+        }
+        let run = |value: f64, slope: f64| -> Result<Rows, Fault> {
+            let mut session: Session = subject.started(&subject.base()?.settings)?;
+            session.set(v, &[value])?;
+            let status = session.raw.set_input_derivatives(&[v.reference], &[slope]);
+            session.ok("SetRealInputDerivatives", status).map_err(|f| f.about(v, &[slope]))?;
+            session.step(h)?;
+            Ok(vec![session.observe()?])
+        };
+        let (held, moved) = (run(low, 0.0)?, run(0.5 * (low + high), 0.0)?);
+        let steady = &subject.base()?.steady;
+        // The input itself differs, of course; something else has to.
+        let others: Vec<bool> = steady.iter().enumerate().map(|(i, s)| *s && held[0][i] != low).collect();
+        let Some(effect) = difference(facts, &others, &held, &moved) else { continue };
+        if effect.relative < 1e-6 {
+            continue;
+        }
+        let sloped = run(low, (high - low) / h)?;
+        if difference(facts, &others, &held, &sloped).is_none() {
+            let message = format!(
+                "A slope of input \"{}\" has no effect although canInterpolateInputs is true (the input itself moves \"{}\")",
+                short(&v.name),
+                effect.name
+            );
+            seen.add(&rules::INPUT_DERIVATIVE, &v.place, message);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,158 @@
+//! Model Exchange: the vectors of states, derivatives, nominals and event indicators.
+
+use super::super::solver::{Solver, indicators};
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::finding::short;
+use crate::validate::model::Version;
+use crate::validate::rules;
+
+/// Equal up to what an iterative solver inside the FMU leaves.
+const CLOSE: f64 = 1e-6;
+
+fn close(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= CLOSE * a.abs().max(b.abs())
+}
+
+pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let mut session = subject.started(&subject.base()?.settings)?;
+    let states: Vec<usize> = facts.states.clone();
+    let n: usize = states.iter().map(|i| facts.variables[*i].size).sum();
+    if facts.version == Version::Fmi3 {
+        let numbers = session.raw.numbers();
+        let numbers = numbers.or_else(|s| session.ok("GetNumberOfContinuousStates", s).map(|()| (0, 0)))?;
+        if numbers != (n, facts.indicators) {
+            let message = format!(
+                "The FMU has {} continuous states and {} event indicators, its model structure {n} and {}",
+                numbers.0, numbers.1, facts.indicators
+            );
+            return Err(Fault::new(&rules::STATES_NUMBER, &subject.interface.place, message));
+        }
+    }
+    let mut x = vec![0.0; n];
+    if n > 0 {
+        let status = session.raw.get_states(&mut x);
+        session.ok("GetContinuousStates", status)?;
+        nominals(&mut session, n, seen)?;
+        // Away from the start, where values that are all zero would say nothing.
+        let moved: Vec<f64> = x.iter().map(|x| x + 1e-3 * x.abs().max(1e-3)).collect();
+        vectors(&mut session, &moved, seen)?;
+        memory(&mut session, &x, &moved, seen)?;
+    }
+    jumps(subject, seen)
+}
+
+fn nominals(session: &mut Session, n: usize, seen: &mut Seen) -> Result<(), Fault> {
+    let mut nominals = vec![0.0; n];
+    let status = session.raw.get_nominals(&mut nominals);
+    session.ok("GetNominalsOfContinuousStates", status)?;
+    if let Some(i) = nominals.iter().position(|x| !(*x > 0.0 && x.is_finite())) {
+        let message = format!("The nominal value of continuous state {} of {n} is {}", i + 1, nominals[i]);
+        seen.add(&rules::NOMINAL_VALUE, &session.interface.place, message);
+    }
+    Ok(())
+}
+
+/// Vectors and variables tell the same, in the order of the model structure.
+fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Fault> {
+    let facts = session.facts;
+    let t = session.now;
+    let rates = Solver::rates(session, t, x)?;
+    let mut back = vec![0.0; x.len()];
+    let status = session.raw.get_states(&mut back);
+    session.ok("GetContinuousStates", status)?;
+    if let Some(i) = x.iter().zip(&back).position(|(a, b)| !close(*a, *b)) {
+        let message = format!("Continuous state {} was set to {} and is {} afterwards", i + 1, x[i], back[i]);
+        seen.add(&rules::STATES_KEPT, &session.interface.place, message);
+    }
+    let derivatives: Vec<usize> = facts.derivatives.iter().map(|e| e.variable).collect();
+    for (list, vector, what) in [(&facts.states, &back, "state"), (&derivatives, &rates, "derivative")] {
+        let mut at = 0;
+        for v in list.iter().map(|i| &facts.variables[*i]) {
+            let values = session.get(v)?;
+            let wanted = &vector[at..at + v.size];
+            at += v.size;
+            if let Some((a, b)) = values.iter().zip(wanted).find(|(a, b)| !close(**a, **b)) {
+                let message = format!(
+                    "Variable \"{}\" is {a}, but the entry at its place of the vector of continuous {what}s is {b}",
+                    short(&v.name)
+                );
+                seen.add(&rules::STATES_ORDER, &v.place, message);
+                return Ok(());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Derivatives are a function of time and states: coming back gives them again.
+fn memory(session: &mut Session, x: &[f64], moved: &[f64], seen: &mut Seen) -> Result<(), Fault> {
+    let t = session.now;
+    let first = Solver::rates(session, t, x)?;
+    let later = t + session.facts.step();
+    Solver::rates(session, later, moved)?;
+    let second = Solver::rates(session, t, x)?;
+    if let Some(i) = first.iter().zip(&second).position(|(a, b)| !close(*a, *b)) {
+        let v = session.facts.derivatives.get(i).map(|e| &session.facts.variables[e.variable]);
+        let place = v.map_or(&session.interface.place, |v| &v.place);
+        let message = format!(
+            "Derivative {} of {} is {} and, evaluated again at the same time and states, {}",
+            i + 1,
+            first.len(),
+            first[i],
+            second[i]
+        );
+        seen.add(&rules::EVALUATION_MEMORY, place, message);
+    }
+    Ok(())
+}
+
+/// Where an event indicator changes its sign it goes through zero.
+fn jumps(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    if facts.indicators == 0 {
+        return Ok(());
+    }
+    let mut session = subject.started(&subject.base()?.settings)?;
+    let mut solver = Solver::new(&mut session, 1e-6)?;
+    let end = facts.stop.unwrap_or(facts.start + 100.0 * facts.step());
+    for _ in 0..20_000 {
+        let (t, x) = (session.now, solver.x.clone());
+        let before = indicators(&mut session, facts.indicators)?;
+        if t >= end || session.next.is_some_and(|next| t >= next) {
+            return Ok(());
+        }
+        let target = session.next.map_or(end, |next| next.min(end));
+        if solver.one_step(&mut session, target)?.is_none() {
+            return Ok(());
+        }
+        let (t1, x1) = (session.now, solver.x.clone());
+        let after = indicators(&mut session, facts.indicators)?;
+        let crossing = (0..facts.indicators).find(|i| (before[*i] > 0.0) != (after[*i] > 0.0));
+        let Some(i) = crossing else { continue };
+        // Between the two ends of the step the indicator is looked at on a straight line.
+        let (mut low, mut high) = ((0.0, before[i]), (1.0, after[i]));
+        for _ in 0..50 {
+            let middle = 0.5 * (low.0 + high.0);
+            let state: Vec<f64> = x.iter().zip(&x1).map(|(a, b)| a + middle * (b - a)).collect();
+            Solver::rates(&mut session, t + middle * (t1 - t), &state)?;
+            let z = indicators(&mut session, facts.indicators)?[i];
+            if (z > 0.0) == (low.1 > 0.0) { low = (middle, z) } else { high = (middle, z) }
+        }
+        let jump = (high.1 - low.1).abs();
+        if jump > 1e-3 * (before[i] - after[i]).abs() {
+            let message = format!(
+                "Event indicator {} of {} jumps from {} to {} at t = {} s; importers look for its zero",
+                i + 1,
+                facts.indicators,
+                low.1,
+                high.1,
+                t + low.0 * (t1 - t)
+            );
+            seen.add(&rules::INDICATOR_JUMPS, &subject.interface.place, message);
+        }
+        return Ok(());
+    }
+    Ok(())
+}

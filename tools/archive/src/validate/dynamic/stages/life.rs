@@ -1,0 +1,170 @@
+//! One life of an instance: version, instantiation, initialisation, steps, termination.
+
+use cosim::raw::{InterfaceType, RawSetup};
+use cosim::{Kind, Log, Status};
+
+use crate::validate::dynamic::facts::Variable;
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::runs::{self, Drive};
+use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::finding::short;
+use crate::validate::model::Version;
+use crate::validate::rules;
+
+/// A value may leave its limits by this much of their size, as the standard grants.
+const PRECISION: f64 = 1e-6;
+
+pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    versions(subject, seen);
+    let mut session = subject.started(&Vec::new())?;
+    outputs(&mut session, "after initialisation", seen)?;
+    if subject.interface.kind == InterfaceType::ScheduledExecution {
+        for clock in subject.facts.select(|v| v.kind == Kind::Clock && v.is("input")) {
+            let status = session.raw.activate_partition(clock.reference, session.now);
+            session.ok("ActivateModelPartition", status).map_err(|f| f.about(clock, &[]))?;
+        }
+    } else {
+        let mut drive = Drive::new(&mut session)?;
+        for _ in 0..runs::steps(subject.facts) {
+            if !drive.advance(&mut session, subject.facts.step())? {
+                break;
+            }
+        }
+        outputs(&mut session, "after a few steps", seen)?;
+    }
+    let status = session.raw.terminate();
+    session.ok("Terminate", status)?;
+    drop(session);
+    categories(subject, seen)
+}
+
+/// NULL is a legal argument of the function that frees, and has no effect.
+pub(super) fn free_nothing(subject: &Subject, _: &mut Seen) -> Result<(), Fault> {
+    subject.binary.free_null();
+    Ok(())
+}
+
+fn versions(subject: &Subject, seen: &mut Seen) {
+    let (function, wanted) = match subject.facts.version {
+        Version::Fmi2 => ("fmi2GetVersion", "2.0"),
+        Version::Fmi3 => ("fmi3GetVersion", "3.0"),
+    };
+    let version = subject.binary.version().unwrap_or_default();
+    // FMI 3 has maintenance releases such as 3.0.2 in its version string.
+    if !(version == wanted || subject.facts.version == Version::Fmi3 && version.starts_with("3.")) {
+        let message = format!("{function} says \"{}\" instead of \"{wanted}\"", short(&version));
+        seen.add(&rules::VERSION_STRING, &subject.place, message);
+    }
+    if let Some(types) = subject.binary.types_platform().filter(|t| t != "default") {
+        let message = format!("fmi2GetTypesPlatform says \"{}\" instead of \"default\"", short(&types));
+        seen.add(&rules::VERSION_STRING, &subject.place, message);
+    }
+}
+
+/// Outputs are finite, and variables are where the model description says that they are.
+fn outputs(session: &mut Session, when: &str, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = session.facts;
+    for v in facts.select(|v| v.kind.is_numeric() && !v.clocked) {
+        let values = session.get(v)?;
+        if v.is("output")
+            && v.kind.is_float()
+            && let Some(value) = values.iter().find(|x| !x.is_finite())
+        {
+            let message = format!(
+                "Output \"{}\" is {value} {when} with all variables at their start values",
+                short(&v.name)
+            );
+            seen.add(&rules::OUTPUT_NOT_FINITE, &v.place, message);
+        } else if let Some(value) = values.iter().find(|x| is_outside(v, **x)) {
+            let limit = |x: Option<f64>| x.map_or("none".to_owned(), |x| x.to_string());
+            let message = format!(
+                "Variable \"{}\" is {value} {when}, outside its limits (min {}, max {})",
+                short(&v.name),
+                limit(v.min),
+                limit(v.max)
+            );
+            seen.add(&rules::VALUE_OUTSIDE, &v.place, message);
+        }
+    }
+    Ok(())
+}
+
+fn is_outside(v: &Variable, x: f64) -> bool {
+    let room = PRECISION * v.nominal.max(x.abs());
+    v.min.is_some_and(|m| x < m - room) || v.max.is_some_and(|m| x > m + room)
+}
+
+/// With all messages asked for, each comes in a declared category.
+fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let log = Log::with_debug();
+    let Some(mut raw) = subject.try_instance("probe", &subject.facts.token, &log) else {
+        let message = "The FMU refused to be instantiated with loggingOn = true";
+        return Err(Fault::new(&rules::INSTANTIATE, &subject.interface.place, message));
+    };
+    let started = raw.enter_initialization(subject.facts.start, None, subject.facts.tolerance)
+        <= Status::Warning
+        && raw.exit_initialization() <= Status::Warning;
+    if started && subject.interface.kind == InterfaceType::CoSimulation {
+        raw.do_step(subject.facts.start, subject.facts.step());
+    }
+    let declared = &subject.facts.categories;
+    let messages = log.messages();
+    if let Some(m) = messages.iter().find(|m| !m.category.is_empty() && !declared.contains(&m.category)) {
+        let message = format!(
+            "The FMU logs in the category \"{}\", which <LogCategories> does not define (message \"{}\")",
+            short(&m.category),
+            short(m.text.trim())
+        );
+        seen.add(&rules::LOG_CATEGORY_UNDECLARED, &subject.interface.place, message);
+    }
+    Ok(())
+}
+
+/// FMI 3 Co-Simulation as an importer with events runs it.
+pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> {
+    let log = Log::new();
+    let setup = RawSetup {
+        interface: InterfaceType::CoSimulation,
+        token: &subject.facts.token,
+        name: "probe",
+        event_mode: true,
+    };
+    let Some(raw) = subject.binary.instantiate(&setup, &log) else {
+        let message =
+            "The FMU refused to be instantiated with eventModeUsed = true although hasEventMode is true";
+        return Err(Fault::new(&rules::INSTANTIATE, &subject.interface.place, message));
+    };
+    let facts = subject.facts;
+    let mut session = Session {
+        raw,
+        facts,
+        interface: subject.interface,
+        line: subject.line,
+        now: facts.start,
+        next: None,
+    };
+    session.initialise(None)?;
+    session.iterate_events()?;
+    let status = session.raw.enter_step_mode();
+    session.ok("EnterStepMode", status)?;
+    for k in 1..=runs::steps(facts) {
+        let end = session.now + facts.step();
+        let h = session.next.filter(|t| *t > session.now).map_or(end, |t| t.min(end)) - session.now;
+        let step = session.raw.do_step(session.now, h);
+        session.ok("DoStep", step.status)?;
+        session.now += h;
+        if step.terminated {
+            break;
+        }
+        // An importer may have events of its own.
+        if k % 3 == 0 || step.event || session.next.is_some_and(|t| session.now >= t) {
+            let status = session.raw.enter_event_mode();
+            session.ok("EnterEventMode", status)?;
+            session.iterate_events()?;
+            let status = session.raw.enter_step_mode();
+            session.ok("EnterStepMode", status)?;
+        }
+    }
+    let status = session.raw.terminate();
+    session.ok("Terminate", status)
+}

@@ -1,0 +1,126 @@
+//! What no importer should do: a token of another FMU, NaN, values outside their limits, references of nothing.
+
+use cosim::raw::InterfaceType;
+use cosim::{Kind, Log, Status};
+
+use crate::validate::dynamic::facts::Variable;
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::finding::short;
+use crate::validate::model::Version;
+use crate::validate::rules;
+
+/// A token of no FMU.
+const FOREIGN: &str = "{00000000-0000-4000-8000-000000000000}";
+
+pub(super) fn token(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    if subject.facts.token == FOREIGN {
+        return Ok(());
+    }
+    if subject.try_instance("probe", FOREIGN, &Log::new()).is_some() {
+        let word = if subject.facts.version == Version::Fmi2 { "GUID" } else { "instantiation token" };
+        let message = format!(
+            "The FMU accepts the {word} {FOREIGN}, so a library that does not belong to the description goes unnoticed"
+        );
+        seen.add(&rules::TOKEN_UNCHECKED, &subject.interface.place, message);
+    }
+    Ok(())
+}
+
+/// NaN, infinity and values outside min and max, into each kind of variable that has them, one instance each.
+pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let float = |v: &&Variable| v.kind.is_float() && v.is_free();
+    let first = |causality: &str| facts.variables.iter().filter(float).find(|v| v.is(causality));
+    let targets: Vec<&Variable> = [first("input"), first("parameter")].into_iter().flatten().collect();
+    for v in targets {
+        for bad in [f64::NAN, f64::INFINITY] {
+            if accepts(subject, v, bad)? {
+                let message = format!(
+                    "Variable \"{}\" takes the value {bad} and the FMU steps on with it as if nothing were wrong",
+                    short(&v.name)
+                );
+                seen.add(&rules::NAN_ACCEPTED, &v.place, message);
+                break;
+            }
+        }
+    }
+    let limited = facts.variables.iter().filter(|v| v.kind.is_numeric() && v.is_free());
+    for v in limited.take(200) {
+        let beyond = |limit: f64, sign: f64| {
+            limit + sign * if v.kind.is_float() { v.nominal.max(limit.abs()) } else { 1.0 }
+        };
+        let bad = v.max.map(|m| beyond(m, 1.0)).or_else(|| v.min.map(|m| beyond(m, -1.0)));
+        // Unsigned types cannot hold what is below zero.
+        let Some(bad) = bad.filter(|b| b.is_finite() && (v.kind.is_float() || (0.0..=1e6).contains(b)))
+        else {
+            continue;
+        };
+        if accepts(subject, v, bad)? {
+            let limit = |x: Option<f64>| x.map_or("none".to_owned(), |x| x.to_string());
+            let message = format!(
+                "Variable \"{}\" takes {bad}, which is outside its limits (min {}, max {}), without a word",
+                short(&v.name),
+                limit(v.min),
+                limit(v.max)
+            );
+            seen.add(&rules::RANGE_UNCHECKED, &v.place, message);
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Whether a value is taken with status OK all the way through a step.
+fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
+    let mut session = subject.instance("probe")?;
+    let set = |session: &mut Session| session.raw.set(v.kind, &[v.reference], &vec![bad; v.size]);
+    if set(&mut session) > Status::Ok || session.initialise(None).is_err() {
+        return Ok(false);
+    }
+    if v.is("input") && set(&mut session) > Status::Ok {
+        return Ok(false);
+    }
+    match subject.interface.kind {
+        InterfaceType::CoSimulation => {
+            Ok(session.raw.do_step(session.now, subject.facts.step()).status == Status::Ok)
+        }
+        _ => {
+            let n: usize = subject.facts.states.iter().map(|i| subject.facts.variables[*i].size).sum();
+            Ok(session.raw.get_derivatives(&mut vec![0.0; n]) == Status::Ok)
+        }
+    }
+}
+
+/// References that no variable has, and constants, must be answered by Error.
+pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let mut session = subject.started(&Vec::new())?;
+    let highest = facts.variables.iter().map(|v| v.reference).max().unwrap_or(0);
+    // Beyond everything, and not so far beyond.
+    for reference in [u32::MAX - 1, highest.saturating_add(1000)] {
+        let mut value = [0.0];
+        if session.raw.get(Kind::Float64, &[reference], &mut value) <= Status::Warning {
+            let message = format!(
+                "Reading value reference {reference}, which no variable has, gives {} and no error",
+                value[0]
+            );
+            seen.add(&rules::REFERENCE_UNCHECKED, &subject.interface.place, message);
+            break;
+        }
+        session = subject.started(&Vec::new())?;
+    }
+    let constant = facts
+        .variables
+        .iter()
+        .find(|v| v.variability == "constant" && v.kind.is_numeric() && v.start.len() == v.size);
+    if let Some(v) = constant {
+        let mut session = subject.instance("probe")?;
+        let other: Vec<f64> = v.start.iter().map(|x| x + 1.0).collect();
+        if session.raw.set(v.kind, &[v.reference], &other) <= Status::Warning {
+            let message = format!("The constant \"{}\" can be set without an error", short(&v.name));
+            seen.add(&rules::CONSTANT_SETTABLE, &v.place, message);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,216 @@
+//! Reference results that the FMU carries (layered standard `org.fmi-standard.fmi-ls-ref`), against what it computes.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use crate::validate::dynamic::facts::{Facts, Variable};
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::finding::{Findings, short};
+use crate::validate::rules;
+use crate::validate::schema::types::{parse_boolean, parse_double};
+use crate::validate::xml::Xml;
+
+/// Where the files are.
+const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
+const MANIFEST: &str = "fmi-ls-manifest.xml";
+/// Share of a result's range, and of its size, that another solver may be off.
+const TOLERATED: f64 = 0.005;
+const ROUNDING: f64 = 1e-5;
+/// Long runs are compared as far as this takes.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// A table of numbers over time.
+struct Table {
+    names: Vec<String>,
+    /// Each begins with its time, s.
+    rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    /// `None` for anything but a header and rows in the order of time.
+    fn read(path: &Path) -> Option<Table> {
+        let text = std::fs::read_to_string(path).ok()?;
+        let mut lines = text.lines().filter(|l| !l.trim().is_empty());
+        let mut names = cells(lines.next()?);
+        if !names.remove(0).eq_ignore_ascii_case("time") {
+            return None;
+        }
+        // Texts and lists are not compared.
+        let rows: Vec<Vec<f64>> =
+            lines.map(|l| cells(l).iter().map(|c| number(c).unwrap_or(f64::NAN)).collect()).collect();
+        let is_table =
+            rows.iter().all(|r| r.len() == names.len() + 1) && rows.is_sorted_by(|a, b| a[0] <= b[0]);
+        (is_table && !rows.is_empty()).then_some(Table { names, rows })
+    }
+
+    /// The value of a column at a time: on a line between rows if it is continuous, after the jump where two rows have
+    /// the same time.
+    fn at(&self, column: usize, t: f64, is_continuous: bool) -> f64 {
+        let after = self.rows.partition_point(|r| r[0] <= t + 1e-9 * t.abs().max(1e-3));
+        let row = &self.rows[after.saturating_sub(1)];
+        match self.rows.get(after).filter(|_| is_continuous && after > 0) {
+            Some(next) => {
+                row[column] + (next[column] - row[column]) * ((t - row[0]) / (next[0] - row[0])).max(0.0)
+            }
+            None => row[column],
+        }
+    }
+}
+
+/// The cells of a line; names may be in quotes.
+fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut quoted = false;
+    for c in line.trim().chars() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' | ';' if !quoted => cells.push(String::new()),
+            c => cells.last_mut().expect("there is a first cell").push(c),
+        }
+    }
+    cells.iter().map(|c| c.trim().to_owned()).collect()
+}
+
+fn number(cell: &str) -> Option<f64> {
+    parse_double(cell).or_else(|| parse_boolean(cell).map(|b| f64::from(u8::from(b))))
+}
+
+/// Whether the FMU carries such results.
+pub(super) fn is_there(subject: &Subject) -> bool {
+    subject.archive.dir().join(FOLDER).join(MANIFEST).is_file()
+}
+
+pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let folder = subject.archive.dir().join(FOLDER);
+    let place = format!("{FOLDER}/{MANIFEST}");
+    let Ok(bytes) = std::fs::read(folder.join(MANIFEST)) else { return Ok(()) };
+    let Some(xml) = Xml::parse(&place, &bytes, &mut Findings::new()) else { return Ok(()) };
+    let (mut results, mut inputs) = (Vec::new(), None);
+    for related in xml.root().children().filter(|c| c.has_tag_name("Related")) {
+        let Some(source) =
+            related.attribute("source").filter(|_| related.attribute("type") == Some("text/csv"))
+        else {
+            continue;
+        };
+        match (related.attribute("role"), Table::read(&folder.join(source))) {
+            (Some("result"), Some(table)) => results.push((source.to_owned(), table)),
+            (Some("testcase" | "input"), Some(table)) => inputs = Some(table),
+            (_, None) => {
+                let message = format!("The file \"{}\" is missing or no table over time", short(source));
+                seen.add(&rules::REFERENCE_FILE, &xml.place(related), message);
+            }
+            _ => {}
+        }
+    }
+    let has_inputs = facts.variables.iter().any(|v| v.is("input"));
+    // Without the inputs that belong to them, results say nothing.
+    if has_inputs && inputs.is_none() {
+        return Ok(());
+    }
+    for (source, table) in results {
+        compare(subject, &format!("{FOLDER}/{source}"), &table, inputs.as_ref(), seen)?;
+    }
+    Ok(())
+}
+
+fn find<'a>(facts: &'a Facts, name: &str) -> Option<&'a Variable> {
+    facts.variables.iter().find(|v| v.name == name && v.size == 1 && v.kind.is_numeric() && !v.clocked)
+}
+
+fn compare(
+    subject: &Subject,
+    place: &str,
+    table: &Table,
+    inputs: Option<&Table>,
+    seen: &mut Seen,
+) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let columns: Vec<(usize, &Variable)> = table
+        .names
+        .iter()
+        .enumerate()
+        .filter_map(|(i, name)| {
+            Some((i + 1, find(facts, name).filter(|v| v.is_continuous() && !v.is("input"))?))
+        })
+        .collect();
+    let variables: Vec<&Variable> = columns.iter().map(|(_, v)| *v).collect();
+    let range = |column: usize| {
+        let values = || table.rows.iter().map(|r| r[column]).filter(|x| x.is_finite());
+        let (low, high) =
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        TOLERATED * (high - low) + ROUNDING * high.abs().max(low.abs())
+    };
+    let rooms: Vec<f64> = columns.iter().map(|(c, v)| range(*c).max(1e-6 * v.nominal)).collect();
+    let started = Instant::now();
+    let mut session = subject.instance("probe")?;
+    feed(&mut session, inputs)?;
+    session.initialise(None)?;
+    for row in &table.rows {
+        if started.elapsed() > PATIENCE || !reach(&mut session, row[0], inputs)? {
+            return Ok(());
+        }
+        // A row at a jump of the inputs may be meant before or after it.
+        if inputs
+            .is_some_and(|i| i.rows.windows(2).any(|w| w[0][0] == w[1][0] && (w[0][0] - row[0]).abs() < 1e-9))
+        {
+            continue;
+        }
+        feed(&mut session, inputs)?;
+        let values = session.get_all(&variables)?;
+        for (((column, v), value), room) in columns.iter().zip(values).zip(&rooms) {
+            let wanted = row[*column];
+            let is_near = (value - wanted).abs() <= *room;
+            if !is_near && !wanted.is_nan() {
+                let message = format!(
+                    "Variable \"{}\" is {value} at t = {} s, but {wanted} in the reference results that the FMU carries",
+                    short(&v.name),
+                    row[0]
+                );
+                seen.add(&rules::REFERENCE_DIFFERS, place, message);
+                return Ok(());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Sets the inputs that the table has for the session's time.
+fn feed(session: &mut Session, inputs: Option<&Table>) -> Result<(), Fault> {
+    let Some(table) = inputs else { return Ok(()) };
+    let (facts, t) = (session.facts, session.now);
+    for (i, name) in table.names.iter().enumerate() {
+        if let Some(v) = find(facts, name).filter(|v| v.is("input")) {
+            session.set(v, &[table.at(i + 1, t, v.is_continuous())])?;
+        }
+    }
+    Ok(())
+}
+
+/// Steps to a time; `false` when the FMU ends before or does not take the last piece.
+fn reach(session: &mut Session, t: f64, inputs: Option<&Table>) -> Result<bool, Fault> {
+    let h = session.facts.step();
+    let from = session.now;
+    let whole = ((t - from) / h * (1.0 + 1e-9)).floor();
+    for k in 0..whole.max(0.0) as u64 {
+        session.now = from + h * k as f64;
+        feed(session, inputs)?;
+        if !session.step(h)? {
+            return Ok(false);
+        }
+    }
+    session.now = from + h * whole.max(0.0);
+    let rest = t - session.now;
+    if rest > 1e-6 * h {
+        if !session.interface.variable_step || session.interface.internal_step.is_some() {
+            return Ok(false);
+        }
+        feed(session, inputs)?;
+        if !session.step(rest)? {
+            return Ok(false);
+        }
+    }
+    session.now = t;
+    Ok(true)
+}

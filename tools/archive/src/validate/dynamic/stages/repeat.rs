@@ -1,0 +1,180 @@
+//! The same run again: in a second instance, after a reset, beside another instance, a thousand times.
+
+use std::time::{Duration, Instant};
+
+use super::setting::{others, when};
+use crate::validate::dynamic::facts::Variable;
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::runs::{self, Drive, Rows, difference};
+use crate::validate::dynamic::session::{Session, Subject, column};
+use crate::validate::rules;
+
+/// Instances made in each of three rounds, and bytes that each may leave behind.
+const ROUND: usize = 400;
+const LEAK: f64 = 128.0;
+/// Bytes that a step, or a state saved and freed, may leave behind.
+const STEP_LEAK: f64 = 24.0;
+const STEP_ROUND: usize = 10_000;
+/// The rounds are cut short when they take longer.
+const PATIENCE: Duration = Duration::from_millis(1500);
+
+pub(super) fn reset(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let base = subject.base()?;
+    if let Some(index) = base.steady.iter().position(|steady| !steady) {
+        let (name, variable) = column(facts, index);
+        let message =
+            format!("Variable \"{name}\" has other values in a second instance that is treated alike");
+        seen.add(&rules::NOT_DETERMINISTIC, &variable.place, message);
+    }
+    // A life with other values, which a reset must forget.
+    let free = facts.select(Variable::is_free);
+    let mut session = subject.started(&others(subject, &free))?;
+    runs::from_here(&mut session)?;
+    let status = session.raw.terminate();
+    session.ok("Terminate", status)?;
+    after_reset(&mut session, subject, "after the end of a run", seen)?;
+    after_reset(&mut session, subject, "in the middle of a run", seen)
+}
+
+fn after_reset(session: &mut Session, subject: &Subject, place: &str, seen: &mut Seen) -> Result<(), Fault> {
+    let base = subject.base()?;
+    let status = session.raw.reset();
+    session.ok("Reset", status)?;
+    session.start(&base.settings)?;
+    let rows = runs::from_here(session)?;
+    if let Some(d) = difference(subject.facts, &base.steady, &base.rows, &rows) {
+        let message = format!(
+            "Variable \"{}\" is {} in a new instance and {} in the same run after a reset {place} ({})",
+            d.name,
+            d.first,
+            d.second,
+            when(&d)
+        );
+        seen.add(&rules::RESET, &d.variable.place, message);
+    }
+    Ok(())
+}
+
+/// One instance runs while another, with other values, does so too.
+pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let base = subject.base()?;
+    let free = facts.select(Variable::is_free);
+    let mut other = subject.instance("second")?;
+    let mut one = subject.instance("first")?;
+    other.start(&others(subject, &free))?;
+    one.start(&base.settings)?;
+    let (mut drive, mut other_drive) = (Drive::new(&mut one)?, Drive::new(&mut other)?);
+    let mut rows: Rows = vec![one.observe()?];
+    for step in 0..runs::steps(facts) {
+        if step < 3 {
+            for v in facts.inputs() {
+                let values = v.start.clone();
+                other.set(v, &values)?;
+            }
+            other_drive.advance(&mut other, facts.step())?;
+        } else if step == 3 {
+            let status = other.raw.reset();
+            other.ok("Reset", status)?;
+        }
+        let row = drive.rows(&mut one, facts.step(), 1)?;
+        if row.is_empty() {
+            break;
+        }
+        rows.extend(row);
+    }
+    drop(other);
+    if let Some(d) = difference(facts, &base.steady, &base.rows, &rows) {
+        let message = format!(
+            "Variable \"{}\" is {} in an instance alone and {} beside a second instance with other values ({})",
+            d.name,
+            d.first,
+            d.second,
+            when(&d)
+        );
+        seen.add(&rules::INSTANCES, &d.variable.place, message);
+    }
+    Ok(())
+}
+
+/// Bytes of this process in memory, on Linux.
+fn resident() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
+    let pages: f64 = text.split_ascii_whitespace().nth(1)?.parse().ok()?;
+    Some(4096.0 * pages)
+}
+
+/// The least growth per piece over three rounds, in bytes; `None` where memory cannot be measured or time ran out.
+fn growth(round: usize, mut piece: impl FnMut() -> Result<bool, Fault>) -> Result<Option<f64>, Fault> {
+    let started = Instant::now();
+    let mut least = f64::INFINITY;
+    // The first round fills caches and pools.
+    for n in 0..4 {
+        let Some(before) = resident() else { return Ok(None) };
+        for _ in 0..round {
+            if !piece()? || started.elapsed() > PATIENCE {
+                return Ok(None);
+            }
+        }
+        let Some(after) = resident() else { return Ok(None) };
+        if n > 0 {
+            least = least.min((after - before) / round as f64);
+        }
+    }
+    Ok(Some(least))
+}
+
+pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let round =
+        |n: usize, cost: Duration| n.min((PATIENCE.as_secs_f64() / 5.0 / cost.as_secs_f64()) as usize);
+    let once = Instant::now();
+    drop(subject.started(&Vec::new())?);
+    let round_of_instances = round(ROUND, once.elapsed());
+    // Fewer than this drown in the noise of the allocator.
+    if round_of_instances >= 40
+        && let Some(bytes) = growth(round_of_instances, || subject.started(&Vec::new()).map(|_| true))?
+        && bytes > LEAK
+    {
+        let message = format!(
+            "Each instance leaves {bytes:.0} bytes behind after it has been freed ({} instances)",
+            4 * round_of_instances
+        );
+        seen.add(&rules::MEMORY, &subject.interface.place, message);
+    }
+    let mut session = subject.started(&Vec::new())?;
+    if subject.interface.state {
+        let piece = || {
+            let state = session.raw.get_state(None).map_err(|s| session.ok("GetFMUState", s).unwrap_err())?;
+            let (status, _) = session.raw.free_state(state);
+            session.ok("FreeFMUState", status)?;
+            Ok(true)
+        };
+        if let Some(bytes) = growth(STEP_ROUND / 5, piece)?
+            && bytes > LEAK
+        {
+            let message = format!("Each saved state leaves {bytes:.0} bytes behind after it has been freed");
+            seen.add(&rules::MEMORY, &subject.interface.place, message);
+        }
+    }
+    if subject.interface.kind == cosim::raw::InterfaceType::CoSimulation {
+        let h = subject.facts.step();
+        let end = subject.facts.stop.unwrap_or(f64::INFINITY);
+        let piece = || {
+            if session.now + h > end {
+                // What leaks does so in a second run, too.
+                let status = session.raw.reset();
+                session.ok("Reset", status)?;
+                session.start(&Vec::new())?;
+            }
+            session.step(h)
+        };
+        if let Some(bytes) = growth(STEP_ROUND, piece)?
+            && bytes > STEP_LEAK
+        {
+            let message = format!("Each step leaves {bytes:.0} bytes behind");
+            seen.add(&rules::MEMORY, &subject.interface.place, message);
+        }
+    }
+    Ok(())
+}

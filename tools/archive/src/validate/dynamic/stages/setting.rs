@@ -1,0 +1,192 @@
+//! Start values, and values set in one order or another.
+
+use crate::validate::dynamic::facts::Variable;
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::runs::{self, Difference, Rows};
+use crate::validate::dynamic::session::{Session, Settings, Subject, observed};
+use crate::validate::finding::short;
+use crate::validate::rules;
+
+/// The binary starts at what its description says.
+pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let mut session = subject.instance("probe")?;
+    let facts = subject.facts;
+    let status = session.raw.enter_initialization(facts.start, None, facts.tolerance);
+    session.ok("EnterInitializationMode", status)?;
+    let exact = |v: &Variable| {
+        !v.clocked && (v.is("input") || v.initial.as_deref() == Some("exact") || v.variability == "constant")
+    };
+    for v in facts.select(exact) {
+        if let Some(wanted) = &v.text {
+            let text = session.raw.get_string(v.reference);
+            let text = text.or_else(|status| session.ok("GetString", status).map(|()| String::new()))?;
+            if text != *wanted {
+                let message = format!(
+                    "Variable \"{}\" starts at \"{}\" instead of its start value \"{}\"",
+                    short(&v.name),
+                    short(&text),
+                    short(wanted)
+                );
+                seen.add(&rules::START_DIFFERS, &v.place, message);
+            }
+        } else if v.kind.is_numeric() && v.start.len() == v.size {
+            let values = session.get(v)?;
+            if let Some((value, start)) = values.iter().zip(&v.start).find(|(x, start)| x != start) {
+                let message = format!(
+                    "Variable \"{}\" starts at {value} instead of its start value {start}",
+                    short(&v.name)
+                );
+                seen.add(&rules::START_DIFFERS, &v.place, message);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// In which way values are set.
+#[derive(Clone, Copy, PartialEq)]
+enum Order {
+    Forwards,
+    Backwards,
+    /// Scalars of one kind in one call.
+    Together,
+}
+
+pub(super) fn order(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let base = subject.base()?;
+    let free = facts.select(Variable::is_free);
+    // Every variable at its own start value, set or not.
+    let own: Settings = free.iter().map(|v| (*v, v.start.clone())).collect();
+    let untouched = runs::fresh(subject, &Vec::new())?;
+    if let Ok((set, _)) = run_in(subject, &own, Order::Forwards)
+        && let Some(d) = runs::difference(facts, &base.steady, &untouched, &set)
+    {
+        let message = format!(
+            "Setting every parameter and input to its own start value changes \"{}\" from {} to {} ({})",
+            d.name,
+            d.first,
+            d.second,
+            when(&d)
+        );
+        seen.add(&rules::SET_START, &d.variable.place, message);
+    }
+    // Other values, in three orders.
+    let others = others(subject, &free);
+    let Ok((forwards, lost)) = run_in(subject, &others, Order::Forwards) else { return Ok(()) };
+    if let Some((v, set, kept)) = lost {
+        let message = format!("Variable \"{}\" was set to {set} and is {kept} afterwards", short(&v.name));
+        seen.add(&rules::SET_LOST, &v.place, message);
+    }
+    for (order, words) in [(Order::Backwards, "in reverse order"), (Order::Together, "all in one call")] {
+        let (rows, _) = run_in(subject, &others, order)?;
+        if let Some(d) = runs::difference(facts, &base.steady, &forwards, &rows) {
+            let message = format!(
+                "Variable \"{}\" is {} when values are set one by one and {} when they are set {words} ({})",
+                d.name,
+                d.first,
+                d.second,
+                when(&d)
+            );
+            seen.add(&rules::SET_ORDER, &d.variable.place, message);
+            break;
+        }
+    }
+    reading(subject, &base.settings, seen)
+}
+
+/// All free variables away from their start values, as far as the FMU takes that.
+pub(super) fn others<'a>(subject: &Subject<'a>, free: &[&'a Variable]) -> Settings<'a> {
+    let moved = |test: &dyn Fn(&Variable) -> bool| -> Settings<'a> {
+        free.iter()
+            .filter(|v| v.kind.is_float() && test(v))
+            .map(|v| (*v, vec![v.other_value(); v.size]))
+            .collect()
+    };
+    let all = moved(&|_| true);
+    if run_in(subject, &all, Order::Forwards).is_ok() {
+        return all;
+    }
+    let tunable = moved(&|v| v.is("input"));
+    if run_in(subject, &tunable, Order::Forwards).is_ok() { tunable } else { Vec::new() }
+}
+
+type Lost<'a> = Option<(&'a Variable, f64, f64)>;
+
+/// A fresh run with values set in some order, and the first one that was not kept.
+fn run_in<'a>(
+    subject: &Subject<'a>,
+    settings: &Settings<'a>,
+    order: Order,
+) -> Result<(Rows, Lost<'a>), Fault> {
+    let mut session = subject.instance("probe")?;
+    match order {
+        Order::Forwards => settings.iter().try_for_each(|(v, x)| session.set(v, x))?,
+        Order::Backwards => settings.iter().rev().try_for_each(|(v, x)| session.set(v, x))?,
+        Order::Together => together(&mut session, settings)?,
+    }
+    session.initialise(None)?;
+    let rows = runs::from_here(&mut session)?;
+    let mut lost = None;
+    let mut at = 0;
+    for v in subject.facts.variables.iter().filter(|v| observed(v)) {
+        let of_v = &rows[0][at..at + v.size];
+        at += v.size;
+        if let Some((_, set)) = settings.iter().find(|(s, _)| std::ptr::eq(*s, v))
+            && (v.is("input") || v.is("parameter"))
+            && let Some((a, b)) = set.iter().zip(of_v).find(|(a, b)| (*a - *b).abs() > 1e-6 * a.abs())
+            && lost.is_none()
+        {
+            lost = Some((v, *a, *b));
+        }
+    }
+    Ok((rows, lost))
+}
+
+fn together(session: &mut Session, settings: &Settings) -> Result<(), Fault> {
+    let mut kinds: Vec<_> = settings.iter().map(|(v, _)| v.kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    for kind in kinds {
+        let of_kind = || settings.iter().filter(|(v, _)| v.kind == kind);
+        let references: Vec<u32> = of_kind().map(|(v, _)| v.reference).collect();
+        let values: Vec<f64> = of_kind().flat_map(|(_, x)| x.iter().copied()).collect();
+        let status = session.raw.set(kind, &references, &values);
+        session.ok("Set", status)?;
+    }
+    Ok(())
+}
+
+/// Reading changes nothing, whatever is read first.
+fn reading(subject: &Subject, settings: &Settings, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let mut session = subject.started(settings)?;
+    let mut drive = runs::Drive::new(&mut session)?;
+    drive.advance(&mut session, facts.step())?;
+    let scalars = facts.select(|v| observed(v) && v.size == 1);
+    let mut backwards = Vec::new();
+    for v in scalars.iter().rev() {
+        backwards.push(session.get(v)?[0]);
+    }
+    for (v, first) in scalars.iter().zip(backwards.iter().rev()) {
+        let second = session.get(v)?[0];
+        if second != *first && !(second.is_nan() && first.is_nan()) {
+            let message = format!(
+                "Variable \"{}\" is read as {first} and then as {second}, with no other call between than reading",
+                short(&v.name)
+            );
+            seen.add(&rules::GET_CHANGES, &v.place, message);
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The row of a difference in words.
+pub(super) fn when(d: &Difference) -> String {
+    match d.row {
+        0 => "after initialisation".to_owned(),
+        1 => "after 1 step".to_owned(),
+        n => format!("after {n} steps"),
+    }
+}

@@ -1,0 +1,106 @@
+//! Saved states: going back, freeing, and bytes.
+
+use super::setting::when;
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
+use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::model::Version;
+use crate::validate::rules::{self, Rule};
+
+/// Differences below this are rounding, which a master can live with.
+const ROUNDING: f64 = 1e-9;
+
+pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let base = subject.base()?;
+    let (h, n) = (subject.facts.step(), steps(subject.facts));
+    let (before, after) = (n / 3, n - n / 3);
+    let two = subject.facts.version == Version::Fmi2;
+    let names = if two {
+        ["GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializeFMUstate", "DeSerializeFMUstate"]
+    } else {
+        ["GetFMUState", "SetFMUState", "FreeFMUState", "SerializeFMUState", "DeserializeFMUState"]
+    };
+    let fault = |session: &Session, name: &str, status| {
+        session.ok(name, status).err().unwrap_or_else(|| Fault::new(&rules::LIFE_CYCLE, "", name))
+    };
+
+    let mut session = subject.started(&base.settings)?;
+    Drive::new(&mut session)?.rows(&mut session, h, before)?;
+    let (now, next) = (session.now, session.next);
+    let state = session.raw.get_state(None).map_err(|s| fault(&session, names[0], s))?;
+    let onwards = |session: &mut Session| -> Result<Rows, Fault> {
+        let mut rows = vec![session.observe()?];
+        rows.extend(Drive::new(session)?.rows(session, h, after)?);
+        Ok(rows)
+    };
+    let first = onwards(&mut session)?;
+    // Inputs belong to the state, so they are moved before it is set again.
+    for v in subject.facts.inputs() {
+        let start = v.start.clone();
+        session.set(v, &start)?;
+    }
+    let back = |session: &mut Session, state: &_| -> Result<Rows, Fault> {
+        let status = session.raw.set_state(state);
+        session.ok(names[1], status)?;
+        (session.now, session.next) = (now, next);
+        onwards(session)
+    };
+    let second = back(&mut session, &state)?;
+    compare(subject, &first, &second, &rules::ROLLBACK, "after going back to the saved state", seen)?;
+
+    if subject.interface.serialize {
+        let bytes = session.raw.serialize(&state).map_err(|s| fault(&session, names[3], s))?;
+        let copy = session.raw.deserialize(&bytes).map_err(|s| fault(&session, names[4], s))?;
+        let third = back(&mut session, &copy)?;
+        compare(subject, &first, &third, &rules::SERIALIZE, "from the state's bytes", seen)?;
+        free(&mut session, copy, names[2], seen)?;
+        if !subject.interface.only_once {
+            let mut other = subject.started(&Vec::new())?;
+            let copy = other.raw.deserialize(&bytes).map_err(|s| fault(&other, names[4], s))?;
+            let fourth = back(&mut other, &copy)?;
+            compare(
+                subject,
+                &first,
+                &fourth,
+                &rules::SERIALIZE,
+                "from the state's bytes in a new instance",
+                seen,
+            )?;
+            free(&mut other, copy, names[2], seen)?;
+        }
+    }
+    // A state that is given to the get function is used again.
+    let state = session.raw.get_state(Some(state)).map_err(|s| fault(&session, names[0], s))?;
+    free(&mut session, state, names[2], seen)
+}
+
+fn free(
+    session: &mut Session,
+    state: cosim::raw::RawState,
+    name: &str,
+    seen: &mut Seen,
+) -> Result<(), Fault> {
+    let (status, is_null) = session.raw.free_state(state);
+    session.ok(name, status)?;
+    if !is_null {
+        let message = format!("{name} does not set the pointer to the freed state to NULL");
+        seen.add(&rules::STATE_POINTER, &session.interface.place, message);
+    }
+    Ok(())
+}
+
+fn compare(
+    subject: &Subject,
+    a: &Rows,
+    b: &Rows,
+    rule: &'static Rule,
+    words: &str,
+    seen: &mut Seen,
+) -> Result<(), Fault> {
+    let Some(d) = difference(subject.facts, &subject.base()?.steady, a, b) else { return Ok(()) };
+    let rule = if d.relative <= ROUNDING { &rules::ROLLBACK_INEXACT } else { rule };
+    let when = if d.row == 0 { "at once".to_owned() } else { when(&d) };
+    let message = format!("Variable \"{}\" is {} and then {} {words} ({when})", d.name, d.first, d.second);
+    seen.add(rule, &d.variable.place, message);
+    Ok(())
+}

@@ -1,0 +1,105 @@
+//! Co-Simulation: what must not depend on the communication step, and where stepping must end.
+
+use cosim::Status;
+
+use crate::validate::dynamic::facts::Variable;
+use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::session::Subject;
+use crate::validate::finding::short;
+use crate::validate::model::Version;
+use crate::validate::rules;
+
+/// A difference below this share of a variable's movement is a matter of the solver.
+const TOLERATED: f64 = 0.05;
+/// A difference below this share of the nominal value matters to nobody.
+const SMALLEST: f64 = 1e-7;
+
+/// The end of a run with steps of h, h/2 and h/4: what does not come closer is no discretisation error.
+pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    let base = subject.base()?;
+    let watched = facts.select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input"));
+    let coarse = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
+    let end = crate::validate::dynamic::runs::steps(facts);
+    let mut movement = vec![0.0_f64; watched.len()];
+    let mut run = |parts: usize| -> Result<Option<Vec<f64>>, Fault> {
+        let mut session = subject.started(&base.settings)?;
+        let start = session.get_all(&watched)?;
+        let mut values = start.clone();
+        for k in 0..end * parts {
+            // Times are multiples, not sums: sums would differ in the last bits.
+            session.now = facts.start + coarse * k as f64 / parts as f64;
+            let next = facts.start + coarse * (k + 1) as f64 / parts as f64;
+            let h = next - session.now;
+            if !session.step(h)? {
+                return Ok(None);
+            }
+            values = session.get_all(&watched)?;
+            for (m, (v, s)) in movement.iter_mut().zip(values.iter().zip(&start)) {
+                *m = m.max((v - s).abs());
+            }
+        }
+        Ok(Some(values))
+    };
+    let (Some(one), Some(two)) = (run(1)?, run(2)?) else { return Ok(()) };
+    // A fixed internal step cannot be cut in four.
+    let four = if subject.interface.internal_step.is_none() { run(4)? } else { None };
+    for (i, v) in watched.iter().enumerate() {
+        let first = (one[i] - two[i]).abs();
+        let second = four.as_ref().map_or(first, |f| (two[i] - f[i]).abs());
+        let steady = base_is_steady(subject, v)?;
+        // Rounding moves balances and remainders about; it does not converge either.
+        let matters = first.min(second) > (TOLERATED * movement[i]).max(SMALLEST * v.nominal);
+        if steady && matters && second > 0.75 * first {
+            let message = format!(
+                "Variable \"{}\" is {} at t = {} s with steps of {coarse} s but {} with steps of half that size, and does not converge",
+                short(&v.name),
+                one[i],
+                facts.start + coarse * end as f64,
+                two[i]
+            );
+            seen.add(&rules::STEP_SIZE, &v.place, message);
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+fn base_is_steady(subject: &Subject, wanted: &Variable) -> Result<bool, Fault> {
+    let base = subject.base()?;
+    let mut at = 0;
+    for v in subject.facts.variables.iter().filter(|v| crate::validate::dynamic::session::observed(v)) {
+        if std::ptr::eq(v, wanted) {
+            return Ok(base.steady[at]);
+        }
+        at += v.size;
+    }
+    Ok(false)
+}
+
+/// A step that begins after the stop time told to the FMU is an error.
+pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let h = subject.facts.step();
+    let stop = subject.facts.start + 2.0 * h;
+    let mut session = subject.instance("probe")?;
+    session.initialise(Some(stop))?;
+    for _ in 0..2 {
+        if !session.step(h)? {
+            return Ok(());
+        }
+    }
+    let mut now = stop;
+    for _ in 0..3 {
+        if session.raw.do_step(now, h).status > Status::Warning {
+            return Ok(());
+        }
+        now += h;
+    }
+    let prefix = if subject.facts.version == Version::Fmi2 { "fmi2" } else { "fmi3" };
+    let status = Status::Error;
+    let message = format!(
+        "{prefix}DoStep succeeds up to t = {now} s although the stop time was set to {stop} s; it must return {status}"
+    );
+    seen.add(&rules::STOP_TIME, &subject.interface.place, message);
+    Ok(())
+}

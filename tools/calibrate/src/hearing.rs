@@ -1,0 +1,74 @@
+//! What the noise of the inputs does to a model: it hears them, and some of what they say it remembers.
+
+use crate::CalibrateError;
+use crate::fit::{Fitted, Slopes};
+use crate::hypothesis::Hypothesis;
+use crate::setup::Setup;
+use crate::tangent::Probe;
+use std::sync::Arc;
+
+/// Noise that is remembered counts from this share of an output's own on.
+const REMEMBERED: f64 = 0.1;
+
+impl Setup<'_> {
+    /// Adds to the noise of each output what the noise of the inputs does to it within a row, finds the inputs whose
+    /// noise is remembered, and where the drivers stand.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
+        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let slopes = self.by_inputs(&fitted.hypothesis, runs)?;
+        let slow = |input: &usize| {
+            let (direct, whole) = self.variances(&slopes, |k| k == *input);
+            (0..m).any(|k| whole[k] - direct[k] > (REMEMBERED * self.sigma(k)).powi(2))
+        };
+        let remembered = (0..inputs).filter(slow).collect();
+        let (direct, _) = self.variances(&slopes, |_| true);
+        self.remembered = remembered;
+        self.reached = Arc::new(slopes.tangents.into_iter().flat_map(|t| t.drivers).collect());
+        for (own, direct) in self.noise[inputs..].iter_mut().zip(direct) {
+            *own = (*own * *own + direct).sqrt();
+        }
+        Ok(())
+    }
+
+    /// Mean variance of each output that white noise on the inputs makes over runs: at once, and in all.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn input_noise(
+        &self,
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+    ) -> Result<(Vec<f64>, Vec<f64>), CalibrateError> {
+        Ok(self.variances(&self.by_inputs(hypothesis, runs)?, |_| true))
+    }
+
+    /// A hypothesis linearised along runs, with what each input does.
+    fn by_inputs(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Slopes, CalibrateError> {
+        let probes: Vec<Probe> = (0..self.experiment.inputs.len()).map(Probe::Input).collect();
+        Slopes::new(self, hypothesis, runs, &probes)
+    }
+
+    /// The same of those inputs that `heard` says, along runs that are linearised.
+    fn variances(&self, slopes: &Slopes, heard: impl Fn(usize) -> bool) -> (Vec<f64>, Vec<f64>) {
+        let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
+        let (mut direct, mut whole, mut rows) = (vec![0.0; m], vec![0.0; m], 0.0);
+        for (r, tangent) in slopes.tangents.iter().enumerate() {
+            let known = slopes.further(r, inputs).iter().zip(&self.noise).enumerate();
+            let noises: Vec<_> = known
+                .filter(|(k, _)| heard(*k))
+                .filter_map(|(_, (d, sigma))| Some((d.as_ref()?, *sigma)))
+                .collect();
+            let (at_once, all) = tangent.variance(&noises);
+            for (k, (a, b)) in at_once.iter().zip(&all).enumerate() {
+                direct[k % m] += a;
+                whole[k % m] += b;
+            }
+            rows += (at_once.len() / m) as f64;
+        }
+        let mean = |sums: Vec<f64>| sums.into_iter().map(|s| s / rows).collect();
+        (mean(direct), mean(whole))
+    }
+}
