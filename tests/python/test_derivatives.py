@@ -226,7 +226,8 @@ def test_what_has_no_derivative_is_refused(both):
 
 @pytest.mark.parametrize("case", ("voltage", "push", "gearmotor"))
 def test_derivatives_of_outputs_are_their_slopes(case, both):
-    """Against the output over a short step to either side, from a saved state, with the inputs held."""
+    """Against steps of a microsecond from a saved state, with the inputs held: short beside the winding's L/R of 0.2 ms, so that
+    what the steps before have left of their error in the current falls as the derivative says, and exact but for rounding."""
     model, start = CASES[case]
     archive = both[model]
     with archive.instance() as instance:
@@ -245,19 +246,15 @@ def test_derivatives_of_outputs_are_their_slopes(case, both):
             found = np.array(found)
         else:
             found = np.array(slave.getOutputDerivatives(references, ones))
-        start_of_step, h = np.array(instance.get(*unknowns)), 1e-2
-        ahead = []
-        state = instance.state()
+        here, h = np.array(instance.get(*unknowns)), 1e-6
+        ahead, state = [], instance.state()
         for ways in (1, 2):
             instance.restore(state)
-            for _ in range(ways):
-                instance.step(h)
+            instance.step(ways * h)
             ahead.append(np.array(instance.get(*unknowns)))
         # Forward differences, with their term of first order removed.
-        slope = (4.0 * ahead[0] - ahead[1] - 3.0 * start_of_step) / (2.0 * h)
-        # What the error of a step, less than 1e-6 of the outputs, makes of such a difference.
-        noise = 1e-6 * nominals(archive, unknowns) / h
-        off = np.abs(found - slope) - 1e-3 * np.abs(slope) - noise
-        worst = int(np.argmax(off))
-        assert off[worst] <= 0.0, (unknowns[worst], found[worst], slope[worst])
-        assert np.count_nonzero(np.abs(slope) > noise) > 3
+        slope = (4.0 * ahead[0] - ahead[1] - 3.0 * here) / (2.0 * h)
+        noise = 16.0 * np.finfo(float).eps * np.maximum(np.abs(here), nominals(archive, unknowns)) / h
+        kept = [k for k, unknown in enumerate(unknowns) if unknown not in TANGENT or "cooling_mode" not in start]
+        compare(found[kept], slope[kept], noise[kept] / 2.0, case, [unknowns[k] for k in kept])
+        assert np.count_nonzero(np.abs(found) > 1e3 * noise) > 8

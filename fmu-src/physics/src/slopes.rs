@@ -169,14 +169,11 @@ impl Slopes<'_> {
         if !there || (rates && self.scratch.derivatives(&mut all).is_err()) {
             return vec![f64::NAN; unknowns.len()];
         }
-        unknowns
-            .iter()
-            .map(
-                |slot| {
-                    if slot.group == Slot::RATES { all[slot.row as usize] } else { self.scratch.get(*slot) }
-                },
-            )
-            .collect()
+        let value = |unknown: &Unknown| match unknown.slot.group {
+            Slot::RATES => all[unknown.slot.row as usize],
+            _ => self.scratch.get(unknown.slot),
+        };
+        unknowns.iter().map(value).collect()
     }
 }
 
@@ -238,6 +235,41 @@ mod tests {
         close(by_winding[1].value, motor_parameters.R_ref * motor_parameters.alpha);
         let nothing = slopes.along(&[], &unknowns);
         assert_eq!(nothing[0].value, 0.0);
+    }
+
+    /// By hand where laws turn round within a rad/s while speeds count in thousands: dry friction tanh(w/w_small) and iron
+    /// w / (w^2 + w_small^2)^(1/4), with their slopes far below and far above where they turn.
+    #[test]
+    fn slopes_where_friction_turns_round() {
+        let mut motor = AnnulusCooledMotor::default();
+        let (tau_c, k, w_small) = (0.01, 1e-4, 0.7);
+        for (name, value) in [
+            ("effect.coulomb_friction.tau_c", tau_c),
+            ("effect.coulomb_friction.w_small", w_small),
+            ("effect.iron_loss.k", k),
+            ("effect.iron_loss.w_small", w_small),
+        ] {
+            motor.set(slot(&motor, name), value);
+        }
+        motor.hand_over();
+        motor.start(0.0).unwrap();
+        let unknowns = [unknown(&motor, "der(state.shaft_speed)")];
+        let mut scratch = motor.clone();
+        for w in [0.0, 1e-6, 1e-3, 0.1, 0.7, 2.0, 9.0, 50.0, 800.0f64] {
+            for w in [w, -w] {
+                motor.write_states(&[0.0, w]);
+                let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None };
+                let free = (f64::NEG_INFINITY, f64::INFINITY);
+                let moves = [Move { known: Known::State(1), at: w, seed: 1.0, size: 1000.0, limits: free }];
+                let found = slopes.along(&moves, &unknowns)[0];
+                let dry = tau_c / w_small / (w / w_small).cosh().powi(2);
+                let square = w * w + w_small * w_small;
+                let iron = k * (0.5 * w * w + w_small * w_small) / square.powf(1.25);
+                let exact = -(dry + iron) / motor.parameters.motor.J;
+                assert!((found.value - exact).abs() <= 1e-8 * exact.abs(), "{w}: {found:?} and {exact}");
+                assert!(found.error <= 1e-6 * exact.abs(), "{w}: {found:?}");
+            }
+        }
     }
 
     /// n^0.8 has an infinite slope at 0: the error tells.
