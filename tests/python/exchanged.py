@@ -1,10 +1,21 @@
 """One Model Exchange instance of an FMI 2.0 or 3.0 archive, addressed by variable name: what a solver sees of it."""
 
 from ctypes import c_double
+from math import prod
 
 from clients.fmu import Archive
 from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model
+
+
+def width(variable) -> int:
+    """How many elements a variable has, by the start values of its description."""
+    return prod(variable.shape) if variable.shape else 1
+
+
+def elements(variables):
+    """Each variable with the places of its elements, in their order."""
+    return [(variable, k) for variable in variables for k in range(width(variable))]
 
 
 class Exchanged:
@@ -21,7 +32,7 @@ class Exchanged:
             instanceName="exchanged",
         )
         self.model.instantiate()
-        self.count = len(description.derivatives)
+        self.count = description.numberOfContinuousStates
         self.set(start or {})
         if self.two:
             self.model.setupExperiment(startTime=0.0)
@@ -51,8 +62,23 @@ class Exchanged:
             getattr(self.model, f"set{kind or self.archive.variable(name).type}")([self.reference(name)], [value])
 
     def get(self, names) -> list[float]:
-        """Real values by name."""
-        return getattr(self.model, "getReal" if self.two else "getFloat64")([self.reference(name) for name in names])
+        """Real values by name; the elements of an array follow one another."""
+        references = [self.reference(name) for name in names]
+        if self.two:
+            return self.model.getReal(references)
+        return self.model.getFloat64(references, nValues=sum(width(self.archive.variable(name)) for name in names))
+
+    def derivative(self, unknowns, known, element: int = 0) -> list[float]:
+        """The derivatives of variables by name over one, or over one element of an array."""
+        seed = [0.0] * width(self.archive.variable(known))
+        seed[element] = 1.0
+        return self.along(unknowns, [known], seed)
+
+    def along(self, unknowns, knowns, seed) -> list[float]:
+        """The derivatives of variables by name where others move together, each element by its seed."""
+        references = [self.reference(name) for name in unknowns], [self.reference(name) for name in knowns]
+        more = {} if self.two else {"nSensitivity": sum(width(self.archive.variable(name)) for name in unknowns)}
+        return self.model.getDirectionalDerivative(*references, seed, **more)
 
     def states(self) -> list[float]:
         """The continuous states."""

@@ -7,7 +7,7 @@ import pytest
 from clients import paths
 from clients.fmu import Archive
 from conftest import STANDARDS
-from exchanged import Exchanged
+from exchanged import Exchanged, elements, width
 from fmpy.fmi1 import FMICallException
 from test_model_exchange import (
     BARE,
@@ -98,7 +98,24 @@ def difference(read, move, at, size, sizes):
 
 
 def nominals(archive, unknowns):
-    return np.array([float(archive.variable(name).nominal or 1.0) for name in unknowns])
+    """The typical size of each element."""
+    return np.array([float(v.nominal or 1.0) for v, _ in elements([archive.variable(name) for name in unknowns])])
+
+
+def labels(archive, unknowns):
+    """The name of each element, as FMI 2 has it."""
+    cells = elements([archive.variable(name) for name in unknowns])
+    return [f"{v.name}[{k + 1}]" if width(v) > 1 else v.name for v, k in cells]
+
+
+def states_of(archive):
+    """The states with the places of their elements."""
+    return elements([u.variable.derivative for u in archive.description.derivatives])
+
+
+def flat(values):
+    """Values of which some are lists, one after the other."""
+    return np.array([x for value in values for x in (value if isinstance(value, list) else [value])])
 
 
 def compare(derivatives, found, noise, known, unknowns):
@@ -121,38 +138,66 @@ def test_model_exchange(case, both):
     archive = both[model]
     instance = Exchanged(archive, start)
     try:
-        states = [u.variable.derivative for u in archive.description.derivatives]
-        rates = [u.variable.name for u in archive.description.derivatives]
-        x = [at + AWAY[s.unit] * (1.0 + 0.03 * k) for k, (s, at) in enumerate(zip(states, instance.states()))]
+        states, rates = states_of(archive), [u.variable.name for u in archive.description.derivatives]
+        x = [at + AWAY[s.unit] * (1.0 + 0.03 * k) for k, ((s, _), at) in enumerate(zip(states, instance.states()))]
         instance.put(x, 3.0)
-        unknowns = rates + outputs(archive)
-        references, sizes = [instance.reference(name) for name in unknowns], nominals(archive, unknowns)
-        read = lambda: instance.rates() + instance.get(unknowns[len(rates) :])
+        shown = outputs(archive)
+        unknowns, sizes = rates + shown, nominals(archive, rates + shown)
+        names_of = labels(archive, unknowns)
+        read = lambda: instance.rates() + instance.get(shown)
         moved = 0
 
-        for k, state in enumerate(states):
+        for k, (state, element) in enumerate(states):
             move = lambda value: instance.put([*x[:k], value, *x[k + 1 :]])
             found, noise = difference(read, move, x[k], way(state, x[k]), sizes)
-            there = instance.model.getDirectionalDerivative(references, [state.valueReference], [1.0])
-            moved += compare(there, found, noise, state.name, unknowns)
+            moved += compare(instance.derivative(unknowns, state.name, element), found, noise, state.name, names_of)
         for name in inputs(archive):
             at = instance.get([name])[0]
             if at == 0.0:
                 continue  # its mode has no use for it, or it stands at a limit
             found, noise = difference(read, lambda value: instance.set({name: value}), at, way(archive.variable(name), at), sizes)
-            there = instance.model.getDirectionalDerivative(references, [instance.reference(name)], [1.0])
-            moved += compare(there, found, noise, name, unknowns)
+            moved += compare(instance.derivative(unknowns, name), found, noise, name, names_of)
         instance.model.enterEventMode()
         for name in tunable(archive, start):
             at = instance.get([name])[0]
             if at == 0.0:
                 continue
             found, noise = difference(read, lambda value: instance.set({name: value}), at, way(archive.variable(name), at), sizes)
-            there = instance.model.getDirectionalDerivative(references, [instance.reference(name)], [1.0])
-            moved += compare(there, found, noise, name, unknowns)
+            moved += compare(instance.derivative(unknowns, name), found, noise, name, names_of)
         assert moved > 60, moved
     finally:
         instance.close()
+
+
+def derivative(instance, unknowns, known):
+    """As an importer of Co-Simulation asks for it."""
+    references = [instance.reference(name) for name in unknowns], [instance.reference(known)]
+    more = {} if instance.archive.version == "2.0" else {"nSensitivity": len(labels(instance.archive, unknowns))}
+    return instance.slave.getDirectionalDerivative(*references, [1.0], **more)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_before_initialization_ends(case, both):
+    """Every output and state over what decides the start, by differences of initializations."""
+    model, start = CASES[case]
+    archive = both[model]
+    with archive.instance() as instance:
+        instance.set(start)
+        if archive.version == "2.0":
+            instance.slave.setupExperiment(startTime=0.0)
+        instance.slave.enterInitializationMode()
+        shown = [name for name in outputs(archive) if name not in TANGENT or "cooling_mode" not in start]
+        unknowns = list(dict.fromkeys([*shown, *(state.name for state, _ in states_of(archive))]))
+        sizes, names_of = nominals(archive, unknowns), labels(archive, unknowns)
+        read = lambda: flat(instance.get(*unknowns))
+        moved = 0
+        for name in [*inputs(archive), *tunable(archive, start)]:
+            at = instance.get(name)[0]
+            if at == 0.0:
+                continue
+            found, noise = difference(read, lambda value: instance.set({name: value}), at, way(archive.variable(name), at), sizes)
+            moved += compare(derivative(instance, unknowns, name), found, noise, name, names_of)
+        assert moved > 5, moved
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -163,18 +208,16 @@ def test_co_simulation(case, both):
         instance.initialise(start)
         for _ in range(20):
             instance.step(0.05)
-        unknowns = outputs(archive)
-        references, sizes = [instance.reference(name) for name in unknowns], nominals(archive, unknowns)
-        read = lambda: instance.get(*unknowns)
+        unknowns = [name for name in outputs(archive) if name not in TANGENT or "cooling_mode" not in start]
+        sizes, names_of = nominals(archive, unknowns), labels(archive, unknowns)
+        read = lambda: flat(instance.get(*unknowns))
         moved = 0
         for name in inputs(archive) + tunable(archive, start):
             at = instance.get(name)[0]
             if at == 0.0:
                 continue
             found, noise = difference(read, lambda value: instance.set({name: value}), at, way(archive.variable(name), at), sizes)
-            there = instance.slave.getDirectionalDerivative(references, [instance.reference(name)], [1.0])
-            kept = [k for k, unknown in enumerate(unknowns) if unknown not in TANGENT or "cooling_mode" not in start]
-            moved += compare(np.array(there)[kept], found[kept], noise[kept], name, [unknowns[k] for k in kept])
+            moved += compare(derivative(instance, unknowns, name), found, noise, name, names_of)
         assert moved > 5, moved
 
 
@@ -184,17 +227,19 @@ def test_a_direction_is_a_sum_and_the_adjoint_is_the_transpose(case, both):
     archive = both[model]
     instance = Exchanged(archive, start)
     try:
-        states = [u.variable.derivative for u in archive.description.derivatives]
-        instance.put([at + AWAY[s.unit] for s, at in zip(states, instance.states())])
-        knowns = [s.valueReference for s in states] + [instance.reference("load_torque")]
-        unknowns = [u.variable.valueReference for u in archive.description.derivatives] + [instance.reference("winding_resistance")]
-        jacobian = np.array([instance.model.getDirectionalDerivative(unknowns, [k], [1.0]) for k in knowns]).T
-        seed = [float(s.nominal) * (1.0 + 0.1 * k) * (-1) ** k * 1e-3 for k, s in enumerate(states)] + [0.01]
-        along = instance.model.getDirectionalDerivative(unknowns, knowns, seed)
+        states = states_of(archive)
+        instance.put([at + AWAY[s.unit] for (s, _), at in zip(states, instance.states())])
+        cells = [*((state.name, element) for state, element in states), ("load_torque", 0)]
+        knowns = list(dict.fromkeys(name for name, _ in cells))
+        unknowns = [*(u.variable.name for u in archive.description.derivatives), "winding_resistance"]
+        jacobian = np.array([instance.derivative(unknowns, name, element) for name, element in cells]).T
+        seed = [float(s.nominal) * (1.0 + 0.1 * k) * (-1) ** k * 1e-3 for k, (s, _) in enumerate(states)] + [0.01]
+        along = instance.along(unknowns, knowns, seed)
         np.testing.assert_allclose(along, jacobian @ seed, rtol=1e-6, atol=1e-9 * np.abs(jacobian * seed).max())
         if not instance.two:
-            rows = np.linspace(-1.0, 2.0, len(unknowns))
-            transposed = instance.model.getAdjointDerivative(unknowns, knowns, rows, nSensitivity=len(knowns))
+            rows = np.linspace(-1.0, 2.0, len(jacobian))
+            references = [[instance.reference(name) for name in some] for some in (unknowns, knowns)]
+            transposed = instance.model.getAdjointDerivative(*references, rows, nSensitivity=len(cells))
             np.testing.assert_allclose(transposed, rows @ jacobian, rtol=1e-9)
     finally:
         instance.close()
@@ -234,27 +279,23 @@ def test_derivatives_of_outputs_are_their_slopes(case, both):
         instance.initialise(start)
         for _ in range(40):
             instance.step(0.01)
-        unknowns = outputs(archive)
-        references = [instance.reference(name) for name in unknowns]
-        slave, ones = instance.slave, [1] * len(unknowns)
+        unknowns = [name for name in outputs(archive) if name not in TANGENT or "cooling_mode" not in start]
+        references, names_of = [instance.reference(name) for name in unknowns], labels(archive, unknowns)
+        slave, ones = instance.slave, (c_int * len(unknowns))(*[1] * len(unknowns))
+        count, found = len(references), (c_double * len(names_of))()
         if archive.version == "2.0":
-            count = len(references)
-            found = (c_double * count)()
-            slave.fmi2GetRealOutputDerivatives(
-                slave.component, (c_uint * count)(*references), count, (c_int * count)(*ones), found
-            )
-            found = np.array(found)
+            slave.fmi2GetRealOutputDerivatives(slave.component, (c_uint * count)(*references), count, ones, found)
         else:
-            found = np.array(slave.getOutputDerivatives(references, ones))
-        here, h = np.array(instance.get(*unknowns)), 1e-6
+            slave.fmi3GetOutputDerivatives(slave.component, (c_uint * count)(*references), count, ones, found, len(found))
+        found = np.array(found)
+        here, h = flat(instance.get(*unknowns)), 1e-6
         ahead, state = [], instance.state()
         for ways in (1, 2):
             instance.restore(state)
             instance.step(ways * h)
-            ahead.append(np.array(instance.get(*unknowns)))
+            ahead.append(flat(instance.get(*unknowns)))
         # Forward differences, with their term of first order removed.
         slope = (4.0 * ahead[0] - ahead[1] - 3.0 * here) / (2.0 * h)
         noise = 16.0 * np.finfo(float).eps * np.maximum(np.abs(here), nominals(archive, unknowns)) / h
-        kept = [k for k, unknown in enumerate(unknowns) if unknown not in TANGENT or "cooling_mode" not in start]
-        compare(found[kept], slope[kept], noise[kept] / 2.0, case, [unknowns[k] for k in kept])
+        compare(found, slope, noise / 2.0, case, names_of)
         assert np.count_nonzero(np.abs(found) > 1e3 * noise) > 8

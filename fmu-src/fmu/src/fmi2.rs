@@ -10,7 +10,7 @@ pub use exchange::*;
 use crate::boundary::{
     self, Outcome, Refused, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back,
 };
-use crate::instance::{Interface, Type};
+use crate::instance::{Interface, Part, Standard, Type};
 use crate::life_cycle;
 use crate::logger::{Logger2, Sink, Status};
 use crate::resources::of_uri;
@@ -107,7 +107,9 @@ pub unsafe extern "C" fn fmi2Instantiate(
         let logging_on = logging_on != 0;
         hand_out(Wanted {
             function: "fmi2Instantiate",
+            standard: Standard::Two,
             interface: known,
+            part: Part::default(),
             name,
             token: guid,
             resources,
@@ -162,7 +164,7 @@ macro_rules! values {
             unsafe {
                 enter(c, stringify!($get), |i| {
                     let (vr, value) = (array(vr, n, "vr")?, array_mut(value, n, "value")?);
-                    i.get(vr, $of, |k, number| value[k] = $from(number))
+                    i.get(vr, $of, n, |k, number| value[k] = $from(number))
                 })
             }
         }
@@ -178,7 +180,7 @@ macro_rules! values {
             unsafe {
                 enter(c, stringify!($set), |i| {
                     let (vr, value) = (array(vr, n, "vr")?, array(value, n, "value")?);
-                    i.set(vr, $of, |k| $to(value[k]))
+                    i.set(vr, $of, n, |k| $to(value[k]))
                 })
             }
         }

@@ -33,7 +33,7 @@ static ALLOCATOR: Counting = Counting;
 fn a_thousand() -> isize {
     let mut alive = Vec::with_capacity(1000);
     for k in 0..1000usize {
-        let declaration = (physics::models::ALL[k % 2].declaration)();
+        let declaration = (physics::models::ALL[k % physics::models::ALL.len()].declaration)();
         let token = CString::new(declaration.token.clone()).unwrap();
         let three = k % 3 == 0;
         unsafe {

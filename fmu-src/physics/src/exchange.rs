@@ -40,6 +40,10 @@ pub trait Exchange {
     fn accept_step(&mut self);
     /// Lets what is held between events follow the present time, states and inputs.
     fn update(&mut self) -> Update;
+    /// The first event after the present time that is known by its time, s; infinite where there is none.
+    fn next_event(&self) -> f64 {
+        f64::INFINITY
+    }
 }
 
 /// How near a limit a temperature is at it, K: an importer finds the event to rounding, on either side.

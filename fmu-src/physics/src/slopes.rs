@@ -10,7 +10,7 @@
 //! and of the terms that it is made of, eps |f| / h.
 //! *Why no dual numbers*: friction and other ports have them, for the integrator's Jacobians; correlations, operating points
 //! of fans and the network do not, and one law for all is one that a new effect cannot break.
-//! *Source*: Ridders, Adv. Eng. Software 4 (1982) 75-76.
+//! *Source*: Ridders, Adv. Eng. Software 4 (1982) 75-76; Wynn, Math. Tables Aids Comput. 10 (1956) 91-96.
 
 use crate::model::{Model, Slot};
 
@@ -114,6 +114,8 @@ impl Slopes<'_> {
         let mut best = vec![Slope { value: f64::NAN, error: f64::INFINITY }; unknowns.len()];
         // For each unknown the last line of the table, until rounding has taken over.
         let mut lines: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); unknowns.len()];
+        // Its differences, with what rounding leaves of each.
+        let mut differences: Vec<Vec<[f64; 2]>> = vec![Vec::with_capacity(LEVELS); unknowns.len()];
         for _ in 0..LEVELS {
             let to = self.at(moves, unknowns, h);
             let (from, way) = match &start {
@@ -123,7 +125,9 @@ impl Slopes<'_> {
             for (n, place) in lines.iter_mut().enumerate() {
                 let Some(line) = place else { continue };
                 let rounding = f64::EPSILON * to[n].abs().max(unknowns[n].size) / way.abs();
-                let (next, found) = next_line(line, (to[n] - from[n]) / way, order, rounding);
+                let difference = (to[n] - from[n]) / way;
+                differences[n].push([difference, rounding]);
+                let (next, found) = next_line(line, difference, order, rounding);
                 let known = best[n].error <= SETTLED * best[n].value.abs();
                 if found.error < best[n].error {
                     best[n] = found;
@@ -136,6 +140,14 @@ impl Slopes<'_> {
                 break;
             }
             h /= SHRINK;
+        }
+        for (best, differences) in best.iter_mut().zip(&differences) {
+            if best.error > SETTLED * best.value.abs() {
+                let limit = limit_of(differences);
+                if limit.error < best.error {
+                    *best = limit;
+                }
+            }
         }
         best
     }
@@ -192,6 +204,36 @@ fn next_line(line: &[f64], difference: f64, order: f64, rounding: f64) -> (Vec<f
         next.push(value);
     }
     (next, best)
+}
+
+/// The limit of differences by Wynn's epsilon algorithm: of each even column the entry that agrees best with the one above.
+/// Only as far as they approach something: of what grows (an infinite slope) the algorithm would give a limit, too.
+fn limit_of(differences: &[[f64; 2]]) -> Slope {
+    let far = |k: usize| (differences[k][0] - differences[k - 1][0]).abs();
+    let count = (2..differences.len()).find(|&k| far(k) >= far(k - 1)).unwrap_or(differences.len());
+    let differences = &differences[..count];
+    let mut best = Slope { value: f64::NAN, error: f64::INFINITY };
+    let mut before = vec![0.0; differences.len() + 1];
+    let mut column: Vec<f64> = differences.iter().map(|[difference, _]| *difference).collect();
+    for k in 0.. {
+        if k % 2 == 0 {
+            for (n, pair) in column.windows(2).enumerate() {
+                // An entry of column k stands for k + 1 differences; the last of them, and what is taken from it, rounds most.
+                let rounding = differences[n + 1 + k][1] * (1 + k) as f64;
+                let error = (pair[1] - pair[0]).abs() + rounding;
+                if error < best.error {
+                    best = Slope { value: pair[1], error };
+                }
+            }
+        }
+        if column.len() < 2 {
+            return best;
+        }
+        let next =
+            column.windows(2).zip(&before[1..]).map(|(pair, old)| old + 1.0 / (pair[1] - pair[0])).collect();
+        before = std::mem::replace(&mut column, next);
+    }
+    best
 }
 
 #[cfg(test)]
@@ -270,6 +312,19 @@ mod tests {
                 assert!(found.error <= 1e-6 * exact.abs(), "{w}: {found:?}");
             }
         }
+    }
+
+    /// 2 - 3 h^(1/4) + h^(1/2) + h^2 goes to 2, to which its twelfth term has come by a tenth.
+    #[test]
+    fn broken_powers_go_to_their_limit() {
+        let at = |k: i32| SHRINK.powi(-k);
+        let difference = |h: f64| [2.0 - 3.0 * h.powf(0.25) + h.sqrt() + h * h, 1e-15 / h];
+        let found = limit_of(&(0..13).map(|k| difference(0.1 * at(k))).collect::<Vec<_>>());
+        assert!((found.value - 2.0).abs() < 1e-6 && found.error < 1e-5, "{found:?}");
+        let noise = [[0.3, 1e-9], [-0.2, 1e-9], [0.9, 1e-9], [-0.7, 1e-9]];
+        assert!(limit_of(&noise).error > 0.1);
+        let growing: Vec<[f64; 2]> = (0..13).map(|k| [1.0 + at(k).powf(-0.2), 1e-15]).collect();
+        assert!(limit_of(&growing).error > 0.1);
     }
 
     /// n^0.8 has an infinite slope at 0: the error tells.

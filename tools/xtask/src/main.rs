@@ -46,7 +46,11 @@ const COMMANDS: &[Command] = &[
         "a hundred and more synthetic benches through the closed loop, into docs/blind-suite.md",
         blind::run,
     ),
-    ("fuzz", "calls without order into both C interfaces, --seconds 60", fuzz::run),
+    (
+        "fuzz",
+        "calls without order into both C interfaces, --seconds 60 for each model; --valgrind watches memory",
+        fuzz::run,
+    ),
     ("importers", "the archives in other people's Rust importers", importers::run),
     (
         "cross",

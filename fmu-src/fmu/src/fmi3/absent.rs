@@ -2,7 +2,7 @@
 
 use super::{Boolean, InstanceHandle};
 use crate::boundary::{Refused, Wanted, enter, hand_out};
-use crate::instance::Interface;
+use crate::instance::{Interface, Part, Standard};
 use crate::logger::{Logger3, Status};
 use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
@@ -33,7 +33,9 @@ unsafe fn refuse_to_make(
     unsafe {
         hand_out(Wanted {
             function,
+            standard: Standard::Three,
             interface: Interface::CoSimulation,
+            part: Part::default(),
             name,
             token: std::ptr::null(),
             resources: std::ptr::null(),
@@ -68,20 +70,6 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
             log_message,
         )
     }
-}
-
-absent! {
-    "event mode is not in this FMU's Co-Simulation (hasEventMode is false).";
-    /// Enter step mode.
-    fmi3EnterStepMode();
-}
-
-absent! {
-    "there are no structural parameters in this FMU.";
-    /// Enter configuration mode.
-    fmi3EnterConfigurationMode();
-    /// Exit configuration mode.
-    fmi3ExitConfigurationMode();
 }
 
 absent! {

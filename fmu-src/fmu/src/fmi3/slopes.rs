@@ -2,7 +2,6 @@
 
 use super::InstanceHandle;
 use crate::boundary::{array, array_mut, enter};
-use crate::instance::same_numbers;
 use crate::logger::Status;
 
 /// Derivatives of the unknowns where each known moves by its seed.
@@ -21,7 +20,6 @@ pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     // SAFETY: as the crate's documentation says; so for every block below.
     unsafe {
         enter(instance, "fmi3GetDirectionalDerivative", |i| {
-            same_numbers((n_seed, n_knowns), (n_sensitivity, n_unknowns))?;
             let (unknowns, knowns) =
                 (array(unknowns, n_unknowns, "unknowns")?, array(knowns, n_knowns, "knowns")?);
             let (seed, out) =
@@ -46,7 +44,6 @@ pub unsafe extern "C" fn fmi3GetAdjointDerivative(
 ) -> Status {
     unsafe {
         enter(instance, "fmi3GetAdjointDerivative", |i| {
-            same_numbers((n_seed, n_unknowns), (n_sensitivity, n_knowns))?;
             let (unknowns, knowns) =
                 (array(unknowns, n_unknowns, "unknowns")?, array(knowns, n_knowns, "knowns")?);
             let (seed, out) =
@@ -68,7 +65,6 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
 ) -> Status {
     unsafe {
         enter(instance, "fmi3GetOutputDerivatives", |i| {
-            same_numbers((n, n), (n_values, n))?;
             let (vr, orders) = (array(vr, n, "valueReferences")?, array(orders, n, "orders")?);
             i.output_derivatives(vr, orders, array_mut(values, n_values, "values")?)
         })

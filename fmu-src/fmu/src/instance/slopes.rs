@@ -16,16 +16,12 @@ const OF_NOMINAL: f64 = 1e-7;
 /// Uncertainty, of itself, of a slope that is rounding: so small that it is let through, and known to no third digit.
 const ROUNDING: f64 = 1e-3;
 
-/// As many seeds as variables, as many places as derivatives.
-pub fn same_numbers(seeds: (usize, usize), places: (usize, usize)) -> Outcome {
-    for ((what, of), (there, wanted)) in
-        [(("seeds", "variables"), seeds), (("places", "derivatives"), places)]
-    {
-        if there != wanted {
-            return Err(Refused::error(format!("there are {there} {what} for {wanted} {of}.")));
-        }
+/// As many numbers as there are values.
+fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
+    if there == wanted {
+        return Ok(());
     }
-    Ok(())
+    Err(Refused::error(format!("there are {there} {what} for {wanted} values.")))
 }
 
 impl Instance {
@@ -38,9 +34,11 @@ impl Instance {
         out: &mut [f64],
     ) -> Outcome {
         self.ready(seed)?;
-        let unknowns = self.unknowns(unknowns)?;
+        let (unknowns, knowns) = (self.unknowns(unknowns)?, self.knowns(knowns)?);
+        same_number("seeds", seed.len(), knowns.len())?;
+        same_number("places for derivatives", out.len(), unknowns.len())?;
         let moves: Outcome<Vec<Move>> =
-            knowns.iter().zip(seed).map(|(&k, &seed)| self.known(k, seed)).collect();
+            knowns.iter().zip(seed).map(|(known, &seed)| self.known(*known, seed)).collect();
         let slopes = self.slopes(&moves?, &unknowns)?;
         out.copy_from_slice(&slopes);
         Ok(())
@@ -49,8 +47,10 @@ impl Instance {
     /// For each of `knowns` the sum over `unknowns` of their seed times their derivative.
     pub fn adjoint(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome {
         self.ready(seed)?;
-        let unknowns = self.unknowns(unknowns)?;
-        let moves: Outcome<Vec<Move>> = knowns.iter().map(|&k| self.known(k, 1.0)).collect();
+        let (unknowns, knowns) = (self.unknowns(unknowns)?, self.knowns(knowns)?);
+        same_number("seeds", seed.len(), unknowns.len())?;
+        same_number("places for derivatives", out.len(), knowns.len())?;
+        let moves: Outcome<Vec<Move>> = knowns.iter().map(|&known| self.known(known, 1.0)).collect();
         for (place, one) in out.iter_mut().zip(moves?) {
             let slopes = self.slopes(&[one], &unknowns)?;
             *place = slopes.iter().zip(seed).map(|(slope, seed)| slope * seed).sum();
@@ -61,19 +61,25 @@ impl Instance {
     /// Derivatives of outputs with respect to time where a step has led, with the inputs held.
     pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], out: &mut [f64]) -> Outcome {
         self.require_interface(Interface::CoSimulation)?;
-        self.require(&[Mode::Step, Mode::Terminated])?;
-        let unknowns = self.unknowns(references)?;
-        for (entry, &order) in unknowns.iter().zip(orders) {
-            if entry.row.causality != Causality::Output {
+        self.require(&[Mode::Step, Mode::Intermediate, Mode::Terminated])?;
+        let mut unknowns = Vec::with_capacity(out.len());
+        for (&reference, &order) in references.iter().zip(orders) {
+            let entry = self.entry(reference, Type::Real)?;
+            let shown =
+                entry.row.causality == Causality::Output || entry.is_intermediate() && !entry.is_settable();
+            if !shown {
                 return Err(Refused::error(format!("{} is no output.", entry.name)));
             }
+            self.require_to_read(entry)?;
             if order != 1 {
                 return Err(Refused::error(format!(
                     "the derivative of order {order} of {} is not provided; order 1 is.",
                     entry.name
                 )));
             }
+            unknowns.extend(self.elements_of(entry));
         }
+        same_number("places for derivatives", out.len(), unknowns.len())?;
         let declaration = self.model.declaration();
         let mut rates = vec![0.0; declaration.states.len()];
         self.model.derivatives(&mut rates).map_err(|fault| Refused::discard(fault.0))?;
@@ -99,24 +105,35 @@ impl Instance {
     }
 
     fn unknowns(&self, references: &[u32]) -> Outcome<Vec<&'static Entry>> {
-        references
-            .iter()
-            .map(|&reference| {
-                let entry = self.entry(reference, Type::Real)?;
-                if entry.is_settable() {
-                    return Err(Refused::error(format!("{} is set and has no derivative.", entry.name)));
-                }
-                Ok(entry)
-            })
-            .collect()
+        let mut all = Vec::with_capacity(references.len());
+        for &reference in references {
+            let entry = self.entry(reference, Type::Real)?;
+            if entry.is_settable() {
+                return Err(Refused::error(format!("{} is set and has no derivative.", entry.name)));
+            }
+            all.extend(self.elements_of(entry));
+        }
+        Ok(all)
     }
 
-    fn known(&mut self, reference: u32, seed: f64) -> Outcome<Move> {
-        if reference == TIME {
+    /// Time is `None`.
+    fn knowns(&self, references: &[u32]) -> Outcome<Vec<Option<&'static Entry>>> {
+        let mut all = Vec::with_capacity(references.len());
+        for &reference in references {
+            if reference == TIME {
+                all.push(None);
+            } else {
+                all.extend(self.elements_of(self.entry(reference, Type::Real)?).map(Some));
+            }
+        }
+        Ok(all)
+    }
+
+    fn known(&mut self, known: Option<&'static Entry>, seed: f64) -> Outcome<Move> {
+        let Some(entry) = known else {
             let limits = (f64::NEG_INFINITY, f64::INFINITY);
             return Ok(Move { known: Known::Time, at: self.model.time(), seed, size: 1.0, limits });
-        }
-        let entry = self.entry(reference, Type::Real)?;
+        };
         let starting = self.mode == Mode::Initialization;
         let known = match entry.slot.group {
             Slot::STATES if !starting => Known::State(entry.slot.row as usize),

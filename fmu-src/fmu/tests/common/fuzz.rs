@@ -5,7 +5,10 @@
 
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::*;
+use motor_fmu::instance::IntermediateUpdate;
 use motor_fmu::logger::Status;
+use physics::declare::Elements;
+use physics::model::{Element, ModelType};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
@@ -76,11 +79,52 @@ impl Dice {
     }
 }
 
+/// What a look into a step needs.
+struct Looker {
+    handle: *mut c_void,
+    dice: Dice,
+    references: Vec<u32>,
+}
+
+/// Looks into a step with calls that are fitting and calls that are not, and now and then ends it.
+unsafe extern "C" fn look(
+    environment: *mut c_void,
+    time: f64,
+    _sets: u8,
+    _gets: u8,
+    _finished: u8,
+    _may_return: u8,
+    requested: *mut u8,
+    until: *mut f64,
+) {
+    let looker = unsafe { &mut *environment.cast::<Looker>() };
+    let (h, dice) = (looker.handle, &mut looker.dice);
+    let (vr, mut value) = (dice.one(&looker.references), dice.number());
+    unsafe {
+        match dice.below(8) {
+            0 | 1 => fmi3SetFloat64(h, &vr, 1, &value, 1),
+            2 => fmi3DoStep(h, time, 1e-3, 1, null_mut(), null_mut(), null_mut(), null_mut()),
+            3 => fmi3Reset(h),
+            4 => fmi3GetOutputDerivatives(h, &vr, 1, &1, &mut value, 1),
+            5 => fmi3EnterEventMode(h),
+            _ => fmi3GetFloat64(h, &vr, 1, &mut value, 1),
+        };
+        fmi3FreeInstance(h);
+        if dice.below(4) == 0 {
+            (*requested, *until) = (1, time + dice.number() * 1e-3);
+        }
+    }
+}
+
 /// One instance in the hands of the dice.
 struct Toy {
     handle: *mut c_void,
     three: bool,
     references: Vec<u32>,
+    /// The parameters that count elements.
+    sizes: Vec<u32>,
+    /// Lives as long as the instance that calls it.
+    _looker: Box<Looker>,
     states: usize,
     /// Where the next step may begin, s.
     time: f64,
@@ -88,9 +132,16 @@ struct Toy {
 }
 
 impl Toy {
-    fn new(dice: &mut Dice) -> Toy {
-        let kind = &physics::models::ALL[dice.below(physics::models::ALL.len())];
+    fn new(dice: &mut Dice, kind: Option<&'static ModelType>) -> Toy {
+        let kind = kind.unwrap_or_else(|| &physics::models::ALL[dice.below(physics::models::ALL.len())]);
         let declaration = (kind.declaration)();
+        let references: Vec<u32> =
+            declaration.entries.iter().map(|e| e.value_reference).chain([0, 99, u32::MAX]).collect();
+        let seen: Vec<u32> =
+            declaration.entries.iter().filter(|e| e.is_intermediate()).map(|e| e.value_reference).collect();
+        let mut looker =
+            Box::new(Looker { handle: null_mut(), dice: Dice(dice.next()), references: references.clone() });
+        let (events, early, looks) = (dice.below(2) as u8, dice.below(2) as u8, dice.below(3) == 0);
         let token = CString::new(declaration.token.clone()).unwrap();
         let (three, exchange) = (dice.below(2) == 1, dice.below(2) == 1);
         let on = dice.below(2) as u8;
@@ -132,26 +183,27 @@ impl Toy {
                     null(),
                     0,
                     on,
-                    0,
-                    0,
-                    null(),
-                    0,
-                    null_mut(),
+                    events,
+                    early,
+                    seen.as_ptr(),
+                    if looks { seen.len() } else { 0 },
+                    (&raw mut *looker).cast(),
                     Some(logger3),
-                    None,
+                    looks.then_some(look as IntermediateUpdate),
                 )
             }
         };
         assert!(!handle.is_null());
-        let references =
-            declaration.entries.iter().map(|e| e.value_reference).chain([0, 99, u32::MAX]).collect();
-        let states = declaration
-            .states
-            .iter()
-            .filter(|[k, _]| !declaration.entries[*k].name.starts_with("T_housing["))
-            .count();
-        let states = if states == declaration.states.len() { states } else { states + 8 };
-        Toy { handle, three, references, states, time: 0.0, saved: Vec::new() }
+        looker.handle = handle;
+        let sizes = declaration.dimensions.iter().map(|&k| declaration.entries[k].value_reference).collect();
+        let shown = |[k, _]: &&[usize; 2]| match declaration.entries[*k].element {
+            Some(Element { index, of: Elements::UpTo(_, parameter), .. }) => {
+                f64::from(index) <= declaration.by_name(parameter).unwrap().row.start
+            }
+            _ => true,
+        };
+        let states = declaration.states.iter().filter(shown).count();
+        Toy { handle, three, references, sizes, _looker: looker, states, time: 0.0, saved: Vec::new() }
     }
 
     /// One call; the outcome's status.
@@ -168,7 +220,7 @@ impl Toy {
         let three = self.three;
         let slot = dice.below(self.saved.len().max(1));
         unsafe {
-            match dice.below(27) {
+            match dice.below(30) {
                 0 if three => fmi3EnterInitializationMode(h, 0, 0.0, 0.0, 0, 0.0),
                 0 => {
                     fmi2SetupExperiment(h, 0, 0.0, 0.0, 0, 0.0);
@@ -187,16 +239,23 @@ impl Toy {
                 }
                 7 if three => fmi3GetInt64(h, vr.as_ptr(), n, whole.as_mut_ptr(), n),
                 7 => fmi2GetInteger(h, vr.as_ptr(), n, orders.clone().as_mut_ptr()),
+                26 if three => fmi3EnterStepMode(h),
+                27 if three && dice.below(4) > 0 => self.configure(dice),
+                28 if three => {
+                    let mut all = vec![0.0; dice.below(80)];
+                    fmi3GetFloat64(h, vr.as_ptr(), n, all.as_mut_ptr(), all.len())
+                }
                 8..=10 => {
                     let step = dice.one(&[1e-6, 1e-3, 1e-3, 1e-2, 0.3, 5.0, 0.0, -1.0, f64::NAN]);
                     let at = if dice.below(9) == 0 { dice.number() } else { self.time };
+                    let mut last = at + step;
                     let status = if three {
-                        fmi3DoStep(h, at, step, 1, &mut a, &mut b, null_mut(), null_mut())
+                        fmi3DoStep(h, at, step, 1, &mut a, &mut b, null_mut(), &mut last)
                     } else {
                         fmi2DoStep(h, at, step, 1)
                     };
                     if status == Status::Ok {
-                        self.time = at + step;
+                        self.time = last;
                     }
                     status
                 }
@@ -320,6 +379,22 @@ impl Toy {
         }
     }
 
+    /// Another number of elements, if this is the time for it.
+    fn configure(&mut self, dice: &mut Dice) -> Status {
+        let h = self.handle;
+        let (size, count) = (dice.one(&[&self.sizes[..], &[99]].concat()), dice.below(70) as u64);
+        unsafe {
+            let status = fmi3EnterConfigurationMode(h);
+            fmi3SetUInt64(h, &size, 1, &count, 1);
+            fmi3ExitConfigurationMode(h);
+            let mut states = 0;
+            if fmi3GetNumberOfContinuousStates(h, &mut states) == Status::Ok && states > 0 {
+                self.states = states;
+            }
+            status
+        }
+    }
+
     /// A saved state through its bytes, some of them spoilt now and then.
     fn through_bytes(&mut self, dice: &mut Dice, slot: usize, size: &mut usize) -> Status {
         let (h, state) = (self.handle, self.saved.get(slot).copied().unwrap_or(null_mut()));
@@ -355,16 +430,16 @@ impl Drop for Toy {
     }
 }
 
-/// Plays for so long; how many calls there were, and how many of them were done.
+/// Plays for so long, with one model or with all; how many calls there were, and how many of them were done.
 ///
 /// # Panics
 /// On an internal failure, with the seed that led there.
-pub fn play(seconds: f64, seed: u64) -> (u64, u64) {
+pub fn play(seconds: f64, seed: u64, kind: Option<&'static ModelType>) -> (u64, u64) {
     let end = Instant::now() + Duration::from_secs_f64(seconds);
     let (mut calls, mut done, mut round) = (0, 0, seed);
     while Instant::now() < end {
         let mut dice = Dice(round);
-        let mut toy = Toy::new(&mut dice);
+        let mut toy = Toy::new(&mut dice, kind);
         for _ in 0..400 {
             calls += 1;
             let status = toy.play(&mut dice);

@@ -178,6 +178,10 @@ impl Exchange for AnnulusCooledMotor {
         held.over_temperature = is_above(excess, self.all_rates().map_or(0.0, |rates| self.warming(&rates)));
         self.held = Some(held);
         self.follow_states();
-        Update { states_changed, next_event: self.parameters.effects.next_event(self.time) }
+        Update { states_changed, next_event: Exchange::next_event(self) }
+    }
+
+    fn next_event(&self) -> f64 {
+        self.parameters.effects.next_event(self.time)
     }
 }
