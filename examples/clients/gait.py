@@ -1,6 +1,6 @@
 """Level walking as a load: joint angle, speed and torque over the stride, smooth and periodic.
 
-Source: normative gait at five speeds, [Schwartz2008] (data/gait-schwartz2008/SOURCE.md), 51 points per stride.
+Source: normative gait at five speeds, [Schwartz2008] (fmu-src/physics/data/gait-schwartz2008/SOURCE.md), 51 points per stride.
 *Assumes* that every stride is the same, and that torque scales with body mass.
 *Sign*: angle and torque are positive in extension (plantarflexion at the ankle), so that torque * speed > 0 is
 power from the actuator into the leg. The table has flexion positive in angle and extension positive in moment.

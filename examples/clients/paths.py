@@ -1,11 +1,11 @@
-"""Where things are: the data beside the examples, and the archives that `motor-fmu build` wrote."""
+"""Where things are: the measured gait, and the archives that `motor-fmu build` wrote."""
 
 import os
 from pathlib import Path
 
 EXAMPLES = Path(__file__).resolve().parent.parent
 ROOT = EXAMPLES.parent
-DATA = EXAMPLES / "data"
+DATA = ROOT / "fmu-src" / "physics" / "data"
 EXPECTED = EXAMPLES / "expected"
 
 

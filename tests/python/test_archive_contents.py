@@ -13,6 +13,20 @@ from clients import paths
 from conftest import STANDARDS
 
 MODELS = sorted(path.stem for path in (paths.dist() / "fmi2").glob("*.fmu"))
+MOTOR_TERMINALS = ["electrical", "shaft", "heat"]
+TERMINALS = {
+    "AnnulusCooledMotor": MOTOR_TERMINALS,
+    "BrushedGearmotor": MOTOR_TERMINALS,
+    "SeriesElasticActuator": ["motor", "joint", "supply"],
+    "GaitLoad": ["joint"],
+}
+# An output of each that is far from zero at the end of a second.
+HEADLINE = {
+    "AnnulusCooledMotor": "shaft_speed",
+    "BrushedGearmotor": "shaft_speed",
+    "SeriesElasticActuator": "joint_torque",
+    "GaitLoad": "torque_demand",
+}
 MOST_BYTES = 3 << 20
 REFERENCE = "extra/org.fmi-standard.fmi-ls-ref"
 NAMES = "{http://fmi-standard.org/fmi-ls-manifest}"
@@ -53,7 +67,7 @@ def test_the_page_shows_every_variable_with_its_unit(packed):
     page = files["documentation/index.html"].decode()
     description = ElementTree.fromstring(files["modelDescription.xml"])
     variables = [v for v in description.find("ModelVariables") if v.get("causality") in ("input", "output", "parameter")]
-    assert len(variables) > 50
+    assert len(variables) > 15
     for variable in variables:
         real = variable.find("Real") if variable.tag == "ScalarVariable" else variable if variable.tag == "Float64" else None
         unit = "" if real is None else real.get("unit")
@@ -62,14 +76,15 @@ def test_the_page_shows_every_variable_with_its_unit(packed):
 
 def test_the_page_s_script_runs(packed, monkeypatch, tmp_path):
     """The lines of `How to start` as a reader copies them."""
-    _, _, path, files = packed
+    model, _, path, files = packed
     script = re.search(r"<pre>(.*?)</pre>", files["documentation/index.html"].decode(), re.S)[1].replace("&quot;", '"')
     shown = []
     monkeypatch.chdir(path.parent)
     monkeypatch.setattr("fmpy.plot_result", shown.append)
     exec(compile(script, "index.html", "exec"), {})
     (result,) = shown
-    assert len(result) > 100 and result["shaft_speed"][-1] > 1.0
+    assert len(result) > 100 and len(result.dtype.names) > 3
+    assert abs(result[HEADLINE[model]][-1]) > 1.0
 
 
 def test_licences_are_there(packed):
@@ -77,6 +92,7 @@ def test_licences_are_there(packed):
     folder = "licenses" if fmi == 2 else "documentation/licenses"
     assert files[f"{folder}/license.txt"] == (paths.ROOT / "LICENSE").read_bytes()
     third = files[f"{folder}/third-party.txt"].decode()
+    assert "CC-BY-SA" in files[f"{folder}/gait-data.txt"].decode()
     assert re.search(r"^nalgebra [0-9.]+: Apache-2.0$", third, re.M) and "Apache License" in third
 
 
@@ -89,13 +105,13 @@ def test_the_icon_is_a_picture(packed):
 
 
 def test_terminals_name_variables_of_the_model(packed):
-    _, fmi, _, files = packed
+    model, fmi, _, files = packed
     if fmi == 2:
         assert not [name for name in files if name.startswith("terminalsAndIcons")], "FMI 2 has none"
         return
     terminals = ElementTree.fromstring(files["terminalsAndIcons/terminalsAndIcons.xml"])
     causalities = {v.get("name"): v.get("causality") for v in ElementTree.fromstring(files["modelDescription.xml"]).find("ModelVariables")}
-    assert [t.get("name") for t in terminals.iter("Terminal")] == ["electrical", "shaft", "heat"]
+    assert [t.get("name") for t in terminals.iter("Terminal")] == TERMINALS[model]
     for member in terminals.iter("TerminalMemberVariable"):
         assert causalities[member.get("variableName")] in ("input", "output"), member.get("variableName")
 
@@ -121,7 +137,7 @@ def test_the_library_gives_the_reference_results(packed, motor_fmu, tmp_path):
     played = table(out.read_text())[::10]
     assert len(reference) == len(played) == 101
     assert reference == played
-    assert reference[-1]["shaft_speed"] > 1.0
+    assert abs(reference[-1][HEADLINE[model]]) > 1.0
 
 
 def table(text):

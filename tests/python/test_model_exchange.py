@@ -9,7 +9,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.simulation import instantiate_fmu
 from fmpy.validation import validate_fmu
 
-MOTOR, GEARMOTOR = "AnnulusCooledMotor", "BrushedGearmotor"
+MOTOR, GEARMOTOR, ACTUATOR, GAIT = "AnnulusCooledMotor", "BrushedGearmotor", "SeriesElasticActuator", "GaitLoad"
 AGREE = 1e-5  # of the largest value of the run (of temperatures: the largest rise), or of a hundredth of the nominal value
 TIGHT = 1e-9  # CVODE's relative tolerance
 
@@ -74,6 +74,11 @@ CASES = {
     "gearmotor, discontinuous": (
         GEARMOTOR, 3.0, 1e-2, {"duty": 0.25, "load_torque": 0.05, "effect.contact_drop.V_b": 0.5, "effect.ambient_drift.rate": 0.01}
     ),
+    "actuator, elastic coupling": (
+        ACTUATOR, 0.5, 1e-3, {"transmission.coupling": 2, "motor_angle": 20.0, "motor_current": 1.5, "torque_demand": 30.0, "drive.efficiency": 0.9}
+    ),
+    "gait": (GAIT, 3.0, 1e-2, {"gait.variation": 0.05, "gait.start_time": 0.3, "gait.stop_time": 2.5, "gait.ramp_time": 0.5}),
+    "gait, stairs": (GAIT, 2.8, 7e-3, {"gait.activity": 6, "gait.joint": 2, "joint_torque": 40.0}),
     "gearmotor, reverse": (GEARMOTOR, 1.0, 1e-3, {"duty": -0.9, "load_torque": -0.5, "drive.decay": 2}),
 }
 
@@ -133,20 +138,21 @@ def test_cvode_agrees_with_co_simulation(case, fmi):
     worst = max(errors, key=errors.get)
     assert errors[worst] < AGREE, (worst, errors[worst])
     moved = [name for name in errors if np.ptp(stepped[name]) > 0.0]
-    assert len(moved) >= 8, moved
+    assert len(moved) >= min(8, len(errors) // 2), moved
 
 
 @pytest.mark.parametrize("fmi", STANDARDS)
-@pytest.mark.parametrize("model", (MOTOR, GEARMOTOR))
+@pytest.mark.parametrize("model", (MOTOR, GEARMOTOR, ACTUATOR, GAIT))
 def test_fmpy_finds_nothing(model, fmi):
     path = str(paths.archive(model, fmi))
     assert validate_fmu(path) == []
     description = read_model_description(path)
     states = [u.variable.derivative for u in description.derivatives]
-    assert sum(map(width, states)) == description.numberOfContinuousStates == {MOTOR: 22, GEARMOTOR: 11}[model]
+    count = {MOTOR: 22, GEARMOTOR: 11, ACTUATOR: 8, GAIT: 2}[model]
+    assert sum(map(width, states)) == description.numberOfContinuousStates == count
     for unknown, state in zip(description.derivatives, states):
         assert unknown.variable.name == f"der({state.name})"
-    assert description.numberOfEventIndicators == 2
+    assert description.numberOfEventIndicators == {MOTOR: 2, GEARMOTOR: 2, ACTUATOR: 4, GAIT: 1}[model]
 
 
 @pytest.mark.parametrize("fmi", STANDARDS)

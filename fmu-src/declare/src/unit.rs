@@ -76,6 +76,9 @@ impl Unit {
             Unit::Radian => Unit::RadianPerSecond,
             Unit::Kelvin => Unit::KelvinPerSecond,
             Unit::Joule => Unit::Watt,
+            Unit::NewtonMetre => Unit::NewtonMetrePerSecond,
+            Unit::Volt => Unit::VoltPerSecond,
+            Unit::One => Unit::Hertz,
             _ => panic!("no state has this unit"),
         }
     }
@@ -90,6 +93,8 @@ units! {
     Hertz = "Hz" { s: -1 };
     /// Electric potential.
     Volt = "V" { kg: 1, m: 2, s: -3, A: -1 };
+    /// Rate of a voltage.
+    VoltPerSecond = "V/s" { kg: 1, m: 2, s: -4, A: -1 };
     /// Electric current.
     Ampere = "A" { A: 1 };
     /// Rate of a current.
@@ -112,6 +117,10 @@ units! {
     NewtonMetre = "N.m" { kg: 1, m: 2, s: -2 };
     /// Torque constant, equal to the back-EMF constant in V.s/rad.
     NewtonMetrePerAmpere = "N.m/A" { kg: 1, m: 2, s: -2, A: -1 };
+    /// Rate of a torque.
+    NewtonMetrePerSecond = "N.m/s" { kg: 1, m: 2, s: -3 };
+    /// Stiffness of a rotary spring.
+    NewtonMetrePerRadian = "N.m/rad" { kg: 1, m: 2, s: -2, rad: -1 };
     /// Coefficient of a torque proportional to speed.
     NewtonMetreSecond = "N.m.s/rad" { kg: 1, m: 2, s: -1, rad: -1 };
     /// Coefficient of a torque proportional to the square root of speed; no unit of whole exponents.
@@ -162,7 +171,8 @@ mod tests {
 
     #[test]
     fn a_rate_is_per_second() {
-        for unit in [Unit::Ampere, Unit::RadianPerSecond, Unit::Radian, Unit::Kelvin, Unit::Joule] {
+        use Unit::{Ampere, Joule, Kelvin, NewtonMetre, One, Radian, RadianPerSecond, Volt};
+        for unit in [Ampere, RadianPerSecond, Radian, Kelvin, Joule, NewtonMetre, Volt, One] {
             let (mut base, rate) = (unit.base().unwrap(), unit.rate().base().unwrap());
             base.s -= 1;
             assert_eq!(base, rate, "{unit:?}");

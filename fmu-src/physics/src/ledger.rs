@@ -36,9 +36,13 @@ pub enum Account {
     Housing,
     /// Heat in the box around the motor: its air and walls.
     Enclosure,
+    /// The joint that an actuator moves.
+    Joint,
+    /// Energy of the springs.
+    Spring,
 }
 
-const ACCOUNTS: usize = Account::Enclosure as usize + 1;
+const ACCOUNTS: usize = Account::Spring as usize + 1;
 
 /// Flows at one instant, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

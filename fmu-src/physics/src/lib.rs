@@ -7,6 +7,7 @@ pub mod components;
 pub mod correlations;
 pub mod effects;
 pub mod exchange;
+pub mod explicit;
 pub mod ledger;
 pub mod media;
 pub mod model;

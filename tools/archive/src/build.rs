@@ -11,6 +11,12 @@ pub use terms::{TermText, TermsError, TermsFile};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
+/// Where the gait data in the library come from, and their licences.
+const GAIT_DATA: &str = concat!(
+    include_str!("../../../fmu-src/physics/data/gait-schwartz2008/SOURCE.md"),
+    "\n",
+    include_str!("../../../fmu-src/physics/data/gait-walking-stairs-cc0/SOURCE.md"),
+);
 /// Whose work is compiled into the library, and its licences: written by `cargo xtask licenses`.
 const THIRD_PARTY: &str = include_str!("../assets/third-party.txt");
 const ICON_SVG: &[u8] = include_bytes!("../assets/icon.svg");
@@ -263,6 +269,7 @@ fn entries(
     }
     files.push(file(format!("{licenses}/license.txt"), include_str!("../../../LICENSE")));
     files.push(file(format!("{licenses}/third-party.txt"), THIRD_PARTY));
+    files.push(file(format!("{licenses}/gait-data.txt"), GAIT_DATA));
     match standard {
         Standard::Fmi2 => files.push(file("model.png", ICON_PNG)),
         Standard::Fmi3 => {

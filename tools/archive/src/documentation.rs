@@ -6,7 +6,7 @@ mod figures;
 
 use crate::native::Native;
 use crate::{reference, terminals};
-use describe::{Causality, DEFAULT_STEP, DEFAULT_STOP, Preset, VERSION, markdown};
+use describe::{DEFAULT_STEP, DEFAULT_STOP, Preset, VERSION, markdown};
 
 const STYLE: &str = "\
 body { font: 15px/1.5 sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #222; background: #fff }
@@ -62,19 +62,18 @@ pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
 fn start(native: &Native<'_>) -> String {
     let declaration = (native.kind.declaration)();
     let name = declaration.name;
-    // Behind a bridge the duty drives the motor, elsewhere the voltage does.
-    let driving = if declaration.by_name("supply_voltage").is_some() { "duty" } else { "voltage" };
-    let inputs = declaration.entries.iter().filter(|e| e.row.causality == Causality::Input);
-    let drive: Vec<String> = inputs
-        .filter(|e| [driving, "load_torque"].contains(&e.name.as_str()))
-        .map(|e| format!("\"{}\": {}", e.name, e.row.nominal.clamp(e.row.min, e.row.max)))
+    let own = figures::own(native);
+    let nominal = |name: &&str| native.entry(name).map(|e| (name.to_string(), e.row));
+    let drive: Vec<String> = (own.drive.iter().filter_map(nominal))
+        .map(|(name, row)| format!("\"{name}\": {}", row.nominal.clamp(row.min, row.max)))
         .collect();
     format!(
         "from fmpy import plot_result, simulate_fmu\n\n\
          result = simulate_fmu(\n    \"{name}.fmu\",\n    stop_time={DEFAULT_STOP},\n    step_size={DEFAULT_STEP},\n    \
          output_interval={DEFAULT_STEP},\n    start_values={{{}}},\n    \
-         output=[\"current\", \"shaft_speed\", \"winding_temperature\"],\n)\nplot_result(result)\n",
-        drive.join(", ")
+         output=[{}],\n)\nplot_result(result)\n",
+        drive.join(", "),
+        own.shown.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
     )
 }
 

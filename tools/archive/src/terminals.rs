@@ -1,4 +1,4 @@
-//! Which variables belong together where a motor is connected: `terminalsAndIcons.xml` of FMI 3.
+//! Which variables belong together where a model is connected: `terminalsAndIcons.xml` of FMI 3.
 
 use describe::{Causality, Declaration};
 use quick_xml::Writer;
@@ -9,8 +9,8 @@ pub const FOLDER: &str = "terminalsAndIcons";
 
 /// A variable, and what it is at its terminal.
 type Member = (&'static str, &'static str);
-/// A place where a motor may be connected: name, what it is, and its members.
-type Place = (&'static str, &'static str, &'static [Member]);
+/// A place where a model may be connected: name, the variable that a model has which has it, what it is, and its members.
+type Place = (&'static str, &'static str, &'static str, &'static [Member]);
 
 /// A terminal of a model.
 pub struct Terminal {
@@ -27,6 +27,7 @@ pub struct Terminal {
 const PLACES: &[Place] = &[
     (
         "electrical",
+        "current",
         "Winding, or the drive in front of it",
         &[
             ("voltage", "signal"),
@@ -38,6 +39,7 @@ const PLACES: &[Place] = &[
     ),
     (
         "shaft",
+        "shaft_speed",
         "Shaft and the load on it",
         &[
             ("shaft_angle", "signal"),
@@ -49,6 +51,7 @@ const PLACES: &[Place] = &[
     ),
     (
         "heat",
+        "heat_to_ambient",
         "Surroundings that take the heat",
         &[
             ("ambient_temperature", "signal"),
@@ -58,17 +61,58 @@ const PLACES: &[Place] = &[
             ("heat_to_ambient", "outflow"),
         ],
     ),
+    (
+        "motor",
+        "motor_speed",
+        "Motor that drives the actuator: its shaft and its winding",
+        &[
+            ("motor_angle", "signal"),
+            ("motor_speed", "signal"),
+            ("load_torque", "inflow"),
+            ("voltage", "signal"),
+            ("current_command", "signal"),
+            ("motor_current", "outflow"),
+        ],
+    ),
+    (
+        "joint",
+        "spring_deflection",
+        "Joint that the actuator moves",
+        &[
+            ("joint_angle", "signal"),
+            ("joint_speed", "signal"),
+            ("torque_demand", "signal"),
+            ("joint_torque", "outflow"),
+        ],
+    ),
+    (
+        "supply",
+        "torque_error",
+        "Supply in front of the drive",
+        &[("supply_voltage", "signal"), ("supply_power", "inflow")],
+    ),
+    (
+        "joint",
+        "gait_phase",
+        "Joint of the person who walks",
+        &[
+            ("joint_angle", "signal"),
+            ("joint_speed", "signal"),
+            ("torque_demand", "signal"),
+            ("joint_torque", "inflow"),
+        ],
+    ),
 ];
 
-/// The terminals of a model with the members that it has; the flow decides whether the model has the terminal.
+/// The terminals of a model, with the members that it has.
 pub fn of(declaration: &Declaration) -> Vec<Terminal> {
     let connects = |name: &str| {
         let entry = declaration.by_name(name);
         entry.is_some_and(|e| e.row.causality != Causality::Parameter)
     };
-    let with_members = |&(name, what, members): &Place| {
-        let members: Vec<_> = members.iter().copied().filter(|(variable, _)| connects(variable)).collect();
-        members.iter().any(|(_, kind)| *kind != "signal").then_some(Terminal { name, what, members })
+    let with_members = |&(name, key, what, members): &Place| {
+        let members = members.iter().copied().filter(|(variable, _)| connects(variable)).collect();
+        connects(key).then_some(Terminal { name, what, members })
     };
     PLACES.iter().filter_map(with_members).collect()
 }
@@ -135,7 +179,7 @@ mod tests {
 
     #[test]
     fn every_member_is_somewhere_a_variable() {
-        for (variable, _) in PLACES.iter().flat_map(|(_, _, members)| members.iter()) {
+        for (variable, _) in PLACES.iter().flat_map(|(_, _, _, members)| members.iter()) {
             let known = models::ALL
                 .iter()
                 .any(|m| of((m.declaration)()).iter().any(|t| t.members.iter().any(|m| m.0 == *variable)));
@@ -144,9 +188,16 @@ mod tests {
     }
 
     #[test]
-    fn the_motor_has_three_terminals() {
-        let motor = (models::by_name("AnnulusCooledMotor").unwrap().declaration)();
-        let names: Vec<_> = of(motor).iter().map(|t| t.name).collect();
-        assert_eq!(names, ["electrical", "shaft", "heat"]);
+    fn every_model_has_its_terminals() {
+        for kind in models::ALL {
+            let declaration = (kind.declaration)();
+            let names: Vec<_> = of(declaration).iter().map(|t| t.name).collect();
+            let expected: &[&str] = match declaration.name {
+                "SeriesElasticActuator" => &["motor", "joint", "supply"],
+                "GaitLoad" => &["joint"],
+                _ => &["electrical", "shaft", "heat"],
+            };
+            assert_eq!(names, expected, "{}", declaration.name);
+        }
     }
 }

@@ -126,8 +126,7 @@ impl<'a> Search<'a> {
 
     /// The contender that the last round has taken.
     fn taken(&self) -> Option<&Contender<'a>> {
-        let taken = |round: &'_ Round<'a>| round.taken;
-        self.rounds.iter().rev().find_map(|round| taken(round).map(|k| &round.contenders[k]))
+        self.rounds.iter().rev().find_map(Round::winner)
     }
 
     fn point(&self) -> &Point<'a> {
@@ -191,7 +190,7 @@ impl<'a> Search<'a> {
             let round = compete(&without, &others, &scored);
             let old = self.rounds.remove(0);
             let now = self.rounds.last().unwrap_or(&old);
-            let cost = |r: &Round| r.taken.map_or(f64::INFINITY, |t| r.contenders[t].point.evidence.cost().0);
+            let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
             if round.taken.is_some() && cost(&round) < cost(now) + LEAST {
                 self.rounds.push(round);
             } else {
@@ -226,10 +225,8 @@ impl<'a> Search<'a> {
         };
         let powers: Vec<Scored> = search(&without).iter().filter(is_power).cloned().collect();
         let round = compete(&without, &others, &powers);
-        if round.taken.is_some_and(|t| round.contenders[t].point.evidence.cost().0 < cost + ONE_LAW) {
-            let kept =
-                |round: &Round| round.taken.is_some_and(|t| place(round.contenders[t].addition()) != at);
-            self.rounds.retain(kept);
+        if round.winner().is_some_and(|c| c.point.evidence.cost().0 < cost + ONE_LAW) {
+            self.rounds.retain(|round| round.winner().is_some_and(|c| place(c.addition()) != at));
             self.rounds.push(round);
         }
         Ok(())
@@ -237,10 +234,9 @@ impl<'a> Search<'a> {
 
     /// Whether what was taken first is far ahead of all that act elsewhere.
     fn clear(&self) -> bool {
-        let Some((round, taken)) = self.rounds.first().and_then(|r| Some((r, r.taken?))) else {
+        let Some((round, best)) = self.rounds.first().and_then(|r| Some((r, r.winner()?))) else {
             return false;
         };
-        let best = &round.contenders[taken];
         let elsewhere = round.contenders.iter().filter(|c| c.addition().port != best.addition().port);
         elsewhere.map(Contender::sure).fold(0.0, f64::max) < AHEAD * best.sure()
     }
@@ -358,18 +354,14 @@ impl<'a> Search<'a> {
         let (setup, runs) = (self.setup, &self.first.runs);
         let place = Port::ALL.iter().find(|p| **p == port)?;
         let mut point = Point::beside(setup, from.fitted.clone(), runs, place).ok()?;
-        let scales = setup.scales(&point.fitted.hypothesis);
         for _ in 0..MOVES {
-            let told = point.told(scales.len(), Some(port));
+            let told = point.told(Some(port));
             let far = |(k, way): (usize, &f64)| way.abs() > SETTLED * told.covariance[(k, k)].sqrt();
             if !told.moves.iter().enumerate().any(far) {
                 break;
             }
             let mut moved = point.fitted.hypothesis.clone();
-            let numbers = moved.numbers().into_iter().zip(&scales).zip(&told.moves);
-            let numbers: Vec<f64> =
-                numbers.map(|((x, (scale, (a, b), _)), way)| (x + way * scale).clamp(*a, *b)).collect();
-            moved.take(&numbers);
+            moved.take(&told.moved);
             let Ok(next) = setup.judged(moved, runs).and_then(|f| Point::beside(setup, f, runs, place))
             else {
                 break;

@@ -23,6 +23,8 @@ const MOST_KNOTS: usize = 24;
 pub struct Told {
     /// How far each would move, in units of its prior's deviation.
     pub moves: Vec<f64>,
+    /// Where each would stand, within its limits.
+    pub moved: Vec<f64>,
     /// Covariance, in the same units.
     pub covariance: DMatrix<f64>,
     /// Mean square of what is left: 1 for noise.
@@ -113,14 +115,19 @@ impl<'a> Point<'a> {
         Ok(Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs })
     }
 
-    /// What the first `parameters` numbers would move by to first order, and how sure they are; beside a force at a port that is
-    /// free in time, which the point must look at.
-    pub fn told(&self, parameters: usize, beside: Option<Port>) -> Told {
+    /// Where the numbers would move to first order, and how sure they are; beside a force at a port that is free in time, which the
+    /// point must look at.
+    pub fn told(&self, beside: Option<Port>) -> Told {
         let free = beside.and_then(|port| free_in_time(self, port));
         let gain = free.as_ref().and_then(|f| self.evidence.shape(&f.columns, &f.kernel));
         let beside = free.as_ref().zip(gain.as_ref()).map(|(f, gain)| (&f.columns, gain));
-        let (moves, covariance) = self.evidence.estimate(parameters, beside);
-        Told { moves, covariance, misfit: self.evidence.misfit(beside) }
+        let scales = self.setup.scales(&self.fitted.hypothesis);
+        let (moves, covariance) = self.evidence.estimate(scales.len(), beside);
+        let numbers = self.fitted.hypothesis.numbers().into_iter().zip(&scales).zip(&moves);
+        let moved = numbers
+            .map(|((x, (scale, (least, most), _)), way)| (x + way * scale).clamp(*least, *most))
+            .collect();
+        Told { moves, moved, covariance, misfit: self.evidence.misfit(beside) }
     }
 
     /// What a number costs: ln n, n the blocks.

@@ -89,6 +89,11 @@ pub struct Round<'a> {
 }
 
 impl<'a> Round<'a> {
+    /// What was taken.
+    pub fn winner(&self) -> Option<&Contender<'a>> {
+        self.taken.map(|taken| &self.contenders[taken])
+    }
+
     /// The same with another point for what was taken.
     pub fn with_point(mut self, point: Point<'a>) -> Round<'a> {
         if let Some(taken) = self.taken {
@@ -99,7 +104,7 @@ impl<'a> Round<'a> {
 
     /// The round as a report tells it.
     pub fn ladder(&self, round: usize) -> Vec<Evidence> {
-        let best = self.taken.map(|k| self.contenders[k].name.clone());
+        let best = self.winner().map(|c| c.name.clone());
         self.contenders
             .iter()
             .enumerate()

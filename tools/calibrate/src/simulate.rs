@@ -212,7 +212,7 @@ impl Drive {
     pub fn new(experiment: &Experiment, run: &Run) -> Result<Drive, CalibrateError> {
         let time = run.table.time.clone();
         let columns = experiment.inputs.iter().zip(&run.table.columns);
-        let inputs = columns
+        let mut inputs = columns
             .map(|(channel, column)| {
                 filled(&time, column).ok_or_else(|| {
                     CalibrateError(format!("{}: the input {} has no reading", run.file, channel.column))
@@ -230,7 +230,6 @@ impl Drive {
             }
         }
         // Noise around a limit, as of a power of zero, stays within: an FMU takes nothing beyond.
-        let mut inputs = inputs;
         for (column, channel) in inputs.iter_mut().zip(&experiment.inputs) {
             let entry = channel.input.and_then(|name| (model?.declaration)().by_name(name));
             if let Some(entry) = entry {

@@ -156,23 +156,13 @@ fn estimates(
     let hypothesis = &point.fitted.hypothesis;
     let scales = setup.scales(hypothesis);
     let p = scales.len();
-    let told = point.told(p, beside);
-    let mut numbers = hypothesis.numbers();
-    let step = |numbers: &mut [f64]| {
-        for (k, x) in numbers.iter_mut().enumerate() {
-            *x = (*x + told.moves[k] * scales[k].0).clamp(scales[k].1.0, scales[k].1.1);
-        }
-    };
+    let told = point.told(beside);
     // The last step, along slopes that know nothing of the inputs' noise and beside drifting sensors; where much is left
     // that they do not know of it would lead astray.
-    let trusted = told.misfit < TRUSTED;
+    let steps = beside.is_some() || (corrected.is_some() && told.misfit < TRUSTED);
+    let numbers = if steps { told.moved } else { hypothesis.numbers() };
     if let Some(corrected) = corrected {
-        if trusted {
-            step(&mut numbers);
-        }
         corrected.take(&numbers);
-    } else if beside.is_some() {
-        step(&mut numbers);
     }
     // What is left beyond noise widens the intervals.
     let widen = told.misfit.max(1.0).sqrt();

@@ -61,6 +61,14 @@ unsafe extern "C" {
     fn free(pointer: *mut c_void);
 }
 
+impl Callbacks {
+    /// The FMU keeps a pointer to them, hence the box.
+    pub(crate) fn new(log: &Log) -> Box<Self> {
+        let environment = log.environment();
+        Box::new(Self { logger: log_fmi2, allocate: calloc, free, step_finished: None, environment })
+    }
+}
+
 /// An instance of an FMI 2.0 FMU.
 ///
 /// Safety of all methods: `component` came from `fmi2Instantiate` and is not freed, the function pointers belong to
@@ -81,13 +89,7 @@ impl Fmi2 {
         log: &Log,
     ) -> Result<Option<Self>, &'static str> {
         let functions = Functions::load(library)?;
-        let callbacks = Box::new(Callbacks {
-            logger: log_fmi2,
-            allocate: calloc,
-            free,
-            step_finished: None,
-            environment: log.environment(),
-        });
+        let callbacks = Callbacks::new(log);
         let resources = c_string(&file_uri(&setup.dir.join("resources")));
         const CO_SIMULATION: c_int = 1;
         // SAFETY: all strings are C strings that outlive the call; `callbacks` is boxed and kept.

@@ -3,10 +3,11 @@
 //! [`Instance`](crate::Instance) keeps its caller from mistakes; here a wrong token, a call out of order or a NaN reaches
 //! the FMU, each call gives the bare [`Status`], and all interface types can be instantiated. The one promise kept for
 //! the caller: after Fatal nothing is called any more.
+use crate::fmi2::Callbacks;
 use crate::fmi2::{c_string, file_uri};
 use crate::log::text_of;
 use crate::{Archive, Error, FmiVersion, Log, Status};
-use functions::{Api, Callbacks, Common, Functions2, Functions3, Handle, LOG_MESSAGE};
+use functions::{Api, Common, Functions2, Functions3, Handle, LOG_MESSAGE};
 use libloading::Library;
 use std::ffi::c_int;
 use std::path::PathBuf;

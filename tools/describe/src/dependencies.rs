@@ -146,16 +146,20 @@ fn effects_of(declaration: &Declaration) -> Vec<&'static str> {
         .collect()
 }
 
-/// Every combination of the items of those choices that concern the whole model. Choices of one component or
-/// effect, which do not act on one another, take turns: each of their items meets many of the combinations.
+/// Combinations that are all tried.
+const FEW: usize = 64;
+
+/// Every combination of the items of the model's choices. Where they are many, the choices of effects, which do not
+/// act on one another, take turns: each of their items meets many of the combinations.
 fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize, f64)>> {
     let entries = &declaration.entries;
-    let (whole, own): (Vec<usize>, Vec<usize>) =
-        choices.iter().partition(|&&k| !entries[k].name.contains('.'));
     let items = |k: usize| match entries[k].row.kind {
         Kind::Enumeration(t) => t.items.iter().map(|i| (k, f64::from(i.value))).collect(),
         _ => Vec::new(),
     };
+    let count: usize = choices.iter().map(|&k| items(k).len()).product();
+    let (whole, own): (Vec<usize>, Vec<usize>) =
+        choices.iter().partition(|&&k| count <= FEW || !entries[k].name.starts_with("effect."));
     let mut all = whole.iter().fold(vec![Vec::new()], |all: Vec<Vec<(usize, f64)>>, &k| {
         let with = |one: &Vec<(usize, f64)>, item| [one.as_slice(), &[item]].concat();
         all.iter().flat_map(|one| items(k).into_iter().map(move |item| with(one, item))).collect()

@@ -171,12 +171,10 @@ fn a_derivative_names_its_state() {
             assert_eq!(name(variable), format!("der({})", name(variables[index - 1])));
             pairs += 1;
         }
-        assert!(pairs >= 11, "{pairs}");
+        assert!(pairs > 0, "{}", declaration.name);
         let line = |name: &str| three.lines().find(|l| l.contains(&format!("name=\"{name}\""))).unwrap();
-        let state = declaration.by_name("state.shaft_speed").unwrap();
-        assert!(
-            line("der(state.shaft_speed)").contains(&format!("derivative=\"{}\"", state.value_reference))
-        );
+        let [state, rate] = declaration.states[0].map(|k| &declaration.entries[k]);
+        assert!(line(&rate.name).contains(&format!("derivative=\"{}\"", state.value_reference)));
     }
 }
 

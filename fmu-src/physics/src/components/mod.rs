@@ -1,4 +1,4 @@
-//! Parts of a motor, one file each: equations as pure functions of their parameters.
+//! Parts of a motor and of what stands around it, one file each: equations as pure functions of their parameters.
 
 pub mod annulus;
 pub mod armature;
@@ -7,8 +7,13 @@ pub mod commutation;
 pub mod conductance;
 pub mod enclosure;
 pub mod fan;
+pub mod gait;
 pub mod gear;
 pub mod housing;
 pub mod motor;
 pub mod sensor;
+pub mod springs;
+pub mod supply;
 pub mod thermal;
+pub mod torque_control;
+pub mod transmission;

@@ -2,13 +2,18 @@
 
 pub mod annulus_cooled_motor;
 pub mod brushed_gearmotor;
+pub mod gait_load;
+pub mod series_elastic_actuator;
 
 use crate::model::ModelType;
 use annulus_cooled_motor::AnnulusCooledMotor;
 use brushed_gearmotor::BrushedGearmotor;
+use gait_load::Walker;
+use series_elastic_actuator::Actuator;
 
 /// Every model of the project: one line each.
-pub const ALL: &[ModelType] = &[AnnulusCooledMotor::TYPE, BrushedGearmotor::TYPE];
+pub const ALL: &[ModelType] =
+    &[AnnulusCooledMotor::TYPE, BrushedGearmotor::TYPE, Actuator::TYPE, Walker::TYPE];
 
 /// The model of this name.
 pub fn by_name(name: &str) -> Option<&'static ModelType> {

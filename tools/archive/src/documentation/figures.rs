@@ -2,6 +2,9 @@
 //!
 //! A model that cannot be asked (its start values leave no fan, or the importer's preset no tube) goes without the line.
 
+mod actuator;
+mod gait;
+
 use super::chart::{Chart, Line};
 use crate::native::{Native, Run};
 use crate::reference;
@@ -21,17 +24,54 @@ pub struct Figure {
     pub caption: String,
 }
 
+/// What the page says of one model.
+pub struct Own {
+    model: &'static str,
+    figures: &'static [fn(&Native<'_>) -> Option<Figure>],
+    /// Inputs that get the model going, each at its nominal value.
+    pub drive: &'static [&'static str],
+    /// Outputs worth a look; the first says most.
+    pub shown: &'static [&'static str],
+}
+
+/// A line for each model.
+const OWN: &[Own] = &[
+    Own {
+        model: "AnnulusCooledMotor",
+        figures: &[held_torque, torque_and_speed],
+        drive: &["voltage", "load_torque"],
+        shown: &["shaft_speed", "current", "winding_temperature"],
+    },
+    Own {
+        model: "BrushedGearmotor",
+        figures: &[held_load, duties],
+        drive: &["duty", "load_torque"],
+        shown: &["shaft_speed", "current", "winding_temperature"],
+    },
+    Own {
+        model: "SeriesElasticActuator",
+        figures: &[actuator::both_ways, actuator::current_limits],
+        drive: &["torque_demand", "joint_angle"],
+        shown: &["joint_torque", "load_torque", "current_command"],
+    },
+    Own {
+        model: "GaitLoad",
+        figures: &[gait::torques, gait::powers],
+        drive: &[],
+        shown: &["torque_demand", "joint_angle", "joint_speed"],
+    },
+];
+
+/// What the page says of a model.
+pub fn own(native: &Native<'_>) -> &'static Own {
+    let name = (native.kind.declaration)().name;
+    OWN.iter().find(|own| own.model == name).expect("every model has its line, as the tests see")
+}
+
 /// All figures of a model.
 pub fn of(native: &Native<'_>) -> Vec<Figure> {
-    let own: &[fn(&Native<'_>) -> Option<Figure>] = match (native.kind.declaration)().name {
-        "AnnulusCooledMotor" => &[held_torque, torque_and_speed],
-        "BrushedGearmotor" => &[held_load, duties],
-        _ => &[],
-    };
-    own.iter()
-        .chain(&[reference_run as fn(&Native<'_>) -> Option<Figure>])
-        .filter_map(|f| f(native))
-        .collect()
+    let own = own(native).figures.iter();
+    own.chain(&[reference_run as fn(&Native<'_>) -> Option<Figure>]).filter_map(|f| f(native)).collect()
 }
 
 fn celsius(kelvin: f64) -> f64 {
@@ -204,27 +244,24 @@ fn duties(native: &Native<'_>) -> Option<Figure> {
 
 /// The run that the archive carries as reference.
 fn reference_run(native: &Native<'_>) -> Option<Figure> {
+    let name = own(native).shown[0];
+    let unit = native.entry(name)?.row.unit.name();
     let mut run = native.start(&[], &[])?;
     let jumps = reference::jumps(native);
-    let mut points = vec![(0.0, run.get("shaft_speed")?)];
+    let mut points = vec![(0.0, run.get(name)?)];
     for k in 0..(DEFAULT_STOP / DEFAULT_STEP).round() as u32 {
         for jump in jumps.iter().filter(|j| j.at == k) {
             run.set(&jump.entry.name, jump.to)?;
         }
         run.step(DEFAULT_STEP)?;
-        points.push((f64::from(k + 1) * DEFAULT_STEP, run.get("shaft_speed")?));
+        points.push((f64::from(k + 1) * DEFAULT_STEP, run.get(name)?));
     }
     let caption = format!(
         "The run whose inputs and results lie in {}: one input after the other goes to its nominal value.",
         reference::FOLDER
     );
-    figure(
-        "The reference run",
-        "time, s",
-        "shaft_speed, rad/s",
-        vec![("shaft_speed".into(), points)],
-        caption,
-    )
+    let label = format!("{name}, {unit}");
+    figure("The reference run", "time, s", &label, vec![(name.into(), points)], caption)
 }
 
 #[cfg(test)]

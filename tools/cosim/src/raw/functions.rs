@@ -1,7 +1,7 @@
 //! The C functions of both standards, all of them optional: which ones an FMU must have hangs on its interface types.
+use crate::fmi2::Callbacks;
 use crate::functions::functions;
-use crate::log::Log;
-use crate::log::{log_fmi2, log_message};
+use crate::log::log_message;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
 pub(super) type Handle = *mut c_void;
@@ -13,29 +13,6 @@ pub(super) type Set<T> = unsafe extern "C" fn(Handle, *const u32, usize, *const 
 type Plain = unsafe extern "C" fn(Handle) -> c_int;
 type GetReals = unsafe extern "C" fn(Handle, *mut f64, usize) -> c_int;
 type LogCallback = unsafe extern "C" fn(*mut c_void, c_int, Text, Text);
-
-/// `fmi2CallbackFunctions`.
-#[repr(C)]
-pub(super) struct Callbacks {
-    logger: unsafe extern "C" fn(*mut c_void, Text, c_int, Text, Text, Text),
-    allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
-    free: unsafe extern "C" fn(*mut c_void),
-    step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    environment: *mut c_void,
-}
-
-// SAFETY: the C library that the standard library links has both, with these signatures.
-unsafe extern "C" {
-    fn calloc(count: usize, size: usize) -> *mut c_void;
-    fn free(pointer: *mut c_void);
-}
-
-impl Callbacks {
-    pub(super) fn new(log: &Log) -> Box<Self> {
-        let environment = log.environment();
-        Box::new(Self { logger: log_fmi2, allocate: calloc, free, step_finished: None, environment })
-    }
-}
 
 /// `fmi2EventInfo`.
 #[repr(C)]

@@ -37,6 +37,11 @@ pub(super) struct Variable {
 }
 
 impl Variable {
+    /// Its limits, in words.
+    pub(super) fn limits(&self) -> String {
+        let limit = |x: Option<f64>| x.map_or("none".to_owned(), |x| x.to_string());
+        format!("min {}, max {}", limit(self.min), limit(self.max))
+    }
     pub(super) fn is(&self, causality: &str) -> bool {
         self.causality == causality
     }

@@ -76,12 +76,10 @@ fn outputs(session: &mut Session, when: &str, seen: &mut Seen) -> Result<(), Fau
             );
             seen.add(&rules::OUTPUT_NOT_FINITE, &v.place, message);
         } else if let Some(value) = values.iter().find(|x| is_outside(v, **x)) {
-            let limit = |x: Option<f64>| x.map_or("none".to_owned(), |x| x.to_string());
             let message = format!(
-                "Variable \"{}\" is {value} {when}, outside its limits (min {}, max {})",
+                "Variable \"{}\" is {value} {when}, outside its limits ({})",
                 short(&v.name),
-                limit(v.min),
-                limit(v.max)
+                v.limits()
             );
             seen.add(&rules::VALUE_OUTSIDE, &v.place, message);
         }

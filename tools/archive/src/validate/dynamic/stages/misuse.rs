@@ -57,12 +57,10 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             continue;
         };
         if accepts(subject, v, bad)? {
-            let limit = |x: Option<f64>| x.map_or("none".to_owned(), |x| x.to_string());
             let message = format!(
-                "Variable \"{}\" takes {bad}, which is outside its limits (min {}, max {}), without a word",
+                "Variable \"{}\" takes {bad}, which is outside its limits ({}), without a word",
                 short(&v.name),
-                limit(v.min),
-                limit(v.max)
+                v.limits()
             );
             seen.add(&rules::RANGE_UNCHECKED, &v.place, message);
             break;

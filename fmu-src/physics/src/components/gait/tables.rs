@@ -1,0 +1,213 @@
+//! The measured strides, as splines over the phase.
+//!
+//! *Level walking*: normative means of typically developing children at five speeds, Schwartz, Rozumalski, Trost,
+//! J. Biomech. 41 (2008) 1639; the stride times are those with which moment times speed is the measured power
+//! (`data/gait-schwartz2008/SOURCE.md`). The means of many walkers do not close exactly (0.2 degrees at free speed); the
+//! gap is spread over the stride.
+//! *Stairs*: the power of hip, knee and ankle of adults, Boehme 2022, digitised
+//! (`data/gait-walking-stairs-cc0/SOURCE.md`). Torque and speed were not published with it, so the power is shared out:
+//!
+//! torque = sign z^(1/2) (p^2 + p_0^2)^(1/4),   speed = p / torque                                         (1)
+//!
+//! with z such that the greatest torque is the published one ([`PEAK_TORQUE`]), and p_0 a fiftieth of the greatest power,
+//! so that both are smooth where the power changes its sign. The sign is positive at the greatest power, and negative in
+//! one part of the stride, in which the joint is drawn the other way: the part that best brings it back to where the stride began
+//! and whose ends lie where there is little power. What is then left of the way is taken back where there is little
+//! power. Work, peak power and peak torque are thus measured; speed and angle are an estimate, and have less range than a
+//! leg that swings back freely. What is left of the power's curve differs from the measured one by a tenth (root mean
+//! square), at the knee on the way down by a fifth: `power_is_kept`.
+
+use super::spline::Spline;
+use super::{Activity, Joint};
+use std::sync::OnceLock;
+
+/// Joint angle and torque over a stride.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    /// Seconds for a stride.
+    pub stride_time: f64,
+    /// Angle over the phase, rad.
+    pub angle: Spline,
+    /// Torque over the phase, N.m/kg.
+    pub torque: Spline,
+}
+
+const LEVEL: &str = include_str!("../../../data/gait-schwartz2008/schwartz2008_joint_angle_moment_power.csv");
+const STRIDES: &str = include_str!("../../../data/gait-schwartz2008/stride_time_inferred_s.csv");
+/// Stairs up and down, each hip, knee and ankle.
+const STAIRS: [[&str; 3]; 2] = [
+    [
+        include_str!("../../../data/gait-walking-stairs-cc0/stairs_up_p_mech_hip_marked.csv"),
+        include_str!("../../../data/gait-walking-stairs-cc0/stairs_up_p_mech_knee_marked.csv"),
+        include_str!("../../../data/gait-walking-stairs-cc0/stairs_up_p_mech_ankle_marked.csv"),
+    ],
+    [
+        include_str!("../../../data/gait-walking-stairs-cc0/stairs_down_p_mech_hip_marked.csv"),
+        include_str!("../../../data/gait-walking-stairs-cc0/stairs_down_p_mech_knee_marked.csv"),
+        include_str!("../../../data/gait-walking-stairs-cc0/stairs_down_p_mech_ankle_marked.csv"),
+    ],
+];
+/// Time of a stride on stairs, s.
+const STAIRS_STRIDE: f64 = 1.11;
+/// Points of a stride on stairs.
+const STAIRS_POINTS: usize = 100;
+/// Greatest torque on stairs up and down at hip, knee and ankle, N.m/kg. Up: knee, and the hip's "similar", Costigan,
+/// Deluzio, Wyss, Gait Posture 16 (2002) 31. Down: knee, Reid et al., Med. Sci. Sports Exerc. 39 (2007) 2005; hip, 0.25
+/// less than up, Protopapadaki et al., Clin. Biomech. 22 (2007) 203. The ankle's is that of level walking, which it does not
+/// reach on the way down (Beaulieu, Pelland, Robertson, Gait Posture 27 (2008) 564).
+const PEAK_TORQUE: [[f64; 3]; 2] = [[1.16, 1.16, 1.23], [0.91, 1.05, 1.23]];
+/// Names of the speeds in the table, in the order of [`Activity`].
+const SPEEDS: [&str; 5] = ["VerySlow", "Slow", "Free", "Fast", "VeryFast"];
+/// Names of the joints in the table, in the order of [`Joint`].
+const JOINTS: [&str; 3] = ["hip", "knee", "ankle"];
+
+/// The stride of an activity at a joint.
+pub fn cycle(activity: Activity, joint: Joint) -> &'static Cycle {
+    static ALL: OnceLock<Vec<Cycle>> = OnceLock::new();
+    let all = ALL.get_or_init(|| {
+        let level =
+            (0..SPEEDS.len()).flat_map(|speed| (0..JOINTS.len()).map(move |joint| level(speed, joint)));
+        let ways = STAIRS.iter().flatten().zip(PEAK_TORQUE.iter().flatten());
+        let stairs = ways.map(|(text, &peak)| stairs(text, peak));
+        level.chain(stairs).collect()
+    });
+    &all[(activity as usize - 1) * JOINTS.len() + joint as usize - 1]
+}
+
+/// A column of a table, by its name.
+///
+/// # Panics
+/// Where the text, which is compiled in, has no such column of numbers.
+fn column(text: &str, name: &str, row: impl Fn(&str) -> bool) -> Vec<f64> {
+    let mut lines = text.lines();
+    let place = lines.next().and_then(|head| head.split(',').position(|c| c == name));
+    let place = place.unwrap_or_else(|| panic!("the table has no column {name}"));
+    let cell = |line: &str| line.split(',').nth(place).and_then(|c| c.trim().parse().ok());
+    lines.filter(|line| row(line)).map(|line| cell(line).expect("a number")).collect()
+}
+
+/// Level walking at a speed.
+fn level(speed: usize, joint: usize) -> Cycle {
+    let of_speed = |line: &str| line.split(',').next() == Some(SPEEDS[speed]);
+    let closed = |name: String| {
+        let values = column(LEVEL, &name, of_speed);
+        let last = values.len() - 1;
+        let gap = values[last] - values[0];
+        let value = |k: usize| values[k] - gap * (k as f64 / last as f64 - 0.5);
+        (0..last).map(value).collect::<Vec<f64>>()
+    };
+    let angle = closed(format!("{}_angles_mean", JOINTS[joint]));
+    // The table counts angles in flexion, moments in extension.
+    let angle: Vec<f64> = angle.iter().map(|degrees| -degrees.to_radians()).collect();
+    Cycle {
+        stride_time: column(STRIDES, "stride_time_s", of_speed)[0],
+        angle: Spline::through(&angle),
+        torque: Spline::through(&closed(format!("{}_moment_mean", JOINTS[joint]))),
+    }
+}
+
+/// A power over the cycle at equidistant phases, W/kg.
+fn power(text: &str) -> Vec<f64> {
+    let phases: Vec<f64> = column(text, "pct_cycle", |_| true).iter().map(|pct| pct / 100.0).collect();
+    let powers = column(text, "value", |_| true);
+    let count = phases.len();
+    // The digitised points go from near 0 to near 1; the neighbours of the ends are the other ends, a period away.
+    let around = |k: isize| {
+        let turns = k.div_euclid(count as isize);
+        let k = k.rem_euclid(count as isize) as usize;
+        (phases[k] + turns as f64, powers[k])
+    };
+    let at = |phase: f64| {
+        let next = phases.partition_point(|&p| p <= phase) as isize;
+        let ((p0, y0), (p1, y1)) = (around(next - 1), around(next));
+        y0 + (y1 - y0) * (phase - p0) / (p1 - p0)
+    };
+    (0..STAIRS_POINTS).map(|k| at(k as f64 / STAIRS_POINTS as f64)).collect()
+}
+
+/// A stride on stairs: eq. (1) for the power of a joint and its greatest torque, N.m/kg.
+fn stairs(text: &str, peak: f64) -> Cycle {
+    let power = power(text);
+    let most = power.iter().fold(0.0f64, |most, p| most.max(p.abs()));
+    let size: Vec<f64> = power.iter().map(|p| peak * (p.hypot(0.02 * most) / most).sqrt()).collect();
+    let speed: Vec<f64> = power.iter().zip(&size).map(|(p, m)| p / m).collect();
+    let sign = signs(&power, &speed, most);
+    let torque: Vec<f64> = size.iter().zip(&sign).map(|(m, s)| m * s).collect();
+    let speed: Vec<f64> = speed.iter().zip(&sign).map(|(w, s)| w * s).collect();
+    let idle: Vec<f64> = power.iter().map(|p| 1.0 / (1.0 + (p / (0.1 * most)).powi(4))).collect();
+    let back = speed.iter().sum::<f64>() / idle.iter().sum::<f64>();
+    let speed: Vec<f64> = speed.iter().zip(&idle).map(|(w, share)| w - back * share).collect();
+    // The angle is the way from one point to the next, about its mean.
+    let step = STAIRS_STRIDE / STAIRS_POINTS as f64;
+    let mut angle = vec![0.0; STAIRS_POINTS];
+    for k in 1..STAIRS_POINTS {
+        angle[k] = angle[k - 1] + 0.5 * step * (speed[k - 1] + speed[k]);
+    }
+    let mean = angle.iter().sum::<f64>() / STAIRS_POINTS as f64;
+    angle.iter_mut().for_each(|a| *a -= mean);
+    Cycle { stride_time: STAIRS_STRIDE, angle: Spline::through(&angle), torque: Spline::through(&torque) }
+}
+
+/// The sign of eq. (1) over the stride, -1 in the best part, with a smooth way of a few points at its ends.
+fn signs(power: &[f64], speed: &[f64], most: f64) -> Vec<f64> {
+    const SMOOTH: f64 = 1.5;
+    let whole: f64 = speed.iter().map(|w| w.abs()).sum();
+    let greatest = (0..STAIRS_POINTS).find(|&k| power[k].abs() == most).unwrap_or(0);
+    let sign = |k: usize, from: usize, to: usize| {
+        let inside = |at: usize| ((k as f64 - at as f64) / SMOOTH).tanh();
+        1.0 - (inside(from) - inside(to))
+    };
+    let all = |from: usize, to: usize| (0..STAIRS_POINTS).map(move |k| sign(k, from, to));
+    let cost = |&(from, to): &(usize, usize)| {
+        let way: f64 = all(from, to).zip(speed).map(|(s, w)| s * w).sum();
+        way.abs() / whole + (power[from].abs() + power[to].abs()) / most
+    };
+    // Away from heel strike, so that the sign closes over the stride.
+    let ends = 5..STAIRS_POINTS - 5;
+    let parts =
+        ends.clone().flat_map(|from| ends.clone().filter(move |&to| to >= from).map(move |to| (from, to)));
+    let parts = parts.filter(|&(from, to)| !(from..=to).contains(&greatest));
+    let (from, to) = parts.min_by(|a, b| cost(a).total_cmp(&cost(b))).expect("there are parts");
+    all(from, to).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_points_of_the_table_are_met() {
+        let of_free = |line: &str| line.starts_with("Free,");
+        let (angle, moment) =
+            (column(LEVEL, "knee_angles_mean", of_free), column(LEVEL, "knee_moment_mean", of_free));
+        let cycle = cycle(Activity::Walk, Joint::Knee);
+        for k in 0..50 {
+            let phase = k as f64 / 50.0;
+            // Within the gap that is spread over the stride.
+            assert!((cycle.angle.at(phase).0 + angle[k].to_radians()).abs() < 0.01);
+            assert!((cycle.torque.at(phase).0 - moment[k]).abs() < 0.02);
+        }
+        let times: Vec<f64> = (0..SPEEDS.len()).map(|speed| level(speed, 2).stride_time).collect();
+        assert!(times.windows(2).all(|w| w[0] > w[1]) && times[0] == 1.58);
+    }
+
+    /// Torque times speed against the power that was measured: root mean square of the difference, and the work.
+    #[test]
+    fn power_is_kept() {
+        for (way, texts) in STAIRS.iter().enumerate() {
+            for (joint, text) in texts.iter().enumerate() {
+                let cycle = stairs(text, PEAK_TORQUE[way][joint]);
+                let measured = power(text);
+                let made: Vec<f64> = (0..STAIRS_POINTS)
+                    .map(|k| k as f64 / STAIRS_POINTS as f64)
+                    .map(|phase| cycle.torque.at(phase).0 * cycle.angle.at(phase).1 / cycle.stride_time)
+                    .collect();
+                let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let difference: Vec<f64> = made.iter().zip(&measured).map(|(a, b)| a - b).collect();
+                let share = norm(&difference) / norm(&measured);
+                println!("{way} {} differs by {share:.3}", JOINTS[joint]);
+                assert!(share < 0.22, "{way} {} {share}", JOINTS[joint]);
+            }
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! From the motor's shaft to the spring: a gear, or a ball screw that pushes a lever.
+//!
+//! gear          angle_out = phi / ratio,                                      N = ratio             (1)
+//! ball screw    angle_out = neutral + asin(lead phi / (2 pi lever)),
+//!               N = d phi / d angle_out = (2 pi lever / lead) cos(angle_out - neutral)              (2)
+//! torque        tau_in = tau_out / N + (1/efficiency - 1) |tau_out / N| sign(w)                     (3)
+//!
+//! phi is the turn of the shaft, 0 where a screw stands square to its lever. By (3) 1/efficiency of the load is asked of
+//! a motor that drives, and 2 - 1/efficiency of it comes back from a load that drives; below one half the
+//! transmission locks against its load, and `sign`, a tanh, lets it creep.
+//! *Assumes* no mass but `inertia`, which turns with the input shaft behind an elastic coupling (the actuator's equations);
+//! behind a rigid one add it to the motor's.
+//! *Range*: the screw to 0.95 of its lever's length, beyond which (2) goes on along its tangent.
+//! *Source*: (3) as in the Modelica Standard Library, Rotational.Components.LossyGear; the efficiency of a screw that is
+//! driven back, 2 - 1/efficiency, is the makers' rule.
+
+use crate::effects::smooth_sign;
+use declare::{Unit, Variable, enumeration, variables};
+use std::f64::consts::TAU;
+
+enumeration! {
+    /// What turns the motor's angle into the joint's
+    pub enum TransmissionKind {
+        /// A gear, belt or capstan: transmission.ratio
+        Gear = 1, "gear";
+        /// A ball screw that pushes a lever on the joint: transmission.lead and transmission.lever
+        BallScrew = 2, "ball_screw";
+    }
+}
+
+enumeration! {
+    /// How the input shaft is coupled to the motor's
+    pub enum Coupling {
+        /// Rigidly; what turns with the input shaft belongs to the motor's inertia
+        Rigid = 1, "rigid";
+        /// By a coupling or belt that gives, with an inertia behind it
+        Elastic = 2, "elastic";
+    }
+}
+
+variables! {
+    /// The transmission between motor and spring.
+    pub struct Transmission {
+        /// What turns the motor's angle into the joint's
+        kind: TransmissionKind = Variable::choice(0, 1),
+        /// Turns of the motor for one of the spring's input; of a gear
+        ratio: f64 = Variable::tunable(1, 250.0, Unit::One, 0.1, 1e5).log(),
+        /// Way of the nut for one turn of the motor; of a ball screw
+        lead: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 1.0).log(),
+        /// Length of the lever that the nut pushes; of a ball screw
+        lever: f64 = Variable::tunable(3, 0.06, Unit::Metre, 1e-4, 10.0).log(),
+        /// Angle of the spring's input at which the screw is square to the lever; of a ball screw
+        neutral_angle: f64 = Variable::tunable(4, 0.0, Unit::Radian, -4.0, 4.0),
+        /// Share of the power that reaches a driven load
+        efficiency: f64 = Variable::tunable(5, 0.85, Unit::One, 0.05, 1.0),
+        /// Speed of the motor below which the loss falls to zero
+        w_small: f64 = Variable::tunable(6, 1.0, Unit::RadianPerSecond, 1e-6, 1e3).log(),
+        /// Play between transmission and spring, from one side to the other, at the joint
+        backlash: f64 = Variable::tunable(7, 0.0, Unit::Radian, 0.0, 1.0).nominal(0.01),
+        /// How the input shaft is coupled to the motor's
+        coupling: Coupling = Variable::choice(8, 1),
+        /// Moment of inertia of what turns with the input shaft; behind an elastic coupling
+        inertia: f64 = Variable::tunable(9, 1e-6, Unit::KilogramSquareMetre, 1e-12, 1e3).log(),
+        /// Stiffness of an elastic coupling or belt
+        coupling_stiffness: f64 = Variable::tunable(10, 1.0, Unit::NewtonMetrePerRadian, 1e-6, 1e6).log(),
+        /// Damping of an elastic coupling or belt
+        coupling_damping: f64 = Variable::tunable(11, 1e-4, Unit::NewtonMetreSecond, 0.0, 1e3),
+    }
+}
+
+/// Share of the lever's length up to which the screw's way is exact.
+const REACH: f64 = 0.95;
+
+impl Transmission {
+    /// Turns of a screw for a radian of its lever where they are square.
+    fn screw(&self) -> f64 {
+        TAU * self.lever / self.lead
+    }
+
+    /// Angle of the spring's input, rad, and the ratio there: eqs. (1) and (2) at the turn `phi` of the shaft, rad.
+    #[inline]
+    pub fn output(&self, phi: f64) -> (f64, f64) {
+        match self.kind {
+            TransmissionKind::Gear => (phi / self.ratio, self.ratio),
+            TransmissionKind::BallScrew => {
+                let way = phi / self.screw();
+                let inside = way.clamp(-REACH, REACH);
+                let cosine = (1.0 - inside * inside).sqrt();
+                (self.neutral_angle + inside.asin() + (way - inside) / cosine, self.screw() * cosine)
+            }
+        }
+    }
+
+    /// The turn of the shaft, rad, at which the spring's input stands at `angle`, rad: the inverse of
+    /// [`output`](Transmission::output).
+    pub fn turn(&self, angle: f64) -> f64 {
+        match self.kind {
+            TransmissionKind::Gear => angle * self.ratio,
+            TransmissionKind::BallScrew => {
+                let from_square = angle - self.neutral_angle;
+                let most = REACH.asin();
+                let inside = from_square.clamp(-most, most);
+                self.screw() * (inside.sin() + (from_square - inside) * most.cos())
+            }
+        }
+    }
+
+    /// Torque that the shaft must give, N.m: eq. (3) for the torque `out` that leaves at the spring, N.m, the ratio
+    /// `n` and the shaft's speed `w`, rad/s; and how much of it is friction.
+    #[inline]
+    pub fn input_torque(&self, out: f64, n: f64, w: f64) -> (f64, f64) {
+        let carried = out / n;
+        let friction = (1.0 / self.efficiency - 1.0) * carried.abs() * smooth_sign(w, self.w_small);
+        (carried + friction, friction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn screw() -> Transmission {
+        Transmission { kind: TransmissionKind::BallScrew, neutral_angle: 0.3, ..Transmission::default() }
+    }
+
+    /// A screw of 2 mm on a lever of 60 mm: 2 pi 30 = 188.5 turns per turn where they are square, cos(0.5) of it half a
+    /// radian on.
+    #[test]
+    fn the_ratio_is_the_slope_of_the_way() {
+        let screw = screw();
+        assert!((screw.output(0.0).1 - 188.495_559).abs() < 1e-6);
+        for angle in [-1.4, -0.7, 0.3, 0.8, 1.5] {
+            let phi = screw.turn(angle);
+            let (back, n) = screw.output(phi);
+            assert!((back - angle).abs() < 1e-12, "{angle} {back}");
+            let slope = (screw.turn(angle + 1e-6) - screw.turn(angle - 1e-6)) / 2e-6;
+            assert!((n / slope - 1.0).abs() < 1e-6, "{angle} {n} {slope}");
+        }
+        let n = screw.output(screw.turn(0.8)).1;
+        assert!((n / 188.495_559 - 0.5f64.cos()).abs() < 1e-8);
+    }
+
+    /// Continuous, with its slope, where the tangent takes over.
+    #[test]
+    fn the_tangent_joins_smoothly() {
+        let screw = screw();
+        let edge = REACH * screw.screw();
+        let (low, high) = (screw.output(edge * (1.0 - 1e-9)), screw.output(edge * (1.0 + 1e-9)));
+        assert!((low.0 - high.0).abs() < 1e-8 && (low.1 / high.1 - 1.0).abs() < 1e-7);
+        assert!(screw.output(2.0 * edge).0.is_finite());
+    }
+
+    /// 100 N.m over 250 at 0.85: the motor gives 0.4 / 0.85 driving, and gets back 0.4 (2 - 1/0.85).
+    #[test]
+    fn efficiency_counts_against_the_motor_both_ways() {
+        let gear = Transmission::default();
+        let (drives, friction) = gear.input_torque(100.0, 250.0, 50.0);
+        assert!((drives - 0.4 / 0.85).abs() < 1e-12 && friction > 0.0);
+        let (driven, friction) = gear.input_torque(100.0, 250.0, -50.0);
+        assert!((driven - 0.4 * (2.0 - 1.0 / 0.85)).abs() < 1e-12 && friction < 0.0);
+        assert_eq!(gear.input_torque(100.0, 250.0, 0.0), (0.4, 0.0));
+    }
+}

@@ -1,0 +1,366 @@
+//! Models that are a right-hand side and nothing more: a [`Law`] says what holds, [`Explicit`] makes a model of it.
+//!
+//! The motors have integrators of their own, because they are stiff. What stands around them, an actuator's transmission
+//! or a person's gait, is not: there a law writes its rates and outputs down, and everything else (values by slot,
+//! steps, slopes of inputs, events, saving and restoring, Model Exchange) is the same for all and stands here.
+
+use crate::exchange::{Exchange, Update};
+use crate::model::{Declaration, Fault, GroupAt, Model, Slot};
+use crate::solver::explicit::advance;
+use crate::terms::Drivers;
+use declare::Group;
+use std::fmt::Debug;
+
+/// A struct of variables that a model can own.
+pub trait Table: Group + Copy + Debug + Default + PartialEq + Send + 'static {}
+impl<T: Group + Copy + Debug + Default + PartialEq + Send + 'static> Table for T {}
+
+/// What the law is asked about: the present inputs and states, and what the start has left.
+#[derive(Clone, Copy, Debug)]
+pub struct Now<'a, I, const N: usize, const M: usize> {
+    /// Time, s.
+    pub time: f64,
+    /// Inputs at this time.
+    pub inputs: &'a I,
+    /// States, in the order of the declaration.
+    pub states: &'a [f64; N],
+    /// What the start has fixed.
+    pub opening: &'a [f64; M],
+}
+
+/// The equations of a model with `N` states, and its parameters. `M` numbers are fixed when it starts.
+pub trait Law<const N: usize, const M: usize>:
+    Copy + Debug + Default + PartialEq + Send + Sized + 'static
+{
+    /// What the importer sets.
+    type Inputs: Table;
+    /// What the model computes.
+    type Outputs: Table;
+    /// Residuals that pass through zero at an event.
+    type Indicators: Table;
+
+    /// The declaration of the model.
+    fn declaration() -> &'static Declaration;
+    /// The groups of parameters.
+    fn groups() -> Vec<GroupAt>;
+    /// The value of a parameter, by group and row.
+    fn value(&self, group: usize, row: usize) -> f64;
+    /// Sets a parameter; false where its type has no such value.
+    fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool;
+
+    /// States and opening at the start; checks the parameters together.
+    ///
+    /// # Errors
+    /// Parameters that do not go together.
+    fn start(&self, time: f64, inputs: &Self::Inputs) -> Result<([f64; N], [f64; M]), Fault>;
+    /// Derivatives of the states with respect to time.
+    fn rates(&self, now: &Now<'_, Self::Inputs, N, M>) -> [f64; N];
+    /// The outputs.
+    fn outputs(&self, now: &Now<'_, Self::Inputs, N, M>) -> Self::Outputs;
+    /// The event indicators.
+    fn indicators(&self, now: &Now<'_, Self::Inputs, N, M>) -> Self::Indicators;
+    /// The opening after the parameters have changed under way from those of `before`.
+    fn retuned(&self, _before: &Self, now: &Now<'_, Self::Inputs, N, M>) -> [f64; M] {
+        *now.opening
+    }
+    /// The first event after `time` that is known by its time, s; infinite where there is none.
+    fn next_event(&self, _time: f64) -> f64 {
+        f64::INFINITY
+    }
+}
+
+/// The groups of a model that are not its parameters: inputs, outputs, event indicators.
+const OWN: usize = 3;
+const INPUTS: usize = 0;
+const OUTPUTS: usize = 1;
+const INDICATORS: usize = 2;
+
+/// A model made of a law.
+#[derive(Clone, Debug)]
+pub struct Explicit<L: Law<N, M>, const N: usize, const M: usize> {
+    /// The equations with their parameters.
+    pub law: L,
+    /// What the importer sets.
+    pub inputs: L::Inputs,
+    outputs: L::Outputs,
+    indicators: L::Indicators,
+    slopes: L::Inputs,
+    time: f64,
+    states: [f64; N],
+    opening: [f64; M],
+    outputs_are_stale: bool,
+}
+
+/// No slope: a table of zeros.
+fn flat<T: Table>() -> T {
+    let mut table = T::default();
+    (0..T::TABLE.len()).for_each(|row| {
+        table.set(row, 0.0);
+    });
+    table
+}
+
+fn rows<T: Table>() -> std::ops::Range<usize> {
+    0..T::TABLE.len()
+}
+
+/// The inputs `t` seconds along their slopes.
+fn after<T: Table>(inputs: &T, t: f64, slopes: &T) -> T {
+    let mut moved = *inputs;
+    for row in rows::<T>() {
+        moved.set(row, inputs.get(row) + slopes.get(row) * t);
+    }
+    moved
+}
+
+impl<L: Law<N, M>, const N: usize, const M: usize> Default for Explicit<L, N, M> {
+    fn default() -> Self {
+        Explicit {
+            law: L::default(),
+            inputs: L::Inputs::default(),
+            outputs: L::Outputs::default(),
+            indicators: L::Indicators::default(),
+            slopes: flat(),
+            time: 0.0,
+            states: [0.0; N],
+            opening: [0.0; M],
+            outputs_are_stale: true,
+        }
+    }
+}
+
+impl<L: Law<N, M>, const N: usize, const M: usize> Explicit<L, N, M> {
+    /// The groups of the model: its own, then the law's parameters.
+    pub fn groups() -> Vec<GroupAt> {
+        let own = |prefix, table| GroupAt { prefix, base: 0, table };
+        let mut all =
+            vec![own("", L::Inputs::TABLE), own("", L::Outputs::TABLE), own("event.", L::Indicators::TABLE)];
+        all.extend(L::groups());
+        all
+    }
+
+    fn now(&self) -> Now<'_, L::Inputs, N, M> {
+        Now { time: self.time, inputs: &self.inputs, states: &self.states, opening: &self.opening }
+    }
+
+    /// The size that a state's error is measured by.
+    fn sizes() -> [f64; N] {
+        let declaration = L::declaration();
+        std::array::from_fn(|n| declaration.entries[declaration.states[n][0]].row.nominal)
+    }
+
+    fn value(&self, group: usize, row: usize) -> f64 {
+        match group {
+            INPUTS => self.inputs.get(row),
+            OUTPUTS => self.outputs.get(row),
+            INDICATORS => self.indicators.get(row),
+            _ => self.law.value(group - OWN, row),
+        }
+    }
+
+    fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool {
+        match group {
+            INPUTS => self.inputs.set(row, value),
+            OUTPUTS => self.outputs.set(row, value),
+            INDICATORS => self.indicators.set(row, value),
+            _ => self.law.set_value(group - OWN, row, value),
+        }
+    }
+
+    /// What is set from outside and stays until it is set again: inputs and parameters.
+    fn settable(&self) -> impl Iterator<Item = (usize, usize)> {
+        let groups = L::declaration().groups.iter().enumerate();
+        groups
+            .filter(|&(g, _)| g != OUTPUTS && g != INDICATORS)
+            .flat_map(|(g, group)| (0..group.table.len()).map(move |row| (g, row)))
+    }
+}
+
+impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
+    fn declaration(&self) -> &'static Declaration {
+        L::declaration()
+    }
+
+    #[inline]
+    fn get(&mut self, slot: Slot) -> f64 {
+        match slot.group as usize {
+            OUTPUTS if self.outputs_are_stale => {
+                self.outputs = self.law.outputs(&self.now());
+                self.outputs_are_stale = false;
+            }
+            INDICATORS => self.indicators = self.law.indicators(&self.now()),
+            _ if slot.group == Slot::STATES => return self.states[slot.row as usize],
+            _ if slot.group == Slot::RATES => return self.law.rates(&self.now())[slot.row as usize],
+            _ => {}
+        }
+        self.value(slot.group as usize, slot.row as usize)
+    }
+
+    #[inline]
+    fn set(&mut self, slot: Slot, value: f64) -> bool {
+        let before = (slot.group as usize >= OWN).then_some(self.law);
+        let taken = self.set_value(slot.group as usize, slot.row as usize, value);
+        if let Some(before) = before {
+            self.opening = self.law.retuned(&before, &self.now());
+        }
+        self.outputs_are_stale = true;
+        taken
+    }
+
+    fn set_slope(&mut self, slot: Slot, slope: f64) {
+        debug_assert_eq!(slot.group as usize, INPUTS);
+        self.slopes.set(slot.row as usize, slope);
+        self.outputs_are_stale = true;
+    }
+
+    fn start(&mut self, time: f64) -> Result<(), Fault> {
+        (self.states, self.opening) = self.law.start(time, &self.inputs)?;
+        self.time = time;
+        self.outputs_are_stale = true;
+        Ok(())
+    }
+
+    fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        let sloping = self.slopes != flat();
+        let rates = |t: f64, states: &[f64; N]| {
+            let moved;
+            let inputs = if sloping {
+                moved = after(&self.inputs, t, &self.slopes);
+                &moved
+            } else {
+                &self.inputs
+            };
+            self.law.rates(&Now { time: time + t, inputs, states, opening: &self.opening })
+        };
+        let mut states = self.states;
+        advance(rates, &mut states, h, &Self::sizes()).map_err(|stuck| {
+            Fault(format!(
+                "The equations of {} have no solution {} s after {time} s.",
+                L::declaration().name,
+                stuck.t
+            ))
+        })?;
+        self.states = states;
+        if sloping {
+            self.inputs = after(&self.inputs, h, &self.slopes);
+            self.slopes = flat();
+        }
+        self.time = time + h;
+        self.outputs_are_stale = true;
+        Ok(())
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn states(&self, out: &mut Vec<f64>) {
+        out.extend(self.states);
+    }
+
+    fn set_states(&mut self, time: f64, states: &[f64]) -> bool {
+        let fits = states.len() == N;
+        if fits {
+            self.states.copy_from_slice(states);
+            self.time = time;
+            self.outputs_are_stale = true;
+        }
+        fits
+    }
+
+    fn rates(&mut self, out: &mut Vec<f64>) {
+        out.extend(self.law.rates(&self.now()));
+    }
+
+    /// The steps have one accuracy.
+    fn ease(&mut self, _factor: f64) {}
+
+    /// Nothing that terms follow.
+    fn drivers(&self) -> Drivers {
+        Drivers { time: self.time, ..Drivers::default() }
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        out.extend(self.settable().map(|(group, row)| self.value(group, row)));
+        out.extend(rows::<L::Inputs>().map(|row| self.slopes.get(row)));
+        out.push(self.time);
+        out.extend(self.states);
+        out.extend(self.opening);
+    }
+
+    fn restore(&mut self, saved: &[f64]) -> bool {
+        let mut copy = self.clone();
+        let mut rest = saved.iter().copied();
+        let mut read = || -> Option<()> {
+            for (group, row) in self.settable() {
+                copy.set_value(group, row, rest.next()?).then_some(())?;
+            }
+            for row in rows::<L::Inputs>() {
+                copy.slopes.set(row, rest.next()?);
+            }
+            copy.time = rest.next()?;
+            for number in copy.states.iter_mut().chain(&mut copy.opening) {
+                *number = rest.next()?;
+            }
+            rest.next().is_none().then_some(())
+        };
+        let complete = read().is_some();
+        if complete {
+            copy.outputs_are_stale = true;
+            *self = copy;
+        }
+        complete
+    }
+
+    fn boxed_clone(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+
+    fn copy_from(&mut self, other: &dyn Model) -> bool {
+        match other.as_any().downcast_ref::<Self>() {
+            Some(other) => {
+                self.clone_from(other);
+                true
+            }
+            None => false,
+        }
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}
+
+impl<L: Law<N, M>, const N: usize, const M: usize> Exchange for Explicit<L, N, M> {
+    /// Nothing is held: the rates are a function of time, states and inputs as they are.
+    fn hand_over(&mut self) {}
+
+    fn read_states(&self, out: &mut [f64]) {
+        out.copy_from_slice(&self.states[..out.len()]);
+    }
+
+    fn write_states(&mut self, states: &[f64]) {
+        self.states[..states.len()].copy_from_slice(states);
+        self.outputs_are_stale = true;
+    }
+
+    fn write_time(&mut self, time: f64) {
+        self.outputs_are_stale |= time != self.time;
+        self.time = time;
+    }
+
+    fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault> {
+        out.copy_from_slice(&self.law.rates(&self.now())[..out.len()]);
+        Ok(())
+    }
+
+    fn accept_step(&mut self) {}
+
+    fn update(&mut self) -> Update {
+        Update { states_changed: false, next_event: Exchange::next_event(self) }
+    }
+
+    fn next_event(&self) -> f64 {
+        self.law.next_event(self.time)
+    }
+}

@@ -1,0 +1,117 @@
+//! A person's joint as a load: what an actuator has to give over the stride, from measured gait.
+//!
+//! `components/gait.rs` holds the equations and their data; this file says what goes in and out.
+
+mod variables;
+
+pub use variables::{Indicators, Inputs, LIST, Outputs};
+
+use crate::components::gait::Gait;
+use crate::explicit::{Explicit, Law, Now};
+use crate::groups;
+use crate::model::{Declaration, Declared, Fault, GroupAt, ModelType};
+use std::f64::consts::PI;
+
+/// States of the load.
+pub const STATES: usize = LIST.len();
+/// The load as a model.
+pub type GaitLoad = Explicit<Walker, STATES, 0>;
+/// Inputs and states at one instant.
+pub type At<'a> = Now<'a, Inputs, STATES, 0>;
+
+/// Place of the stride's coordinate among the states, and of the energy asked for.
+const STRIDE: usize = 0;
+const ENERGY: usize = 1;
+
+/// Who walks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Walker {
+    /// Body, activity, joint.
+    pub gait: Gait,
+}
+
+groups! {
+    Walker {
+        "gait." @ 100 => gait: Gait,
+    }
+}
+
+impl Walker {
+    /// The model in the list of models.
+    pub const TYPE: ModelType =
+        ModelType { declaration: Self::declaration, new: || Box::new(GaitLoad::default()) };
+}
+
+impl Law<STATES, 0> for Walker {
+    type Inputs = Inputs;
+    type Outputs = Outputs;
+    type Indicators = Indicators;
+
+    fn declaration() -> &'static Declaration {
+        static DECLARED: Declared = Declared::new();
+        DECLARED.get_or_init(|| {
+            Declaration::new(
+                "GaitLoad",
+                "Joint of a person who walks or climbs stairs: angle, speed and torque over the stride from measured \
+                 gait, with variation from stride to stride, start and stop",
+                GaitLoad::groups(),
+                LIST,
+            )
+        })
+    }
+
+    fn groups() -> Vec<GroupAt> {
+        Walker::groups()
+    }
+
+    fn value(&self, group: usize, row: usize) -> f64 {
+        Walker::value(self, group, row)
+    }
+
+    fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool {
+        Walker::set_value(self, group, row, value)
+    }
+
+    fn start(&self, _time: f64, _inputs: &Inputs) -> Result<([f64; STATES], [f64; 0]), Fault> {
+        let gait = &self.gait;
+        if gait.stop_time < gait.start_time + gait.ramp_time {
+            return Err(Fault(format!(
+                "gait.stop_time = {} s is before the end of setting out, gait.start_time + gait.ramp_time = {} s.",
+                gait.stop_time,
+                gait.start_time + gait.ramp_time
+            )));
+        }
+        Ok(([gait.initial_phase, 0.0], []))
+    }
+
+    fn rates(&self, now: &At<'_>) -> [f64; STATES] {
+        let motion = self.gait.at(now.time, now.states[STRIDE]);
+        let mut rates = [0.0; STATES];
+        rates[STRIDE] = motion.stride_rate;
+        rates[ENERGY] = motion.torque * motion.speed;
+        rates
+    }
+
+    fn outputs(&self, now: &At<'_>) -> Outputs {
+        let stride = now.states[STRIDE];
+        let motion = self.gait.at(now.time, stride);
+        Outputs {
+            joint_angle: motion.angle,
+            joint_speed: motion.speed,
+            torque_demand: motion.torque,
+            gait_phase: stride - stride.floor(),
+            tracking_error: now.inputs.joint_torque - motion.torque,
+            power_demand: motion.torque * motion.speed,
+            energy_demand: now.states[ENERGY],
+            strides: stride.floor(),
+        }
+    }
+
+    fn indicators(&self, now: &At<'_>) -> Indicators {
+        Indicators { heel_strike: (PI * now.states[STRIDE]).sin() }
+    }
+
+    fn next_event(&self, time: f64) -> f64 {
+        self.gait.next_event(time)
+    }
+}

@@ -1,0 +1,140 @@
+//! Dormand and Prince's pair of orders 5 and 4 for small systems that are not stiff, with nothing to remember from
+//! one communication step to the next, so that a step depends on where it starts alone.
+//!
+//! *Source*: Dormand, Prince, J. Comput. Appl. Math. 6 (1980) 19, the pair known as DOPRI5 or ode45.
+
+/// Nodes of the stages.
+const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+/// Weights of the stages before; the last row is the solution of order 5.
+const A: [[f64; 6]; 7] = [
+    [0.0; 6],
+    [0.2, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// Weights of order 5 less those of order 4.
+const E: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
+/// Error of a step in shares of a state's size that is taken.
+const TOLERANCE: f64 = 1e-8;
+/// Halvings of a communication step before the equations count as unsolvable.
+const HALVINGS: u32 = 40;
+
+/// The equations could not be followed: the time from the start of the step, s, where it ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stuck {
+    /// Time from the start of the step, s.
+    pub t: f64,
+}
+
+/// Advances `x` by `h` seconds. `rates(t, x)` are the derivatives `t` seconds into the step; `size` is what the error
+/// of each state is measured by, beside the state itself. On failure `x` is as it was.
+///
+/// # Errors
+/// Rates that are not finite, or an error that no step is small enough for.
+pub fn advance<const N: usize>(
+    rates: impl Fn(f64, &[f64; N]) -> [f64; N],
+    x: &mut [f64; N],
+    h: f64,
+    size: &[f64; N],
+) -> Result<(), Stuck> {
+    let least = h * 0.5f64.powi(HALVINGS as i32);
+    let (mut now, mut t, mut step) = (*x, 0.0, h);
+    let mut first = rates(0.0, &now);
+    while t < h {
+        let last = t + step >= h;
+        let length = if last { h - t } else { step };
+        let (next, rate, error) = one(&rates, t, &now, first, length, size);
+        if error <= 1.0 {
+            (now, first) = (next, rate);
+            t = if last { h } else { t + length };
+            // What is far below the tolerance at this length is below it at twice the length.
+            if error < 0.01 {
+                step *= 2.0;
+            }
+        } else {
+            step = 0.5 * length;
+            if step < least {
+                return Err(Stuck { t });
+            }
+        }
+    }
+    *x = now;
+    Ok(())
+}
+
+/// One step: the states after it, their rates there, and the error in shares of what is allowed.
+fn one<const N: usize>(
+    rates: &impl Fn(f64, &[f64; N]) -> [f64; N],
+    t: f64,
+    x: &[f64; N],
+    first: [f64; N],
+    h: f64,
+    size: &[f64; N],
+) -> ([f64; N], [f64; N], f64) {
+    let mut k = [[0.0; N]; 7];
+    k[0] = first;
+    let mut next = *x;
+    for stage in 1..7 {
+        for n in 0..N {
+            let sum: f64 = (0..stage).map(|s| A[stage][s] * k[s][n]).sum();
+            next[n] = x[n] + h * sum;
+        }
+        k[stage] = rates(t + C[stage] * h, &next);
+    }
+    let mut worst: f64 = 0.0;
+    for n in 0..N {
+        let error: f64 = h * (0..7).map(|s| E[s] * k[s][n]).sum::<f64>();
+        let share = error.abs() / (TOLERANCE * size[n].max(x[n].abs()).max(next[n].abs()));
+        // A rate that is no number is an error without end, which `max` would drop.
+        worst = if share.is_finite() { worst.max(share) } else { f64::INFINITY };
+    }
+    (next, k[6], worst)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x' = -50 x + 50 sin(t): a transient and a forced motion, both known.
+    #[test]
+    fn follows_a_known_solution() {
+        let exact = |t: f64| {
+            let (a, d) = (50.0f64, 50.0f64 * 50.0 + 1.0);
+            (1.0 + a / d) * (-a * t).exp() + a * (a * t.sin() - t.cos()) / d
+        };
+        let mut x = [1.0];
+        for k in 0..20 {
+            let start = f64::from(k) * 0.01;
+            advance(|t, x: &[f64; 1]| [50.0 * ((start + t).sin() - x[0])], &mut x, 0.01, &[1.0]).unwrap();
+        }
+        assert!((x[0] - exact(0.2)).abs() < 2e-8, "{} {}", x[0], exact(0.2));
+    }
+
+    #[test]
+    fn the_order_is_five() {
+        let run = |n: u32| {
+            let mut x = [1.0];
+            let h = 1.0 / f64::from(n);
+            for _ in 0..n {
+                let rates = |_: f64, x: &[f64; 1]| [-x[0]];
+                let first = rates(0.0, &x);
+                x = one(&rates, 0.0, &x, first, h, &[1.0]).0;
+            }
+            (x[0] - (-1.0f64).exp()).abs()
+        };
+        let order = (run(4) / run(8)).log2();
+        assert!((order - 5.0).abs() < 0.4, "{order}");
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused_and_nothing_changes() {
+        let mut x = [1.0];
+        let stuck = advance(|t, _: &[f64; 1]| [if t > 0.3 { f64::NAN } else { 1.0 }], &mut x, 1.0, &[1.0]);
+        assert!((stuck.unwrap_err().t - 0.3).abs() < 1e-3);
+        assert_eq!(x, [1.0]);
+    }
+}
