@@ -2,6 +2,7 @@
 
 use crate::boundary::{Outcome, Refused};
 use crate::instance::{Interface, Mode};
+use physics::declare::Causality;
 use physics::model::Model;
 
 /// Begins every serialized state; the digit is the format's version.
@@ -68,11 +69,17 @@ impl Saved {
             .collect();
         let mut model = like.boxed_clone();
         let (window, held, numbers) = parts(&numbers).ok_or_else(|| bad("is damaged"))?;
-        if !rest.is_empty() || !model.restore(numbers) {
+        if !rest.is_empty() || !model.restore(numbers) || !is_sound(model.as_mut()) {
             return Err(bad("is damaged"));
         }
         Ok(Saved { model, interface, mode, window, held: held.to_vec() })
     }
+}
+
+/// Whether parameters are within their limits, which equations count on; inputs may have run beyond them on a slope.
+fn is_sound(model: &mut dyn Model) -> bool {
+    let parameters = model.declaration().entries.iter().filter(|e| e.row.causality == Causality::Parameter);
+    parameters.into_iter().all(|entry| entry.check(model.get(entry.slot), false).is_ok())
 }
 
 /// Window, held outputs and the numbers of the model.

@@ -5,6 +5,7 @@ use motor_fmu::fmi3::{
     fmi3EnterInitializationMode, fmi3ExitInitializationMode, fmi3FreeInstance, fmi3InstantiateModelExchange,
 };
 use motor_fmu::logger::Status;
+use physics::declare::{Causality, Kind};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
@@ -61,8 +62,11 @@ fn a_thousand() -> isize {
             assert_eq!(fmi2DoStep(c, 1e-3, 1e-3, 1), Status::Ok);
             assert_eq!(fmi2SetFMUstate(c, state), Status::Ok);
             assert_eq!(fmi2FreeFMUstate(c, &mut state), Status::Ok);
-            let unknown = declaration.by_name("winding_resistance").unwrap().value_reference;
-            let known = declaration.by_name("ambient_temperature").unwrap().value_reference;
+            let first = |role| {
+                let real = |e: &&physics::model::Entry| e.row.causality == role && e.row.kind == Kind::Real;
+                declaration.entries.iter().find(real).unwrap().value_reference
+            };
+            let (unknown, known) = (first(Causality::Output), first(Causality::Input));
             let mut slope = f64::NAN;
             assert_eq!(fmi2GetDirectionalDerivative(c, &unknown, 1, &known, 1, &1.0, &mut slope), Status::Ok);
             alive.push((c, three));
