@@ -76,10 +76,14 @@ impl Saved {
     }
 }
 
-/// Whether parameters are within their limits, which equations count on; inputs may have run beyond them on a slope.
+/// Whether parameters are within their limits, which equations count on; inputs, numbers at least, may have run beyond them on a
+/// slope.
 fn is_sound(model: &mut dyn Model) -> bool {
-    let parameters = model.declaration().entries.iter().filter(|e| e.row.causality == Causality::Parameter);
-    parameters.into_iter().all(|entry| entry.check(model.get(entry.slot), false).is_ok())
+    model.declaration().entries.iter().all(|entry| match entry.row.causality {
+        Causality::Parameter => entry.check(model.get(entry.slot), false).is_ok(),
+        Causality::Input => model.get(entry.slot).is_finite(),
+        Causality::Output | Causality::Local => true,
+    })
 }
 
 /// Window, held outputs and the numbers of the model.

@@ -91,24 +91,36 @@ impl Instance {
         n: usize,
         mut put: impl FnMut(usize, f64),
     ) -> Outcome {
-        self.require_readable()?;
-        self.settle()?;
+        // While it runs everything may be read; that is asked once and not for each variable.
+        let running = matches!(self.mode, Mode::Step | Mode::Continuous);
+        if !running {
+            self.require_readable()?;
+            self.settle()?;
+        }
         let mut place = 0;
         for &value_reference in references {
-            let left = n - place.min(n);
             if value_reference == TIME && of == Type::Real {
-                if left > 0 {
+                if place < n {
                     put(place, self.model.time());
                 }
                 place += 1;
                 continue;
             }
             let entry = self.entry(value_reference, of)?;
-            self.require_to_read(entry)?;
+            if !running {
+                self.require_to_read(entry)?;
+            }
+            if entry.element.is_none() {
+                if place < n {
+                    put(place, self.value(entry, entry.slot));
+                }
+                place += 1;
+                continue;
+            }
             let width = self.width(entry);
-            for k in 0..width.min(left) {
+            for k in 0..width.min(n - place.min(n)) {
                 let slot = Slot { row: entry.slot.row + k as u16, ..entry.slot };
-                put(place + k, self.value(entry, slot));
+                put(place + k, self.model.get(slot));
             }
             place += width;
         }
@@ -117,8 +129,10 @@ impl Instance {
 
     #[inline]
     fn value(&mut self, entry: &Entry, slot: Slot) -> f64 {
-        let discrete = entry.row.variability == Variability::Discrete;
-        if discrete && self.part.event_mode && self.mode != Mode::Initialization {
+        if self.part.event_mode
+            && entry.row.variability == Variability::Discrete
+            && self.mode != Mode::Initialization
+        {
             return self.held(slot);
         }
         self.model.get(slot)
@@ -126,19 +140,10 @@ impl Instance {
 
     #[inline]
     fn require_readable(&self) -> Outcome {
-        if self.mode == Mode::Instantiated && self.standard == Standard::Two {
+        if self.mode == Mode::Broken || self.mode == Mode::Instantiated && self.standard == Standard::Two {
             return self.require(&[]);
         }
-        self.require(&[
-            Mode::Instantiated,
-            Mode::Configuration,
-            Mode::Initialization,
-            Mode::Step,
-            Mode::Intermediate,
-            Mode::Terminated,
-            Mode::Event,
-            Mode::Continuous,
-        ])
+        Ok(())
     }
 
     /// Before initialization there are start values alone, in the middle of a step what was asked for.
@@ -162,15 +167,9 @@ impl Instance {
     /// Sets `n` values, all or none.
     #[inline]
     pub fn set(&mut self, references: &[u32], of: Type, n: usize, value: impl Fn(usize) -> f64) -> Outcome {
-        self.require(&[
-            Mode::Instantiated,
-            Mode::Configuration,
-            Mode::Initialization,
-            Mode::Step,
-            Mode::Intermediate,
-            Mode::Event,
-            Mode::Continuous,
-        ])?;
+        if matches!(self.mode, Mode::Terminated | Mode::Broken) {
+            return self.require(&[]);
+        }
         let mut last = None;
         for (k, &value_reference) in references.iter().enumerate() {
             if value_reference == TIME && of == Type::Real {

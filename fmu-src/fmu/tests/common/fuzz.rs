@@ -19,7 +19,7 @@ static FAILURES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 fn hear(message: *const c_char) {
     let text = unsafe { CStr::from_ptr(message) }.to_string_lossy().into_owned();
-    if text.contains("internal failure") {
+    if text.contains("internal failure;") {
         FAILURES.lock().unwrap().push(text);
     }
 }
