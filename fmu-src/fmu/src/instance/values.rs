@@ -4,7 +4,7 @@
 
 use super::{Instance, Interface, Mode, Standard, Type};
 use crate::boundary::{Outcome, Refused};
-use physics::declare::{Elements, Variability};
+use physics::declare::{Elements, Kind, Variability};
 use physics::model::{Element, Entry, Refusal, Slot, TIME};
 
 impl Instance {
@@ -79,7 +79,9 @@ impl Instance {
 
     #[inline]
     fn is_structural(&self, entry: &Entry) -> bool {
-        self.standard == Standard::Three && self.model.declaration().is_dimension(entry)
+        entry.row.kind == Kind::Integer
+            && self.standard == Standard::Three
+            && self.model.declaration().is_dimension(entry)
     }
 
     /// Reads `n` values; `put` gets each with its place in the list.
@@ -170,20 +172,23 @@ impl Instance {
         if matches!(self.mode, Mode::Terminated | Mode::Broken) {
             return self.require(&[]);
         }
+        // In step mode nothing but a size has a mode of its own.
+        let special = self.mode != Mode::Step || of == Type::Size;
+        let running = !matches!(self.mode, Mode::Instantiated | Mode::Configuration | Mode::Initialization);
         let mut last = None;
         for (k, &value_reference) in references.iter().enumerate() {
             if value_reference == TIME && of == Type::Real {
                 return Err(Refused::error("time is the independent variable and cannot be set."));
             }
             let entry = self.entry(value_reference, of)?;
-            self.require_to_set(entry)?;
+            if special {
+                self.require_to_set(entry)?;
+            }
             // Whatever may be set is a scalar; an array is refused for what it is and not for its length.
             if n != references.len() && entry.is_settable() {
                 break;
             }
             let value = if k < n { value(k) } else { f64::NAN };
-            let running =
-                !matches!(self.mode, Mode::Instantiated | Mode::Configuration | Mode::Initialization);
             if let Err(refusal) = entry.check(value, running) {
                 let message = entry.explain(value, &refusal);
                 return Err(match refusal {
