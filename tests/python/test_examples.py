@@ -18,15 +18,17 @@ ARGUMENTS = {
     "03_what_cooling_buys": lambda folder: ("--out", str(folder)),
     "04_close_the_loop_bench": lambda folder: ("--out", str(folder)),
     "07_refit_against_repair": lambda folder: ("--out", str(folder)),
+    "08_walking_study": lambda folder: ("--out", str(folder)),
 }
 FILES = {
     "02_walking": ("walking.json", "walking.svg", "walking.png"),
     "03_what_cooling_buys": ("what-cooling-buys.md",),
     "04_close_the_loop_bench": ("close-the-loop-bench.md", "fan/report.json", "fan/report.html", "still-air/preset.toml"),
     "07_refit_against_repair": ("refit-against-repair.md", "refit-against-repair.svg"),
+    "08_walking_study": ("walking-study.md", "walking-study.svg"),
 }
 # Pages of the documentation that an example writes.
-PAGES = ("what-cooling-buys.md", "close-the-loop-bench.md", "refit-against-repair.md", "refit-against-repair.svg")
+PAGES = ("what-cooling-buys.md", "walking-study.md", "close-the-loop-bench.md", "refit-against-repair.md", "refit-against-repair.svg")
 
 
 def test_every_example_has_its_expected_output():

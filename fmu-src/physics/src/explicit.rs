@@ -12,8 +12,8 @@ use declare::Group;
 use std::fmt::Debug;
 
 /// A struct of variables that a model can own.
-pub trait Table: Group + Copy + Debug + Default + PartialEq + Send + 'static {}
-impl<T: Group + Copy + Debug + Default + PartialEq + Send + 'static> Table for T {}
+pub trait Table: Group + Copy + Debug + Default + PartialEq + Send + Sync + 'static {}
+impl<T: Group + Copy + Debug + Default + PartialEq + Send + Sync + 'static> Table for T {}
 
 /// What the law is asked about: the present inputs and states, and what the start has left.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ pub struct Now<'a, I, const N: usize, const M: usize> {
 
 /// The equations of a model with `N` states, and its parameters. `M` numbers are fixed when it starts.
 pub trait Law<const N: usize, const M: usize>:
-    Copy + Debug + Default + PartialEq + Send + Sized + 'static
+    Copy + Debug + Default + PartialEq + Send + Sync + Sized + 'static
 {
     /// What the importer sets.
     type Inputs: Table;

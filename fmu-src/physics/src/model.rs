@@ -345,7 +345,7 @@ impl Node {
 ///
 /// Values are numbers in SI units, whole ones for integers; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
 /// values by [`Entry::check`] before it sets them.
-pub trait Model: Exchange + Send {
+pub trait Model: Exchange + Send + Sync {
     /// The model's table.
     fn declaration(&self) -> &'static Declaration;
     /// The value of a slot; outputs belong to the present time.

@@ -1,24 +1,16 @@
 //! Motor, actuator and gait: the actuator's books and closed forms, and the three coupled against one integration of their
 //! joined equations.
 
+#[path = "common/walker.rs"]
+mod walker;
+
 use physics::components::transmission::Coupling;
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode};
-use physics::models::gait_load::GaitLoad;
+use physics::models::annulus_cooled_motor::DriveMode;
 use physics::models::series_elastic_actuator::SeriesElasticActuator;
 use physics::solver::reference::{Tolerance, integrate};
 use std::cell::RefCell;
-
-fn set(m: &mut dyn Model, name: &str, value: f64) {
-    let entry = m.declaration().by_name(name).unwrap_or_else(|| panic!("no {name}"));
-    entry.check(value, false).unwrap_or_else(|r| panic!("{}", entry.explain(value, &r)));
-    m.set(entry.slot, value);
-}
-
-fn get(m: &mut dyn Model, name: &str) -> f64 {
-    let slot = m.declaration().by_name(name).unwrap_or_else(|| panic!("no {name}")).slot;
-    m.get(slot)
-}
+use walker::{COMMAND, GAIT, LOOKED_AT, MOTOR, System, TIMES, get, joined, set};
 
 /// An actuator that holds a fixed joint with a motor at this angle, started relaxed.
 fn twisted(turn: f64, change: impl Fn(&mut SeriesElasticActuator)) -> SeriesElasticActuator {
@@ -135,53 +127,9 @@ fn the_actuators_books_close() {
     }
 }
 
-/// Motor, actuator and gait, one integration step after the other with what the others said before.
-struct System {
-    motor: AnnulusCooledMotor,
-    actuator: SeriesElasticActuator,
-    gait: GaitLoad,
-}
-
-/// From output to input: gait to actuator, actuator to motor, motor to actuator.
-const GAIT: [(&str, &str); 3] =
-    [("joint_angle", "joint_angle"), ("joint_speed", "joint_speed"), ("torque_demand", "torque_demand")];
-const MOTOR: [(&str, &str); 3] =
-    [("shaft_angle", "motor_angle"), ("shaft_speed", "motor_speed"), ("current", "motor_current")];
-const COMMAND: [(&str, &str); 2] = [("voltage", "voltage"), ("load_torque", "load_torque")];
-
 impl System {
-    fn new(drive: DriveMode) -> System {
-        let mut motor = AnnulusCooledMotor::default();
-        motor.parameters.choices.drive_mode = drive;
-        let mut s = System { motor, actuator: Default::default(), gait: Default::default() };
-        s.gait.start(0.0).unwrap();
-        for (from, to) in GAIT {
-            let value = get(&mut s.gait, from);
-            set(&mut s.actuator, to, value);
-        }
-        s.motor.start(0.0).unwrap();
-        s.actuator.start(0.0).unwrap();
-        s
-    }
-
-    /// Hands every output to its input.
-    fn connect(&mut self) {
-        for (from, to) in GAIT {
-            let value = get(&mut self.gait, from);
-            set(&mut self.actuator, to, value);
-        }
-        for (from, to) in MOTOR {
-            let value = get(&mut self.motor, from);
-            set(&mut self.actuator, to, value);
-        }
-        for (from, to) in COMMAND {
-            let value = get(&mut self.actuator, from);
-            set(&mut self.motor, to, value);
-        }
-    }
-
     /// Lets the inputs run on along the line through their last two values.
-    fn slope(&mut self, last: &[f64], h: f64) -> Vec<f64> {
+    pub fn slope(&mut self, last: &[f64], h: f64) -> Vec<f64> {
         let mut now = Vec::new();
         let mut one = |m: &mut dyn Model, to: &str| {
             let (slot, value) = (m.declaration().by_name(to).unwrap().slot, get(m, to));
@@ -200,7 +148,7 @@ impl System {
     }
 
     /// Runs to `stop`, s, by Jacobi steps of `h`, s.
-    fn run(mut self, stop: f64, h: f64, slopes: bool) -> [f64; 3] {
+    pub fn run(mut self, stop: f64, h: f64, slopes: bool) -> [f64; 3] {
         let mut last = Vec::new();
         for k in 0..(stop / h).round() as u32 {
             self.connect();
@@ -215,74 +163,14 @@ impl System {
         self.connect();
         self.look()
     }
-
-    /// What is compared: joint torque, N.m, motor speed, rad/s, winding temperature, K.
-    fn look(&mut self) -> [f64; 3] {
-        [
-            get(&mut self.actuator, "joint_torque"),
-            get(&mut self.motor, "shaft_speed"),
-            get(&mut self.motor, "winding_temperature"),
-        ]
-    }
-}
-
-/// States of the joined equations: the motor's, the actuator's, the gait's.
-const COUNT: [usize; 3] = [15, 8, 2];
-const ALL: usize = 25;
-
-/// The joined equations by diffsol.
-fn joined(drive: DriveMode, stop: f64) -> [f64; 3] {
-    let mut s = System::new(drive);
-    s.motor.hand_over();
-    s.motor.start(0.0).unwrap();
-    s.connect();
-    let split = |x: &[f64; ALL]| {
-        let (motor, rest) = x.split_at(COUNT[0]);
-        let (actuator, gait) = rest.split_at(COUNT[1]);
-        (motor.to_vec(), actuator.to_vec(), gait.to_vec())
-    };
-    use physics::exchange::Exchange;
-    let mut x0 = [0.0; ALL];
-    let (m, rest) = x0.split_at_mut(COUNT[0]);
-    let (a, g) = rest.split_at_mut(COUNT[1]);
-    s.motor.read_states(m);
-    s.actuator.read_states(a);
-    s.gait.read_states(g);
-    let s = RefCell::new(s);
-    let put = |t: f64, x: &[f64; ALL]| {
-        let mut s = s.borrow_mut();
-        let (m, a, g) = split(x);
-        s.motor.write_time(t);
-        s.motor.write_states(&m);
-        s.actuator.write_time(t);
-        s.actuator.write_states(&a);
-        s.gait.write_time(t);
-        s.gait.write_states(&g);
-        s.connect();
-    };
-    let rates = |t: f64, x: &[f64; ALL]| {
-        put(t, x);
-        let mut s = s.borrow_mut();
-        let mut out = [0.0; ALL];
-        let (m, rest) = out.split_at_mut(COUNT[0]);
-        let (a, g) = rest.split_at_mut(COUNT[1]);
-        s.motor.derivatives(m).unwrap();
-        s.actuator.derivatives(a).unwrap();
-        s.gait.derivatives(g).unwrap();
-        out
-    };
-    let tolerance = Tolerance { relative: 1e-9, absolute: 1e-9 };
-    let end = integrate(rates, &x0, &[stop], tolerance).unwrap()[0];
-    put(stop, &end);
-    s.borrow_mut().look()
 }
 
 /// The coupled system runs into the joined equations' solution: with the first order of the step where inputs are held,
 /// with the second where they go along slopes.
 #[test]
 fn the_coupled_system_converges_to_the_joined_equations() {
-    let stop = 0.48;
-    let exact = joined(DriveMode::Voltage, stop);
+    let solution = joined(DriveMode::Voltage, &TIMES);
+    let (stop, exact) = (TIMES[TIMES.len() - 1], solution[TIMES.len() - 1]);
     let error = |h: f64, slopes: bool| {
         let found = System::new(DriveMode::Voltage).run(stop, h, slopes);
         println!("h = {h} s, slopes {slopes}: {found:?} against {exact:?}");
@@ -297,6 +185,22 @@ fn the_coupled_system_converges_to_the_joined_equations() {
     }
     let ms = error(1e-3, true);
     assert!(ms[0] < 2e-3 && ms[1] < 1e-2, "{ms:?}");
+}
+
+/// The stored solution, which the FMUs are held against through every master, is the joined equations'.
+#[test]
+fn the_stored_solution_is_that_of_the_joined_equations() {
+    let stored = include_str!("../../../tests/reference/coupled-ankle/joined.csv");
+    let mut lines = stored.lines();
+    assert_eq!(lines.next().unwrap(), format!("time,{}", LOOKED_AT.join(",")));
+    for ((line, t), found) in lines.zip(TIMES).zip(joined(DriveMode::Voltage, &TIMES)) {
+        let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(row[0], t);
+        for (a, b) in row[1..].iter().zip(found) {
+            assert!((a - b).abs() < 1e-6 * b.abs(), "{t}: {a} {b}");
+        }
+    }
+    assert_eq!(stored.lines().count(), 1 + TIMES.len());
 }
 
 /// A minute of walking by the ankle of the declared values: the torque is given, and nothing is lost on the way.

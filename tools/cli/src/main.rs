@@ -2,10 +2,12 @@
 
 mod build;
 mod close_loop;
+mod cosim;
 mod reproduce;
 mod simulate;
 mod study;
 mod validate;
+mod walk;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -26,6 +28,8 @@ enum Command {
     Build(build::Args),
     Validate(validate::Args),
     Simulate(simulate::Args),
+    Cosim(cosim::Args),
+    Ssp(cosim::SspArgs),
     Steady(study::SteadyArgs),
     Sweep(study::SweepArgs),
     Reproduce(reproduce::Args),
@@ -60,6 +64,8 @@ fn main() -> ExitCode {
         Command::Build(args) => build::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Cosim(args) => cosim::run(args),
+        Command::Ssp(args) => cosim::run_ssp(&args),
         Command::Steady(args) => study::run_steady(&args),
         Command::Sweep(args) => study::run_sweep(&args),
         Command::Reproduce(args) => reproduce::run(&args),

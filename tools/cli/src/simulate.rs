@@ -93,7 +93,7 @@ pub fn setting(text: &str) -> Result<(String, String), String> {
 }
 
 /// A bar on a terminal, nothing elsewhere.
-fn progress_bar() -> ProgressBar {
+pub fn progress_bar() -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
@@ -125,6 +125,13 @@ fn summary(recording: &Recording) -> String {
         "{}: {} steps to t = {last} s in {:.3} s\n",
         recording.model_name, recording.steps, recording.seconds_wall
     );
+    text += &final_values(recording);
+    text
+}
+
+/// A line for each output with its last value, in the unit for people.
+pub fn final_values(recording: &Recording) -> String {
+    let mut text = String::new();
     let width = recording.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);
     for column in &recording.columns {
         let Some((value, unit)) = column.last_shown() else { continue };
@@ -141,7 +148,7 @@ fn summary(recording: &Recording) -> String {
 }
 
 /// Six significant digits.
-fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() || (1e-3..1e6).contains(&size) {
         let digits =
@@ -152,18 +159,20 @@ fn significant(value: f64) -> String {
     }
 }
 
+/// An output with its last value in its own unit and type, null for what is not finite.
+pub fn last_value(column: &cosim::Column) -> (String, Value) {
+    let value = column.values.last().copied().unwrap_or(f64::NAN);
+    let value = match column.kind {
+        cosim::Kind::Boolean => json!(value != 0.0),
+        kind if kind.is_float() => json!(value),
+        _ => json!(value as i64),
+    };
+    (column.name.clone(), value)
+}
+
 /// The result for a script: final values in the variables' own units and types, null for what is not finite.
 fn machine(file: &str, recording: &Recording) -> Value {
-    let last = |c: &cosim::Column| {
-        let value = c.values.last().copied().unwrap_or(f64::NAN);
-        let value = match c.kind {
-            cosim::Kind::Boolean => json!(value != 0.0),
-            kind if kind.is_float() => json!(value),
-            _ => json!(value as i64),
-        };
-        (c.name.clone(), value)
-    };
-    let finals: Map<String, Value> = recording.columns.iter().map(last).collect();
+    let finals: Map<String, Value> = recording.columns.iter().map(last_value).collect();
     let mut result = json!({
         "file": file,
         "steps": recording.steps,

@@ -3,7 +3,8 @@
 use crate::Failure;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
-use ::study::sweep::{Objective, Sweep, Vary, sweep};
+use ::study::sweep::{Case, Held, Sweep, Vary, Walking, sweep};
+use ::study::walk::{Load, Walks};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;
@@ -24,7 +25,31 @@ pub struct Start {
     sets: Vec<(String, String)>,
 }
 
+/// A gait as the load.
+#[derive(clap::Args)]
+pub struct LoadArgs {
+    /// Walk: a TOML file with the tables [motor], [actuator] and [gait]
+    #[arg(long, value_name = "gait.toml")]
+    pub load: Option<PathBuf>,
+    /// Hours that are walked at most, with --load
+    #[arg(long, value_name = "H", default_value_t = 2.0)]
+    pub hours: f64,
+}
+
 impl Start {
+    /// What walks: the motor with its preset, and what is set.
+    pub fn load(&self, file: &Path) -> Result<Load, Failure> {
+        if self.model != ::study::walk::MOTOR {
+            return Err(Failure::new(format!(
+                "--load walks with {}, and not with {}",
+                ::study::walk::MOTOR,
+                self.model
+            )));
+        }
+        let preset = self.preset.as_deref().map(describe::Preset::load).transpose()?;
+        Ok(Load::read(file, preset.as_ref(), &self.sets)?)
+    }
+
     fn setup(&self) -> Result<Setup, Failure> {
         let preset = self.preset.as_deref().map(describe::Preset::load).transpose()?;
         Ok(Setup { model: self.model.clone(), preset, sets: self.sets.clone() })
@@ -35,17 +60,29 @@ impl Start {
 ///
 /// Modes that are not set follow from the inputs: electrical_power means drive_mode power, current_command
 /// current, voltage voltage, duty pwm. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
+///
+/// With --load the motor walks, in an actuator on a joint: the periodic steady state, the way there from a cold start, and
+/// the torque that can be walked for ever. Of what is set each name belongs to the first of motor, actuator and
+/// gait that has it.
 #[derive(clap::Args)]
 pub struct SteadyArgs {
     #[command(flatten)]
-    start: Start,
+    pub start: Start,
+    #[command(flatten)]
+    pub load: LoadArgs,
+    /// With --load: draw the winding over the walk, as SVG
+    #[arg(long, value_name = "F.svg", requires = "load")]
+    pub plot: Option<PathBuf>,
     /// Print everything as JSON
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 /// Runs `steady`.
 pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
+    if let Some(file) = &args.load.load {
+        return crate::walk::run(args, file);
+    }
     let mut bench = args.start.setup()?.bench()?;
     let continuous = continuous_torque(&bench);
     let found = steady(&mut bench)?;
@@ -91,7 +128,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Three digits behind the point where that is enough; rounding noise is 0.
-fn rounded(value: f64) -> String {
+pub fn rounded(value: f64) -> String {
     if value.abs() < 5e-4 { "0".to_owned() } else { format!("{value:.3}") }
 }
 
@@ -100,10 +137,14 @@ fn rounded(value: f64) -> String {
 pub struct SweepArgs {
     #[command(flatten)]
     start: Start,
+    #[command(flatten)]
+    load: LoadArgs,
     /// A variable and its values, both ends included. May be repeated
     #[arg(long = "vary", required = true, value_name = "NAME=FROM:TO:N")]
     vary: Vec<String>,
-    /// continuous_torque, torque_density (both at the winding's limit), or an output in steady state
+    /// continuous_torque, torque_density (both at the winding's limit), or an output in steady state; with --load
+    /// continuous_torque and torque_density at the joint, continuous_support, winding_temperature, supply_power,
+    /// torque_error or time_to_limit
     #[arg(long, value_name = "NAME", default_value = "continuous_torque")]
     objective: String,
     /// Write all points as CSV with 17 digits
@@ -123,7 +164,14 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
     let bar = progress_bar(points);
     let done = |n: usize| bar.set_position(n as u64);
-    let found = sweep(&args.start.setup()?, &vary, &Objective::named(&args.objective), done);
+    let case: Box<dyn Case> = match &args.load.load {
+        Some(file) => Box::new(Walking {
+            load: args.start.load(file)?,
+            objective: Walks::named(&args.objective, args.load.hours)?,
+        }),
+        None => Box::new(Held { setup: args.start.setup()?, objective: args.objective.clone() }),
+    };
+    let found = sweep(case.as_ref(), &vary, done);
     bar.finish_and_clear();
     let found = found?;
     if let Some(path) = &args.output {
@@ -163,7 +211,8 @@ fn plain(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
+/// Writes a file.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text).map_err(|e| Failure::new(format!("{} cannot be written: {e}", path.display())))
 }
 

@@ -32,19 +32,7 @@ impl Archive {
     /// `modelDescription.xml`, or one that [`ModelDescription::parse`] refuses.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let io = |source| Error::Io { action: "open", path: path.to_owned(), source };
-        let file = fs::File::open(path).map_err(io)?;
-        let meta = file.metadata().map_err(io)?;
-        if meta.is_dir() {
-            return Err(bad(path, "it is a directory"));
-        }
-        let dir = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(|source| Error::Io {
-            action: "create a directory in",
-            path: std::env::temp_dir(),
-            source,
-        })?;
-        let limit = (meta.len().saturating_mul(MAX_RATIO)).clamp(ALWAYS_ALLOWED, NEVER_ALLOWED);
-        unpack(path, file, dir.path(), limit)?;
-
+        let dir = unpacked(path)?;
         let xml = match fs::read(dir.path().join("modelDescription.xml")) {
             Ok(bytes) => String::from_utf8(bytes)
                 .map_err(|_| bad(path, "its modelDescription.xml is not UTF-8 text"))?,
@@ -134,6 +122,24 @@ impl Archive {
     pub(crate) fn keep(&self) -> Arc<TempDir> {
         Arc::clone(&self.dir)
     }
+}
+
+/// A directory with all that the zip archive at `path` holds, checked as [`Archive::open`] says.
+pub(crate) fn unpacked(path: &Path) -> Result<TempDir, Error> {
+    let io = |source| Error::Io { action: "open", path: path.to_owned(), source };
+    let file = fs::File::open(path).map_err(io)?;
+    let meta = file.metadata().map_err(io)?;
+    if meta.is_dir() {
+        return Err(bad(path, "it is a directory"));
+    }
+    let dir = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(|source| Error::Io {
+        action: "create a directory in",
+        path: std::env::temp_dir(),
+        source,
+    })?;
+    let limit = (meta.len().saturating_mul(MAX_RATIO)).clamp(ALWAYS_ALLOWED, NEVER_ALLOWED);
+    unpack(path, file, dir.path(), limit)?;
+    Ok(dir)
 }
 
 fn bad(path: &Path, reason: impl Into<String>) -> Error {

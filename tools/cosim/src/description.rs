@@ -1,5 +1,8 @@
 //! What `modelDescription.xml` says, in one shape for FMI 2.0 and 3.0. The reader is in `description/parse.rs`.
 mod parse;
+mod structure;
+
+pub(crate) use parse::base_unit;
 
 use std::fmt;
 
@@ -48,6 +51,17 @@ pub struct ModelDescription {
     pub enumerations: Vec<Enumeration>,
     /// All variables, in the order of the file.
     pub variables: Vec<Variable>,
+    /// What `ModelStructure` says of the outputs that it lists.
+    pub output_dependencies: Vec<Dependencies>,
+}
+
+/// What an output depends on within one communication point, as the FMU declares it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dependencies {
+    /// Place of the output in [`ModelDescription::variables`].
+    pub output: usize,
+    /// Places of the variables that it depends on; `None` if the FMU leaves that open.
+    pub on: Option<Vec<usize>>,
 }
 
 /// One interface with its capability flags; absent flags have the standard's default.
@@ -97,8 +111,26 @@ pub struct DefaultExperiment {
 pub struct Unit {
     /// The name that variables refer to.
     pub name: String,
+    /// What it is in SI base units, if the FMU says so.
+    pub base: Option<BaseUnit>,
     /// Units for people.
     pub display_units: Vec<DisplayUnit>,
+}
+
+/// A unit in SI base units: `base value = factor * value + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BaseUnit {
+    /// Exponents of [`BaseUnit::NAMES`].
+    pub exponents: [i32; 8],
+    /// Factor, 1 when absent.
+    pub factor: f64,
+    /// Offset, 0 when absent.
+    pub offset: f64,
+}
+
+impl BaseUnit {
+    /// The base units that exponents belong to; the radian counts as one, so that rpm and Hz stay apart.
+    pub const NAMES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 }
 
 /// `shown = factor * value + offset`, or with `inverse` `shown = factor / value`.

@@ -174,6 +174,24 @@ pub enum Error {
         /// What is wrong there.
         message: String,
     },
+    /// A system of FMUs is described wrongly.
+    #[error("{file}, line {line}: {message}")]
+    System {
+        /// The file: a TOML file, or the archive and the XML file in it.
+        file: String,
+        /// Line, from 1.
+        line: u32,
+        /// What is wrong there, with component and connector.
+        message: String,
+    },
+    /// The file is no archive of a system.
+    #[error("{} is not a usable SSP archive: {reason}", path.display())]
+    Package {
+        /// The archive.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The figure could not be drawn.
     #[error("cannot draw {}: {reason}", path.display())]
     Plot {

@@ -11,6 +11,7 @@
 //! | call the binary | [`Instance`], [`State`], [`Log`] |
 //! | time tables for the inputs | [`InputTable`] |
 //! | call anything, right or wrong, to test an FMU | [`raw`] |
+//! | systems of FMUs: SSP and TOML, the master | [`System`], [`cosimulate`], [`SystemRun`] |
 //! | the whole run | [`simulate`](fn@simulate), [`Options`], [`Recording`] |
 //!
 //! Every failure is an [`Error`]: one sentence that names the variable, value, limits, file and line.
@@ -30,6 +31,7 @@ mod error;
 mod fmi2;
 mod fmi3;
 mod functions;
+mod grid;
 mod input;
 mod instance;
 mod log;
@@ -37,12 +39,13 @@ mod plot;
 pub mod raw;
 mod recording;
 mod simulate;
+mod system;
 mod value;
 
 pub use archive::Archive;
 pub use description::{
-    Causality, DefaultExperiment, Dimension, DisplayUnit, Enumeration, EnumerationItem, FmiVersion, Initial,
-    Interface, Kind, ModelDescription, Unit, Variability, Variable,
+    BaseUnit, Causality, DefaultExperiment, Dependencies, Dimension, DisplayUnit, Enumeration,
+    EnumerationItem, FmiVersion, Initial, Interface, Kind, ModelDescription, Unit, Variability, Variable,
 };
 pub use error::Error;
 pub use input::InputTable;
@@ -50,4 +53,5 @@ pub use instance::{Instance, State, Step};
 pub use log::{Log, LogMessage, Status};
 pub use recording::{Column, Recording};
 pub use simulate::{Options, simulate};
+pub use system::{Algorithm, Bond, System, SystemOptions, SystemRun, cosimulate};
 pub use value::Value;

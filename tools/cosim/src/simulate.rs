@@ -1,4 +1,5 @@
 //! The master for one FMU: settings, initialization, steps, recording.
+use crate::grid::Grid;
 use crate::input::InputTable;
 use crate::{
     Archive, Causality, Column, Error, FmiVersion, Instance, Interface, Kind, Log, ModelDescription,
@@ -39,8 +40,6 @@ impl Default for Options {
     }
 }
 
-/// Communication points that one run may have.
-const MAX_STEPS: f64 = 1e9;
 /// Elements of an array that are recorded.
 const MAX_ELEMENTS: u64 = 100_000;
 
@@ -60,7 +59,7 @@ pub fn simulate(
     let description = archive.description();
     let interface = description.co_simulation.clone().unwrap_or_default();
     let sets = checked_sets(description, options)?;
-    let grid = Grid::new(description, &interface, options)?;
+    let grid = grid(description, &interface, options)?;
 
     let begun = Instant::now();
     let mut instance = Instance::instantiate(archive, &description.model_name, options.log.clone())?;
@@ -114,69 +113,18 @@ pub fn simulate(
     })
 }
 
-/// The communication points `start + k * step`, the last of them `stop`.
-struct Grid {
-    start: f64,
-    stop: f64,
-    step: f64,
-    steps: usize,
-    /// Times closer than this are the same.
-    slack: f64,
-}
-
-impl Grid {
-    fn new(description: &ModelDescription, interface: &Interface, options: &Options) -> Result<Self, Error> {
-        let default = &description.default_experiment;
-        let start = options.start.or(default.start).unwrap_or(0.0);
-        let stop = options.stop.or(default.stop).unwrap_or(start + 1.0);
-        let refuse = |option, value: f64, reason: String| {
-            Err(Error::Option { option, value: format!("{value} s"), reason })
-        };
-        if !start.is_finite() {
-            return refuse("start time", start, "must be finite".to_owned());
-        }
-        if !stop.is_finite() || stop <= start {
-            return refuse("stop time", stop, format!("must be finite and above the start time {start} s"));
-        }
-        let span = stop - start;
-        let step =
-            options.step.or(default.step).unwrap_or_else(|| match interface.fixed_internal_step_size {
-                Some(fixed) if fixed > 0.0 => fixed * (span / 500.0 / fixed).round().max(1.0),
-                _ => span / 500.0,
-            });
-        if !step.is_finite() || step <= 0.0 {
-            return refuse("step size", step, "must be finite and above 0 s".to_owned());
-        }
-        let ratio = span / step;
-        if ratio > MAX_STEPS || start + step == start || stop - step == stop {
-            return refuse("step size", step, format!("is too small for a span of {span} s"));
-        }
-        // Whole but for rounding: 3600 / 0.01 is not exactly 360000.
-        let whole = (ratio - ratio.round()).abs() <= 1e-9 * ratio.max(1.0) && ratio.round() >= 1.0;
-        if !whole && !interface.can_handle_variable_step && description.co_simulation.is_some() {
-            let reason = format!(
-                "does not divide the time from {start} s to {stop} s, and {} cannot vary its step",
-                description.model_name
-            );
-            return refuse("step size", step, reason);
-        }
-        let steps = if whole { ratio.round() } else { ratio.ceil() } as usize;
-        Ok(Self { start, stop, step, steps, slack: 1e-9 * step.min(span) })
-    }
-
-    /// Communication point `k`, without accumulated rounding.
-    fn point(&self, k: usize) -> f64 {
-        if k == self.steps { self.stop } else { self.start + k as f64 * self.step }
-    }
-
-    /// Start and length of step `k`. All lengths but the last are the same to the bit, so that an FMU can keep what
-    /// it has computed for a length.
-    fn interval(&self, k: usize) -> (f64, f64) {
-        let t = self.point(k);
-        let rest = self.stop - t;
-        let shorter = k + 1 == self.steps && (rest - self.step).abs() > self.slack;
-        (t, if shorter { rest } else { self.step })
-    }
+/// The communication points of a run: as asked for, else as the FMU proposes.
+fn grid(description: &ModelDescription, interface: &Interface, options: &Options) -> Result<Grid, Error> {
+    let default = &description.default_experiment;
+    let start = options.start.or(default.start).unwrap_or(0.0);
+    let stop = options.stop.or(default.stop).unwrap_or(start + 1.0);
+    let step = options.step.or(default.step);
+    let fallback = |span: f64| match interface.fixed_internal_step_size {
+        Some(fixed) if fixed > 0.0 => fixed * (span / 500.0 / fixed).round().max(1.0),
+        _ => span / 500.0,
+    };
+    let rigid = !interface.can_handle_variable_step && description.co_simulation.is_some();
+    Grid::new(start, stop, step, fallback, rigid.then_some(description.model_name.as_str()))
 }
 
 /// The settings as variables and values; refuses what is set twice over.
@@ -205,7 +153,7 @@ fn checked_sets<'a>(
 }
 
 /// Structural parameters have a mode of their own.
-fn set_structural(instance: &mut Instance, sets: &[(&Variable, Value)]) -> Result<(), Error> {
+pub(crate) fn set_structural(instance: &mut Instance, sets: &[(&Variable, Value)]) -> Result<(), Error> {
     let structural: Vec<_> =
         sets.iter().filter(|(v, _)| v.causality == Causality::StructuralParameter).collect();
     if structural.is_empty() {
@@ -289,14 +237,18 @@ impl<'a> Drive<'a> {
 }
 
 /// Reads the outputs and keeps them.
-struct Recorder {
-    times: Vec<f64>,
-    columns: Vec<Column>,
+pub(crate) struct Recorder {
+    pub(crate) times: Vec<f64>,
+    pub(crate) columns: Vec<Column>,
     groups: Vec<Group>,
 }
 
 impl Recorder {
-    fn new(description: &ModelDescription, sets: &[(&Variable, Value)], rows: usize) -> Result<Self, Error> {
+    pub(crate) fn new(
+        description: &ModelDescription,
+        sets: &[(&Variable, Value)],
+        rows: usize,
+    ) -> Result<Self, Error> {
         let size_of = |reference: u32| {
             sets.iter().find_map(|(variable, value)| match value {
                 Value::Integer(n)
@@ -352,7 +304,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    fn record(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
+    pub(crate) fn record(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
         self.times.push(t);
         for group in &mut self.groups {
             instance.get_number(group.kind, &group.vrs, &mut group.values)?;

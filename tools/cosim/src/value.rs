@@ -119,26 +119,30 @@ impl ModelDescription {
 
     /// At most three settable names that look like `name`, best first.
     fn near(&self, name: &str) -> Vec<String> {
-        let wanted = name.to_lowercase();
-        let mut scored: Vec<(usize, &str)> = Vec::new();
-        for variable in self.variables.iter().filter(|v| self.settable_role(v)) {
-            let candidate = variable.name.to_lowercase();
-            let contains = wanted.len() >= 3 && candidate.contains(&wanted);
-            let score = if contains { 1 } else { distance(&wanted, &candidate) };
-            // A third of the letters may differ, but never all of them.
-            if contains
-                || score <= (1 + wanted.chars().count() / 4).min(wanted.chars().count().saturating_sub(1))
-            {
-                scored.push((score, &variable.name));
-            }
-        }
-        scored.sort();
-        scored.into_iter().take(3).map(|(_, name)| name.to_owned()).collect()
+        nearest(name, self.variables.iter().filter(|v| self.settable_role(v)).map(|v| v.name.as_str()))
     }
 
     fn settable_role(&self, v: &Variable) -> bool {
         matches!(v.causality, Causality::Parameter | Causality::StructuralParameter | Causality::Input)
     }
+}
+
+/// At most three of the `candidates` that look like `name`, best first.
+pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let wanted = name.to_lowercase();
+    let letters = wanted.chars().count();
+    let mut scored: Vec<(usize, &str)> = Vec::new();
+    for original in candidates {
+        let candidate = original.to_lowercase();
+        let contains = wanted.len() >= 3 && candidate.contains(&wanted);
+        let score = if contains { 1 } else { distance(&wanted, &candidate) };
+        // A third of the letters may differ, but never all of them.
+        if contains || score <= (1 + letters / 4).min(letters.saturating_sub(1)) {
+            scored.push((score, original));
+        }
+    }
+    scored.sort();
+    scored.into_iter().take(3).map(|(_, name)| name.to_owned()).collect()
 }
 
 fn finite(variable: &Variable) -> String {

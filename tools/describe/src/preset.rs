@@ -46,6 +46,46 @@ impl StartValues {
         }
     }
 
+    /// The values of a TOML text whose tables belong to several models, in the order of `tables`: name of the table,
+    /// declaration of the model. A table that is not there has no values.
+    ///
+    /// # Errors
+    /// One sentence with file and line: no TOML, a table of another name, and all that a preset refuses.
+    pub fn of_tables(
+        text: &str,
+        file: &str,
+        tables: &[(&str, &'static Declaration)],
+    ) -> Result<Vec<StartValues>, PresetError> {
+        let at = |offset: usize, message: String| located(text, file, offset, message);
+        let mut found = vec![StartValues::default(); tables.len()];
+        for (key, value) in parsed(text, file)?.get_ref() {
+            let place = tables.iter().position(|(name, _)| *name == key.get_ref().as_ref());
+            let (Some(place), DeValue::Table(values)) = (place, value.get_ref()) else {
+                let known: Vec<String> = tables.iter().map(|(name, _)| format!("[{name}]")).collect();
+                let message = format!("{} is none of the tables {}", key.get_ref(), known.join(", "));
+                return Err(at(key.span().start, message));
+            };
+            found[place] = StartValues::of_table(tables[place].1, values, &at)?;
+        }
+        Ok(found)
+    }
+
+    fn of_table(
+        declaration: &'static Declaration,
+        table: &DeTable<'_>,
+        at: &impl Fn(usize, String) -> PresetError,
+    ) -> Result<StartValues, PresetError> {
+        let mut starts = StartValues::default();
+        for (key, value) in table {
+            let entry = declaration
+                .by_name(key.get_ref())
+                .ok_or_else(|| at(key.span().start, unknown(declaration, key.get_ref())))?;
+            let number = number(entry, value).map_err(|message| at(value.span().start, message))?;
+            starts.0.insert(entry.value_reference, number);
+        }
+        Ok(starts)
+    }
+
     /// Value references and values, ascending.
     pub fn entries(&self) -> Vec<(u32, f64)> {
         self.0.iter().map(|(k, v)| (*k, *v)).collect()
@@ -70,6 +110,16 @@ pub struct Preset {
 #[error("{0}")]
 pub struct PresetError(String);
 
+fn located(text: &str, file: &str, offset: usize, message: String) -> PresetError {
+    let line = 1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|b| **b == b'\n').count();
+    PresetError(format!("{file}:{line}: {message}"))
+}
+
+fn parsed<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, PresetError> {
+    DeTable::parse(text)
+        .map_err(|e| located(text, file, e.span().map_or(0, |s| s.start), e.message().replace('\n', " ")))
+}
+
 impl Preset {
     /// The preset of a built-in name or of a file.
     pub fn load(name_or_file: &str) -> Result<Preset, PresetError> {
@@ -90,12 +140,8 @@ impl Preset {
 
     /// The preset of a text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<Preset, PresetError> {
-        let at = |offset: usize, message: String| {
-            let line = 1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|b| **b == b'\n').count();
-            PresetError(format!("{file}:{line}: {message}"))
-        };
-        let table = DeTable::parse(text)
-            .map_err(|e| at(e.span().map_or(0, |s| s.start), e.message().replace('\n', " ")))?;
+        let at = |offset: usize, message: String| located(text, file, offset, message);
+        let table = parsed(text, file)?;
         let mut words = BTreeMap::new();
         let mut start = None;
         for (key, value) in table.get_ref() {
@@ -123,15 +169,10 @@ impl Preset {
             let known: Vec<&str> = physics::models::ALL.iter().map(|m| (m.declaration)().name).collect();
             at(model_at, format!("{model} is no model; there is {}", known.join(", ")))
         })?;
-        let declaration = (kind.declaration)();
-        let mut starts = StartValues::default();
-        for (key, value) in start.into_iter().flatten() {
-            let entry = declaration
-                .by_name(key.get_ref())
-                .ok_or_else(|| at(key.span().start, unknown(declaration, key.get_ref())))?;
-            let number = number(entry, value).map_err(|message| at(value.span().start, message))?;
-            starts.0.insert(entry.value_reference, number);
-        }
+        let starts = match start {
+            Some(table) => StartValues::of_table((kind.declaration)(), table, &at)?,
+            None => StartValues::default(),
+        };
         let description = words.get("description").map(|(text, _)| text.clone()).unwrap_or_default();
         Ok(Preset { name: word("name")?.0, model, description, starts })
     }

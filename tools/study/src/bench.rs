@@ -1,7 +1,7 @@
 //! A native model on a bench: made by name, set and read by variable name, run to its steady state.
 
 use crate::StudyError;
-use describe::{Preset, models};
+use describe::{Preset, StartValues, models};
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model};
 
@@ -53,6 +53,24 @@ impl Bench {
             }
             _ => Ok(bench),
         }
+    }
+
+    /// Sets all of these values.
+    ///
+    /// # Errors
+    /// One sentence naming variable, value and limits.
+    pub fn set_all(&mut self, values: &StartValues) -> Result<(), StudyError> {
+        for (reference, value) in values.entries() {
+            if let Some(entry) = self.declaration.by_reference(reference) {
+                self.assign(entry, value)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The model with the values that were set on it.
+    pub fn into_model(self) -> Box<dyn Model> {
+        self.model
     }
 
     /// What is declared of the model.

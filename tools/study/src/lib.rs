@@ -11,6 +11,7 @@ pub mod page;
 pub mod reproduce;
 pub mod steady;
 pub mod sweep;
+pub mod walk;
 
 /// Why a study could not be done: one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

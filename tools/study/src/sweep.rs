@@ -5,7 +5,9 @@ use crate::bench::Bench;
 use crate::figure::{Axis, Figure};
 use crate::numeric::linspace;
 use crate::steady::{Setup, continuous_torque, steady};
+use crate::walk::{Load, Walks, continuous_support, forever, walk};
 use physics::declare::Kind;
+use physics::model::Entry;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -51,51 +53,128 @@ impl Vary {
 
 /// What is looked for at every point.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Objective {
-    /// Torque without end, N.m: the greatest is best.
-    ContinuousTorque,
-    /// The same per total mass, N.m/kg: the greatest is best.
-    TorqueDensity,
-    /// An output in steady state at the given inputs; of temperatures the least is best, else the greatest.
-    Output(String),
+pub struct Sought {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Whether the least is the best, as of a temperature.
+    pub least_is_best: bool,
 }
 
-impl Objective {
-    /// From its name.
-    pub fn named(name: &str) -> Objective {
-        match name {
-            "continuous_torque" => Objective::ContinuousTorque,
-            "torque_density" => Objective::TorqueDensity,
-            output => Objective::Output(output.to_owned()),
+/// Something that can be varied and asked.
+pub trait Case: Sync {
+    /// What is looked for.
+    ///
+    /// # Errors
+    /// The case has no such thing.
+    fn sought(&self) -> Result<Sought, StudyError>;
+    /// The variable of this name.
+    ///
+    /// # Errors
+    /// There is none.
+    fn entry(&self, name: &str) -> Result<&'static Entry, StudyError>;
+    /// The answer with these values set last.
+    ///
+    /// # Errors
+    /// A value that is not taken, or no answer.
+    fn at(&self, sets: &[(&str, f64)]) -> Result<f64, StudyError>;
+    /// Whether a value is taken.
+    ///
+    /// # Errors
+    /// One sentence why not.
+    fn takes(&self, name: &str, value: f64) -> Result<(), StudyError>;
+}
+
+/// A motor at constant inputs.
+///
+/// The objective is `continuous_torque`, torque without end, N.m; `torque_density`, the same per total mass, N.m/kg;
+/// or an output in steady state.
+#[derive(Clone, Debug)]
+pub struct Held {
+    /// The motor and its inputs.
+    pub setup: Setup,
+    /// What is looked for.
+    pub objective: String,
+}
+
+impl Case for Held {
+    fn sought(&self) -> Result<Sought, StudyError> {
+        let bench = self.setup.bench()?;
+        let output = match self.objective.as_str() {
+            "continuous_torque" => "shaft_torque",
+            other => other,
+        };
+        let entry = bench.entry(output)?;
+        if !bench.is_output(output) {
+            return Err(StudyError::new(format!("--objective {output} is no output of the model")));
         }
+        let unit = entry.row.unit.name();
+        Ok(Sought { name: self.objective.clone(), unit, least_is_best: unit == "K" && !entry.row.relative })
     }
 
-    /// Its name and unit, for a model that has it.
-    fn describe(&self, bench: &Bench) -> Result<(String, &'static str, bool), StudyError> {
-        let of =
-            |name: &str, output: &str| Ok((name.to_owned(), bench.entry(output)?.row.unit.name(), false));
-        match self {
-            Objective::ContinuousTorque => of("continuous_torque", "shaft_torque"),
-            Objective::TorqueDensity => of("torque_density", "torque_density"),
-            Objective::Output(name) => {
-                let entry = bench.entry(name)?;
-                if !bench.is_output(name) {
-                    return Err(StudyError::new(format!("--objective {name} is no output of the model")));
-                }
-                Ok((name.clone(), entry.row.unit.name(), entry.row.unit.name() == "K" && !entry.row.relative))
-            }
-        }
+    fn entry(&self, name: &str) -> Result<&'static Entry, StudyError> {
+        self.setup.bench()?.entry(name)
     }
 
-    fn at(&self, mut bench: Bench) -> Result<f64, StudyError> {
-        match self {
-            Objective::ContinuousTorque => Ok(continuous_torque(&bench)?.torque),
-            Objective::TorqueDensity => Ok(continuous_torque(&bench)?.torque_density),
-            Objective::Output(name) => {
+    fn at(&self, sets: &[(&str, f64)]) -> Result<f64, StudyError> {
+        let mut setup = self.setup.clone();
+        setup.sets.extend(sets.iter().map(|(name, value)| ((*name).to_owned(), value.to_string())));
+        let mut bench: Bench = setup.bench()?;
+        match self.objective.as_str() {
+            "continuous_torque" => Ok(continuous_torque(&bench)?.torque),
+            "torque_density" => Ok(continuous_torque(&bench)?.torque_density),
+            output => {
                 steady(&mut bench)?;
-                bench.get(name)
+                bench.get(output)
             }
         }
+    }
+
+    fn takes(&self, name: &str, value: f64) -> Result<(), StudyError> {
+        self.setup.bench()?.set(name, value)
+    }
+}
+
+/// A motor in an actuator on a joint that walks.
+#[derive(Clone)]
+pub struct Walking {
+    /// Motor, actuator and gait.
+    pub load: Load,
+    /// What is looked for.
+    pub objective: Walks,
+}
+
+impl Case for Walking {
+    fn sought(&self) -> Result<Sought, StudyError> {
+        let (name, unit, least_is_best) = self.objective.describe();
+        Ok(Sought { name: name.to_owned(), unit, least_is_best })
+    }
+
+    fn entry(&self, name: &str) -> Result<&'static Entry, StudyError> {
+        self.load.owner(name)?.entry(name)
+    }
+
+    fn at(&self, sets: &[(&str, f64)]) -> Result<f64, StudyError> {
+        let mut load = self.load.clone();
+        for (name, value) in sets {
+            load.set_text(name, &value.to_string())?;
+        }
+        match self.objective {
+            Walks::ContinuousTorque => Ok(continuous_support(&load)?.1.joint_torque_peak),
+            Walks::TorqueDensity => Ok(continuous_support(&load)?.1.joint_torque_peak / load.mass()?),
+            Walks::ContinuousSupport => Ok(continuous_support(&load)?.0),
+            Walks::WindingTemperature => Ok(forever(&load)?.winding_temperature),
+            Walks::SupplyPower => Ok(forever(&load)?.power_supply),
+            Walks::TorqueError => Ok(forever(&load)?.torque_error_rms),
+            Walks::TimeToLimit { hours } => {
+                Ok(walk(&load, hours)?.envelope.time_to_limit.unwrap_or(hours * 3600.0))
+            }
+        }
+    }
+
+    fn takes(&self, name: &str, value: f64) -> Result<(), StudyError> {
+        self.load.clone().set_text(name, &value.to_string())
     }
 }
 
@@ -131,31 +210,27 @@ pub struct Sweep {
 ///
 /// # Errors
 /// No grid, a variable or a value that the model does not take, or no point with a result.
-pub fn sweep(
-    setup: &Setup,
-    vary: &[Vary],
-    objective: &Objective,
-    progress: impl Fn(usize) + Sync,
-) -> Result<Sweep, StudyError> {
-    let bench = setup.bench()?;
-    let (name, unit, least_is_best) = objective.describe(&bench)?;
+pub fn sweep(case: &dyn Case, vary: &[Vary], progress: impl Fn(usize) + Sync) -> Result<Sweep, StudyError> {
+    let sought = case.sought()?;
     let count = vary.iter().map(|v| v.values.len()).fold(1usize, usize::saturating_mul);
     if vary.is_empty() || count > MAX_POINTS {
         return Err(StudyError::new(format!("--vary makes {count} points; 1 ... {MAX_POINTS} are possible")));
     }
-    check(&bench, vary)?;
+    check(case, vary)?;
     let done = AtomicUsize::new(0);
     let points: Vec<Point> = (0..count)
         .into_par_iter()
         .map(|k| {
             let values = grid_point(vary, k);
-            let found = at(setup, vary, &values, objective);
+            let sets: Vec<(&str, f64)> =
+                vary.iter().zip(&values).map(|(v, value)| (v.name.as_str(), *value)).collect();
+            let found = case.at(&sets);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             let failure = found.as_ref().err().map(ToString::to_string);
             Point { values, objective: found.ok(), failure }
         })
         .collect();
-    let better = |a: &f64, b: &f64| if least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
+    let better = |a: &f64, b: &f64| if sought.least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
     let best = points
         .iter()
         .filter_map(|p| p.objective.map(|o| (o, p)))
@@ -169,27 +244,26 @@ pub fn sweep(
         varied: vary.iter().map(|v| v.name.clone()).collect(),
         units: vary
             .iter()
-            .map(|v| bench.entry(&v.name).map(|e| e.row.unit.name()))
+            .map(|v| case.entry(&v.name).map(|e| e.row.unit.name()))
             .collect::<Result<_, _>>()?,
-        objective: name,
-        objective_unit: unit,
+        objective: sought.name,
+        objective_unit: sought.unit,
         points,
         best,
     })
 }
 
 /// Both ends of every range are taken by the model, before anything runs.
-fn check(bench: &Bench, vary: &[Vary]) -> Result<(), StudyError> {
+fn check(case: &dyn Case, vary: &[Vary]) -> Result<(), StudyError> {
     for (k, v) in vary.iter().enumerate() {
         if vary[..k].iter().any(|other| other.name == v.name) {
             return Err(StudyError::new(format!("--vary names {} twice", v.name)));
         }
-        if matches!(bench.entry(&v.name)?.row.kind, Kind::Enumeration(_) | Kind::Boolean) {
+        if matches!(case.entry(&v.name)?.row.kind, Kind::Enumeration(_) | Kind::Boolean) {
             return Err(StudyError::new(format!("--vary {}: it is a choice and no number", v.name)));
         }
         for value in [v.values.first(), v.values.last()].into_iter().flatten() {
-            let set = bench.clone().set(&v.name, *value);
-            set.map_err(|e| StudyError::new(format!("--vary {}: {e}", v.name)))?;
+            case.takes(&v.name, *value).map_err(|e| StudyError::new(format!("--vary {}: {e}", v.name)))?;
         }
     }
     Ok(())
@@ -209,12 +283,6 @@ fn grid_point(vary: &[Vary], k: usize) -> Vec<f64> {
         .collect();
     values.reverse();
     values
-}
-
-fn at(setup: &Setup, vary: &[Vary], values: &[f64], objective: &Objective) -> Result<f64, StudyError> {
-    let mut setup = setup.clone();
-    setup.sets.extend(vary.iter().zip(values).map(|(v, value)| (v.name.clone(), value.to_string())));
-    objective.at(setup.bench()?)
 }
 
 impl Sweep {
@@ -283,9 +351,12 @@ fn in_unit(unit: &str) -> String {
 mod tests {
     use super::*;
 
-    fn setup(sets: &[(&str, &str)]) -> Setup {
+    fn held(sets: &[(&str, &str)], objective: &str) -> Held {
         let sets = sets.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
-        Setup { model: "AnnulusCooledMotor".into(), preset: None, sets }
+        Held {
+            setup: Setup { model: "AnnulusCooledMotor".into(), preset: None, sets },
+            objective: objective.into(),
+        }
     }
 
     fn vary(texts: &[&str]) -> Vec<Vary> {
@@ -296,8 +367,8 @@ mod tests {
     #[test]
     fn a_grid_of_two() {
         let grid = vary(&["ambient_temperature=290:300:2", "fan_command=0:1:3"]);
-        let objective = Objective::named("winding_temperature");
-        let found = sweep(&setup(&[("electrical_power", "10")]), &grid, &objective, |_| {}).unwrap();
+        let case = held(&[("electrical_power", "10")], "winding_temperature");
+        let found = sweep(&case, &grid, |_| {}).unwrap();
         assert_eq!(found.points.len(), 6);
         assert_eq!(found.points[1].values, [290.0, 0.5]);
         for point in &found.points {
@@ -312,9 +383,8 @@ mod tests {
 
     #[test]
     fn runaway_leaves_a_gap_and_not_the_sweep() {
-        let fixed = setup(&[("drive_mode", "current")]);
-        let objective = Objective::named("winding_temperature");
-        let found = sweep(&fixed, &vary(&["current_command=1:20:2"]), &objective, |_| {}).unwrap();
+        let fixed = held(&[("drive_mode", "current")], "winding_temperature");
+        let found = sweep(&fixed, &vary(&["current_command=1:20:2"]), |_| {}).unwrap();
         assert!(found.points[1].objective.is_none() && found.points[1].failure.is_some());
         assert_eq!(found.best.as_ref().unwrap().values, [1.0]);
         assert!(found.csv().ends_with(",\n"));
@@ -334,7 +404,7 @@ mod tests {
             assert!(error.contains(word) && error.contains("--vary"), "{error}");
         }
         let refused = |grid: &[&str], objective: &str| {
-            sweep(&setup(&[]), &vary(grid), &Objective::named(objective), |_| {}).unwrap_err().to_string()
+            sweep(&held(&[], objective), &vary(grid), |_| {}).unwrap_err().to_string()
         };
         assert!(
             refused(&["fan_command=0:2:3"], "current")

@@ -19,7 +19,7 @@ const A: [[f64; 6]; 7] = [
 const E: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 /// Error of a step in shares of a state's size that is taken.
-const TOLERANCE: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-7;
 /// Halvings of a communication step before the equations count as unsolvable.
 const HALVINGS: u32 = 40;
 
@@ -111,7 +111,7 @@ mod tests {
             let start = f64::from(k) * 0.01;
             advance(|t, x: &[f64; 1]| [50.0 * ((start + t).sin() - x[0])], &mut x, 0.01, &[1.0]).unwrap();
         }
-        assert!((x[0] - exact(0.2)).abs() < 2e-8, "{} {}", x[0], exact(0.2));
+        assert!((x[0] - exact(0.2)).abs() < 2e-7, "{} {}", x[0], exact(0.2));
     }
 
     #[test]

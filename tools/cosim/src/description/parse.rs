@@ -1,4 +1,5 @@
 //! The reader of `modelDescription.xml`. It takes what it needs and is strict only there.
+use super::structure::output_dependencies;
 use super::*;
 use crate::Error;
 use roxmltree::{Document, Node};
@@ -45,6 +46,7 @@ impl ModelDescription {
             };
             variables.extend(variable);
         }
+        let output_dependencies = output_dependencies(child(root, "ModelStructure"), version, &variables)?;
         Ok(Self {
             fmi_version: version,
             model_name: required(root, "modelName")?.to_owned(),
@@ -61,6 +63,7 @@ impl ModelDescription {
             units: children(child(root, "UnitDefinitions")).map(unit).collect::<Result<_, _>>()?,
             enumerations: types.enumerations,
             variables,
+            output_dependencies,
         })
     }
 }
@@ -287,22 +290,39 @@ fn unit(node: Node) -> Result<Unit, Error> {
             inverse: flag(n, "inverse")?.unwrap_or(false),
         })
     });
-    Ok(Unit { name: required(node, "name")?.to_owned(), display_units: display.collect::<Result<_, _>>()? })
+    Ok(Unit {
+        name: required(node, "name")?.to_owned(),
+        base: child(node, "BaseUnit").map(base_unit).transpose()?,
+        display_units: display.collect::<Result<_, _>>()?,
+    })
+}
+
+/// `BaseUnit`, the same in both standards and in system structures.
+pub(crate) fn base_unit(node: Node) -> Result<BaseUnit, Error> {
+    let mut exponents = [0; 8];
+    for (exponent, name) in exponents.iter_mut().zip(BaseUnit::NAMES) {
+        *exponent = parsed(node, name)?.unwrap_or(0);
+    }
+    Ok(BaseUnit {
+        exponents,
+        factor: number(node, "factor")?.unwrap_or(1.0),
+        offset: number(node, "offset")?.unwrap_or(0.0),
+    })
 }
 
 fn line(node: Node) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
-fn fault(node: Node, message: String) -> Error {
+pub(super) fn fault(node: Node, message: String) -> Error {
     Error::Description { file: FILE.to_owned(), line: line(node), message }
 }
 
-fn child<'a, 'd>(node: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
+pub(super) fn child<'a, 'd>(node: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
     node.children().find(|n| n.tag_name().name() == name)
 }
 
-fn children<'a, 'd: 'a>(node: Option<Node<'a, 'd>>) -> impl Iterator<Item = Node<'a, 'd>> {
+pub(super) fn children<'a, 'd: 'a>(node: Option<Node<'a, 'd>>) -> impl Iterator<Item = Node<'a, 'd>> {
     node.into_iter().flat_map(|n| n.children()).filter(Node::is_element)
 }
 
@@ -310,12 +330,12 @@ fn optional(node: Node, name: &str) -> Option<String> {
     node.attribute(name).map(str::to_owned)
 }
 
-fn required<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, Error> {
+pub(super) fn required<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, Error> {
     let absent = || fault(node, format!("<{}> has no attribute {name}", node.tag_name().name()));
     node.attribute(name).ok_or_else(absent)
 }
 
-fn parsed<T: FromStr>(node: Node, name: &str) -> Result<Option<T>, Error> {
+pub(super) fn parsed<T: FromStr>(node: Node, name: &str) -> Result<Option<T>, Error> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
     let wrong = |_| fault(node, format!("{name} = {text:?} is not a number of the right kind"));
     text.trim().parse().map(Some).map_err(wrong)

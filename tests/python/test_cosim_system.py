@@ -1,0 +1,167 @@
+"""Motor, actuator and gait as one system: a minute of walking by the native master, from TOML and from the SSP made of it."""
+
+import csv
+import json
+import re
+import zipfile
+
+import pytest
+from clients import paths
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssd
+
+NAME = "actuator-gait"
+EXAMPLE = paths.EXAMPLES / "systems" / f"{NAME}.toml"
+# The seconds in which motor and spring, which start at rest, get in step with the leg.
+GETTING_IN_STEP = 2.0
+
+
+@pytest.fixture(scope="session")
+def description():
+    """The example's text, with the archives that are tested."""
+    text, count = re.subn(r'"\.\./\.\./dist/', f'"{paths.dist()}/', EXAMPLE.read_text())
+    assert count == 3
+    return text
+
+
+@pytest.fixture
+def toml(description, tmp_path):
+    path = tmp_path / f"{NAME}.toml"
+    path.write_text(description)
+    return path
+
+
+@pytest.fixture
+def ssp(motor_fmu, toml):
+    done = motor_fmu("ssp", toml)
+    assert done.returncode == 0, done.stderr
+    return toml.with_suffix(".ssp")
+
+
+@pytest.fixture
+def cosim(motor_fmu):
+    """Runs a system and returns what `--json` tells."""
+
+    def run(*arguments):
+        done = motor_fmu("cosim", *arguments, "--json")
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    return run
+
+
+def rows(path):
+    with path.open(newline="") as text:
+        return list(csv.DictReader(text))
+
+
+def test_a_minute_of_walking(cosim, toml, tmp_path):
+    told = cosim(toml, "--output", tmp_path / "walk.csv", "--plot", tmp_path / "walk.svg")
+    assert told["steps"] == 60_000 and told["rows"] == 60_001
+    walk = rows(tmp_path / "walk.csv")
+    assert list(walk[0])[:2] == ["time", "gait.joint_angle"] and float(walk[-1]["time"]) == 60.0
+    judged = [row for row in walk if float(row["time"]) > GETTING_IN_STEP]
+    # An ankle of 75 kg: more than 80 N.m, followed within a few percent.
+    peak = max(float(row["gait.torque_demand"]) for row in judged)
+    assert 80.0 < peak < 150.0
+    assert max(abs(float(row["actuator.torque_error"])) for row in judged) < 0.05 * peak
+    assert told["final"]["motor.winding_temperature"] > 305.0
+    assert 50 < told["final"]["gait.strides"] < 60
+    assert (tmp_path / "walk.svg").read_text().startswith("<svg")
+
+
+def test_energy_closes_over_the_connections(cosim, toml):
+    bonds = {bond["forth"]: bond for bond in cosim(toml)["energy"]}
+    assert set(bonds) == {
+        "gait.joint_speed -> actuator.joint_speed",
+        "motor.shaft_speed -> actuator.motor_speed",
+        "motor.current -> actuator.motor_current",
+    }
+    for name, bond in bonds.items():
+        assert bond["throughput_J"] > 500.0, name
+        assert bond["share"] <= 1e-3, f"{name}: {bond}"
+    # What goes to the leg, and what the motor gives at its shaft, as the FMUs themselves have counted it.
+    final = cosim(toml)["final"]
+    assert bonds["gait.joint_speed -> actuator.joint_speed"]["energy_J"] == pytest.approx(final["actuator.energy_joint"], rel=1e-3)
+    assert bonds["motor.shaft_speed -> actuator.motor_speed"]["energy_J"] == pytest.approx(final["actuator.energy_shaft"], rel=2e-3)
+
+
+def test_held_inputs_lose_what_slopes_keep(cosim, toml):
+    """Errors of the coupling fall with the step, twice as fast with slopes; a tenth of a promille is out of reach without."""
+
+    def joint(step, *further):
+        bonds = cosim(toml, "--stop", "8", "--step", str(step), *further)["energy"]
+        return next(bond for bond in bonds if bond["forth"].startswith("gait."))["gross_share"]
+
+    held = [joint(step, "--no-slopes") for step in (1e-3, 2.5e-4)]
+    sloped = [joint(step) for step in (1e-3, 2.5e-4)]
+    assert held[0] / held[1] == pytest.approx(4.0, rel=0.15)
+    assert sloped[0] / sloped[1] == pytest.approx(16.0, rel=0.25)
+    assert sloped[0] < 0.05 * held[0]
+
+
+def test_the_archive_runs_as_the_description_does(motor_fmu, cosim, toml, ssp, tmp_path):
+    first, second = tmp_path / "toml.csv", tmp_path / "ssp.csv"
+    cosim(toml, "--stop", "3", "--output", first)
+    cosim(ssp, "--stop", "3", "--output", second)
+    assert first.read_bytes() == second.read_bytes()
+    again = tmp_path / "again.ssp"
+    assert motor_fmu("ssp", toml, "--out", again).returncode == 0
+    assert again.read_bytes() == ssp.read_bytes()
+
+
+def test_the_archive_is_valid_and_whole(ssp):
+    # read_ssd holds it against the standard's schema.
+    system = read_ssd(str(ssp), validate=True).system
+    assert [component.name for component in system.elements] == ["gait", "motor", "actuator"]
+    assert len(system.connections) == 9
+    with zipfile.ZipFile(ssp) as archive:
+        assert archive.namelist() == [
+            "SystemStructure.ssd",
+            *(f"resources/{model}.fmu" for model in ("AnnulusCooledMotor", "GaitLoad", "SeriesElasticActuator")),
+        ]
+        for model in ("AnnulusCooledMotor", "GaitLoad", "SeriesElasticActuator"):
+            assert archive.read(f"resources/{model}.fmu") == paths.archive(model, 2).read_bytes()
+
+
+def test_fmpy_s_own_master_runs_it(cosim, ssp, tmp_path):
+    """Its master passes values on once per step, and knows no slopes: first order, and the same within that."""
+    out = tmp_path / "held.csv"
+
+    def apart(step):
+        theirs = simulate_ssp(str(ssp), stop_time=3.0, step_size=step)
+        cosim(ssp, "--stop", "3", "--step", step, "--algorithm", "jacobi-delayed", "--no-slopes", "--output", out)
+        ours = {round(float(row["time"]) / step): row for row in rows(out)}
+        far = 0.0
+        for row in theirs:
+            # Their row tells the end of the step by its beginning.
+            point = round(row["time"] / step) + 1
+            if row["time"] > GETTING_IN_STEP and point in ours:
+                far = max(far, abs(row["actuator.joint_torque"] - float(ours[point]["actuator.joint_torque"])))
+        return far
+
+    coarse, fine = apart(1e-3), apart(2.5e-4)
+    assert 0.0 < coarse < 4.0, "of more than 80 N.m"
+    assert fine < 0.35 * coarse
+
+
+def test_a_variable_step_walks_as_well(cosim, toml):
+    fixed = cosim(toml, "--stop", "4", "--step", "0.0001")["final"]
+    told = cosim(toml, "--stop", "4", "--tolerance", "1e-4")
+    assert told["steps"] < 40_000
+    for name in ("motor.winding_temperature", "actuator.joint_torque", "actuator.energy_joint"):
+        assert told["final"][name] == pytest.approx(fixed[name], rel=2e-3), name
+
+
+def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
+    """FMI 3 has no slopes of inputs: the same bits as FMI 2 with inputs held. Standards mix."""
+    held, three, mixed = (tmp_path / f"{name}.csv" for name in ("held", "three", "mixed"))
+    cosim(toml, "--stop", "3", "--no-slopes", "--output", held)
+    fmi3 = tmp_path / "fmi3.toml"
+    fmi3.write_text(description.replace("/fmi2/", "/fmi3/"))
+    told = cosim(fmi3, "--stop", "3", "--output", three)
+    assert told["slopes"] is False
+    assert three.read_bytes() == held.read_bytes()
+    fmi3.write_text(description.replace("/fmi2/GaitLoad", "/fmi3/GaitLoad"))
+    told = cosim(fmi3, "--stop", "3", "--no-slopes", "--output", mixed)
+    assert mixed.read_bytes() == held.read_bytes()

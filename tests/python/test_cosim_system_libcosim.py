@@ -1,0 +1,81 @@
+"""libcosim opens the SSP that we make and runs it: the same bits where our master does what libcosim does.
+
+It reads outputs once after each step and holds inputs: `--algorithm jacobi-delayed --no-slopes`. It counts whole nanoseconds, so the
+step is a power of two that is a whole number of them.
+"""
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+from clients import paths
+
+STEP_NS, STEPS = 1_953_125, 512
+READ = (
+    ("gait", "joint_angle"),
+    ("gait", "joint_speed"),
+    ("motor", "shaft_angle"),
+    ("motor", "shaft_speed"),
+    ("motor", "current"),
+    ("motor", "winding_temperature"),
+    ("actuator", "energy_joint"),
+)
+# libcosimpy has packages for some machines alone; test_importers.py holds that it is there where it can be.
+MASTERS = ["libcosim"] if find_spec("libcosimpy") else []
+
+
+@pytest.mark.parametrize("master", MASTERS)
+def test_the_same_bits(master, motor_fmu, tmp_path):
+    text = re.sub(r'"\.\./\.\./dist/', f'"{paths.dist()}/', (paths.EXAMPLES / "systems" / "actuator-gait.toml").read_text())
+    (tmp_path / "walk.toml").write_text(text)
+    made = motor_fmu("ssp", "walk.toml")
+    assert made.returncode == 0, made.stderr
+    step = STEP_NS * 1e-9
+    times = ("--stop", repr(STEPS * step), "--step", repr(step))
+    done = motor_fmu("cosim", "walk.ssp", *times, "--algorithm", "jacobi-delayed", "--no-slopes", "--output", "ours.csv")
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "ours.csv").open(newline="") as file:
+        ours = [[float(row[f"{component}.{name}"]) for component, name in READ] for row in csv.DictReader(file)]
+
+    theirs = tmp_path / "theirs.json"
+    environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
+    command = [sys.executable, __file__, str(tmp_path / "walk.ssp"), str(theirs)]
+    told = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    assert told.returncode == 0, told.stderr[-2000:]
+    found = json.loads(theirs.read_text())
+    assert len(found) == STEPS and len(ours) == STEPS + 1
+    for k, (a, b) in enumerate(zip(found, ours[1:])):
+        assert a == b, f"step {k}"
+    # Something happened.
+    assert max(abs(row[3]) for row in ours) > 100.0
+
+
+def record(ssp):
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+
+    execution = CosimExecution.from_ssp_file(ssp, STEP_NS)
+    observer = CosimObserver.create_last_value()
+    assert execution.add_observer(observer)
+    index, reference = {}, {}
+    for info in execution.slave_infos():
+        component = info.name.decode()
+        index[component] = info.index
+        for variable in execution.slave_variables(info.index):
+            reference[component, variable.name.decode()] = variable.reference
+    read = lambda component, name: observer.last_real_values(index[component], [reference[component, name]])[0]
+    rows = []
+    for _ in range(STEPS):
+        assert execution.step(1)
+        rows.append([read(*which) for which in READ])
+    return rows
+
+
+if __name__ == "__main__":
+    with open(sys.argv[2], "w") as out:
+        json.dump(record(sys.argv[1]), out)

@@ -1,0 +1,77 @@
+"""`motor-fmu steady --load` and `sweep --load`: a motor that walks, through the command."""
+
+import json
+
+import pytest
+from clients.paths import EXAMPLES
+
+LOAD = str(EXAMPLES / "loads" / "walk.toml")
+PRESET = ("--preset", "maxon-305015")
+CANNOT = 2
+
+
+def ask(motor_fmu, *arguments):
+    done = motor_fmu("steady", *PRESET, "--load", LOAD, *arguments, "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_walk_is_told_with_its_end(motor_fmu, tmp_path):
+    plot = tmp_path / "walk.svg"
+    cold = ask(motor_fmu, "--plot", plot)
+    assert cold["forever"] is None and 600.0 < cold["time_to_limit"] < 1200.0
+    last = cold["envelope"][-1]
+    assert last["winding_temperature"] > cold["limit"] and last["time"] == pytest.approx(cold["time_to_limit"], abs=2.0)
+    assert "<svg" in plot.read_text() and "winding" in plot.read_text()
+    assert 0.3 < cold["continuous"]["support"] < 0.8
+    assert cold["continuous"]["at"]["winding_temperature"] == pytest.approx(cold["limit"], abs=0.05)
+
+
+def test_cooling_and_less_torque_walk_for_ever(motor_fmu):
+    fan = ask(motor_fmu, "--set", "fan_command=1", "--set", "gait.support=0.8")
+    assert fan["time_to_limit"] is None
+    assert fan["forever"]["winding_temperature"] < fan["limit"]
+    # Half of the supply's power at most becomes heat that the joint does not see; the books of the means.
+    assert 0.0 < fan["forever"]["power_joint"] < fan["forever"]["power_electrical"]
+    cold = ask(motor_fmu, "--set", "fan_command=1", "--set", "gait.support=0.8", "--set", "ambient_temperature=273.15")
+    assert cold["forever"]["winding_temperature"] < fan["forever"]["winding_temperature"] - 10.0
+
+
+def test_a_sweep_walks(motor_fmu, tmp_path):
+    table = tmp_path / "sweep.csv"
+    arguments = ("--vary", "transmission.ratio=200:300:2", "--vary", "fan_command=0:1:2", "--output", table, "--json")
+    done = motor_fmu("sweep", *PRESET, "--load", LOAD, *arguments)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["objective_unit"] == "N.m" and len(found["points"]) == 4
+    torque = {tuple(p["values"]): p["objective"] for p in found["points"]}
+    assert torque[200.0, 1.0] > 1.3 * torque[200.0, 0.0] and torque[300.0, 0.0] > torque[200.0, 0.0]
+    assert len(table.read_text().splitlines()) == 5
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "words"),
+    [
+        ("[gait]\n\"gait.activity\" = \"fly\"\n", (), ("gait.toml:2", "fly", "stairs_up")),
+        ("[leg]\n", (), ("gait.toml:1", "leg", "[actuator]")),
+        ("[gait\n", (), ("gait.toml:1",)),
+        ("", ("--set", "gait.body_mas=80"), ("gait.body_mas",)),
+        ("", ("--set", "gait.body_mass=-1"), ("gait.body_mass = -1 kg", "500")),
+        ("", ("--set", "drive_mode=power"), ("drive_mode", "voltage or current")),
+        ("", ("--hours", "0"), ("hours",)),
+        ("", ("--model", "BrushedGearmotor"), ("BrushedGearmotor",)),
+        (None, (), ("gait.toml", "cannot be read")),
+    ],
+)
+def test_bad_loads_are_one_sentence(text, arguments, words, motor_fmu, tmp_path):
+    file = tmp_path / "gait.toml"
+    if text is not None:
+        file.write_text(text)
+    done = motor_fmu("steady", "--load", file, *arguments)
+    assert done.returncode == CANNOT and done.stderr.count("\n") == 1, done.stderr
+    assert all(word in done.stderr for word in words), done.stderr
+
+
+def test_an_objective_of_a_walk_is_named(motor_fmu):
+    done = motor_fmu("sweep", "--load", LOAD, "--vary", "fan_command=0:1:2", "--objective", "happiness")
+    assert done.returncode == CANNOT and "continuous_support" in done.stderr, done.stderr

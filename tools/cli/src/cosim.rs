@@ -1,0 +1,232 @@
+//! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
+use crate::Failure;
+use crate::simulate::{progress_bar, setting, significant};
+use clap::ValueEnum;
+use cosim::{Algorithm, Bond, Log, Status, System, SystemOptions, SystemRun, cosimulate};
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Messages of the FMUs that are repeated to the user.
+const MAX_MESSAGES: usize = 5;
+
+/// Run a system of Co-Simulation FMUs: SSP 1.0 (flat), or the TOML file that `motor-fmu ssp` takes.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The system: SYSTEM.ssp or SYSTEM.toml
+    system: PathBuf,
+    /// Start time in s [default: that of the system, else 0]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    start: Option<f64>,
+    /// Stop time in s [default: that of the system, else 1 s after the start]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    stop: Option<f64>,
+    /// Communication step in s [default: that of the system, else the shortest that an FMU proposes]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Set a parameter or input of a component, or an input of the system. May be repeated
+    #[arg(long = "set", value_name = "COMPONENT.VARIABLE=VALUE", value_parser = setting)]
+    sets: Vec<(String, String)>,
+    /// How components see each other during a step
+    #[arg(long, value_enum, default_value_t = Scheme::Jacobi)]
+    algorithm: Scheme,
+    /// Hold inputs during a step, also where an FMU could take their slopes
+    #[arg(long)]
+    no_slopes: bool,
+    /// Vary the step so that each keeps the connected outputs to this relative error; the FMUs must be able to go back
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// Keep every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]
+    #[arg(long, value_name = "N")]
+    every: Option<usize>,
+    /// Write time and all outputs as CSV with 17 digits: time,<component>.<output>
+    #[arg(long, value_name = "F.csv")]
+    output: Option<PathBuf>,
+    /// Draw the outputs as SVG
+    #[arg(long, value_name = "F.svg")]
+    plot: Option<PathBuf>,
+    /// Print final values and the energy books as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Write a system that is described in a small TOML file as an SSP 1.0 archive, with its FMUs.
+#[derive(Debug, clap::Args)]
+pub struct SspArgs {
+    /// The description
+    system: PathBuf,
+    /// The archive [default: the description's name with .ssp]
+    #[arg(long, value_name = "FILE.ssp")]
+    out: Option<PathBuf>,
+}
+
+/// The names of the algorithms on the command line.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Scheme {
+    /// All step at once; what passes through a component arrives in the same communication point
+    Jacobi,
+    /// One after the other; who comes later sees the ends of the steps before
+    GaussSeidel,
+    /// As jacobi, but what passes through a component arrives one step later, as in many other masters
+    JacobiDelayed,
+}
+
+impl From<Scheme> for Algorithm {
+    fn from(scheme: Scheme) -> Algorithm {
+        match scheme {
+            Scheme::Jacobi => Algorithm::Jacobi,
+            Scheme::GaussSeidel => Algorithm::GaussSeidel,
+            Scheme::JacobiDelayed => Algorithm::JacobiDelayed,
+        }
+    }
+}
+
+/// Runs a system.
+///
+/// # Errors
+/// One sentence: what could not be read, connected, set, run or written.
+pub fn run(args: Args) -> Result<ExitCode, Failure> {
+    let system = System::open(&args.system)?;
+    let options = SystemOptions {
+        start: args.start,
+        stop: args.stop,
+        step: args.step,
+        tolerance: args.tolerance,
+        sets: args.sets,
+        algorithm: args.algorithm.into(),
+        held_inputs: args.no_slopes,
+        every: args.every,
+        log: Log::new(),
+    };
+    let bar = progress_bar();
+    let result = cosimulate(&system, &options, &mut |share| bar.set_position((share * 100.0) as u64));
+    bar.finish_and_clear();
+    let run = result?;
+    if let Some(path) = &args.output {
+        run.recording.write_csv(path)?;
+    }
+    if let Some(path) = &args.plot {
+        run.recording.plot_svg(path)?;
+    }
+    remarks(&run);
+    let text = if args.json {
+        format!("{}\n", machine(&args.system.to_string_lossy(), &run))
+    } else {
+        summary(&run)
+    };
+    crate::say(&text);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a system.
+///
+/// # Errors
+/// One sentence: what does not fit, or could not be written.
+pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
+    let out = args.out.clone().unwrap_or_else(|| args.system.with_extension("ssp"));
+    if out == args.system {
+        return Err(Failure::new(format!("{} would be written over itself, give --out", out.display())));
+    }
+    System::open(&args.system)?.write_ssp(&out)?;
+    crate::say(&format!("{}\n", out.display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Tells on stderr what is odd, what the FMUs complained about, and whether one ended the run.
+fn remarks(run: &SystemRun) {
+    for note in &run.notes {
+        eprintln!("note: {note}");
+    }
+    let complaints: Vec<_> = run.recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
+    for message in complaints.iter().take(MAX_MESSAGES) {
+        eprintln!("{}: {}", message.status, message.text);
+    }
+    if complaints.len() > MAX_MESSAGES {
+        eprintln!("{} more messages", complaints.len() - MAX_MESSAGES);
+    }
+    if let (Some(name), Some(time)) = (&run.ended_by, run.recording.ended_early) {
+        eprintln!("{name} ended the simulation at t = {time} s");
+    }
+}
+
+fn summary(run: &SystemRun) -> String {
+    let recording = &run.recording;
+    let last = recording.times.last().copied().unwrap_or(0.0);
+    let mut text = format!(
+        "{}: {} components, {} steps to t = {last} s in {:.3} s",
+        recording.model_name,
+        run.order.len(),
+        recording.steps,
+        recording.seconds_wall
+    );
+    if run.rejected > 0 {
+        text += &format!(", {} made again shorter", run.rejected);
+    }
+    text.push('\n');
+    if run.every > 1 {
+        text += &format!("one row for every {} communication points\n", run.every);
+    }
+    text += &crate::simulate::final_values(recording);
+    text + &books(&run.bonds)
+}
+
+/// The energy books as a table.
+fn books(bonds: &[Bond]) -> String {
+    if bonds.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> = bonds.iter().map(|b| format!("{} | {}", b.forth, b.back)).collect();
+    let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
+    let mut text = format!(
+        "energy through connections\n  {:width$}  {:>12} {:>12} {:>12} {:>10} {:>10}\n",
+        "", "net J", "through J", "error J", "error", "gross"
+    );
+    for (name, bond) in names.iter().zip(bonds) {
+        text += &format!(
+            "  {name:width$}  {:>12} {:>12} {:>12} {:>8.4} % {:>8.4} %\n",
+            significant(bond.energy),
+            significant(bond.throughput),
+            significant(bond.error),
+            100.0 * bond.share(),
+            100.0 * bond.gross_share()
+        );
+    }
+    text
+}
+
+/// The result for a script.
+fn machine(file: &str, run: &SystemRun) -> Value {
+    let recording = &run.recording;
+    let finals: Map<String, Value> = recording.columns.iter().map(crate::simulate::last_value).collect();
+    let bonds: Vec<Value> = run
+        .bonds
+        .iter()
+        .map(|b| {
+            json!({
+                "forth": b.forth, "back": b.back,
+                "energy_J": b.energy, "throughput_J": b.throughput,
+                "error_J": b.error, "gross_error_J": b.gross_error,
+                "share": b.share(), "gross_share": b.gross_share(),
+            })
+        })
+        .collect();
+    let mut result = json!({
+        "file": file,
+        "system": recording.model_name,
+        "order": run.order,
+        "steps": recording.steps,
+        "rejected": run.rejected,
+        "slopes": run.slopes,
+        "every": run.every,
+        "rows": recording.times.len(),
+        "seconds_wall": recording.seconds_wall,
+        "notes": run.notes,
+        "energy": bonds,
+        "final": finals,
+    });
+    if let (Some(name), Some(time)) = (&run.ended_by, recording.ended_early) {
+        result["ended_early"] = json!(time);
+        result["ended_by"] = json!(name);
+    }
+    result
+}

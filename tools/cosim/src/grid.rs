@@ -1,0 +1,70 @@
+//! The communication points of a run.
+use crate::Error;
+
+/// Communication points that one run may have.
+const MAX_STEPS: f64 = 1e9;
+
+/// The communication points `start + k * step`, the last of them `stop`.
+pub(crate) struct Grid {
+    pub(crate) start: f64,
+    pub(crate) stop: f64,
+    pub(crate) step: f64,
+    pub(crate) steps: usize,
+    /// Times closer than this are the same.
+    pub(crate) slack: f64,
+}
+
+impl Grid {
+    /// The points from `start` to `stop` with `step` between them, by default what `fallback` makes of the span.
+    /// `rigid` names an FMU that cannot take a shorter step at the end.
+    pub(crate) fn new(
+        start: f64,
+        stop: f64,
+        step: Option<f64>,
+        fallback: impl Fn(f64) -> f64,
+        rigid: Option<&str>,
+    ) -> Result<Self, Error> {
+        let refuse = |option, value: f64, reason: String| {
+            Err(Error::Option { option, value: format!("{value} s"), reason })
+        };
+        if !start.is_finite() {
+            return refuse("start time", start, "must be finite".to_owned());
+        }
+        if !stop.is_finite() || stop <= start {
+            return refuse("stop time", stop, format!("must be finite and above the start time {start} s"));
+        }
+        let span = stop - start;
+        let step = step.unwrap_or_else(|| fallback(span));
+        if !step.is_finite() || step <= 0.0 {
+            return refuse("step size", step, "must be finite and above 0 s".to_owned());
+        }
+        let ratio = span / step;
+        if ratio > MAX_STEPS || start + step == start || stop - step == stop {
+            return refuse("step size", step, format!("is too small for a span of {span} s"));
+        }
+        // Whole but for rounding: 3600 / 0.01 is not exactly 360000.
+        let whole = (ratio - ratio.round()).abs() <= 1e-9 * ratio.max(1.0) && ratio.round() >= 1.0;
+        if let (false, Some(name)) = (whole, rigid) {
+            let reason = format!(
+                "does not divide the time from {start} s to {stop} s, and {name} cannot vary its step"
+            );
+            return refuse("step size", step, reason);
+        }
+        let steps = if whole { ratio.round() } else { ratio.ceil() } as usize;
+        Ok(Self { start, stop, step, steps, slack: 1e-9 * step.min(span) })
+    }
+
+    /// Communication point `k`, without accumulated rounding.
+    pub(crate) fn point(&self, k: usize) -> f64 {
+        if k == self.steps { self.stop } else { self.start + k as f64 * self.step }
+    }
+
+    /// Start and length of step `k`. All lengths but the last are the same to the bit, so that an FMU can keep what
+    /// it has computed for a length.
+    pub(crate) fn interval(&self, k: usize) -> (f64, f64) {
+        let t = self.point(k);
+        let rest = self.stop - t;
+        let shorter = k + 1 == self.steps && (rest - self.step).abs() > self.slack;
+        (t, if shorter { rest } else { self.step })
+    }
+}

@@ -1,0 +1,110 @@
+//! Systems of FMUs: read from SSP or TOML, checked, run, written as SSP.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `structure.rs` | what a file says, with its lines; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
+//! | `wiring.rs`, `ends.rs`, `settings.rs`, `units.rs` | the same held against the FMUs: who feeds whom, converted how, values |
+//! | `order.rs` | what passes through without a step; algebraic loops |
+//! | `bus.rs`, `batch.rs` | instances and one macro step |
+//! | `master.rs`, `variable.rs` | the run, with a fixed or a variable step |
+//! | `energy.rs`, `record.rs` | the books of the coupling; the rows that are kept |
+mod batch;
+mod bus;
+mod ends;
+mod energy;
+mod master;
+mod order;
+mod package;
+mod record;
+mod settings;
+mod ssd;
+mod structure;
+mod text;
+mod units;
+mod variable;
+mod wiring;
+
+pub use bus::Algorithm;
+pub use energy::Bond;
+pub use master::{SystemOptions, SystemRun, cosimulate};
+
+use crate::{Archive, Error};
+use std::path::Path;
+use structure::Structure;
+use wiring::Parts;
+
+/// A system of FMUs: components, connections, values. Each archive is unpacked once, however many components use it.
+#[derive(Clone, Debug)]
+pub struct System {
+    structure: Structure,
+    /// The archive of each component.
+    archives: Vec<Archive>,
+}
+
+impl System {
+    /// Reads the system at `path`, a TOML file if its name ends so, else an SSP archive, and opens all FMUs.
+    ///
+    /// # Errors
+    /// What cannot be read, with file and line: the system itself, a component without FMU, an FMU without
+    /// Co-Simulation. Connections and values are checked by [`cosimulate`] and [`System::write_ssp`].
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+        let structure = if toml { text::read(path)? } else { ssd::read(path)? };
+        let mut archives: Vec<Archive> = Vec::new();
+        for (index, component) in structure.components.iter().enumerate() {
+            let fault =
+                |message: String| component.place.fault(format!("component {}: {message}", component.name));
+            let earlier = &structure.components[..index];
+            if let Some(other) = earlier.iter().find(|c| c.name == component.name) {
+                return Err(fault(format!("the name is taken, by the one in line {}", other.place.line)));
+            }
+            if !component.path.is_file() {
+                return Err(fault(format!("there is no FMU {}", component.source)));
+            }
+            let archive = match earlier.iter().position(|c| c.path == component.path) {
+                Some(same) => archives[same].clone(),
+                // Where an archive was unpacked to says nothing to people.
+                None => Archive::open(&component.path).map_err(|e| {
+                    fault(e.to_string().replace(&component.path.display().to_string(), &component.source))
+                })?,
+            };
+            let Some(interface) = &archive.description().co_simulation else {
+                return Err(fault(format!("{} has no Co-Simulation interface", component.source)));
+            };
+            if interface.only_once_per_process && earlier.iter().any(|c| c.path == component.path) {
+                let message =
+                    format!("{} allows one instance per process, and this is the second", component.source);
+                return Err(fault(message));
+            }
+            archives.push(archive);
+        }
+        if archives.is_empty() {
+            let message = "there are no components".to_owned();
+            return Err(Error::System { file: path.display().to_string(), line: 1, message });
+        }
+        Ok(Self { structure, archives })
+    }
+
+    /// The name of the system.
+    pub fn name(&self) -> &str {
+        &self.structure.name
+    }
+
+    /// Names of the components, in the order of the file.
+    pub fn components(&self) -> impl Iterator<Item = &str> {
+        self.structure.components.iter().map(|c| c.name.as_str())
+    }
+
+    /// Writes the system as an SSP archive: its structure, and the FMUs as they are. The same system gives the same
+    /// bytes.
+    ///
+    /// # Errors
+    /// All that is wrong with connections and values; [`Error::Io`].
+    pub fn write_ssp(&self, path: &Path) -> Result<(), Error> {
+        package::write(self.parts(), path)
+    }
+
+    fn parts(&self) -> Parts<'_> {
+        Parts { structure: &self.structure, archives: &self.archives }
+    }
+}

@@ -1,0 +1,56 @@
+//! Variables that go over the interface in one call.
+use crate::{Error, Instance, Kind, Variable};
+
+/// Variables of one component and kind that are read or set in one call.
+#[derive(Debug)]
+pub(crate) struct Batch {
+    pub(crate) component: usize,
+    pub(crate) kind: Kind,
+    pub(crate) vrs: Vec<u32>,
+    /// The outputs or inputs on the bus.
+    pub(crate) slots: Vec<usize>,
+    pub(crate) values: Vec<f64>,
+}
+
+impl Batch {
+    /// Adds a variable to the batch of its component and kind, which is made if it is not there.
+    pub(crate) fn add(batches: &mut Vec<Self>, component: usize, variable: &Variable, slot: usize) {
+        let kind = variable.kind;
+        let same = batches.iter().position(|b| b.component == component && b.kind == kind);
+        let index = same.unwrap_or_else(|| {
+            batches.push(Self { component, kind, vrs: Vec::new(), slots: Vec::new(), values: Vec::new() });
+            batches.len() - 1
+        });
+        let batch = &mut batches[index];
+        batch.vrs.push(variable.value_reference);
+        batch.slots.push(slot);
+        batch.values.push(0.0);
+    }
+
+    /// Reads the variables into `outputs`.
+    pub(crate) fn read(&mut self, instances: &mut [Instance], outputs: &mut [f64]) -> Result<(), Error> {
+        instances[self.component].get_number(self.kind, &self.vrs, &mut self.values)?;
+        for (value, slot) in self.values.iter().zip(&self.slots) {
+            outputs[*slot] = *value;
+        }
+        Ok(())
+    }
+
+    /// Sets the variables from `inputs`.
+    pub(crate) fn give(&mut self, instances: &mut [Instance], inputs: &[f64]) -> Result<(), Error> {
+        self.take(inputs);
+        instances[self.component].set_number(self.kind, &self.vrs, &self.values)
+    }
+
+    /// Gives the variables' slopes.
+    pub(crate) fn give_slopes(&mut self, instances: &mut [Instance], slopes: &[f64]) -> Result<(), Error> {
+        self.take(slopes);
+        instances[self.component].set_input_derivatives(&self.vrs, &self.values)
+    }
+
+    fn take(&mut self, numbers: &[f64]) {
+        for (value, slot) in self.values.iter_mut().zip(&self.slots) {
+            *value = numbers[*slot];
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! In which order connected outputs are read and inputs are set, so that what passes through an FMU without a step in
+//! between arrives in one go; and in which order components step after each other.
+use super::wiring::{Parts, Wiring};
+use crate::Error;
+
+/// The order of one sweep over all connections.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Order {
+    /// The round in which each output is read.
+    pub(crate) read: Vec<usize>,
+    /// The round in which each input is set, after the reading.
+    pub(crate) set: Vec<usize>,
+    /// Number of rounds.
+    pub(crate) rounds: usize,
+    /// Components, sources first where values pass through.
+    pub(crate) components: Vec<usize>,
+    /// What is odd but no error.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Who depends on whom: for each output its inputs that pass through.
+struct Graph<'a> {
+    parts: Parts<'a>,
+    wiring: &'a Wiring,
+    through: Vec<Vec<usize>>,
+}
+
+/// Orders the connections.
+///
+/// # Errors
+/// An algebraic loop through declared dependencies, with all that it leads through. Dependencies that an FMU leaves open
+/// count, too, unless they close a loop: then the values go round with a step's delay, and a note says so.
+pub(crate) fn order(parts: Parts, wiring: &Wiring) -> Result<Order, Error> {
+    let mut notes = Vec::new();
+    let all = Graph::new(parts, wiring, true);
+    let graph = match all.circle() {
+        None => all,
+        Some(open) => {
+            let declared = Graph::new(parts, wiring, false);
+            if let Some(circle) = declared.circle() {
+                let place = &parts.structure.connections[wiring.feeds[circle[0]].connection].place;
+                return Err(place.fault(format!("algebraic loop: {}", declared.told(&circle))));
+            }
+            notes.push(format!(
+                "{} may be an algebraic loop, as an FMU in it does not declare what its outputs depend on; \
+                 the values go round one step late",
+                all.told(&open)
+            ));
+            declared
+        }
+    };
+    let (read, set, rounds) = graph.rounds();
+    Ok(Order { read, set, rounds, components: graph.components(), notes })
+}
+
+impl<'a> Graph<'a> {
+    fn new(parts: Parts<'a>, wiring: &'a Wiring, undeclared: bool) -> Self {
+        let through = wiring.outputs.iter().map(|output| {
+            let declared = parts.description(output.component).feedthrough(output.variable);
+            let passes = |variable: &usize| declared.as_ref().map_or(undeclared, |on| on.contains(variable));
+            let of_same = |i: &usize| wiring.feeds[*i].port.component == output.component;
+            let inputs = (0..wiring.feeds.len()).filter(of_same);
+            inputs.filter(|i| passes(&wiring.feeds[*i].port.variable)).collect()
+        });
+        Self { parts, wiring, through: through.collect() }
+    }
+
+    /// The inputs along a circle, in the order in which values go round.
+    fn circle(&self) -> Option<Vec<usize>> {
+        #[derive(Clone, Copy, PartialEq)]
+        enum Mark {
+            New,
+            Open,
+            Done,
+        }
+        fn visit(
+            graph: &Graph,
+            input: usize,
+            marks: &mut [Mark],
+            path: &mut Vec<usize>,
+        ) -> Option<Vec<usize>> {
+            marks[input] = Mark::Open;
+            path.push(input);
+            for &next in &graph.through[graph.wiring.feeds[input].source] {
+                match marks[next] {
+                    Mark::Done => {}
+                    Mark::Open => {
+                        let first = path.iter().position(|i| *i == next).unwrap_or(0);
+                        // The path goes against the stream.
+                        return Some(path[first..].iter().rev().copied().collect());
+                    }
+                    Mark::New => {
+                        let found = visit(graph, next, marks, path);
+                        if found.is_some() {
+                            return found;
+                        }
+                    }
+                }
+            }
+            path.pop();
+            marks[input] = Mark::Done;
+            None
+        }
+        let mut marks = vec![Mark::New; self.wiring.feeds.len()];
+        for input in 0..marks.len() {
+            if marks[input] == Mark::New {
+                let found = visit(self, input, &mut marks, &mut Vec::new());
+                if found.is_some() {
+                    return found;
+                }
+            }
+        }
+        None
+    }
+
+    fn told(&self, circle: &[usize]) -> String {
+        let mut words = Vec::new();
+        for &input in circle {
+            let feed = &self.wiring.feeds[input];
+            words.push(self.parts.name(self.wiring.outputs[feed.source]));
+            words.push(self.parts.name(feed.port));
+        }
+        words.push(words[0].clone());
+        words.join(" -> ")
+    }
+
+    fn rounds(&self) -> (Vec<usize>, Vec<usize>, usize) {
+        let count = self.wiring.outputs.len();
+        let mut read = vec![0_usize; count];
+        // Without circles the longest way has no more members than there are outputs.
+        for _ in 0..count {
+            for output in 0..count {
+                let after = self.through[output].iter().map(|i| read[self.wiring.feeds[*i].source] + 1);
+                read[output] = after.max().unwrap_or(0);
+            }
+        }
+        let rounds: usize = read.iter().max().map_or(0, |r| r + 1);
+        // An input waits as long as nobody needs it, so that most inputs of a component go in one call.
+        let needed = |input: usize| {
+            let users = (0..count).filter(|o| self.through[*o].contains(&input));
+            users.map(|o| read[o]).min().map_or(rounds.saturating_sub(1), |first| first - 1)
+        };
+        let set = (0..self.wiring.feeds.len()).map(needed).collect();
+        (read, set, rounds)
+    }
+
+    /// Components with sources before those that pass their values on, or that feed nobody; otherwise in the order of
+    /// the file.
+    fn components(&self) -> Vec<usize> {
+        let count = self.parts.structure.components.len();
+        let (outputs, feeds) = (&self.wiring.outputs, &self.wiring.feeds);
+        let waits_for = |c: usize| {
+            let own = move |o: &usize| outputs[*o].component == c;
+            let through = (0..outputs.len()).filter(own).flat_map(|o| self.through[o].iter().copied());
+            let sink = !(0..outputs.len()).any(|o| own(&o));
+            let last = (0..feeds.len()).filter(move |i| sink && feeds[*i].port.component == c);
+            through.chain(last).map(|i| outputs[feeds[i].source].component)
+        };
+        let mut order: Vec<usize> = Vec::new();
+        while order.len() < count {
+            let mut left = (0..count).filter(|c| !order.contains(c));
+            let ready = |c: &usize| waits_for(*c).all(|s| s == *c || order.contains(&s));
+            let next = left.clone().find(ready).or_else(|| left.next());
+            order.extend(next);
+        }
+        order
+    }
+}

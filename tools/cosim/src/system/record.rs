@@ -1,0 +1,138 @@
+//! What is kept of a run: a row for every so many communication points, all numeric outputs of all components.
+use super::bus::Bus;
+use super::wiring::{Parts, Wiring};
+use crate::simulate::Recorder;
+use crate::{Column, Error, Kind, Value, Variable};
+
+/// Rows that a run keeps unless more are asked for.
+pub(crate) const ROWS: usize = 100_000;
+
+/// Collects rows. When there is no room for more, every second one goes, and from then on only every second one comes.
+pub(crate) struct Record {
+    recorders: Vec<Recorder>,
+    times: Vec<f64>,
+    /// Points between rows.
+    pub(crate) every: usize,
+    /// Points since the start.
+    points: usize,
+    /// Rows after which `every` doubles; `None` if it is not to change.
+    room: Option<usize>,
+}
+
+impl Record {
+    /// For `points` communication points, if that is known; `every` as asked for.
+    pub(crate) fn new(
+        parts: Parts,
+        wiring: &Wiring,
+        points: Option<usize>,
+        every: Option<usize>,
+    ) -> Result<Self, Error> {
+        let chosen = every.unwrap_or_else(|| points.map_or(1, |n| round_up(n.div_ceil(ROWS))));
+        // One more for the start, one for an end between rows.
+        let rows = points.map_or(ROWS, |n| n / chosen) + 2;
+        let mut recorders = Vec::new();
+        for (index, sets) in wiring.sets.iter().enumerate() {
+            let description = parts.description(index);
+            let sets: Vec<(&Variable, Value)> =
+                sets.iter().map(|(v, value)| (&description.variables[*v], value.clone())).collect();
+            recorders.push(Recorder::new(description, &sets, rows)?);
+        }
+        Ok(Self {
+            recorders,
+            times: Vec::with_capacity(rows),
+            every: chosen,
+            points: 0,
+            room: (points.is_none() && every.is_none()).then_some(ROWS),
+        })
+    }
+
+    /// Told at each communication point; keeps a row if it is time for one, or if it is the `last`.
+    pub(crate) fn point(&mut self, bus: &mut Bus, t: f64, last: bool) -> Result<(), Error> {
+        if self.points.is_multiple_of(self.every) || last {
+            if self.room.is_some_and(|room| self.times.len() >= room) {
+                self.thin();
+            }
+            self.times.push(t);
+            for (recorder, instance) in self.recorders.iter_mut().zip(&mut bus.instances) {
+                recorder.record(instance, t)?;
+            }
+        }
+        self.points += 1;
+        Ok(())
+    }
+
+    fn thin(&mut self) {
+        every_second(&mut self.times);
+        for recorder in &mut self.recorders {
+            every_second(&mut recorder.times);
+            recorder.columns.iter_mut().for_each(|c| every_second(&mut c.values));
+        }
+        self.every *= 2;
+    }
+
+    /// Times and columns: `component.output`, then the outputs of the system.
+    pub(crate) fn columns(self, parts: Parts, wiring: &Wiring) -> (Vec<f64>, Vec<Column>) {
+        let mut columns = Vec::new();
+        for (recorder, component) in self.recorders.into_iter().zip(&parts.structure.components) {
+            columns.extend(
+                recorder
+                    .columns
+                    .into_iter()
+                    .map(|c| Column { name: format!("{}.{}", component.name, c.name), ..c }),
+            );
+        }
+        for shown in &wiring.shown {
+            let source = parts.name(shown.port);
+            let Some(column) = columns.iter().find(|c| c.name == source) else { continue };
+            let same_unit = column.unit.as_ref() == shown.unit.as_ref().map(|u| &u.name);
+            let values = column.values.iter().map(|x| shown.convert.of(*x)).collect();
+            columns.push(Column {
+                name: shown.name.clone(),
+                kind: if column.kind.is_float() { Kind::Float64 } else { column.kind },
+                unit: shown.unit.as_ref().map(|u| u.name.clone()),
+                display_unit: column.display_unit.clone().filter(|_| same_unit),
+                values,
+            });
+        }
+        (self.times, columns)
+    }
+}
+
+fn every_second(values: &mut Vec<f64>) {
+    let mut place = 0;
+    values.retain(|_| {
+        place += 1;
+        place % 2 == 1
+    });
+}
+
+/// The next of 1, 2, 5, 10, 20, ...
+fn round_up(n: usize) -> usize {
+    let mut decade = 1;
+    loop {
+        for digit in [1, 2, 5] {
+            if digit * decade >= n {
+                return digit * decade;
+            }
+        }
+        decade *= 10;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_are_round_numbers() {
+        let found: Vec<usize> = [1, 2, 3, 5, 6, 11, 36, 51].map(round_up).to_vec();
+        assert_eq!(found, [1, 2, 5, 5, 10, 20, 50, 100]);
+    }
+
+    #[test]
+    fn thinning_keeps_the_first() {
+        let mut values = vec![0.0, 1.0, 2.0, 3.0, 4.0];
+        every_second(&mut values);
+        assert_eq!(values, [0.0, 2.0, 4.0]);
+    }
+}

@@ -1,0 +1,84 @@
+//! Values for parameters and inputs: whose they are, in which unit, and what is wrong with them.
+use super::ends::named;
+use super::structure::{Component, Place, Setting, Structure};
+use super::units::{Affine, conversion, unit_of};
+use crate::{Error, ModelDescription, Unit, Value};
+
+/// A setting with its origin.
+pub(crate) struct Given {
+    pub(crate) setting: Setting,
+    /// Asked for on the command line, and not in the file.
+    pub(crate) asked: bool,
+    /// Somebody took it.
+    pub(crate) used: bool,
+}
+
+/// The settings of the system, then those that are asked for, which win because they come later.
+pub(crate) fn given(structure: &Structure, overrides: &[(String, String)]) -> Vec<Given> {
+    let nowhere = Place { file: "".into(), line: 0 };
+    let asked = overrides.iter().map(|(name, text)| Setting {
+        name: name.clone(),
+        text: text.clone(),
+        unit: None,
+        place: nowhere.clone(),
+    });
+    let own = structure.settings.iter().cloned().map(|setting| Given { setting, asked: false, used: false });
+    own.chain(asked.map(|setting| Given { setting, asked: true, used: false })).collect()
+}
+
+/// The component that a setting `component.variable` belongs to, and the rest of the name.
+pub(crate) fn owner<'a>(structure: &Structure, name: &'a str) -> Option<(usize, &'a str)> {
+    let rest = |c: &Component| name.strip_prefix(c.name.as_str())?.strip_prefix('.');
+    let all = structure.components.iter().enumerate().filter_map(|(i, c)| Some((i, rest(c)?)));
+    // Names of SSP may have dots: the longest one counts.
+    all.min_by_key(|(_, rest)| rest.len())
+}
+
+/// A setting as a value of the variable `name`. `way` leads from a connector of the system, with its unit, inward.
+pub(crate) fn value(
+    description: &ModelDescription,
+    name: &str,
+    setting: &Setting,
+    way: Option<(Option<&Unit>, Affine)>,
+) -> Result<(usize, Value), Error> {
+    let variable = description.settable(name)?;
+    let place = description.variables.iter().position(|v| v.name == name).unwrap_or(0);
+    let inner = unit_of(description, variable);
+    let (outer, way) = way.unwrap_or((inner.as_ref(), Affine::IDENTITY));
+    let Some(convert) = conversion(setting.unit.as_ref(), outer, variable.relative) else {
+        return Err(Error::Unsupported {
+            name: variable.name.clone(),
+            reason: format!(
+                "is in {}, its value in {}: these cannot be converted",
+                named(&inner),
+                named(&setting.unit)
+            ),
+        });
+    };
+    let convert = convert.then(way);
+    let number: Option<f64> = setting.text.trim().parse().ok();
+    let text = match number.filter(|_| convert != Affine::IDENTITY && variable.kind.is_float()) {
+        Some(number) => convert.of(number).to_string(),
+        None => setting.text.clone(),
+    };
+    Ok((place, description.value_of(variable, &text)?))
+}
+
+/// What is wrong with a setting, and where it stands.
+pub(crate) fn told(component: &Component, setting: &Setting, asked: bool, error: Error) -> Error {
+    if asked {
+        return refused(setting, true, format!("is refused: {error}"));
+    }
+    setting.place.fault(format!("component {}: {error}", component.name))
+}
+
+pub(crate) fn refused(setting: &Setting, asked: bool, reason: String) -> Error {
+    if asked {
+        return Error::Option {
+            option: "setting",
+            value: format!("{} = {}", setting.name, setting.text),
+            reason,
+        };
+    }
+    setting.place.fault(format!("{} {reason}", setting.name))
+}

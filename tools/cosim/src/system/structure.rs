@@ -1,0 +1,136 @@
+//! A system as it is written down, in TOML or in SSP: names and places in the file, not yet held against the FMUs.
+use crate::{Error, Unit};
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+use tempfile::TempDir;
+
+/// File and line, for messages.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) file: Arc<str>,
+    pub(crate) line: u32,
+}
+
+impl Place {
+    /// The sentence `message` about this place.
+    pub(crate) fn fault(&self, message: impl Into<String>) -> Error {
+        Error::System { file: self.file.to_string(), line: self.line, message: message.into() }
+    }
+}
+
+/// What a connector is to the element that has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    Input,
+    Output,
+    /// Parameters can be set, but no connection leads there.
+    Parameter,
+}
+
+impl fmt::Display for Direction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Parameter => "parameter",
+        })
+    }
+}
+
+/// The types of SSP; each stands for all FMI types of its sort.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sort {
+    Real,
+    Integer,
+    Boolean,
+    String,
+    Enumeration,
+    Binary,
+}
+
+/// A connector that the file declares.
+#[derive(Clone, Debug)]
+pub(crate) struct Connector {
+    pub(crate) name: String,
+    pub(crate) direction: Direction,
+    pub(crate) sort: Option<Sort>,
+    /// The unit that values have at the connector; that of the variable when absent.
+    pub(crate) unit: Option<Unit>,
+    pub(crate) place: Place,
+}
+
+/// A value for a parameter or an input, as text.
+#[derive(Clone, Debug)]
+pub(crate) struct Setting {
+    pub(crate) name: String,
+    pub(crate) text: String,
+    /// The unit of the value; that of the variable when absent.
+    pub(crate) unit: Option<Unit>,
+    pub(crate) place: Place,
+}
+
+/// A component: one instance of an FMU.
+#[derive(Clone, Debug)]
+pub(crate) struct Component {
+    pub(crate) name: String,
+    /// The FMU as the file names it, and where that is.
+    pub(crate) source: String,
+    pub(crate) path: PathBuf,
+    /// `None`: every variable of the FMU is a connector.
+    pub(crate) connectors: Option<Vec<Connector>>,
+    pub(crate) settings: Vec<Setting>,
+    pub(crate) place: Place,
+}
+
+/// One end of a connection.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct End {
+    /// The component; the system itself when absent.
+    pub(crate) component: Option<String>,
+    pub(crate) connector: String,
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.component {
+            Some(component) => write!(f, "{component}.{}", self.connector),
+            None => f.write_str(&self.connector),
+        }
+    }
+}
+
+/// A connection. Which end is the source follows from the connectors, not from the order.
+#[derive(Clone, Debug)]
+pub(crate) struct Connection {
+    pub(crate) start: End,
+    pub(crate) end: End,
+    pub(crate) convert_units: bool,
+    /// `target = factor * source + offset`, after the conversion of units.
+    pub(crate) factor: f64,
+    pub(crate) offset: f64,
+    pub(crate) place: Place,
+}
+
+impl fmt::Display for Connection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "connection {} -> {}", self.start, self.end)
+    }
+}
+
+/// A whole system.
+#[derive(Clone, Debug)]
+pub(crate) struct Structure {
+    pub(crate) name: String,
+    pub(crate) start: Option<f64>,
+    pub(crate) stop: Option<f64>,
+    pub(crate) step: Option<f64>,
+    pub(crate) components: Vec<Component>,
+    /// Connectors of the system itself; `None`: whatever the connections name.
+    pub(crate) connectors: Option<Vec<Connector>>,
+    /// Values for `component.variable` or for an input of the system.
+    pub(crate) settings: Vec<Setting>,
+    pub(crate) connections: Vec<Connection>,
+    /// Unpacked files that must stay while components point there.
+    pub(crate) files: Option<Arc<TempDir>>,
+}

@@ -1,0 +1,223 @@
+//! The small file that people write: a system in TOML.
+use super::structure::{Component, Connection, End, Place, Setting, Structure};
+use crate::Error;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use toml::{Spanned, Value};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    system: Head,
+    #[serde(default)]
+    experiment: Experiment,
+    #[serde(default)]
+    component: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Head {
+    name: Spanned<String>,
+    #[serde(default)]
+    connect: Vec<Spanned<String>>,
+    /// Values for the system's own inputs.
+    #[serde(default)]
+    set: BTreeMap<Spanned<String>, Value>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct Experiment {
+    start: Option<f64>,
+    stop: Option<f64>,
+    step: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    name: Spanned<String>,
+    fmu: String,
+    #[serde(default)]
+    set: BTreeMap<Spanned<String>, Value>,
+}
+
+/// Turns places in the text into lines.
+struct Lines<'a> {
+    file: Arc<str>,
+    text: &'a str,
+}
+
+impl Lines<'_> {
+    fn place(&self, offset: usize) -> Place {
+        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
+        Place { file: self.file.clone(), line: 1 + before.iter().filter(|b| **b == b'\n').count() as u32 }
+    }
+
+    fn of<T>(&self, item: &Spanned<T>) -> Place {
+        self.place(item.span().start)
+    }
+
+    fn settings(&self, table: BTreeMap<Spanned<String>, Value>) -> Result<Vec<Setting>, Error> {
+        let mut settings: Vec<Setting> = Vec::new();
+        for (name, value) in table {
+            let place = self.of(&name);
+            let text = match value {
+                Value::String(text) => text,
+                Value::Integer(number) => number.to_string(),
+                Value::Float(number) => number.to_string(),
+                Value::Boolean(flag) => flag.to_string(),
+                _ => {
+                    return Err(place.fault(format!("{} is no number, text or Boolean", name.get_ref())));
+                }
+            };
+            settings.push(Setting { name: name.into_inner(), text, unit: None, place });
+        }
+        settings.sort_by_key(|s| s.place.line);
+        Ok(settings)
+    }
+}
+
+/// Reads a system from TOML; FMUs are named relative to the file.
+pub(crate) fn read(path: &Path) -> Result<Structure, Error> {
+    let text = std::fs::read_to_string(path).map_err(|source| Error::Io {
+        action: "read",
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))
+}
+
+fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
+    let lines = Lines { file: file.into(), text };
+    let document: Document = toml::from_str(text).map_err(|e| {
+        lines.place(e.span().map_or(0, |s| s.start)).fault(e.message().trim_end().replace('\n', ", "))
+    })?;
+    let mut components = Vec::new();
+    for entry in document.component {
+        let place = lines.of(&entry.name);
+        components.push(Component {
+            name: entry.name.into_inner(),
+            path: folder.join(&entry.fmu),
+            source: entry.fmu,
+            connectors: None,
+            settings: lines.settings(entry.set)?,
+            place,
+        });
+    }
+    // A name with a dot could not be told from a name and a variable.
+    if let Some(bad) = components.iter().find(|c| c.name.is_empty() || c.name.contains('.')) {
+        let message = format!("component {:?}: a name is not empty and has no dot", bad.name);
+        return Err(bad.place.fault(message));
+    }
+    let mut connections = Vec::new();
+    for text in document.system.connect {
+        let place = lines.of(&text);
+        let ends: Vec<&str> = text.get_ref().split("->").map(str::trim).collect();
+        let [start, end] = ends[..] else {
+            let form = "\"component.output -> component.input\"";
+            return Err(place.fault(format!("{:?} is no connection, it should read {form}", text.get_ref())));
+        };
+        connections.push(Connection {
+            start: self::end(start),
+            end: self::end(end),
+            convert_units: true,
+            factor: 1.0,
+            offset: 0.0,
+            place,
+        });
+    }
+    Ok(Structure {
+        name: document.system.name.into_inner(),
+        start: document.experiment.start,
+        stop: document.experiment.stop,
+        step: document.experiment.step,
+        components,
+        connectors: None,
+        settings: lines.settings(document.system.set)?,
+        connections,
+        files: None,
+    })
+}
+
+/// `component.variable`, where the variable may have dots; without a dot it is a connector of the system.
+fn end(text: &str) -> End {
+    match text.split_once('.') {
+        Some((component, connector)) => {
+            End { component: Some(component.to_owned()), connector: connector.to_owned() }
+        }
+        None => End { component: None, connector: text.to_owned() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_arrives_with_its_line() {
+        let text = r#"
+[system]
+name = "pair"
+connect = [
+  "a.y -> b.port.u",
+  "b.y -> result",
+]
+[system.set]
+room = 300.0
+[experiment]
+stop = 2.5
+[[component]]
+name = "a"
+fmu = "fmus/a.fmu"
+[component.set]
+mode = "fast"
+n = 3
+"quoted.name" = 0.5
+on = true
+[[component]]
+name = "b"
+fmu = "b.fmu"
+"#;
+        let s = parse(text, "s.toml", Path::new("dir")).unwrap();
+        assert_eq!((s.name.as_str(), s.start, s.stop, s.step), ("pair", None, Some(2.5), None));
+        assert_eq!(s.components[0].path, Path::new("dir/fmus/a.fmu"));
+        let settings: Vec<_> =
+            s.components[0].settings.iter().map(|s| (&*s.name, &*s.text, s.place.line)).collect();
+        let expected = [("mode", "fast", 16), ("n", "3", 17), ("quoted.name", "0.5", 18), ("on", "true", 19)];
+        assert_eq!(settings, expected);
+        assert_eq!((&*s.settings[0].name, s.settings[0].place.line), ("room", 9));
+        assert_eq!(s.connections[0].to_string(), "connection a.y -> b.port.u");
+        assert_eq!((s.connections[0].end.connector.as_str(), s.connections[0].place.line), ("port.u", 5));
+        assert_eq!(s.connections[1].end, End { component: None, connector: "result".to_owned() });
+    }
+
+    #[test]
+    fn faults_name_file_and_line() {
+        let component = "[[component]]\nname = \"a\"\nfmu = \"a.fmu\"\n";
+        for (text, expected) in [
+            ("[system]\nname = 1\n", "s.toml, line 2: invalid type: integer `1`, expected a string"),
+            (
+                "[system]\nname = \"s\"\nconect = []\n",
+                "s.toml, line 3: unknown field `conect`, expected one of `name`, `connect`, `set`",
+            ),
+            (
+                "[system]\nname = \"s\"\nconnect = [\"a.y, b.u\"]\n",
+                "s.toml, line 3: \"a.y, b.u\" is no connection, it should read \"component.output -> component.input\"",
+            ),
+            (
+                "[system]\nname = \"s\"\n[[component]]\nname = \"a.b\"\nfmu = \"a.fmu\"\n",
+                "s.toml, line 4: component \"a.b\": a name is not empty and has no dot",
+            ),
+            (
+                &format!("[system]\nname = \"s\"\n{component}[component.set]\np = [1]\n"),
+                "s.toml, line 7: p is no number, text or Boolean",
+            ),
+        ] {
+            assert_eq!(parse(text, "s.toml", Path::new("")).unwrap_err().to_string(), expected);
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! The names of a system held against its FMUs: who feeds whom, with which conversion, and which values are set.
+use super::ends::{Found, apart, find, no_signal, sort};
+use super::settings::{Given, given, owner, refused, told, value};
+use super::structure::{Connection, Direction, End, Structure};
+use super::units::{Affine, conversion};
+use crate::{Archive, Causality, Error, Kind, ModelDescription, Unit, Value, Variable};
+
+/// A variable of a component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Port {
+    pub(crate) component: usize,
+    /// Place in the FMU's list of variables.
+    pub(crate) variable: usize,
+}
+
+/// An input that is fed by an output.
+#[derive(Clone, Debug)]
+pub(crate) struct Feed {
+    pub(crate) port: Port,
+    /// Place in [`Wiring::outputs`].
+    pub(crate) source: usize,
+    pub(crate) convert: Affine,
+    /// The connection in the structure.
+    pub(crate) connection: usize,
+}
+
+/// An output of the system itself.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    pub(crate) name: String,
+    pub(crate) port: Port,
+    pub(crate) convert: Affine,
+    pub(crate) unit: Option<Unit>,
+}
+
+/// Everything that the master needs to know of the connections.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wiring {
+    /// Outputs that feed something, each once.
+    pub(crate) outputs: Vec<Port>,
+    pub(crate) feeds: Vec<Feed>,
+    pub(crate) shown: Vec<Shown>,
+    /// Values to set, by component; variables by their place.
+    pub(crate) sets: Vec<Vec<(usize, Value)>>,
+    /// What is odd but no error.
+    pub(crate) notes: Vec<String>,
+}
+
+/// A structure with the archive of each component.
+#[derive(Clone, Copy)]
+pub(crate) struct Parts<'a> {
+    pub(crate) structure: &'a Structure,
+    pub(crate) archives: &'a [Archive],
+}
+
+impl<'a> Parts<'a> {
+    pub(crate) fn description(&self, component: usize) -> &'a ModelDescription {
+        self.archives[component].description()
+    }
+
+    pub(crate) fn variable(&self, port: Port) -> &'a Variable {
+        &self.description(port.component).variables[port.variable]
+    }
+
+    /// `component.variable`
+    pub(crate) fn name(&self, port: Port) -> String {
+        format!("{}.{}", self.structure.components[port.component].name, self.variable(port).name)
+    }
+}
+
+/// Resolves every name. `overrides` are settings `component.variable` or inputs of the system that win over the
+/// file's.
+pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Wiring, Error> {
+    let structure = parts.structure;
+    let mut wiring = Wiring { sets: vec![Vec::new(); structure.components.len()], ..Wiring::default() };
+    for (index, component) in structure.components.iter().enumerate() {
+        for setting in &component.settings {
+            let set = value(parts.description(index), &setting.name, setting, None);
+            wiring.put(index, set.map_err(|e| told(component, setting, false, e))?);
+        }
+    }
+    // What belongs to no component is for inputs of the system.
+    let mut given = given(structure, overrides);
+    for Given { setting, asked, used } in &mut given {
+        let Some((index, name)) = owner(structure, &setting.name) else { continue };
+        let set = value(parts.description(index), name, setting, None);
+        wiring.put(index, set.map_err(|e| told(&structure.components[index], setting, *asked, e))?);
+        *used = true;
+    }
+    for (index, connection) in structure.connections.iter().enumerate() {
+        wiring.connect(parts, index, connection, &mut given)?;
+    }
+    if let Some(Given { setting, asked, .. }) = given.iter().find(|g| !g.used) {
+        let message = "is neither component.variable nor an input of the system".to_owned();
+        return Err(refused(setting, *asked, message));
+    }
+    wiring.check_open_inputs(parts)?;
+    Ok(wiring)
+}
+
+impl Wiring {
+    /// Later values win.
+    fn put(&mut self, component: usize, (variable, value): (usize, Value)) {
+        let sets = &mut self.sets[component];
+        sets.retain(|(v, _)| *v != variable);
+        sets.push((variable, value));
+    }
+
+    fn connect(
+        &mut self,
+        parts: Parts,
+        index: usize,
+        connection: &Connection,
+        given: &mut [Given],
+    ) -> Result<(), Error> {
+        let fault = |message: String| connection.place.fault(format!("{connection}: {message}"));
+        let start = find(parts, connection, &connection.start)?;
+        let end = find(parts, connection, &connection.end)?;
+        match (start, end) {
+            (a @ Found::Variable { .. }, b @ Found::Variable { .. }) => {
+                self.join(parts, index, connection, a, b)
+            }
+            (Found::System { .. }, Found::System { .. }) => {
+                Err(fault("both ends are connectors of the system, no component is between them".to_owned()))
+            }
+            (
+                Found::System { name, declared },
+                Found::Variable { port, direction, unit, to_connector, from_connector },
+            )
+            | (
+                Found::Variable { port, direction, unit, to_connector, from_connector },
+                Found::System { name, declared },
+            ) => {
+                if let Some(other) = declared.filter(|c| c.direction != direction) {
+                    return Err(fault(format!(
+                        "{} is an {direction} and the system's {name} an {}",
+                        parts.name(port),
+                        other.direction
+                    )));
+                }
+                let outer = declared.and_then(|c| c.unit.clone());
+                let relative = parts.variable(port).relative;
+                if direction == Direction::Output {
+                    let convert = between(connection, unit.as_ref(), outer.as_ref(), relative)
+                        .ok_or_else(|| fault(apart(&parts.name(port), &unit, name, &outer)))?;
+                    let convert = to_connector.then(convert);
+                    if self.shown.iter().any(|s| s.name == name) {
+                        return Err(fault(format!("the system's output {name} has a source already")));
+                    }
+                    self.shown.push(Shown { name: name.to_owned(), port, convert, unit: outer.or(unit) });
+                    return Ok(());
+                }
+                if direction == Direction::Parameter {
+                    return Err(fault(no_signal(&parts.name(port), parts.variable(port))));
+                }
+                self.check_free(parts, index, port)?;
+                let convert = between(connection, outer.as_ref(), unit.as_ref(), relative)
+                    .ok_or_else(|| fault(apart(name, &outer, &parts.name(port), &unit)))?;
+                let mut last = None;
+                for entry in given.iter_mut().filter(|g| g.setting.name == *name) {
+                    entry.used = true;
+                    last = Some(entry);
+                }
+                let Some(Given { setting, asked, .. }) = last else { return Ok(()) };
+                let variable = &parts.variable(port).name;
+                let way = convert.then(from_connector);
+                let set =
+                    value(parts.description(port.component), variable, setting, Some((outer.as_ref(), way)));
+                let component = &parts.structure.components[port.component];
+                self.put(port.component, set.map_err(|e| told(component, setting, *asked, e))?);
+                Ok(())
+            }
+        }
+    }
+
+    /// A connection between two components.
+    fn join(
+        &mut self,
+        parts: Parts,
+        index: usize,
+        connection: &Connection,
+        a: Found,
+        b: Found,
+    ) -> Result<(), Error> {
+        let fault = |message: String| connection.place.fault(format!("{connection}: {message}"));
+        let (Found::Variable { port: p, direction: d, .. }, Found::Variable { port: q, direction: e, .. }) =
+            (&a, &b)
+        else {
+            return Ok(());
+        };
+        let (from, to) = match (d, e) {
+            (Direction::Output, Direction::Input) => (a, b),
+            (Direction::Input, Direction::Output) => (b, a),
+            (Direction::Output, Direction::Output) => return Err(fault("both ends are outputs".to_owned())),
+            (Direction::Input, Direction::Input) => return Err(fault("both ends are inputs".to_owned())),
+            (Direction::Parameter, _) => return Err(fault(no_signal(&parts.name(*p), parts.variable(*p)))),
+            (_, Direction::Parameter) => return Err(fault(no_signal(&parts.name(*q), parts.variable(*q)))),
+        };
+        let Found::Variable { port: source, unit: from_unit, to_connector, .. } = from else { return Ok(()) };
+        let Found::Variable { port: target, unit: to_unit, from_connector, .. } = to else { return Ok(()) };
+        let (y, u) = (parts.variable(source), parts.variable(target));
+        for (port, variable) in [(source, y), (target, u)] {
+            if !variable.dimensions.is_empty() || !variable.kind.is_numeric() {
+                let what = if variable.dimensions.is_empty() { "no number" } else { "an array" };
+                return Err(fault(format!(
+                    "{} is {what}, and only scalar numbers are connected",
+                    parts.name(port)
+                )));
+            }
+        }
+        if sort(y.kind) != sort(u.kind) {
+            return Err(fault(format!(
+                "{} is {:?} and {} is {:?}",
+                parts.name(source),
+                sort(y.kind),
+                parts.name(target),
+                sort(u.kind)
+            )));
+        }
+        self.check_free(parts, index, target)?;
+        let linear = Affine { factor: connection.factor, offset: connection.offset };
+        if linear != Affine::IDENTITY && !y.kind.is_float() {
+            return Err(fault("a linear transformation is for real values".to_owned()));
+        }
+        let units = between(connection, from_unit.as_ref(), to_unit.as_ref(), u.relative)
+            .ok_or_else(|| fault(apart(&parts.name(source), &from_unit, &parts.name(target), &to_unit)))?;
+        let slot = self.outputs.iter().position(|p| *p == source).unwrap_or_else(|| {
+            self.outputs.push(source);
+            self.outputs.len() - 1
+        });
+        let convert = to_connector.then(units).then(linear).then(from_connector);
+        self.feeds.push(Feed { port: target, source: slot, convert, connection: index });
+        Ok(())
+    }
+
+    /// An input has one source.
+    fn check_free(&self, parts: Parts, index: usize, port: Port) -> Result<(), Error> {
+        let structure = parts.structure;
+        let name = parts.name(port);
+        let same = |end: &End| end.component.is_some() && end.to_string() == name;
+        let earlier = structure.connections[..index].iter().find(|c| same(&c.start) || same(&c.end));
+        match earlier {
+            None => Ok(()),
+            Some(other) => Err(structure.connections[index].place.fault(format!(
+                "{}: {name} has a source already, the {other} in line {}",
+                structure.connections[index], other.place.line
+            ))),
+        }
+    }
+
+    /// Inputs that nobody feeds keep their start value, if they have one.
+    fn check_open_inputs(&mut self, parts: Parts) -> Result<(), Error> {
+        for (index, component) in parts.structure.components.iter().enumerate() {
+            let mut open: Vec<&str> = Vec::new();
+            for (place, variable) in parts.description(index).variables.iter().enumerate() {
+                let fed = self.feeds.iter().any(|f| f.port == Port { component: index, variable: place })
+                    || self.sets[index].iter().any(|(v, _)| *v == place);
+                if variable.causality != Causality::Input || variable.kind == Kind::Clock || fed {
+                    continue;
+                }
+                if variable.start.is_none() {
+                    return Err(component.place.fault(format!(
+                        "component {}: the input {} has no connection, no value and no start value",
+                        component.name, variable.name
+                    )));
+                }
+                open.push(&variable.name);
+            }
+            if !open.is_empty() {
+                let what =
+                    if open.len() == 1 { "stays at its start value" } else { "stay at their start values" };
+                self.notes.push(format!("{}: {} {what}", component.name, open.join(", ")));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The conversion that a connection makes between the units of two connectors.
+fn between(
+    connection: &Connection,
+    from: Option<&Unit>,
+    to: Option<&Unit>,
+    relative: bool,
+) -> Option<Affine> {
+    if connection.convert_units { conversion(from, to, relative) } else { Some(Affine::IDENTITY) }
+}

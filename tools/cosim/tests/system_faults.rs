@@ -1,0 +1,340 @@
+//! What is wrong with a system is told in one sentence, with component, connector, file and line.
+mod common;
+mod parts;
+use common::sets;
+use cosim::SystemOptions;
+use parts::*;
+
+#[test]
+fn connections_in_toml() {
+    for (old, new, expected) in [
+        (
+            "rotor.speed -> spring.speed",
+            "rotr.speed -> spring.speed",
+            "s.toml, line 5: connection rotr.speed -> spring.speed: there is no component rotr, did you mean rotor?",
+        ),
+        (
+            "rotor.speed -> spring.speed",
+            "rotor.sped -> spring.speed",
+            "s.toml, line 5: connection rotor.sped -> spring.speed: rotor has no variable sped, did you mean speed?",
+        ),
+        (
+            "spring.torque -> rotor.torque",
+            "spring.far_speed -> rotor.torque",
+            "s.toml, line 6: connection spring.far_speed -> rotor.torque: spring.far_speed is in rad/s and rotor.torque in \
+             N.m: these cannot be converted",
+        ),
+        (
+            "spring.torque -> rotor.torque",
+            "rotor.speed -> spring.torque",
+            "s.toml, line 6: connection rotor.speed -> spring.torque: both ends are outputs",
+        ),
+        (
+            "spring.torque -> rotor.torque",
+            "rotor.torque -> spring.speed",
+            "s.toml, line 6: connection rotor.torque -> spring.speed: both ends are inputs",
+        ),
+        (
+            "spring.torque -> rotor.torque",
+            "spring.torque -> rotor.J",
+            "s.toml, line 6: connection spring.torque -> rotor.J: rotor.J is a parameter, and connections join outputs and \
+             inputs",
+        ),
+        (
+            "spring.torque -> rotor.torque",
+            "spring.far_speed -> spring.speed",
+            "s.toml, line 6: connection spring.far_speed -> spring.speed: spring.speed has a source already, the \
+             connection rotor.speed -> spring.speed in line 5",
+        ),
+        (
+            "spring.torque -> rotor.torque",
+            "here -> there",
+            "s.toml, line 6: connection here -> there: both ends are connectors of the system, no component is between them",
+        ),
+        (
+            "w = 1.0",
+            "w = \"fast\"",
+            "s.toml, line 16: component rotor: w = \"fast\" is not a finite number (in rad/s)",
+        ),
+        ("w = 1.0", "wide = 1.0", "s.toml, line 16: component rotor: rotor has no variable wide"),
+        (
+            "name = \"spring\"",
+            "name = \"rotor\"",
+            "s.toml, line 18: component rotor: the name is taken, by the one in line 12",
+        ),
+        ("\"spring.fmu\"", "\"sprung.fmu\"", "s.toml, line 18: component spring: there is no FMU sprung.fmu"),
+    ] {
+        let folder = Folder::new();
+        let text = PAIR.replace(old, new);
+        assert_ne!(text, PAIR);
+        assert_eq!(folder.sentence(folder.toml(&text), &SystemOptions::default()), expected);
+    }
+}
+
+/// Gains with a connection for each arrow.
+fn gains(connect: &str) -> String {
+    let components: String =
+        ["a", "b", "c"].map(|n| format!("[[component]]\nname = \"{n}\"\nfmu = \"gain.fmu\"\n")).concat();
+    format!("[system]\nname = \"gains\"\nconnect = [\n{connect}\n]\n{components}")
+}
+
+#[test]
+fn kinds_do_not_mix() {
+    let folder = Folder::new();
+    for (connect, expected) in [
+        ("a.some -> b.u", "a.some is Boolean and b.u is Real"),
+        ("a.twice -> b.u", "a.twice is Integer and b.u is Real"),
+        ("a.y -> b.n", "a.y is Real and b.n is Integer"),
+    ] {
+        let sentence =
+            folder.sentence(folder.toml(&gains(&format!("\"{connect}\""))), &SystemOptions::default());
+        assert_eq!(sentence, format!("s.toml, line 4: connection {connect}: {expected}"));
+    }
+}
+
+#[test]
+fn algebraic_loops_are_named() {
+    let folder = Folder::new();
+    let circle = gains("\"a.y -> b.u\",\n\"b.y -> c.u\",\n\"c.y -> a.u\"");
+    let sentence = folder.sentence(folder.toml(&circle), &SystemOptions::default());
+    assert!(sentence.starts_with("s.toml, line "), "{sentence}");
+    assert!(sentence.contains(": algebraic loop: "), "{sentence}");
+    let (_, way) = sentence.split_once("loop: ").unwrap();
+    let stops: Vec<&str> = way.split(" -> ").collect();
+    assert_eq!((stops.len(), stops[0]), (7, stops[6]));
+    for step in ["a.y -> b.u -> b.y", "b.y -> c.u -> c.y", "c.y -> a.u -> a.y"] {
+        assert!(format!("{way} -> {}", stops[1..4].join(" -> ")).contains(step), "{way}");
+    }
+    let own = folder.sentence(folder.toml(&gains("\"a.y -> a.u\"")), &SystemOptions::default());
+    assert_eq!(own, "s.toml, line 4: algebraic loop: a.y -> a.u -> a.y");
+
+    // An FMU that says nothing of dependencies may have none: the loop is left open, and a note says so.
+    let silent = xml("gain").replace(" dependencies=\"1 3\"", "");
+    assert_ne!(silent, xml("gain"));
+    folder.fmu("silent", &silent);
+    let text = circle.replacen("gain.fmu", "silent.fmu", 1);
+    let run =
+        cosim::cosimulate(&folder.toml(&text).unwrap(), &SystemOptions::default(), &mut |_| ()).unwrap();
+    let note = run.notes.iter().find(|n| n.contains("algebraic loop")).unwrap();
+    assert!(note.contains("a.u -> a.y -> b.u") && note.ends_with("one step late"), "{note}");
+}
+
+#[test]
+fn inputs_need_a_source_or_a_value() {
+    let folder = Folder::new();
+    let naked = xml("rotor").replace("unit=\"N.m\" start=\"0\"", "unit=\"N.m\"");
+    assert_ne!(naked, xml("rotor"));
+    folder.fmu("rotor", &naked);
+    let text = PAIR.replace("\"spring.torque -> rotor.torque\",", "");
+    let sentence = folder.sentence(folder.toml(&text), &SystemOptions::default());
+    assert_eq!(
+        sentence,
+        "s.toml, line 12: component rotor: the input torque has no connection, no value and no start value"
+    );
+    let given = SystemOptions { sets: sets(&[("rotor.torque", "1")]), ..SystemOptions::default() };
+    assert!(cosim::cosimulate(&folder.toml(&text).unwrap(), &given, &mut |_| ()).is_ok());
+}
+
+#[test]
+fn options_that_make_no_sense() {
+    let folder = Folder::new();
+    let none = SystemOptions::default;
+    for (options, expected) in [
+        (
+            SystemOptions { sets: sets(&[("rotor.J", "x")]), ..none() },
+            "setting = rotor.J = x is refused: J = \"x\" is not a finite number",
+        ),
+        (
+            SystemOptions { sets: sets(&[("motor.J", "1")]), ..none() },
+            "setting = motor.J = 1 is neither component.variable nor an input of the system",
+        ),
+        (
+            SystemOptions { stop: Some(-1.0), ..none() },
+            "stop time = -1 s must be finite and above the start time 0 s",
+        ),
+        (SystemOptions { step: Some(0.0), ..none() }, "step size = 0 s must be finite and above 0 s"),
+        (SystemOptions { every: Some(0), ..none() }, "every = 0 must be above 0"),
+        (SystemOptions { tolerance: Some(0.0), ..none() }, "tolerance = 0 must be above 0 and below 1"),
+    ] {
+        assert_eq!(folder.sentence(folder.toml(PAIR), &options), expected);
+    }
+    let tolerance = SystemOptions { tolerance: Some(1e-3), ..none() };
+    for (flag, expected) in [
+        (
+            "canGetAndSetFMUstate=\"true\"",
+            "tolerance = 0.001 asks for steps made twice, and rotor cannot save its state",
+        ),
+        (
+            "canHandleVariableCommunicationStepSize=\"true\"",
+            "tolerance = 0.001 asks for a variable step, and rotor cannot vary its step",
+        ),
+    ] {
+        folder.fmu("rotor", &xml("rotor").replace(flag, ""));
+        assert_eq!(folder.sentence(folder.toml(PAIR), &tolerance), expected);
+    }
+    let uneven = SystemOptions { step: Some(0.7), ..none() };
+    assert_eq!(
+        folder.sentence(folder.toml(PAIR), &uneven),
+        "step size = 0.7 s does not divide the time from 0 s to 6 s, and rotor cannot vary its step"
+    );
+}
+
+#[test]
+fn a_tolerance_that_cannot_be_met_is_told() {
+    let folder = Folder::new();
+    // No step is that short: far below a billionth of the time.
+    let options = SystemOptions {
+        tolerance: Some(1e-3),
+        sets: sets(&[("rotor.longest", "1e-12")]),
+        ..SystemOptions::default()
+    };
+    assert_eq!(
+        folder.sentence(folder.toml(PAIR), &options),
+        "fmi2DoStep of rotor returned Discard at t = 0 s: the step is too long for me"
+    );
+    // Rounding alone is more than this.
+    let tiny = SystemOptions { tolerance: Some(1e-300), ..SystemOptions::default() };
+    let sentence = folder.sentence(folder.toml(PAIR), &tiny);
+    assert!(
+        sentence.contains(" cannot be met at t = ") && sentence.ends_with(" s are still too long"),
+        "{sentence}"
+    );
+}
+
+const HEAD: &str = r#"<SystemStructureDescription version="1.0" name="x">"#;
+
+fn ssd(system: &str) -> String {
+    format!("{HEAD}\n<System name=\"x\">\n{system}\n</System>\n</SystemStructureDescription>")
+}
+
+fn component(inside: &str) -> String {
+    ssd(&format!(
+        "<Elements>\n<Component name=\"g\" source=\"resources/gain.fmu\">\n{inside}\n</Component>\n</Elements>"
+    ))
+}
+
+#[test]
+fn structures_of_ssp() {
+    let nested = ssd("<Elements>\n<System name=\"inner\"/>\n</Elements>");
+    let binding = |inside: &str| component(&format!("<ParameterBindings>\n{inside}\n</ParameterBindings>"));
+    let value = |v: &str| {
+        binding(&format!(
+            "<ParameterBinding><ParameterValues><ParameterSet><Parameters>\n{v}\n</Parameters></ParameterSet></ParameterValues></ParameterBinding>"
+        ))
+    };
+    let joined = |connector: &str, connection: &str| {
+        ssd(&format!(
+            "<Elements>\n<Component name=\"g\" source=\"resources/gain.fmu\"><Connectors>\n{connector}\n\
+             <Connector name=\"y\" kind=\"output\"/></Connectors></Component>\n</Elements>\n<Connections>\n{connection}\n</Connections>"
+        ))
+    };
+    let connection =
+        "<Connection startElement=\"g\" startConnector=\"y\" endElement=\"g\" endConnector=\"u\"/>";
+    for (text, expected) in [
+        ("<a>".to_owned(), "line 1: not well-formed XML"),
+        ("<a/>".to_owned(), "line 1: the root is <a>, not <SystemStructureDescription>"),
+        (
+            HEAD.replace("1.0", "2.0") + "</SystemStructureDescription>",
+            "line 1: version \"2.0\" is not supported, only SSP 1 is",
+        ),
+        (nested, "line 4: element inner is a system within the system, and only flat systems are run"),
+        (
+            component("").replace("gain.fmu", "none.fmu"),
+            "line 4: component g: there is no FMU resources/none.fmu",
+        ),
+        (
+            component("").replace("resources/gain.fmu", "../gain.fmu"),
+            "line 4: component g: the source \"../gain.fmu\" is no file within the package",
+        ),
+        (
+            component("").replace("name=\"g\"", "name=\"g\" type=\"application/x-ssp-package\""),
+            "line 4: component g is of type \"application/x-ssp-package\", not an FMU (application/x-fmu-sharedlibrary)",
+        ),
+        (
+            component("").replace("name=\"g\"", "name=\"g\" implementation=\"ModelExchange\""),
+            "line 4: component g asks for Model Exchange, and only Co-Simulation is run",
+        ),
+        (
+            binding("<ParameterBinding source=\"resources/none.ssv\"/>"),
+            "line 6: the parameter file \"resources/none.ssv\" is not in the package, or no text",
+        ),
+        (
+            binding("<ParameterBinding><ParameterMapping/></ParameterBinding>"),
+            "line 6: the mapping of names of a binding is not supported",
+        ),
+        (
+            value("<Parameter name=\"gg\"><Real value=\"1\"/></Parameter>"),
+            "line 7: component g: gain has no variable gg, did you mean g?",
+        ),
+        (
+            value("<Parameter name=\"g\"><Real value=\"one\"/></Parameter>"),
+            "line 7: component g: g = \"one\" is not a finite number",
+        ),
+        (
+            value("<Parameter name=\"g\"><Real value=\"1\" unit=\"V\"/></Parameter>"),
+            "line 7: the unit \"V\" is not defined in the file",
+        ),
+        (
+            joined("<Connector name=\"n\" kind=\"input\"/>", connection),
+            "line 9: connection g.y -> g.u: component g has no connector u",
+        ),
+        (
+            joined("<Connector name=\"u\" kind=\"output\"/>", connection),
+            "line 5: connector g.u: it is an output here and a variable of causality input in the FMU",
+        ),
+        (
+            joined("<Connector name=\"u\" kind=\"input\"><Integer/></Connector>", connection),
+            "line 5: connector g.u: it is Integer here and Float64 in the FMU",
+        ),
+        (
+            joined("<Connector name=\"u\" kind=\"inout\"/>", connection),
+            "line 5: connector u: the kind \"inout\" does not exist",
+        ),
+        (
+            joined("<Connector name=\"u\" kind=\"input\"/>", &connection.replace("endElement=\"g\" ", "")),
+            "line 9: connection g.y -> u: the system has no connector u",
+        ),
+        (
+            joined("<Connector name=\"u\" kind=\"input\"/>", "<Connection startConnector=\"y\"/>"),
+            "line 9: <Connection> has no attribute endConnector",
+        ),
+        (ssd(""), "line 1: there are no components"),
+    ] {
+        let folder = Folder::new();
+        let sentence = folder.sentence(folder.ssp(&text, &[]), &SystemOptions::default());
+        let found =
+            sentence.strip_prefix("s.ssp: SystemStructure.ssd, ").or(sentence.strip_prefix("s.ssp, "));
+        let found = found.unwrap_or_else(|| panic!("{sentence}"));
+        assert!(found == expected || expected.ends_with("XML") && found.starts_with(expected), "{found}");
+    }
+}
+
+#[test]
+fn files_that_are_no_systems() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("text.ssp"), "hello").unwrap();
+    zip(&folder.path("empty.ssp"), &[("a.txt", b"a")]);
+    zip(&folder.path("out.ssp"), &[("../a.txt", b"a")]);
+    for (name, expected) in [
+        ("text.ssp", "text.ssp is not a usable SSP archive: "),
+        ("empty.ssp", "empty.ssp is not a usable SSP archive: it has no SystemStructure.ssd"),
+        (
+            "out.ssp",
+            "out.ssp is not a usable SSP archive: entry \"../a.txt\" is not a relative path with forward slashes",
+        ),
+        ("none.ssp", "cannot open none.ssp: "),
+        ("none.toml", "cannot read none.toml: "),
+    ] {
+        let sentence = folder.sentence(cosim::System::open(&folder.path(name)), &SystemOptions::default());
+        assert!(sentence.starts_with(expected), "{sentence}");
+    }
+    // An FMU that is none, seen through the system.
+    std::fs::write(folder.path("gain.fmu"), "hello").unwrap();
+    let sentence = folder.sentence(folder.ssp(&component(""), &[]), &SystemOptions::default());
+    assert!(
+        sentence.starts_with(
+            "s.ssp: SystemStructure.ssd, line 4: component g: resources/gain.fmu is not a usable FMU"
+        ),
+        "{sentence}"
+    );
+}

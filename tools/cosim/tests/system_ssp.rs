@@ -1,0 +1,184 @@
+//! SSP as others write it: values inline and in files, with prefixes and units, connectors of the system, conversions.
+mod common;
+mod parts;
+use cosim::{SystemOptions, SystemRun, cosimulate};
+use parts::*;
+
+/// Two components, everything that is read; `%` stands for what a test puts there.
+pub const SSD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription name="units" version="1.0"
+    xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon"
+    xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues">
+  <ssd:System name="units">
+    <ssd:Connectors>
+      <ssd:Connector name="push" kind="input"><ssc:Real unit="mN.m"/></ssd:Connector>
+      <ssd:Connector name="turns" kind="output"><ssc:Real unit="rpm"/></ssd:Connector>
+    </ssd:Connectors>
+    <ssd:ParameterBindings>
+      <ssd:ParameterBinding source="resources/all.ssv" prefix="rotor."/>
+      <ssd:ParameterBinding>
+        <ssd:ParameterValues>
+          <ssv:ParameterSet version="1.0" name="push">
+            <ssv:Parameters>
+              <ssv:Parameter name="push"><ssv:Real value="-2000"/></ssv:Parameter>
+            </ssv:Parameters>
+          </ssv:ParameterSet>
+        </ssd:ParameterValues>
+      </ssd:ParameterBinding>
+    </ssd:ParameterBindings>
+    <ssd:Elements>
+      <ssd:Component name="rotor" type="application/x-fmu-sharedlibrary" source="resources/rotor.fmu">
+        <ssd:Connectors>
+          <ssd:Connector name="torque" kind="input"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="speed" kind="output"><ssc:Real unit="rpm"/></ssd:Connector>
+        </ssd:Connectors>
+      </ssd:Component>
+      <ssd:Component name="gain" source="resources/gain.fmu">
+        <ssd:Connectors>
+          <ssd:Connector name="u" kind="input"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="y" kind="output"><ssc:Real/></ssd:Connector>
+        </ssd:Connectors>
+        <ssd:ParameterBindings>
+          <ssd:ParameterBinding>
+            <ssd:ParameterValues>
+              <ssv:ParameterSet version="1.0" name="values">
+                <ssv:Parameters>
+                  <ssv:Parameter name="g"><ssv:Real value="2"/></ssv:Parameter>
+                  <ssv:Parameter name="n"><ssv:Integer value="4"/></ssv:Parameter>
+                </ssv:Parameters>
+              </ssv:ParameterSet>
+            </ssd:ParameterValues>
+          </ssd:ParameterBinding>
+        </ssd:ParameterBindings>
+      </ssd:Component>
+    </ssd:Elements>
+    <ssd:Connections>
+      <ssd:Connection startElement="gain" startConnector="u" endElement="rotor" endConnector="speed"/>
+      <ssd:Connection startConnector="push" endElement="rotor" endConnector="torque"/>
+      <ssd:Connection startElement="rotor" startConnector="speed" endConnector="turns"/>
+    </ssd:Connections>
+  </ssd:System>
+  <ssd:Units>
+    <ssc:Unit name="rpm"><ssc:BaseUnit s="-1" rad="1" factor="0.10471975511965977"/></ssc:Unit>
+    <ssc:Unit name="mN.m"><ssc:BaseUnit kg="1" m="2" s="-2" factor="0.001"/></ssc:Unit>
+    <ssc:Unit name="K"><ssc:BaseUnit K="1"/></ssc:Unit>
+  </ssd:Units>
+  <ssd:DefaultExperiment startTime="1.0" stopTime="2.0">
+    <ssd:Annotations>
+      <ssc:Annotation type="com.opensimulationplatform">
+        <osp:Algorithm xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations">
+          <osp:FixedStepAlgorithm baseStepSize="0.125"/>
+        </osp:Algorithm>
+      </ssc:Annotation>
+    </ssd:Annotations>
+  </ssd:DefaultExperiment>
+</ssd:SystemStructureDescription>
+"#;
+
+/// The start speed is in a file, in revolutions per minute.
+pub const SSV: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssv:ParameterSet version="1.0" name="all" xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
+  <ssv:Parameters>
+    <ssv:Parameter name="w"><ssv:Real value="60" unit="rpm"/></ssv:Parameter>
+    <ssv:Parameter name="J"><ssv:Real value="0.5"/></ssv:Parameter>
+  </ssv:Parameters>
+  <ssv:Units><ssc:Unit name="rpm"><ssc:BaseUnit s="-1" rad="1" factor="0.10471975511965977"/></ssc:Unit></ssv:Units>
+</ssv:ParameterSet>
+"#;
+
+fn run(ssd: &str, sets: &[(&str, &str)]) -> SystemRun {
+    let system = Folder::new().ssp(ssd, &[("resources/all.ssv", SSV)]).unwrap();
+    let options = SystemOptions { sets: common::sets(sets), ..SystemOptions::default() };
+    cosimulate(&system, &options, &mut |_| ()).unwrap()
+}
+
+fn last(run: &SystemRun, name: &str) -> f64 {
+    *run.recording.column(name).unwrap().values.last().unwrap()
+}
+
+fn close(a: f64, b: f64) {
+    assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{a} is not {b}");
+}
+
+const RPM: f64 = std::f64::consts::TAU / 60.0;
+
+#[test]
+fn values_units_and_directions_arrive() {
+    let r = run(SSD, &[]);
+    assert_eq!((r.recording.times[0], r.recording.times[1], r.recording.steps), (1.0, 1.125, 8));
+    // 60 rpm, then 1 s of 2 N.m at 0.5 kg.m2; the connection is written from the input to the output.
+    let speed = 60.0 * RPM + 4.0;
+    close(last(&r, "rotor.speed"), speed);
+    close(last(&r, "turns"), speed / RPM);
+    assert_eq!(r.recording.column("turns").unwrap().unit.as_deref(), Some("rpm"));
+    // The gain has no unit: it gets what the connector shows, revolutions per minute.
+    close(last(&r, "gain.y"), 2.0 * speed / RPM);
+    assert_eq!((last(&r, "gain.twice"), last(&r, "gain.some")), (8.0, 1.0));
+    assert_eq!(r.notes, [] as [&str; 0]);
+}
+
+#[test]
+fn connections_transform_and_may_suppress_the_units() {
+    let text = "endElement=\"rotor\" endConnector=\"speed\"/>";
+    let with = |attributes: &str, body: &str| {
+        let new = format!("endElement=\"rotor\" endConnector=\"speed\" {attributes}>{body}</ssd:Connection>");
+        SSD.replace(text, &new)
+    };
+    let speed = 60.0 * RPM + 4.0;
+    let linear = "<ssc:LinearTransformation factor=\"3\" offset=\"1\"/>";
+    close(last(&run(&with("", linear), &[]), "gain.y"), 2.0 * (3.0 * speed / RPM + 1.0));
+    // Both connectors in units of their own: converted, then transformed, or transformed alone.
+    let unit = |ssd: String| {
+        ssd.replace("\"u\" kind=\"input\"><ssc:Real/>", "\"u\" kind=\"input\"><ssc:Real unit=\"rpm\"/>")
+    };
+    close(last(&run(&unit(with("", linear)), &[]), "gain.y"), 2.0 * (3.0 * speed / RPM + 1.0));
+    let folder = Folder::new();
+    let described = xml("gain").replace(
+        "name=\"u\" valueReference=\"1\" causality=\"input\" variability=\"continuous\"><Real",
+        "name=\"u\" valueReference=\"1\" causality=\"input\" variability=\"continuous\"><Real unit=\"rad/s\"",
+    );
+    assert_ne!(described, xml("gain"));
+    folder.fmu("gain", &described);
+    for (attributes, expected) in [("", 2.0 * speed), ("suppressUnitConversion=\"true\"", 2.0 * speed / RPM)]
+    {
+        let ssd = with(attributes, "");
+        let system = folder.ssp(&ssd, &[("resources/all.ssv", SSV)]).unwrap();
+        let r = cosimulate(&system, &SystemOptions::default(), &mut |_| ()).unwrap();
+        close(last(&r, "gain.y"), expected);
+    }
+}
+
+#[test]
+fn settings_on_the_command_line_win() {
+    let r = run(SSD, &[("rotor.w", "1"), ("push", "0"), ("gain.g", "1")]);
+    close(last(&r, "rotor.speed"), 1.0);
+    close(last(&r, "gain.y"), 1.0 / RPM);
+}
+
+#[test]
+fn inputs_that_nobody_feeds_are_told() {
+    let without = SSD.replace("<ssv:Parameter name=\"n\"><ssv:Integer value=\"4\"/></ssv:Parameter>", "");
+    assert_eq!(run(&without, &[]).notes, ["gain: n stays at its start value"]);
+}
+
+#[test]
+fn one_archive_for_several_components_is_unpacked_once() {
+    let folder = Folder::new();
+    let before = std::fs::read_dir(std::env::temp_dir()).unwrap().count();
+    let text = "[system]\nname = \"many\"\n".to_owned()
+        + &(0..40)
+            .map(|i| format!("[[component]]\nname = \"g{i}\"\nfmu = \"gain.fmu\"\n"))
+            .collect::<String>();
+    let system = folder.toml(&text).unwrap();
+    let after = std::fs::read_dir(std::env::temp_dir()).unwrap().count();
+    assert!(after < before + 20, "{before} {after}");
+    let r = cosimulate(&system, &SystemOptions::default(), &mut |_| ()).unwrap();
+    assert_eq!(r.recording.columns.len(), 120);
+    let out = folder.path("many.ssp");
+    system.write_ssp(&out).unwrap();
+    let archive = zip::ZipArchive::new(std::fs::File::open(&out).unwrap()).unwrap();
+    let names: Vec<String> = archive.file_names().map(|n| n.unwrap().into_owned()).collect();
+    assert_eq!(names, ["SystemStructure.ssd", "resources/gain.fmu"]);
+}

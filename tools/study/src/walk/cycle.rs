@@ -1,0 +1,208 @@
+//! The map of the temperatures over a stride: where it stands still, and where it leads over hours.
+//!
+//! Phi(y) are the temperatures after a stride that began at y.
+//! slope        Phi' = S = exp(A T), A the slopes of the heat flows, T the stride; then Broyden's updates      (1)
+//! steady       y <- y + (1 - S)^-1 (Phi(y) - y), until the step is small                                    (2)
+//! envelope     y after m strides = y + (S^m - 1) (S - 1)^-1 (Phi(y) - y), with m as the error of a jump of m
+//!              against two of m / 2 allows                                                                 (3)
+//!
+//! (2) is Newton's method with an approximate slope, (3) exact for a map that is a straight line. Current and motion are
+//! periodic by themselves: a stride that begins where the last one ended needs no search.
+//! *Source*: Broyden, Math. Comp. 19 (1965) 577; (3) is the exponential Rosenbrock-Euler step of Hochbruck, Ostermann,
+//! Acta Numerica 19 (2010) 209, for a map in place of a flow.
+
+use super::stride::{Stride, Walker};
+use crate::StudyError;
+use nalgebra::{DMatrix, DVector};
+
+/// How near the steady state must be, K.
+const STEADY: f64 = 2e-3;
+/// Strides that the search may take.
+const MOST_STRIDES: u32 = 60;
+/// A temperature that no motor has, K.
+const RUNAWAY: f64 = 1000.0;
+/// Strides at the start until motion and current repeat.
+const SETTLING: u32 = 2;
+/// Error of a jump that is taken, K.
+const JUMP_ERROR: f64 = 0.05;
+
+/// What a stride makes of the temperatures.
+struct Change {
+    /// What they gain, K.
+    gain: DVector<f64>,
+    /// The stride.
+    stride: Stride,
+}
+
+fn change(walker: &mut Walker) -> Result<Change, StudyError> {
+    let before = DVector::from_vec(walker.temperatures());
+    let stride = walker.stride()?;
+    Ok(Change { gain: DVector::from_vec(walker.temperatures()) - before, stride })
+}
+
+/// The same, with the slopes of the map: eq. (1).
+fn change_with_slopes(walker: &mut Walker) -> Result<(Change, DMatrix<f64>), StudyError> {
+    let before = DVector::from_vec(walker.temperatures());
+    let (stride, rows) = walker.stride_with_slopes()?;
+    let n = rows.len();
+    let s = DMatrix::from_fn(n, n, |r, c| rows[r][c] * walker.stride_time()).exp();
+    Ok((Change { gain: DVector::from_vec(walker.temperatures()) - before, stride }, s))
+}
+
+/// The walker in its steady state, the stride there, and how many strides were walked to find it.
+///
+/// # Errors
+/// No steady state: the winding runs away.
+pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
+    let mut walker = walker.clone();
+    for _ in 0..SETTLING {
+        walker.stride()?;
+    }
+    let mut y = DVector::from_vec(walker.temperatures());
+    let (Change { gain: mut f, .. }, s) = change_with_slopes(&mut walker)?;
+    let mut minus = s - DMatrix::identity(y.len(), y.len());
+    let mut walked = SETTLING + 1;
+    let runaway = || {
+        StudyError::Unsettled(
+            "walking on and on has no steady state: every kelvin of the winding brings more heat than it drives out"
+                .to_owned(),
+        )
+    };
+    while walked < MOST_STRIDES {
+        let step = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
+        let next = &y + &step;
+        if next.iter().any(|t| !(0.0..RUNAWAY).contains(t)) {
+            return Err(runaway());
+        }
+        walker.put_temperatures(next.as_slice());
+        let Change { gain: f_next, stride } = change(&mut walker)?;
+        walked += 1;
+        // Broyden: the slope that the last step has seen.
+        let seen = (&f_next - &f - &minus * &step) / step.norm_squared().max(1e-300);
+        minus += seen * step.transpose();
+        (y, f) = (next, f_next);
+        // What the next step would be is how far the steady state is.
+        let left = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
+        if left.amax() < STEADY {
+            return Ok((walker, stride, walked));
+        }
+    }
+    Err(runaway())
+}
+
+/// A point of the envelope.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct EnvelopePoint {
+    /// Time since the start, s.
+    pub time: f64,
+    /// Greatest temperature of the winding in the stride that ends there, K.
+    pub winding_temperature: f64,
+}
+
+/// What the winding does over hours.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Envelope {
+    /// Its points, in order of time.
+    pub points: Vec<EnvelopePoint>,
+    /// Strides that were walked to find them.
+    pub strides_walked: u32,
+    /// Time at which the winding passes the limit, s, where it does.
+    pub time_to_limit: Option<f64>,
+}
+
+/// Follows the winding for `duration`, s, or until it passes `limit`, K: eq. (3).
+///
+/// # Errors
+/// Equations that have no solution.
+pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, StudyError> {
+    let mut now = walker.clone();
+    let time = now.stride_time();
+    let mut found = Envelope::default();
+    let mut strides = 0u64;
+    let last = (duration / time).ceil() as u64;
+    let mut jump = 1u64;
+    while strides < last {
+        // A stride walked: a point of the envelope, and what the temperatures gain.
+        let (Change { gain, stride }, s) = change_with_slopes(&mut now)?;
+        (strides, found.strides_walked) = (strides + 1, found.strides_walked + 1);
+        let at = EnvelopePoint { time: strides as f64 * time, winding_temperature: stride.winding[0] };
+        let earlier = found.points.last().copied();
+        found.points.push(at);
+        if at.winding_temperature > limit {
+            found.time_to_limit = Some(match earlier {
+                Some(p) if p.winding_temperature < limit => {
+                    let share =
+                        (limit - p.winding_temperature) / (at.winding_temperature - p.winding_temperature);
+                    p.time + share * (at.time - p.time)
+                }
+                _ => at.time,
+            });
+            return Ok(found);
+        }
+        if found.strides_walked <= SETTLING || strides >= last {
+            continue;
+        }
+        let start = DVector::from_vec(now.temperatures());
+        // What the next stride gains.
+        let f = &s * gain;
+        jump = (2 * jump).min(last - strides);
+        while jump > 1 {
+            let whole = jumped(&s, &f, jump, &start);
+            // Two halves, the second with what the temperatures gain there.
+            let middle = jumped(&s, &f, jump / 2, &start);
+            now.put_temperatures(middle.as_slice());
+            let Change { gain, stride } = change(&mut now)?;
+            found.strides_walked += 1;
+            let halves = jumped(&s, &gain, jump - jump / 2, &middle);
+            let gap = stride.winding[0] - at.winding_temperature;
+            // The limit is passed stride by stride.
+            let near = stride.winding[0] + gap.max(0.0) > limit;
+            let error = &halves - whole;
+            if error.amax() < JUMP_ERROR && !near {
+                // The whole jump errs by its square as the halves by half of it.
+                now.put_temperatures((halves + error).as_slice());
+                strides += jump;
+                break;
+            }
+            now.put_temperatures(start.as_slice());
+            jump /= 2;
+        }
+        jump = jump.max(1);
+    }
+    Ok(found)
+}
+
+/// Temperatures `m` strides after `y`, from which the map gains `f`: eq. (3) by doubling.
+fn jumped(s: &DMatrix<f64>, f: &DVector<f64>, m: u64, y: &DVector<f64>) -> DVector<f64> {
+    // sum = 1 + S + ... + S^(m-1), power = S^m, from the bits of m.
+    let n = f.len();
+    let (mut sum, mut power) = (DMatrix::zeros(n, n), DMatrix::identity(n, n));
+    for bit in (0..64 - m.leading_zeros()).rev() {
+        sum = &sum + &power * &sum;
+        power = &power * &power;
+        if m >> bit & 1 == 1 {
+            sum += &power;
+            power = &power * s;
+        }
+    }
+    y + sum * f
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A map that is a straight line: m strides at once are m strides one after the other.
+    #[test]
+    fn a_jump_is_as_many_strides() {
+        let s = DMatrix::from_row_slice(2, 2, &[0.6, 0.3, 0.01, 0.985]);
+        let b = DVector::from_vec(vec![3.0, 1.0]);
+        let start = DVector::from_vec(vec![300.0, 310.0]);
+        let f = &s * &start + &b - &start;
+        let mut y = start.clone();
+        for m in 1..=37u64 {
+            y = &s * &y + &b;
+            assert!((jumped(&s, &f, m, &start) - &y).amax() < 1e-9, "{m}");
+        }
+    }
+}

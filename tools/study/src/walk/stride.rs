@@ -1,0 +1,246 @@
+//! Motor, actuator and gait coupled natively, as a master couples their FMUs: Jacobi steps of a millisecond, inputs on
+//! the line through their last two values.
+
+use crate::StudyError;
+use crate::bench::Bench;
+use physics::model::{Model, Slot};
+
+/// Longest step, s.
+const STEP: f64 = 1e-3;
+/// Instants of a stride at which slopes are looked at, and the difference that they are taken over, K.
+const INSTANTS: u32 = 16;
+const DIFFERENCE: f64 = 1e-2;
+/// From the gait, and from the motor, to the actuator.
+const TO_ACTUATOR: [(usize, &str, &str); 6] = [
+    (GAIT, "joint_angle", "joint_angle"),
+    (GAIT, "joint_speed", "joint_speed"),
+    (GAIT, "torque_demand", "torque_demand"),
+    (MOTOR, "shaft_angle", "motor_angle"),
+    (MOTOR, "shaft_speed", "motor_speed"),
+    (MOTOR, "current", "motor_current"),
+];
+const MOTOR: usize = 0;
+const ACTUATOR: usize = 1;
+const GAIT: usize = 2;
+/// Drive modes that follow an actuator, with its output and the motor's input.
+const DRIVES: [(f64, &str, &str); 2] =
+    [(1.0, "voltage", "voltage"), (3.0, "current_command", "current_command")];
+
+/// An output that an input follows.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    from: (usize, Slot),
+    to: (usize, Slot),
+    last: Option<f64>,
+}
+
+/// Slots that are read at every step.
+#[derive(Clone, Copy, Debug)]
+struct Read {
+    winding: Slot,
+    current: Slot,
+    joint_torque: Slot,
+    torque_error: Slot,
+    electrical: Slot,
+    joint: Slot,
+    supply: Slot,
+}
+
+/// The three models on their way.
+pub struct Walker {
+    models: [Box<dyn Model>; 3],
+    links: Vec<Link>,
+    read: Read,
+    /// Steps a stride, and their length, s.
+    steps: u32,
+    h: f64,
+    /// Steps done.
+    done: u64,
+    /// Number of states of the motor before its temperatures.
+    first_temperature: usize,
+}
+
+impl Clone for Walker {
+    fn clone(&self) -> Self {
+        let models = std::array::from_fn(|k| self.models[k].boxed_clone());
+        Walker { models, links: self.links.clone(), ..*self }
+    }
+}
+
+/// What a stride shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stride {
+    /// Greatest temperature of the winding, K, and its mean.
+    pub winding: [f64; 2],
+    /// Root mean square of the current, A, and its greatest size.
+    pub current: [f64; 2],
+    /// Greatest torque at the joint, N.m.
+    pub joint_torque: f64,
+    /// Root mean square of the torque's error, N.m.
+    pub torque_error: f64,
+    /// Mean powers, W: into the motor's terminals, to the joint, from the supply.
+    pub power: [f64; 3],
+}
+
+impl Walker {
+    /// Starts the three together, the actuator from what the gait asks.
+    pub(super) fn start(motor: Bench, actuator: Bench, gait: Bench) -> Result<Walker, StudyError> {
+        let slot = |bench: &Bench, name: &str| Ok::<Slot, StudyError>(bench.entry(name)?.slot);
+        let benches = [&motor, &actuator, &gait];
+        let mode = motor.clone().get("drive_mode")?;
+        let drive = DRIVES.iter().find(|d| d.0 == mode).ok_or_else(|| {
+            StudyError::new("a motor that walks has drive_mode voltage or current, which follow the actuator")
+        })?;
+        if gait.clone().get("gait.variation")? != 0.0 {
+            return Err(StudyError::new(
+                "gait.variation must be 0 for a steady state: strides that differ have none",
+            ));
+        }
+        let to_motor = [(ACTUATOR, drive.1, drive.2), (ACTUATOR, "load_torque", "load_torque")];
+        let link = |to: usize, &(from, output, input): &(usize, &str, &str)| {
+            Ok(Link {
+                from: (from, slot(benches[from], output)?),
+                to: (to, slot(benches[to], input)?),
+                last: None,
+            })
+        };
+        let links: Vec<Link> = (TO_ACTUATOR.iter().map(|l| link(ACTUATOR, l)))
+            .chain(to_motor.iter().map(|l| link(MOTOR, l)))
+            .collect::<Result<_, StudyError>>()?;
+        let read = Read {
+            winding: slot(&motor, "winding_temperature")?,
+            current: slot(&motor, "current")?,
+            joint_torque: slot(&actuator, "joint_torque")?,
+            torque_error: slot(&actuator, "torque_error")?,
+            electrical: slot(&motor, "power_electrical")?,
+            joint: slot(&actuator, "joint_power")?,
+            supply: slot(&actuator, "supply_power")?,
+        };
+        let rate = slot(&gait, "der(state.stride)")?;
+        let models = [motor, actuator, gait].map(Bench::into_model);
+        let first_temperature = if drive.1 == "voltage" { 2 } else { 1 };
+        let mut walker = Walker { models, links, read, steps: 1, h: STEP, done: 0, first_temperature };
+        for k in [GAIT, MOTOR, ACTUATOR] {
+            walker.models[k].start(0.0).map_err(|fault| StudyError::new(fault.to_string()))?;
+            walker.pass(k);
+        }
+        let stride = 1.0 / walker.models[GAIT].get(rate);
+        walker.steps = (stride / STEP - 1e-9).ceil() as u32;
+        walker.h = stride / f64::from(walker.steps);
+        Ok(walker)
+    }
+
+    /// Time of a stride, s.
+    pub fn stride_time(&self) -> f64 {
+        f64::from(self.steps) * self.h
+    }
+
+    /// Hands on what `from` shows.
+    fn pass(&mut self, from: usize) {
+        for link in self.links.iter().filter(|l| l.from.0 == from) {
+            let value = self.models[from].get(link.from.1);
+            self.models[link.to.0].set(link.to.1, value);
+        }
+    }
+
+    /// Hands every output on, with its slope.
+    fn exchange(&mut self) {
+        for link in &mut self.links {
+            let value = self.models[link.from.0].get(link.from.1);
+            self.models[link.to.0].set(link.to.1, value);
+            if let Some(last) = link.last {
+                self.models[link.to.0].set_slope(link.to.1, (value - last) / self.h);
+            }
+            link.last = Some(value);
+        }
+    }
+
+    /// Walks a stride.
+    ///
+    /// # Errors
+    /// Equations that have no solution.
+    pub fn stride(&mut self) -> Result<Stride, StudyError> {
+        self.steps_of_a_stride(|_, _| ())
+    }
+
+    fn steps_of_a_stride(&mut self, mut look: impl FnMut(&Walker, u32)) -> Result<Stride, StudyError> {
+        let mut s = Stride { winding: [f64::NEG_INFINITY, 0.0], ..Stride::default() };
+        for step in 0..self.steps {
+            look(self, step);
+            self.exchange();
+            let t = self.done as f64 * self.h;
+            for model in &mut self.models {
+                model.step(t, self.h).map_err(|fault| StudyError::new(fault.to_string()))?;
+            }
+            self.done += 1;
+            let [motor, actuator, _] = &mut self.models;
+            let (winding, current) = (motor.get(self.read.winding), motor.get(self.read.current));
+            s.winding = [s.winding[0].max(winding), s.winding[1] + winding];
+            s.current = [s.current[0] + current * current, s.current[1].max(current.abs())];
+            s.joint_torque = s.joint_torque.max(actuator.get(self.read.joint_torque).abs());
+            s.torque_error += actuator.get(self.read.torque_error).powi(2);
+            s.power[0] += motor.get(self.read.electrical);
+            s.power[1] += actuator.get(self.read.joint);
+            s.power[2] += actuator.get(self.read.supply);
+        }
+        let n = f64::from(self.steps);
+        s.winding[1] /= n;
+        s.current[0] = (s.current[0] / n).sqrt();
+        s.torque_error = (s.torque_error / n).sqrt();
+        s.power = s.power.map(|p| p / n);
+        Ok(s)
+    }
+
+    /// The temperatures that the motor's heat depends on, K.
+    pub fn temperatures(&self) -> Vec<f64> {
+        let mut states = Vec::new();
+        self.models[MOTOR].states(&mut states);
+        states.split_off(self.first_temperature)
+    }
+
+    /// Puts them, and leaves current and motion as they are.
+    pub fn put_temperatures(&mut self, temperatures: &[f64]) {
+        let motor = &mut self.models[MOTOR];
+        let mut states = Vec::new();
+        motor.states(&mut states);
+        states[self.first_temperature..].copy_from_slice(temperatures);
+        let time = motor.time();
+        motor.set_states(time, &states);
+    }
+
+    /// Walks a stride, and looks at several instants of it how the rates of the temperatures change with them: the mean
+    /// derivatives, 1/s, a row for each rate.
+    ///
+    /// # Errors
+    /// Equations that have no solution.
+    pub fn stride_with_slopes(&mut self) -> Result<(Stride, Vec<Vec<f64>>), StudyError> {
+        let n = self.temperatures().len();
+        let mut slopes = vec![vec![0.0; n]; n];
+        let stride = self.steps_of_a_stride(|walker, step| {
+            if step % (walker.steps / INSTANTS).max(1) == 0 {
+                walker.add_slopes(&mut slopes, 1.0 / f64::from(INSTANTS));
+            }
+        })?;
+        Ok((stride, slopes))
+    }
+
+    /// Adds the present derivatives times `share`, by differences on a copy of the motor.
+    fn add_slopes(&self, slopes: &mut [Vec<f64>], share: f64) {
+        let mut motor = self.models[MOTOR].boxed_clone();
+        let time = motor.time();
+        let (mut start, mut rates) = (Vec::new(), Vec::new());
+        motor.states(&mut start);
+        for column in 0..slopes.len() {
+            for sign in [1.0, -1.0] {
+                let mut moved = start.clone();
+                moved[self.first_temperature + column] += sign * DIFFERENCE;
+                motor.set_states(time, &moved);
+                rates.clear();
+                motor.rates(&mut rates);
+                for (row, rate) in rates[self.first_temperature..].iter().enumerate() {
+                    slopes[row][column] += share * sign * rate / (2.0 * DIFFERENCE);
+                }
+            }
+        }
+    }
+}
