@@ -163,16 +163,31 @@ class Instance:
             self._call(f"set{self._accessor(name)}", [self.reference(name)], [self._value(name, value)])
 
     def get(self, *names: str) -> list:
-        """Values by name."""
-        return [self._call(f"get{self._accessor(name)}", [self.reference(name)])[0] for name in names]
+        """Values by name; of an array (FMI 3) a list of its elements."""
+        return [self._read(name) for name in names]
+
+    def _read(self, name: str):
+        getter, dimensions = f"get{self._accessor(name)}", self.archive.variable(name).dimensions
+        if not dimensions:
+            return self._call(getter, [self.reference(name)])[0]
+        count = 1
+        for size in dimensions:
+            count *= int(size.start) if size.start else self._call("getUInt64", [size.valueReference])[0]
+        return self._call(getter, [self.reference(name)], nValues=count)
 
     def reference(self, name: str) -> int:
         """The value reference of a variable."""
         return self.archive.variable(name).valueReference
 
     def initialise(self, start: dict | None = None, time: float = 0.0, stop: float | None = None) -> "Instance":
-        """From instantiated to step mode, with start values by name."""
-        self.set(start or {})
+        """From instantiated to step mode, with start values by name. Structural parameters (FMI 3) have a mode of their own."""
+        start = start or {}
+        sizes = {name: value for name, value in start.items() if self.archive.variable(name).causality == "structuralParameter"}
+        if sizes:
+            self._call("enterConfigurationMode")
+            self.set(sizes)
+            self._call("exitConfigurationMode")
+        self.set({name: value for name, value in start.items() if name not in sizes})
         if self.archive.version == "2.0":
             self._call("setupExperiment", startTime=time, stopTime=stop)
             self._call("enterInitializationMode")

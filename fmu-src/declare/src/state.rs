@@ -32,6 +32,8 @@ pub struct State {
     pub rate: Variable,
     /// How many there are.
     pub elements: Elements,
+    /// Whether an array of them is an output, where arrays are variables (FMI 3); single elements never are.
+    pub shown: bool,
 }
 
 impl State {
@@ -41,6 +43,7 @@ impl State {
             value: Variable::local(value_reference, unit),
             rate: Variable::local(rate_reference, unit.rate()),
             elements: Elements::One,
+            shown: false,
         }
     }
 
@@ -60,6 +63,12 @@ impl State {
     /// Several states.
     pub const fn elements(mut self, elements: Elements) -> State {
         self.elements = elements;
+        self
+    }
+
+    /// Several states, which an importer that knows arrays sees as an output.
+    pub const fn shown(mut self) -> State {
+        self.shown = true;
         self
     }
 

@@ -1,6 +1,6 @@
 //! From C to Rust and back: handles, arrays, strings, panics.
 
-use crate::instance::{Instance, Interface};
+use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Log, Sink, Status};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -67,8 +67,12 @@ pub unsafe fn enter(
 pub struct Wanted {
     /// The constructor that it calls.
     pub function: &'static str,
+    /// Which standard it speaks.
+    pub standard: Standard,
     /// Who is to integrate.
     pub interface: Interface,
+    /// What it takes part in.
+    pub part: Part,
     /// Name of the instance.
     pub name: *const c_char,
     /// GUID or instantiation token.
@@ -102,7 +106,8 @@ pub unsafe fn hand_out(wanted: Wanted) -> *mut c_void {
         }
         let resources = resources.as_deref().and_then(wanted.locate);
         let log = Log::new(wanted.sink, &name, wanted.logging_on);
-        Instance::new(token.as_deref(), resources.as_deref(), wanted.interface, log)
+        let kind = (wanted.standard, wanted.interface);
+        Instance::new(token.as_deref(), resources.as_deref(), kind, wanted.part, log)
     }));
     let refused = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
@@ -156,6 +161,13 @@ macro_rules! life_cycle {
 pub unsafe fn take_back(handle: *mut c_void) {
     if !handle.is_null() {
         // SAFETY: by contract the handle came from `hand_out`.
+        let instance = unsafe { &*handle.cast::<Instance>() };
+        if instance.is_in_the_middle() {
+            // The step goes on after the look, and would go on in memory that is gone.
+            instance.log.tell(Status::Error, "an instance cannot be freed in the middle of its step.");
+            return;
+        }
+        // SAFETY: as above.
         let instance = unsafe { Box::from_raw(handle.cast::<Instance>()) };
         let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
     }

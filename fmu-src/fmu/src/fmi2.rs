@@ -10,7 +10,7 @@ pub use exchange::*;
 use crate::boundary::{
     self, Outcome, Refused, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back,
 };
-use crate::instance::{Interface, Type};
+use crate::instance::{Interface, Part, Standard, Type};
 use crate::life_cycle;
 use crate::logger::{Logger2, Sink, Status};
 use crate::resources::of_uri;
@@ -47,10 +47,6 @@ const CO_SIMULATION: c_int = 1;
 const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2StatusKind`: whether the model asks to end.
 const TERMINATED: c_int = 3;
-
-fn unsupported(what: &str) -> Outcome {
-    Err(Refused::error(format!("{what} is not supported; modelDescription.xml says so.")))
-}
 
 fn nothing_pending() -> Outcome {
     Err(Refused::discard("steps are synchronous, so none is pending."))
@@ -111,7 +107,9 @@ pub unsafe extern "C" fn fmi2Instantiate(
         let logging_on = logging_on != 0;
         hand_out(Wanted {
             function: "fmi2Instantiate",
+            standard: Standard::Two,
             interface: known,
+            part: Part::default(),
             name,
             token: guid,
             resources,
@@ -166,7 +164,7 @@ macro_rules! values {
             unsafe {
                 enter(c, stringify!($get), |i| {
                     let (vr, value) = (array(vr, n, "vr")?, array_mut(value, n, "value")?);
-                    i.get(vr, $of, |k, number| value[k] = $from(number))
+                    i.get(vr, $of, n, |k, number| value[k] = $from(number))
                 })
             }
         }
@@ -182,7 +180,7 @@ macro_rules! values {
             unsafe {
                 enter(c, stringify!($set), |i| {
                     let (vr, value) = (array(vr, n, "vr")?, array(value, n, "value")?);
-                    i.set(vr, $of, |k| $to(value[k]))
+                    i.set(vr, $of, n, |k| $to(value[k]))
                 })
             }
         }
@@ -244,18 +242,26 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     unsafe { enter(c, "fmi2DeSerializeFMUstate", |i| deserialize(i, bytes, n, state)) }
 }
 
-/// Derivatives with respect to inputs and states; section 2.1.9. Not provided.
+/// Derivatives with respect to inputs, states and parameters; section 2.1.9.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     c: Component,
-    _unknowns: *const u32,
-    _n_unknown: usize,
-    _knowns: *const u32,
-    _n_known: usize,
-    _seed: *const f64,
-    _sensitivity: *mut f64,
+    unknowns: *const u32,
+    n_unknown: usize,
+    knowns: *const u32,
+    n_known: usize,
+    seed: *const f64,
+    sensitivity: *mut f64,
 ) -> Status {
-    unsafe { enter(c, "fmi2GetDirectionalDerivative", |_| unsupported("the directional derivative")) }
+    unsafe {
+        enter(c, "fmi2GetDirectionalDerivative", |i| {
+            let (unknowns, knowns) =
+                (array(unknowns, n_unknown, "vUnknown_ref")?, array(knowns, n_known, "vKnown_ref")?);
+            let (seed, out) =
+                (array(seed, n_known, "dvKnown")?, array_mut(sensitivity, n_unknown, "dvUnknown")?);
+            i.directional(unknowns, knowns, seed, out)
+        })
+    }
 }
 
 /// Sets slopes of inputs over the next step; section 4.2.1.
@@ -274,16 +280,24 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     }
 }
 
-/// Derivatives of outputs; section 4.2.1. Not provided.
+/// First derivatives of outputs with respect to time; section 4.2.1.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     c: Component,
-    _vr: *const u32,
-    _n: usize,
-    _order: *const c_int,
-    _value: *mut f64,
+    vr: *const u32,
+    n: usize,
+    order: *const c_int,
+    value: *mut f64,
 ) -> Status {
-    unsafe { enter(c, "fmi2GetRealOutputDerivatives", |_| unsupported("a derivative of an output")) }
+    unsafe {
+        enter(c, "fmi2GetRealOutputDerivatives", |i| {
+            i.output_derivatives(
+                array(vr, n, "vr")?,
+                array(order, n, "order")?,
+                array_mut(value, n, "value")?,
+            )
+        })
+    }
 }
 
 /// Steps; section 4.2.2.

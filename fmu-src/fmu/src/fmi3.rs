@@ -1,22 +1,25 @@
 //! FMI 3.0: the 75 functions. Only translation; what is allowed is decided in `instance.rs`.
 //!
 //! Arguments are as in the standard, "Functional Mock-up Interface Specification", version 3.0.2.
-//! `fmi3/values.rs` has the getters and setters, `fmi3/exchange.rs` Model Exchange, `fmi3/absent.rs` what these
-//! models have no use for: clocks, intervals, dependencies of array elements.
+//! `fmi3/values.rs` has the getters and setters, `fmi3/stepping.rs` Co-Simulation, `fmi3/exchange.rs` Model Exchange and events,
+//! `fmi3/slopes.rs` derivatives, `fmi3/absent.rs` what these models have no use for: clocks, intervals, dependencies of array
+//! elements.
 
 mod absent;
 mod exchange;
+mod slopes;
+mod stepping;
 mod values;
 
 pub use absent::*;
 pub use exchange::*;
+pub use slopes::*;
+pub use stepping::*;
 pub use values::*;
 
-use crate::boundary::{Wanted, enter, hand_out, set_logging, take_back, write};
-use crate::instance::Interface;
+use crate::boundary::{enter, set_logging, take_back};
 use crate::life_cycle;
 use crate::logger::{Logger3, Sink, Status};
-use crate::resources::of_path;
 use crate::saved_handle;
 use std::ffi::{c_char, c_void};
 
@@ -50,46 +53,6 @@ fn sink(log_message: Option<Logger3>, environment: *mut c_void) -> Sink {
     log_message.map_or(Sink::None, |logger| Sink::Fmi3(logger, environment))
 }
 
-/// Makes an instance for Co-Simulation.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
-    name: *const c_char,
-    token: *const c_char,
-    resources: *const c_char,
-    _visible: Boolean,
-    logging_on: Boolean,
-    event_mode_used: Boolean,
-    _early_return_allowed: Boolean,
-    _intermediate: *const u32,
-    n_intermediate: usize,
-    environment: *mut c_void,
-    log_message: Option<Logger3>,
-    _intermediate_update: Option<unsafe extern "C" fn()>,
-) -> InstanceHandle {
-    let beyond = if event_mode_used != 0 {
-        Some("event mode is not in this FMU (hasEventMode is false).")
-    } else if n_intermediate > 0 {
-        Some("intermediate variables are not in this FMU (providesIntermediateUpdate is false).")
-    } else {
-        None
-    };
-    let (sink, logging_on) = (sink(log_message, environment), logging_on != 0);
-    let beyond = beyond.map(str::to_string);
-    unsafe {
-        hand_out(Wanted {
-            function: "fmi3InstantiateCoSimulation",
-            interface: Interface::CoSimulation,
-            name,
-            token,
-            resources,
-            locate: of_path,
-            sink,
-            logging_on,
-            beyond,
-        })
-    }
-}
-
 /// Drops an instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: InstanceHandle) {
@@ -115,6 +78,10 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
 }
 
 life_cycle! {
+    /// Begins configuration, in which sizes of arrays are set.
+    fmi3EnterConfigurationMode => enter_configuration;
+    /// Ends configuration.
+    fmi3ExitConfigurationMode => exit_configuration;
     /// Ends initialization.
     fmi3ExitInitializationMode => exit_initialization;
     /// Ends the run.
@@ -171,28 +138,4 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
     state: *mut FmuState,
 ) -> Status {
     unsafe { enter(instance, "fmi3DeserializeFMUState", |i| saved_handle::deserialize(i, bytes, n, state)) }
-}
-
-/// Steps.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3DoStep(
-    instance: InstanceHandle,
-    at: f64,
-    h: f64,
-    _no_set_state_prior: Boolean,
-    event_handling_needed: *mut Boolean,
-    terminate_simulation: *mut Boolean,
-    early_return: *mut Boolean,
-    last_successful_time: *mut f64,
-) -> Status {
-    unsafe {
-        enter(instance, "fmi3DoStep", |i| {
-            write(event_handling_needed, 0);
-            write(terminate_simulation, 0);
-            write(early_return, 0);
-            let outcome = i.step(at, h);
-            write(last_successful_time, i.time());
-            outcome
-        })
-    }
 }

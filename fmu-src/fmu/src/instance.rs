@@ -2,15 +2,18 @@
 
 mod exchange;
 mod mode;
+mod slopes;
+mod stepping;
+mod values;
 
-pub use mode::{Interface, Mode, Type};
+pub use mode::{Interface, Mode, Standard, Type};
+pub use stepping::{Course, Ended, IntermediateUpdate, Look, Part, View};
 
 use crate::boundary::{Outcome, Refused};
 use crate::logger::{CATEGORIES, Log};
 use crate::saved::Saved;
 use mode::LIVING;
-use physics::declare::Elements;
-use physics::model::{Element, Entry, Model, ModelType, Refusal, TIME};
+use physics::model::{Model, ModelType, Slot};
 use physics::terms::GenericTerm;
 use std::path::Path;
 
@@ -18,10 +21,22 @@ use std::path::Path;
 pub struct Instance {
     kind: &'static ModelType,
     model: Box<dyn Model>,
+    /// A model to be moved about for derivatives, made when the first are asked for.
+    scratch: Option<Box<dyn Model>>,
     /// The terms of the archive.
     terms: Vec<GenericTerm>,
+    standard: Standard,
     interface: Interface,
-    /// How many elements its variables have whose number a parameter says: that of the archive.
+    /// What the importer takes part in.
+    part: Part,
+    /// Where its discrete outputs are, with what they show since the last event; without event mode there is none.
+    discrete: Vec<Slot>,
+    held: Vec<f64>,
+    /// The model where the present step, or the present part of it, began: for steps that may be taken back.
+    begun: Option<Box<dyn Model>>,
+    /// The model where a step that is looked into began.
+    looked_from: Option<Box<dyn Model>>,
+    /// How many elements its variables have whose number a parameter says. In FMI 2 that of the archive.
     elements: u32,
     mode: Mode,
     /// Start and stop time, s; the stop is infinite where it was not announced.
@@ -37,7 +52,8 @@ impl Instance {
     pub fn new(
         token: Option<&str>,
         resources: Option<&Path>,
-        interface: Interface,
+        (standard, interface): (Standard, Interface),
+        part: Part,
         log: Log,
     ) -> Outcome<Instance> {
         let Some(kind) = token.and_then(physics::models::by_token) else {
@@ -65,18 +81,26 @@ impl Instance {
         if interface == Interface::ModelExchange {
             model.hand_over();
         }
-        let elements = counted(model.as_mut());
-        let (mode, window) = (Mode::Instantiated, (0.0, f64::INFINITY));
-        Ok(Instance { kind, model, terms, interface, elements, mode, window, unsettled: true, log })
-    }
-
-    /// Whether the archive has this variable: there may be fewer elements than the library knows.
-    #[inline]
-    fn shows(&self, entry: &Entry) -> bool {
-        match entry.element {
-            Some(Element { index, of: Elements::UpTo(..) }) => index <= self.elements,
-            _ => true,
-        }
+        part.check((kind.declaration)())?;
+        let discrete = if part.event_mode { part.discrete((kind.declaration)()) } else { Vec::new() };
+        Ok(Instance {
+            kind,
+            standard,
+            interface,
+            part,
+            held: vec![0.0; discrete.len()],
+            discrete,
+            begun: None,
+            looked_from: None,
+            scratch: None,
+            elements: counted(model.as_mut()),
+            model,
+            terms,
+            mode: Mode::Instantiated,
+            window: (0.0, f64::INFINITY),
+            unsettled: true,
+            log,
+        })
     }
 
     fn require(&self, allowed: &[Mode]) -> Outcome {
@@ -137,6 +161,7 @@ impl Instance {
         self.require(&[Mode::Initialization])?;
         self.settle()?;
         self.mode = match self.interface {
+            Interface::CoSimulation if self.part.event_mode => Mode::Event,
             Interface::CoSimulation => Mode::Step,
             Interface::ModelExchange => {
                 let counted = counted(self.model.as_mut());
@@ -150,7 +175,34 @@ impl Instance {
                 Mode::Event
             }
         };
+        self.hold();
         Ok(())
+    }
+
+    /// Instantiated -> configuration.
+    pub fn enter_configuration(&mut self) -> Outcome {
+        self.require(&[Mode::Instantiated])?;
+        let declaration = self.model.declaration();
+        if declaration.dimensions.is_empty() {
+            return Err(Refused::error(format!("{} has no structural parameter.", declaration.name)));
+        }
+        self.mode = Mode::Configuration;
+        Ok(())
+    }
+
+    /// Configuration -> instantiated, with arrays of their new sizes.
+    pub fn exit_configuration(&mut self) -> Outcome {
+        self.require(&[Mode::Configuration])?;
+        self.count();
+        self.mode = Mode::Instantiated;
+        Ok(())
+    }
+
+    /// Arrays of FMI 3 have as many elements as the parameter says; what FMI 2 lists stays listed.
+    fn count(&mut self) {
+        if self.standard == Standard::Three {
+            self.elements = counted(self.model.as_mut());
+        }
     }
 
     /// Running -> terminated.
@@ -162,11 +214,15 @@ impl Instance {
 
     /// Any -> instantiated, as new: start values, time and integrator.
     pub fn reset(&mut self) -> Outcome {
+        if self.mode == Mode::Intermediate {
+            return self.require(&[]);
+        }
         self.model = crate::new_model(self.kind, &self.terms)
             .ok_or_else(|| Refused::error("the model no longer takes the terms that it has taken."))?;
         if self.interface == Interface::ModelExchange {
             self.model.hand_over();
         }
+        self.count();
         self.mode = Mode::Instantiated;
         self.window = (0.0, f64::INFINITY);
         self.unsettled = true;
@@ -183,119 +239,20 @@ impl Instance {
         Ok(())
     }
 
-    #[inline]
-    fn entry(&self, value_reference: u32, of: Type) -> Outcome<&'static Entry> {
-        let declaration = self.model.declaration();
-        let Some(entry) = declaration.by_reference(value_reference).filter(|e| self.shows(e)) else {
-            return Err(Refused::error(format!(
-                "{} has no variable with the value reference {value_reference}.",
-                declaration.name
-            )));
-        };
-        let is = Type::of(entry);
-        if is != of {
-            return Err(Refused::error(format!(
-                "{} (value reference {value_reference}) is of type {} and not {}.",
-                entry.name,
-                is.words(),
-                of.words()
-            )));
-        }
-        Ok(entry)
-    }
-
-    /// Reads values; `put` gets each with its place in the list.
-    #[inline]
-    pub fn get(&mut self, references: &[u32], of: Type, mut put: impl FnMut(usize, f64)) -> Outcome {
-        self.require(&[Mode::Initialization, Mode::Step, Mode::Terminated, Mode::Event, Mode::Continuous])?;
-        self.settle()?;
-        for (k, &value_reference) in references.iter().enumerate() {
-            if value_reference == TIME && of == Type::Real {
-                put(k, self.model.time());
-                continue;
-            }
-            let slot = self.entry(value_reference, of)?.slot;
-            put(k, self.model.get(slot));
-        }
-        Ok(())
-    }
-
-    /// Sets values, all or none.
-    #[inline]
-    pub fn set(&mut self, references: &[u32], of: Type, value: impl Fn(usize) -> f64) -> Outcome {
-        self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step, Mode::Event, Mode::Continuous])?;
-        let running = !matches!(self.mode, Mode::Instantiated | Mode::Initialization);
-        let mut last = None;
-        for (k, &value_reference) in references.iter().enumerate() {
-            if value_reference == TIME && of == Type::Real {
-                return Err(Refused::error("time is the independent variable and cannot be set."));
-            }
-            let entry = self.entry(value_reference, of)?;
-            if self.mode == Mode::Continuous && !entry.is_continuous_input() {
-                return Err(Refused::error(format!(
-                    "{} can be set at an event alone and the instance is {}.",
-                    entry.name,
-                    self.mode.words()
-                )));
-            }
-            if let Err(refusal) = entry.check(value(k), running) {
-                let message = entry.explain(value(k), &refusal);
-                return Err(match refusal {
-                    Refusal::Computed | Refusal::Fixed => Refused::error(message),
-                    _ => Refused::discard(message),
-                });
-            }
-            last = Some(entry.slot);
-        }
-        // All are good. A single value, the common case, needs no second look-up.
-        if let (&[_], Some(slot)) = (references, last) {
-            self.model.set(slot, value(0));
-        } else {
-            for (k, &value_reference) in references.iter().enumerate() {
-                let slot = self.entry(value_reference, of)?.slot;
-                self.model.set(slot, value(k));
-            }
-        }
-        self.unsettled = true;
-        Ok(())
-    }
-
-    /// Sets the slopes of continuous inputs over the next step, all or none.
-    pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], slopes: &[f64]) -> Outcome {
-        self.require_interface(Interface::CoSimulation)?;
-        self.require(&[Mode::Initialization, Mode::Step])?;
-        for ((&value_reference, &order), &slope) in references.iter().zip(orders).zip(slopes) {
-            let entry = self.entry(value_reference, Type::Real)?;
-            if !entry.is_continuous_input() {
-                return Err(Refused::error(format!(
-                    "{} is no continuous input and takes no slope.",
-                    entry.name
-                )));
-            }
-            if order != 1 {
-                return Err(Refused::error(format!(
-                    "the derivative of order {order} of {} cannot be set; order 1 can.",
-                    entry.name
-                )));
-            }
-            if !slope.is_finite() {
-                return Err(Refused::discard(format!(
-                    "the slope {slope} {}/s of {} is not a finite number.",
-                    entry.row.unit.name(),
-                    entry.name
-                )));
-            }
-        }
-        for (&value_reference, &slope) in references.iter().zip(slopes) {
-            let slot = self.entry(value_reference, Type::Real)?.slot;
-            self.model.set_slope(slot, slope);
-        }
-        Ok(())
-    }
-
     /// Steps from the communication point `at`, s, by `h` seconds.
     #[inline]
     pub fn step(&mut self, at: f64, h: f64) -> Outcome {
+        self.require_step(at, h)?;
+        self.advance(at, h)
+    }
+
+    #[inline]
+    fn advance(&mut self, at: f64, h: f64) -> Outcome {
+        self.model.step(at, h).map_err(|fault| Refused::discard(fault.0))
+    }
+
+    #[inline]
+    fn require_step(&self, at: f64, h: f64) -> Outcome {
         self.require(&[Mode::Step])?;
         let now = self.model.time();
         if !(h > 0.0 && h.is_finite()) {
@@ -316,12 +273,17 @@ impl Instance {
                 self.window.1
             )));
         }
-        self.model.step(at, h).map_err(|fault| Refused::discard(fault.0))
+        Ok(())
     }
 
     /// The time reached, s.
     pub fn time(&self) -> f64 {
         self.model.time()
+    }
+
+    /// Whether a step is under way and the importer looks in.
+    pub fn is_in_the_middle(&self) -> bool {
+        self.mode == Mode::Intermediate
     }
 
     fn require_living(&self) -> Outcome {
@@ -349,10 +311,11 @@ impl Instance {
             && old.model.copy_from(self.model.as_ref())
         {
             (old.mode, old.window) = (mode, window);
+            old.held.clone_from(&self.held);
             return Ok(None);
         }
         let interface = self.interface;
-        Ok(Some(Saved { model: self.model.boxed_clone(), interface, mode, window }))
+        Ok(Some(Saved { model: self.model.boxed_clone(), interface, mode, window, held: self.held.clone() }))
     }
 
     /// Takes the instance back to what was saved.
@@ -373,6 +336,12 @@ impl Instance {
             )));
         }
         (self.mode, self.window, self.unsettled) = (saved.mode, saved.window, true);
+        self.count();
+        if saved.held.len() == self.held.len() {
+            self.held.clone_from(&saved.held);
+        } else {
+            self.hold();
+        }
         Ok(())
     }
 
@@ -391,10 +360,6 @@ impl Instance {
 /// The number that a parameter gives to the elements of a variable; 0 where no variable of the model has such.
 fn counted(model: &mut dyn Model) -> u32 {
     let declaration = model.declaration();
-    let dimension = declaration.entries.iter().find_map(|entry| match entry.element {
-        Some(Element { of: Elements::UpTo(_, parameter), .. }) => declaration.by_name(parameter),
-        _ => None,
-    });
     // Whole numbers within their limits pass through tables exactly.
-    dimension.map_or(0, |parameter| model.get(parameter.slot) as u32)
+    declaration.dimensions.first().map_or(0, |&k| model.get(declaration.entries[k].slot) as u32)
 }

@@ -2,10 +2,11 @@
 
 use crate::boundary::{Outcome, Refused};
 use crate::instance::{Interface, Mode};
+use physics::declare::Causality;
 use physics::model::Model;
 
 /// Begins every serialized state; the digit is the format's version.
-const MAGIC: &[u8; 8] = b"motorfm2";
+const MAGIC: &[u8; 8] = b"motorfm3";
 
 /// What an FMU state handle of the importer leads to.
 pub struct Saved {
@@ -17,12 +18,16 @@ pub struct Saved {
     pub mode: Mode,
     /// The window of time the importer announced, s.
     pub window: (f64, f64),
+    /// What discrete outputs show since the last event, where the importer handles events.
+    pub held: Vec<f64>,
 }
 
 impl Saved {
-    /// The state as bytes: magic, interface, mode, token, window, count of numbers, numbers.
+    /// The state as bytes: magic, interface, mode, token, count of numbers, and these: window, how many discrete outputs are
+    /// held, what they show, the model.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut numbers = vec![self.window.0, self.window.1];
+        let mut numbers = vec![self.window.0, self.window.1, self.held.len() as f64];
+        numbers.extend(&self.held);
         self.model.save(&mut numbers);
         let token = self.model.declaration().token.as_bytes();
         let mut bytes = Vec::with_capacity(MAGIC.len() + 10 + token.len() + 8 * numbers.len());
@@ -47,7 +52,7 @@ impl Saved {
         };
         let length = |b: &[u8]| u32::from_le_bytes(b.try_into().unwrap_or_default()) as usize;
         if take(MAGIC.len())? != MAGIC {
-            return Err(bad("is none of this library's version 2"));
+            return Err(bad("is none of this library's version 3"));
         }
         if take(1)?[0] != interface as u8 {
             return Err(bad("belongs to an instance of another interface"));
@@ -63,11 +68,28 @@ impl Saved {
             .map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()))
             .collect();
         let mut model = like.boxed_clone();
-        match numbers.split_at_checked(2) {
-            Some((window, numbers)) if rest.is_empty() && model.restore(numbers) => {
-                Ok(Saved { model, interface, mode, window: (window[0], window[1]) })
-            }
-            _ => Err(bad("is damaged")),
+        let (window, held, numbers) = parts(&numbers).ok_or_else(|| bad("is damaged"))?;
+        if !rest.is_empty() || !model.restore(numbers) || !is_sound(model.as_mut()) {
+            return Err(bad("is damaged"));
         }
+        Ok(Saved { model, interface, mode, window, held: held.to_vec() })
     }
+}
+
+/// Whether parameters are within their limits, which equations count on; inputs, numbers at least, may have run beyond them on a
+/// slope.
+fn is_sound(model: &mut dyn Model) -> bool {
+    model.declaration().entries.iter().all(|entry| match entry.row.causality {
+        Causality::Parameter => entry.check(model.get(entry.slot), false).is_ok(),
+        Causality::Input => model.get(entry.slot).is_finite(),
+        Causality::Output | Causality::Local => true,
+    })
+}
+
+/// Window, held outputs and the numbers of the model.
+fn parts(numbers: &[f64]) -> Option<((f64, f64), &[f64], &[f64])> {
+    let (&[start, stop, count], rest) = numbers.split_first_chunk()?;
+    // A count that was no number casts to one that is too large or to none, and the model's numbers do not fit.
+    let (held, model) = rest.split_at_checked(count as usize)?;
+    Some(((start, stop), held, model))
 }

@@ -10,12 +10,12 @@ use std::ptr::{null, null_mut};
 struct Motor3(*mut c_void);
 
 impl Motor3 {
-    fn instantiated(event_mode: u8) -> Motor3 {
-        Motor3::located(event_mode, c"")
+    fn instantiated() -> Motor3 {
+        Motor3::located(c"")
     }
 
     /// An instance whose archive has its resources in this folder.
-    fn located(event_mode: u8, resources: &CStr) -> Motor3 {
+    fn located(resources: &CStr) -> Motor3 {
         Motor3(unsafe {
             fmi3InstantiateCoSimulation(
                 c"motor".as_ptr(),
@@ -23,7 +23,7 @@ impl Motor3 {
                 resources.as_ptr(),
                 0,
                 0,
-                event_mode,
+                0,
                 0,
                 null(),
                 0,
@@ -71,7 +71,7 @@ impl Drop for Motor3 {
 
 #[test]
 fn both_standards_give_the_same_bits() {
-    let (two, three) = (Motor2::initialized("two"), Motor3::instantiated(0));
+    let (two, three) = (Motor2::initialized("two"), Motor3::instantiated());
     three.initialize();
     for k in 0..200 {
         let t = f64::from(k) * 1e-3;
@@ -88,7 +88,7 @@ fn both_standards_give_the_same_bits() {
 
 #[test]
 fn types_have_their_own_functions() {
-    let motor = Motor3::instantiated(0);
+    let motor = Motor3::instantiated();
     unsafe {
         assert_eq!(fmi3SetInt64(motor.0, &vr("drive_mode"), 1, &2, 1), Status::Ok);
         assert_eq!(fmi3SetInt32(motor.0, &vr("drive_mode"), 1, &2, 1), Status::Error);
@@ -112,7 +112,7 @@ fn types_have_their_own_functions() {
 /// Int64 carries whole numbers; the limits hold, and rollback takes them back.
 #[test]
 fn a_whole_number_is_set_read_and_restored() {
-    let motor = Motor3::instantiated(0);
+    let motor = Motor3::instantiated();
     motor.initialize();
     let reference = vr("motor.pole_pairs");
     let set = |n: i64| unsafe { fmi3SetInt64(motor.0, &reference, 1, &n, 1) };
@@ -140,17 +140,14 @@ fn a_whole_number_is_set_read_and_restored() {
 
 #[test]
 fn what_is_declared_absent_is_refused() {
-    let motor = Motor3::instantiated(0);
+    let motor = Motor3::instantiated();
     motor.initialize();
     unsafe {
-        assert_eq!(fmi3EnterEventMode(motor.0), Status::Error);
-        assert_eq!(fmi3EnterConfigurationMode(motor.0), Status::Error);
         assert_eq!(fmi3SetTime(motor.0, 1.0), Status::Error);
         assert_eq!(fmi3GetClock(motor.0, &1, 1, null_mut()), Status::Error);
         let mut n = 9;
         assert_eq!(fmi3GetNumberOfContinuousStates(motor.0, &mut n), Status::Ok);
         assert_eq!(n, 0);
-        assert!(Motor3::instantiated(1).0.is_null(), "event mode");
         assert_eq!(CStr::from_ptr(fmi3GetVersion()), c"3.0");
         assert_eq!(
             fmi3DoStep(null_mut(), 0.0, 1.0, 0, null_mut(), null_mut(), null_mut(), null_mut()),
@@ -162,7 +159,7 @@ fn what_is_declared_absent_is_refused() {
 
 #[test]
 fn rollback_is_bitwise() {
-    let motor = Motor3::instantiated(0);
+    let motor = Motor3::instantiated();
     motor.initialize();
     motor.set("voltage", 12.0);
     assert_eq!(motor.step(0.0, 1e-3), Status::Ok);

@@ -26,7 +26,7 @@ pub struct Update {
 ///
 /// States are those of the declaration, in its order; slices may be shorter than all of them and hold the first ones.
 pub trait Exchange {
-    /// Leaves the integration to the caller, from the next start on and for good.
+    /// Leaves the integration to the caller, from here on and for good; the present time counts as an event.
     fn hand_over(&mut self);
     /// Writes the states.
     fn read_states(&self, out: &mut [f64]);
@@ -40,6 +40,10 @@ pub trait Exchange {
     fn accept_step(&mut self);
     /// Lets what is held between events follow the present time, states and inputs.
     fn update(&mut self) -> Update;
+    /// The first event after the present time that is known by its time, s; infinite where there is none.
+    fn next_event(&self) -> f64 {
+        f64::INFINITY
+    }
 }
 
 /// How near a limit a temperature is at it, K: an importer finds the event to rounding, on either side.

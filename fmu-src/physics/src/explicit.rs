@@ -357,6 +357,10 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Exchange for Explicit<L, N, M
     fn accept_step(&mut self) {}
 
     fn update(&mut self) -> Update {
-        Update { states_changed: false, next_event: self.law.next_event(self.time) }
+        Update { states_changed: false, next_event: Exchange::next_event(self) }
+    }
+
+    fn next_event(&self) -> f64 {
+        self.law.next_event(self.time)
     }
 }

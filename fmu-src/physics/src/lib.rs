@@ -12,6 +12,7 @@ pub mod ledger;
 pub mod media;
 pub mod model;
 pub mod models;
+pub mod slopes;
 pub mod solver;
 pub mod start_values;
 pub mod terms;

@@ -40,6 +40,8 @@ pub struct Element {
     pub index: u32,
     /// How many there are.
     pub of: Elements,
+    /// Whether the array of them all is an output.
+    pub shown: bool,
 }
 
 /// A variable of a model, with its full name and value reference.
@@ -73,6 +75,8 @@ pub struct Declaration {
     pub states: Vec<[usize; 2]>,
     /// The event indicators, in their order: indices of their entries.
     pub indicators: Vec<usize>,
+    /// The parameters that say how many elements a variable has: indices of their entries.
+    pub dimensions: Vec<usize>,
     /// Hash of the variable table without the start values: FMI 2 GUID and FMI 3 instantiation token.
     pub token: String,
     by_reference: Vec<Option<u32>>,
@@ -101,13 +105,27 @@ impl Declaration {
         let local = |entry: &Entry| entry.row.causality == Causality::Local;
         let indicators = (0..entries.len()).filter(|&k| local(&entries[k])).collect();
         let states = enter_states(&mut entries, states);
+        let counts = |entry: &Entry| {
+            entries.iter().any(|e| matches!(e.element, Some(Element { of: Elements::UpTo(_, name), .. }) if name == entry.name))
+        };
+        let dimensions = (0..entries.len()).filter(|&k| counts(&entries[k])).collect();
         let last = entries.iter().map(|e| e.value_reference).max().unwrap_or(0) as usize;
         let mut by_reference = vec![None; last + 1];
         for (k, entry) in entries.iter().enumerate() {
             by_reference[entry.value_reference as usize] = Some(k as u32);
         }
         let token = token(name, &entries);
-        Declaration { name, description, groups, entries, states, indicators, token, by_reference }
+        Declaration {
+            name,
+            description,
+            groups,
+            entries,
+            states,
+            indicators,
+            dimensions,
+            token,
+            by_reference,
+        }
     }
 
     /// The variable with this value reference.
@@ -115,6 +133,11 @@ impl Declaration {
     pub fn by_reference(&self, value_reference: u32) -> Option<&Entry> {
         let k = (*self.by_reference.get(value_reference as usize)?)?;
         self.entries.get(k as usize)
+    }
+
+    /// Whether a variable says how many elements another has.
+    pub fn is_dimension(&self, entry: &Entry) -> bool {
+        self.dimensions.iter().any(|&k| self.entries[k].value_reference == entry.value_reference)
     }
 
     /// The variable with this name.
@@ -130,7 +153,7 @@ fn enter_states(entries: &mut Vec<Entry>, states: &'static [State]) -> Vec<[usiz
         for k in 0..state.elements.most() {
             let element = match state.elements {
                 Elements::One => None,
-                of => Some(Element { index: k + 1, of }),
+                of => Some(Element { index: k + 1, of, shown: state.shown }),
             };
             let name = match element {
                 None => state.value.name.to_string(),
@@ -214,6 +237,14 @@ impl Entry {
     /// Whether an importer may let the variable run along a slope.
     pub fn is_continuous_input(&self) -> bool {
         self.row.causality == Causality::Input && self.row.variability == Variability::Continuous
+    }
+
+    /// Whether an importer may read it, or set it, in the middle of a step: continuous inputs and outputs.
+    pub fn is_intermediate(&self) -> bool {
+        let shown = self.element.is_some_and(|element| element.shown) && self.slot.group == Slot::STATES;
+        self.row.kind == Kind::Real
+            && self.row.variability == Variability::Continuous
+            && (shown || matches!(self.row.causality, Causality::Input | Causality::Output))
     }
 
     /// Whether it is for others to set: an input or a parameter.

@@ -7,8 +7,12 @@ use physics::declare::Kind;
 use physics::model::{Declaration, Entry};
 use std::io;
 
-const CAN_EXCHANGE: &[&str] =
-    &["canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate"];
+const CAN_EXCHANGE: &[&str] = &[
+    "canNotUseMemoryManagementFunctions",
+    "canGetAndSetFMUstate",
+    "canSerializeFMUstate",
+    "providesDirectionalDerivative",
+];
 
 const CAN: &[&str] = &[
     "canHandleVariableCommunicationStepSize",
@@ -16,6 +20,7 @@ const CAN: &[&str] = &[
     "canNotUseMemoryManagementFunctions",
     "canGetAndSetFMUstate",
     "canSerializeFMUstate",
+    "providesDirectionalDerivative",
 ];
 
 /// The text of modelDescription.xml of an archive with these start values and dependencies.
@@ -29,7 +34,9 @@ pub fn model_description(
     let listed = Listed::new(declaration, starts);
     xml::document("fmiModelDescription", &root, |xml| {
         empty(xml, "ModelExchange", &xml::interface(declaration, CAN_EXCHANGE))?;
-        empty(xml, "CoSimulation", &xml::interface(declaration, CAN))?;
+        let mut stepping = xml::interface(declaration, CAN);
+        stepping.push(("maxOutputDerivativeOrder", "1".to_string()));
+        empty(xml, "CoSimulation", &stepping)?;
         xml::unit_definitions(xml, declaration)?;
         xml::type_definitions(xml, declaration, |xml, attributes, items| {
             element(xml, "SimpleType", attributes, |xml| element(xml, "Enumeration", &vec![], items))

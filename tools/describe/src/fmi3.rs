@@ -1,16 +1,32 @@
 //! The FMI 3.0 model description of a model.
+//!
+//! Elements of one row are one array with the reference of the first; the parameter that counts them is structural.
 
-use crate::Dependencies;
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
-use physics::declare::Kind;
-use physics::model::{Declaration, Entry};
+use crate::{Dependencies, Unknown};
+use physics::declare::{Elements, Kind};
+use physics::model::{Declaration, Entry, Slot, TIME};
 use std::io;
 
-const CAN_EXCHANGE: &[&str] = &["canGetAndSetFMUState", "canSerializeFMUState"];
+const CAN_EXCHANGE: &[&str] = &[
+    "canGetAndSetFMUState",
+    "canSerializeFMUState",
+    "providesDirectionalDerivatives",
+    "providesAdjointDerivatives",
+];
 
-const CAN: &[&str] =
-    &["canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"];
+const CAN: &[&str] = &[
+    "canGetAndSetFMUState",
+    "canSerializeFMUState",
+    "canHandleVariableCommunicationStepSize",
+    "providesDirectionalDerivatives",
+    "providesAdjointDerivatives",
+    "providesIntermediateUpdate",
+    "mightReturnEarlyFromDoStep",
+    "canReturnEarlyAfterIntermediateUpdate",
+    "hasEventMode",
+];
 
 /// The text of modelDescription.xml of an archive with these start values and dependencies.
 pub fn model_description(
@@ -20,7 +36,9 @@ pub fn model_description(
 ) -> String {
     xml::document("fmiModelDescription", &xml::root("3.0", "instantiationToken", declaration), |xml| {
         empty(xml, "ModelExchange", &xml::interface(declaration, CAN_EXCHANGE))?;
-        empty(xml, "CoSimulation", &xml::interface(declaration, CAN))?;
+        let mut stepping = xml::interface(declaration, CAN);
+        stepping.push(("maxOutputDerivativeOrder", "1".to_string()));
+        empty(xml, "CoSimulation", &stepping)?;
         xml::unit_definitions(xml, declaration)?;
         xml::type_definitions(xml, declaration, |xml, attributes, items| {
             element(xml, "EnumerationType", attributes, items)
@@ -30,24 +48,29 @@ pub fn model_description(
         element(xml, "ModelVariables", &vec![], |xml| {
             let time = [xml::time_attributes(), vec![("unit", "s".to_string())]].concat();
             empty(xml, "Float64", &time)?;
-            let listed = declaration.entries.iter().filter(|entry| starts.shows(declaration, entry));
+            let listed = declaration.entries.iter().filter(|entry| is_first(entry));
             listed.into_iter().try_for_each(|entry| variable(xml, declaration, entry, starts))
         })?;
         element(xml, "ModelStructure", &vec![], |xml| {
-            let reference = |k: usize| u64::from(declaration.entries[k].value_reference);
+            let arrays = declaration
+                .states
+                .iter()
+                .map(|[state, _]| *state)
+                .filter(|&k| is_output(&declaration.entries[k]));
+            // An array of states that is an output shows these states and nothing else.
+            let shown = arrays.map(|entry| Unknown { entry, on: vec![entry], on_time: false });
+            let outputs: Vec<Unknown> = found.outputs.iter().cloned().chain(shown).collect();
             let lists = [
-                ("Output", &found.outputs),
+                ("Output", &outputs),
                 ("ContinuousStateDerivative", &found.rates),
                 ("InitialUnknown", &found.initial),
                 ("EventIndicator", &found.indicators),
             ];
             for (name, unknowns) in lists {
-                for unknown in unknowns {
-                    let time = unknown.on_time.then_some(u64::from(physics::model::TIME));
-                    let on = time.into_iter().chain(unknown.on.iter().map(|k| reference(*k)));
+                for (reference, on) in whole(declaration, starts, unknowns) {
                     let attributes = vec![
-                        ("valueReference", reference(unknown.entry).to_string()),
-                        ("dependencies", list(on)),
+                        ("valueReference", reference.to_string()),
+                        ("dependencies", list(on.into_iter().map(u64::from))),
                     ];
                     empty(xml, name, &attributes)?;
                 }
@@ -57,10 +80,57 @@ pub fn model_description(
     })
 }
 
+/// Whether an entry is a scalar, or the first element and with that the whole array.
+fn is_first(entry: &Entry) -> bool {
+    entry.element.is_none_or(|element| element.index == 1)
+}
+
+/// Whether an entry is an element of an array of states that is an output.
+fn is_output(entry: &Entry) -> bool {
+    entry.slot.group == Slot::STATES && entry.element.is_some_and(|element| element.shown)
+}
+
+/// The value reference of the variable that an entry is, or is an element of.
+fn reference(entry: &Entry) -> u32 {
+    entry.element.map_or(entry.value_reference, |element| entry.value_reference + 1 - element.index)
+}
+
+/// Variables and what they depend on, by value reference: of arrays what any element does.
+fn whole(declaration: &Declaration, starts: &StartValues, unknowns: &[Unknown]) -> Vec<(u32, Vec<u32>)> {
+    let entry = |k: usize| &declaration.entries[k];
+    let mut all: Vec<(u32, Vec<u32>)> = Vec::new();
+    for unknown in unknowns.iter().filter(|unknown| starts.shows(declaration, entry(unknown.entry))) {
+        let of = reference(entry(unknown.entry));
+        let place = all.iter().position(|(there, _)| *there == of).unwrap_or_else(|| {
+            all.push((of, Vec::new()));
+            all.len() - 1
+        });
+        let on = &mut all[place].1;
+        let time = unknown.on_time.then_some(TIME);
+        for known in time.into_iter().chain(unknown.on.iter().map(|&k| reference(entry(k)))) {
+            if !on.contains(&known) {
+                on.push(known);
+            }
+        }
+    }
+    all
+}
+
 fn variable(xml: &mut Xml, declaration: &Declaration, entry: &Entry, starts: &StartValues) -> io::Result<()> {
-    let mut attributes = xml::variable_attributes(entry);
+    let name = if entry.element.is_some() { entry.row.name } else { &entry.name };
+    let causality = if declaration.is_dimension(entry) {
+        "structuralParameter"
+    } else if is_output(entry) {
+        "output"
+    } else {
+        xml::causality(entry)
+    };
+    let mut attributes = xml::attributes_of(entry, name, causality);
+    if entry.is_intermediate() {
+        attributes.push(("intermediateUpdate", "true".to_string()));
+    }
     let start = xml::start_attribute(entry, starts);
-    let element = match entry.row.kind {
+    let kind = match entry.row.kind {
         Kind::Real => {
             attributes.extend(xml::real_attributes(entry, starts));
             if let Some(state) = xml::state_of(declaration, entry) {
@@ -70,7 +140,7 @@ fn variable(xml: &mut Xml, declaration: &Declaration, entry: &Entry, starts: &St
         }
         Kind::Integer => {
             attributes.extend(xml::integer_attributes(entry, starts));
-            "Int64"
+            if declaration.is_dimension(entry) { "UInt64" } else { "Int64" }
         }
         Kind::Boolean => {
             attributes.extend(start);
@@ -82,5 +152,13 @@ fn variable(xml: &mut Xml, declaration: &Declaration, entry: &Entry, starts: &St
             "Enumeration"
         }
     };
-    empty(xml, element, &attributes)
+    let Some(of) = entry.element.map(|element| element.of) else { return empty(xml, kind, &attributes) };
+    let size = match of {
+        Elements::UpTo(_, parameter) => {
+            let counts = declaration.by_name(parameter).map_or(TIME, |count| count.value_reference);
+            ("valueReference", counts.to_string())
+        }
+        fixed => ("start", fixed.most().to_string()),
+    };
+    element(xml, kind, &attributes, |xml| empty(xml, "Dimension", &vec![size]))
 }

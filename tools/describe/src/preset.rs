@@ -39,7 +39,7 @@ impl StartValues {
     /// as it says.
     pub fn shows(&self, declaration: &Declaration, entry: &Entry) -> bool {
         match entry.element {
-            Some(Element { index, of: Elements::UpTo(_, parameter) }) => {
+            Some(Element { index, of: Elements::UpTo(_, parameter), .. }) => {
                 declaration.by_name(parameter).is_some_and(|count| f64::from(index) <= self.of(count))
             }
             _ => true,

@@ -98,14 +98,19 @@ pub(crate) fn time_attributes() -> Attributes {
     ]
 }
 
-/// Name, reference, description and role of a variable.
+/// Name, reference, description and role of a variable of FMI 2, where an element is one by itself.
 pub(crate) fn variable_attributes(entry: &Entry) -> Attributes {
+    attributes_of(entry, &entry.name, causality(entry))
+}
+
+/// Name, reference, description and role of a variable that has this name and causality.
+pub(crate) fn attributes_of(entry: &Entry, name: &str, causality: &str) -> Attributes {
     let mut attributes = vec![
-        ("name", entry.name.clone()),
+        ("name", name.to_string()),
         ("valueReference", entry.value_reference.to_string()),
         ("description", description(entry.row.doc)),
     ];
-    attributes.extend(role_attributes(entry));
+    attributes.extend(role_attributes(entry, causality));
     attributes
 }
 
@@ -216,14 +221,18 @@ fn limit_attributes(entry: &Entry) -> impl Iterator<Item = (&'static str, String
     limits.into_iter().filter(|(_, limit)| limit.is_finite()).map(|(name, limit)| (name, number(limit)))
 }
 
-/// Causality, variability and, where it is to be stated, `initial`.
-fn role_attributes(entry: &Entry) -> Attributes {
-    let causality = match entry.row.causality {
+/// The declared causality.
+pub(crate) fn causality(entry: &Entry) -> &'static str {
+    match entry.row.causality {
         Causality::Parameter => "parameter",
         Causality::Input => "input",
         Causality::Output => "output",
         Causality::Local => "local",
-    };
+    }
+}
+
+/// Causality, variability and, where it is to be stated, `initial`.
+fn role_attributes(entry: &Entry, causality: &str) -> Attributes {
     let variability = match entry.row.variability {
         Variability::Fixed => "fixed",
         Variability::Tunable => "tunable",

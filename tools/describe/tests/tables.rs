@@ -119,7 +119,7 @@ fn dependencies_are_the_physics() {
     assert!(drifts("heat_to_ambient") && !drifts("current"));
 }
 
-/// As many segments as the start values say, each with its derivative, in both standards.
+/// As many segments as the start values say: each with its derivative in FMI 2, as one array with a structural parameter in FMI 3.
 #[test]
 fn segments_are_counted_by_the_start_values() {
     let kind = &models::ALL[0];
@@ -128,13 +128,30 @@ fn segments_are_counted_by_the_start_values() {
     let starts = Preset::parse(preset, "x.toml").unwrap().starts;
     let found = Dependencies::of(kind, &[], &starts);
     assert_eq!(found.rates.len(), 14 + 11);
-    for text in [
-        fmi2::model_description(declaration, &starts, &found),
-        fmi3::model_description(declaration, &starts, &found),
-    ] {
-        assert!(text.contains("\"T_housing[11]\"") && text.contains("\"der(T_housing[11])\""));
-        assert!(!text.contains("T_housing[12]"));
+    let two = fmi2::model_description(declaration, &starts, &found);
+    assert!(two.contains("\"T_housing[11]\"") && two.contains("\"der(T_housing[11])\""));
+    assert!(!two.contains("T_housing[12]"));
+    let three = fmi3::model_description(declaration, &starts, &found);
+    assert!(!three.contains("T_housing["));
+    let line = |start: &str| three.lines().filter(|l| l.contains(start)).map(str::trim).collect::<Vec<_>>();
+    let size = line("name=\"air_segments\"")[0];
+    assert!(size.starts_with("<UInt64 ") && size.contains("causality=\"structuralParameter\""), "{size}");
+    assert!(size.ends_with("min=\"1\" max=\"64\" start=\"11\"/>"), "{size}");
+    let (state, rate) = (line("name=\"T_housing\"")[0], line("name=\"der(T_housing)\"")[0]);
+    assert!(
+        state.contains("causality=\"output\"") && state.contains("intermediateUpdate=\"true\""),
+        "{state}"
+    );
+    assert!(rate.contains("causality=\"local\"") && rate.contains("derivative=\"721\""), "{rate}");
+    assert_eq!(line("<Dimension valueReference=\"84\"/>").len(), 2);
+    assert_eq!(line("<Dimension start=\"3\"/>").len(), 2, "the phases and their rates");
+    // One entry for the array, and each reference once.
+    for (list, reference) in [("Output", 721), ("ContinuousStateDerivative", 821), ("InitialUnknown", 821)] {
+        assert_eq!(line(&format!("<{list} valueReference=\"{reference}\" ")).len(), 1, "{list}");
     }
+    assert!(line("<Output valueReference=\"721\"")[0].contains("dependencies=\"721\""));
+    let on = line("<ContinuousStateDerivative valueReference=\"821\"")[0];
+    assert_eq!(on.matches(" 721").count(), 1, "{on}");
 }
 
 /// FMI 2 counts variables from 1, FMI 3 names them by reference; each derivative names its own state.

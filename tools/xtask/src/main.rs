@@ -5,6 +5,7 @@ mod blind;
 mod cross;
 mod demo;
 mod describe;
+mod fuzz;
 mod importers;
 mod licenses;
 mod mutants;
@@ -44,6 +45,11 @@ const COMMANDS: &[Command] = &[
         "blind",
         "a hundred and more synthetic benches through the closed loop, into docs/blind-suite.md",
         blind::run,
+    ),
+    (
+        "fuzz",
+        "calls without order into both C interfaces, --seconds 60 for each model; --valgrind watches memory",
+        fuzz::run,
     ),
     ("importers", "the archives in other people's Rust importers", importers::run),
     (

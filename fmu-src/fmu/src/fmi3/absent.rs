@@ -2,7 +2,7 @@
 
 use super::{Boolean, InstanceHandle};
 use crate::boundary::{Refused, Wanted, enter, hand_out};
-use crate::instance::Interface;
+use crate::instance::{Interface, Part, Standard};
 use crate::logger::{Logger3, Status};
 use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
@@ -33,7 +33,9 @@ unsafe fn refuse_to_make(
     unsafe {
         hand_out(Wanted {
             function,
+            standard: Standard::Three,
             interface: Interface::CoSimulation,
+            part: Part::default(),
             name,
             token: std::ptr::null(),
             resources: std::ptr::null(),
@@ -68,38 +70,6 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
             log_message,
         )
     }
-}
-
-absent! {
-    "event mode is not in this FMU's Co-Simulation (hasEventMode is false).";
-    /// Enter step mode.
-    fmi3EnterStepMode();
-}
-
-absent! {
-    "there are no structural parameters in this FMU.";
-    /// Enter configuration mode.
-    fmi3EnterConfigurationMode();
-    /// Exit configuration mode.
-    fmi3ExitConfigurationMode();
-}
-
-absent! {
-    "derivatives are not provided; modelDescription.xml says so.";
-    /// Get directional derivative.
-    fmi3GetDirectionalDerivative(
-        _unknowns: *const u32, _n_unknowns: usize, _knowns: *const u32, _n_knowns: usize,
-        _seed: *const f64, _n_seed: usize, _sensitivity: *mut f64, _n_sensitivity: usize
-    );
-    /// Get adjoint derivative.
-    fmi3GetAdjointDerivative(
-        _unknowns: *const u32, _n_unknowns: usize, _knowns: *const u32, _n_knowns: usize,
-        _seed: *const f64, _n_seed: usize, _sensitivity: *mut f64, _n_sensitivity: usize
-    );
-    /// Get output derivatives.
-    fmi3GetOutputDerivatives(
-        _vr: *const u32, _n: usize, _orders: *const i32, _values: *mut f64, _n_values: usize
-    );
 }
 
 absent! {

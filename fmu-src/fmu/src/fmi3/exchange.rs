@@ -2,7 +2,7 @@
 
 use super::{Boolean, InstanceHandle, sink};
 use crate::boundary::{Outcome, Wanted, array, array_mut, enter, hand_out, place, write};
-use crate::instance::{Instance, Interface};
+use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Logger3, Status};
 use crate::resources::of_path;
 use std::ffi::{c_char, c_void};
@@ -22,7 +22,9 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     unsafe {
         hand_out(Wanted {
             function: "fmi3InstantiateModelExchange",
+            standard: Standard::Three,
             interface: Interface::ModelExchange,
+            part: Part::default(),
             name,
             token,
             resources,
@@ -55,13 +57,13 @@ unsafe fn exchange(
 /// Begins an event.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterEventMode(instance: InstanceHandle) -> Status {
-    unsafe { exchange(instance, "fmi3EnterEventMode", Instance::enter_event) }
+    unsafe { enter(instance, "fmi3EnterEventMode", Instance::enter_event) }
 }
 
 /// Evaluates discrete states; they follow [`fmi3UpdateDiscreteStates`] alone, so that nothing is to be done.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EvaluateDiscreteStates(instance: InstanceHandle) -> Status {
-    unsafe { exchange(instance, "fmi3EvaluateDiscreteStates", |i| i.require_event()) }
+    unsafe { enter(instance, "fmi3EvaluateDiscreteStates", |i| i.require_event()) }
 }
 
 /// Lets what is held between events follow.
@@ -76,7 +78,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     next_event: *mut f64,
 ) -> Status {
     unsafe {
-        exchange(instance, "fmi3UpdateDiscreteStates", |i| {
+        enter(instance, "fmi3UpdateDiscreteStates", |i| {
             let update = i.update()?;
             write(need_update, 0);
             write(terminate, 0);

@@ -1,19 +1,11 @@
-//! FMI 3.0 getters and setters. Float64, Int64 (whole numbers and enumerations) and Boolean have variables, the
-//! other types have none and say so.
+//! FMI 3.0 getters and setters. Float64, Int64 (whole numbers and enumerations), UInt64 (sizes of arrays) and Boolean have
+//! variables, the other types have none and say so. The elements of an array follow one another.
 
 use super::{Boolean, InstanceHandle};
-use crate::boundary::{Outcome, Refused, array, array_mut, enter};
+use crate::boundary::{array, array_mut, enter};
 use crate::instance::Type;
 use crate::logger::Status;
 use std::ffi::c_char;
-
-/// All variables are scalar: as many values as references.
-fn same_length(references: usize, values: usize) -> Outcome {
-    if references == values {
-        return Ok(());
-    }
-    Err(Refused::error(format!("{references} scalar variables have {references} values and not {values}.")))
-}
 
 /// Getter and setter of one type.
 macro_rules! values {
@@ -26,9 +18,8 @@ macro_rules! values {
             // SAFETY: as the crate's documentation says; so for every block below.
             unsafe {
                 enter(instance, stringify!($get), |i| {
-                    same_length(n, n_values)?;
-                    let (vr, value) = (array(vr, n, "valueReferences")?, array_mut(value, n, "values")?);
-                    i.get(vr, $of, |k, number| value[k] = $from(number))
+                    let (vr, value) = (array(vr, n, "valueReferences")?, array_mut(value, n_values, "values")?);
+                    i.get(vr, $of, n_values, |k, number| value[k] = $from(number))
                 })
             }
         }
@@ -40,9 +31,8 @@ macro_rules! values {
         ) -> Status {
             unsafe {
                 enter(instance, stringify!($set), |i| {
-                    same_length(n, n_values)?;
-                    let (vr, value) = (array(vr, n, "valueReferences")?, array(value, n, "values")?);
-                    i.set(vr, $of, |k| $to(value[k]))
+                    let (vr, value) = (array(vr, n, "valueReferences")?, array(value, n_values, "values")?);
+                    i.set(vr, $of, n_values, |k| $to(value[k]))
                 })
             }
         }
@@ -65,7 +55,7 @@ values! {
     fmi3GetUInt16, fmi3SetUInt16, u16, Type::Absent("UInt16"), |_| 0, none;
     fmi3GetInt32, fmi3SetInt32, i32, Type::Absent("Int32"), |_| 0, none;
     fmi3GetUInt32, fmi3SetUInt32, u32, Type::Absent("UInt32"), |_| 0, none;
-    fmi3GetUInt64, fmi3SetUInt64, u64, Type::Absent("UInt64"), |_| 0, none;
+    fmi3GetUInt64, fmi3SetUInt64, u64, Type::Size, |x| x as u64, |x| x as f64;
     fmi3GetString, fmi3SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), none;
 }
 
@@ -81,8 +71,7 @@ pub unsafe extern "C" fn fmi3GetBinary(
 ) -> Status {
     unsafe {
         enter(instance, "fmi3GetBinary", |i| {
-            same_length(n, n_values)?;
-            i.get(array(vr, n, "valueReferences")?, Type::Absent("Binary"), |_, _| {})
+            i.get(array(vr, n, "valueReferences")?, Type::Absent("Binary"), n_values, |_, _| {})
         })
     }
 }
@@ -99,8 +88,7 @@ pub unsafe extern "C" fn fmi3SetBinary(
 ) -> Status {
     unsafe {
         enter(instance, "fmi3SetBinary", |i| {
-            same_length(n, n_values)?;
-            i.set(array(vr, n, "valueReferences")?, Type::Absent("Binary"), none)
+            i.set(array(vr, n, "valueReferences")?, Type::Absent("Binary"), n_values, none)
         })
     }
 }
@@ -115,7 +103,7 @@ pub unsafe extern "C" fn fmi3GetClock(
 ) -> Status {
     unsafe {
         enter(instance, "fmi3GetClock", |i| {
-            i.get(array(vr, n, "valueReferences")?, Type::Absent("Clock"), |_, _| {})
+            i.get(array(vr, n, "valueReferences")?, Type::Absent("Clock"), n, |_, _| {})
         })
     }
 }
@@ -130,7 +118,7 @@ pub unsafe extern "C" fn fmi3SetClock(
 ) -> Status {
     unsafe {
         enter(instance, "fmi3SetClock", |i| {
-            i.set(array(vr, n, "valueReferences")?, Type::Absent("Clock"), none)
+            i.set(array(vr, n, "valueReferences")?, Type::Absent("Clock"), n, none)
         })
     }
 }

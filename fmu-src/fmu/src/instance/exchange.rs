@@ -2,7 +2,6 @@
 
 use super::{Instance, Mode};
 use crate::boundary::{Outcome, Refused};
-use physics::exchange::Update;
 use physics::model::Fault;
 
 /// Where derivatives, states and indicators may be read.
@@ -23,7 +22,7 @@ impl Instance {
     /// Number of continuous states.
     pub fn number_of_states(&self) -> usize {
         let declaration = self.model.declaration();
-        declaration.states.iter().filter(|[state, _]| self.shows(&declaration.entries[*state])).count()
+        declaration.states.iter().filter(|[state, _]| self.holds(&declaration.entries[*state])).count()
     }
 
     /// Number of event indicators.
@@ -31,17 +30,12 @@ impl Instance {
         self.model.declaration().indicators.len()
     }
 
-    /// Event or continuous-time mode -> event mode.
+    /// Event, continuous-time or step mode -> event mode.
     pub fn enter_event(&mut self) -> Outcome {
-        self.require(&[Mode::Event, Mode::Continuous])?;
+        self.require_events()?;
+        self.require(&[Mode::Event, Mode::Continuous, Mode::Step])?;
         self.mode = Mode::Event;
         Ok(())
-    }
-
-    /// Lets what is held between events follow.
-    pub fn update(&mut self) -> Outcome<Update> {
-        self.require(&[Mode::Event])?;
-        Ok(self.model.update())
     }
 
     /// Event -> continuous-time mode.

@@ -3,6 +3,15 @@
 use physics::declare::Kind;
 use physics::model::Entry;
 
+/// Which standard an importer speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standard {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
 /// Who integrates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -36,10 +45,14 @@ pub enum Mode {
     Terminated = 3,
     /// An internal failure left it in doubt.
     Broken = 4,
-    /// At an event of Model Exchange.
+    /// At an event.
     Event = 5,
     /// Between events of Model Exchange.
     Continuous = 6,
+    /// Before initialization, where sizes of arrays are chosen.
+    Configuration = 7,
+    /// In the middle of a step, while the importer looks in.
+    Intermediate = 8,
 }
 
 impl Mode {
@@ -57,13 +70,22 @@ impl Mode {
             Mode::Broken => "broken by an internal failure",
             Mode::Event => "in event mode",
             Mode::Continuous => "in continuous-time mode",
+            Mode::Configuration => "in configuration mode",
+            Mode::Intermediate => "in the middle of a step",
         }
     }
 }
 
-/// Every mode but the one of a failure.
-pub(super) const LIVING: &[Mode] =
-    &[Mode::Instantiated, Mode::Initialization, Mode::Step, Mode::Terminated, Mode::Event, Mode::Continuous];
+/// Every mode in which an instance can be saved: not after a failure, nor in the middle of a step.
+pub(super) const LIVING: &[Mode] = &[
+    Mode::Instantiated,
+    Mode::Initialization,
+    Mode::Step,
+    Mode::Terminated,
+    Mode::Event,
+    Mode::Continuous,
+    Mode::Configuration,
+];
 
 /// Which of the interface's types a call speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +94,8 @@ pub enum Type {
     Real,
     /// FMI 2 Integer, FMI 3 Int64: whole numbers and enumerations.
     Integer,
+    /// FMI 3 UInt64: sizes of arrays.
+    Size,
     /// Boolean.
     Boolean,
     /// A type that no variable has, with its name.
@@ -91,6 +115,7 @@ impl Type {
         match self {
             Type::Real => "Real (Float64)",
             Type::Integer => "Integer (Int64)",
+            Type::Size => "UInt64",
             Type::Boolean => "Boolean",
             Type::Absent(name) => name,
         }

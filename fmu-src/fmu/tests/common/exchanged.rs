@@ -8,7 +8,45 @@ use std::ptr::null;
 
 /// States of a model as its archive shows them.
 pub fn count(kind: &ModelType) -> usize {
-    if kind.name() == "AnnulusCooledMotor" { 22 } else { 11 }
+    match kind.name() {
+        "AnnulusCooledMotor" => 22,
+        "BrushedGearmotor" => 11,
+        "SeriesElasticActuator" => 8,
+        "GaitLoad" => 2,
+        other => panic!("how many states has {other}?"),
+    }
+}
+
+/// Something of a model in every role: an input, an output, a tunable parameter, a state.
+pub struct Some {
+    pub input: &'static str,
+    pub output: &'static str,
+    pub parameter: &'static str,
+    pub state: &'static str,
+}
+
+/// Something of a model.
+pub fn some(kind: &ModelType) -> Some {
+    match kind.name() {
+        "SeriesElasticActuator" => Some {
+            input: "torque_demand",
+            output: "joint_torque",
+            parameter: "spring.damping",
+            state: "state.demand",
+        },
+        "GaitLoad" => Some {
+            input: "joint_torque",
+            output: "tracking_error",
+            parameter: "gait.support",
+            state: "state.stride",
+        },
+        _ => Some {
+            input: "load_torque",
+            output: "shaft_torque",
+            parameter: "effect.viscous_friction.k",
+            state: "state.shaft_angle",
+        },
+    }
 }
 
 pub trait Named {
@@ -122,15 +160,15 @@ impl Exchanged {
         rates
     }
 
-    pub fn indicators(&self) -> [f64; 2] {
-        let mut z = [f64::NAN; 2];
-        assert_eq!(unsafe { fmi2GetEventIndicators(self.c, z.as_mut_ptr(), 2) }, Status::Ok);
+    pub fn indicators(&self) -> Vec<f64> {
+        let mut z = vec![f64::NAN; self.kind.declared().indicators.len()];
+        assert_eq!(unsafe { fmi2GetEventIndicators(self.c, z.as_mut_ptr(), z.len()) }, Status::Ok);
         z
     }
 
     /// Everything that can be read, bit for bit.
     pub fn all(&self) -> Vec<u64> {
-        let mut all = [self.states(), self.rates(), self.indicators().to_vec()].concat();
+        let mut all = [self.states(), self.rates(), self.indicators()].concat();
         let outputs = self.kind.declared().entries.iter().filter(|e| {
             e.row.causality == physics::declare::Causality::Output
                 && e.row.kind == physics::declare::Kind::Real

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test file uses its share
 
 pub mod exchanged;
+pub mod three;
 
 use motor_fmu::fmi2::*;
 use motor_fmu::logger::Status;

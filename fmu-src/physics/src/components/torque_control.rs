@@ -95,8 +95,10 @@ impl TorqueControl {
         let wanted = (seen.feed_forward + friction + feedback) / self.k_t;
         let [speed, measured] = seen.motor;
         let emf = self.k_t * speed;
-        let low = (-self.current_max).max((-seen.supply - emf) / self.R);
-        let high = self.current_max.min((seen.supply - emf) / self.R);
+        // A slope may have led the supply below nothing, which is nothing.
+        let supply = seen.supply.max(0.0);
+        let low = (-self.current_max).max((-supply - emf) / self.R);
+        let high = self.current_max.min((supply - emf) / self.R);
         // A motor that overhauls its supply leaves no current that fits; then it brakes with what the drive can.
         let current = if low <= high {
             wanted.clamp(low, high)
@@ -104,7 +106,7 @@ impl TorqueControl {
             (0.5 * (low + high)).clamp(-self.current_max, self.current_max)
         };
         let voltage = self.R * current + emf + states[1];
-        let limited = voltage.clamp(-seen.supply, seen.supply);
+        let limited = voltage.clamp(-supply, supply);
         let integral = TAU * self.current_bandwidth * (self.R * (current - measured) + limited - voltage);
         Command {
             current: [wanted, current],
@@ -138,6 +140,13 @@ mod tests {
         assert!((c.current[1] - 0.2 / 0.0276).abs() < 1e-12);
         assert!((c.voltage[1] - 0.386 * 0.2 / 0.0276).abs() < 1e-12);
         assert!(c.rates.iter().all(|r| r.abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_supply_below_nothing_gives_nothing() {
+        let control = TorqueControl::default();
+        let gone = |supply| control.command(&Seen { supply, ..seen() }, [50.0, 0.0]).voltage[1];
+        assert_eq!((gone(-48.0), gone(0.0)), (0.0, 0.0));
     }
 
     /// 1 N.m short: J (N/k) w0^2 / k_t = 33.3e-7 * (2 pi 40)^2 / 0.0276 = 7.6211 A more.

@@ -104,6 +104,7 @@ impl AnnulusCooledMotor {
 impl Exchange for AnnulusCooledMotor {
     fn hand_over(&mut self) {
         self.held = Some(Held::NONE);
+        self.hold_start();
     }
 
     fn read_states(&self, out: &mut [f64]) {
@@ -116,12 +117,18 @@ impl Exchange for AnnulusCooledMotor {
     }
 
     fn write_states(&mut self, states: &[f64]) {
-        let Some(mut held) = self.held else { return };
-        held.states[..states.len()].copy_from_slice(states);
-        for (k, &value) in states.iter().enumerate().filter(|(k, _)| held.moving[*k]) {
-            self.put_state(k, value);
+        for (k, &value) in states.iter().enumerate() {
+            let moves = match &mut self.held {
+                Some(held) => {
+                    held.states[k] = value;
+                    held.moving[k]
+                }
+                None => self.moves(k),
+            };
+            if moves {
+                self.put_state(k, value);
+            }
         }
-        self.held = Some(held);
         self.follow_states();
     }
 
@@ -171,6 +178,10 @@ impl Exchange for AnnulusCooledMotor {
         held.over_temperature = is_above(excess, self.all_rates().map_or(0.0, |rates| self.warming(&rates)));
         self.held = Some(held);
         self.follow_states();
-        Update { states_changed, next_event: self.parameters.effects.next_event(self.time) }
+        Update { states_changed, next_event: Exchange::next_event(self) }
+    }
+
+    fn next_event(&self) -> f64 {
+        self.parameters.effects.next_event(self.time)
     }
 }

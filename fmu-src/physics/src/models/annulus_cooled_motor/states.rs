@@ -42,7 +42,7 @@ states! {
         /// Temperature of each segment of the housing, from where the air enters; stands still in cooling_mode
         /// conductance, but for the first with effect.stator_node, which is then the whole housing
         "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0)
-            .elements(Elements::UpTo(SEGMENTS as u32, "air_segments")),
+            .elements(Elements::UpTo(SEGMENTS as u32, "air_segments")).shown(),
     }
 }
 

@@ -119,6 +119,7 @@ impl BrushedGearmotor {
 impl Exchange for BrushedGearmotor {
     fn hand_over(&mut self) {
         self.held = Some(Held::NONE);
+        self.update();
     }
 
     fn read_states(&self, out: &mut [f64]) {
@@ -155,6 +156,10 @@ impl Exchange for BrushedGearmotor {
             });
             self.outputs_are_stale = true;
         }
-        Update { states_changed: false, next_event: self.parameters.effects.next_event(self.time) }
+        Update { states_changed: false, next_event: Exchange::next_event(self) }
+    }
+
+    fn next_event(&self) -> f64 {
+        self.parameters.effects.next_event(self.time)
     }
 }

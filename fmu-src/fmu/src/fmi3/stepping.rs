@@ -1,0 +1,126 @@
+//! FMI 3.0: Co-Simulation, with events, early return and looks into steps where the importer takes part in them.
+
+use super::{Boolean, InstanceHandle, sink};
+use crate::boundary::{Wanted, array, enter, hand_out, write};
+use crate::instance::{Course, Ended, Instance, Interface, IntermediateUpdate, Look, Part, Standard};
+use crate::life_cycle;
+use crate::logger::{Logger3, Status};
+use crate::resources::of_path;
+use std::ffi::{c_char, c_void};
+
+/// Makes an instance for Co-Simulation.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
+    name: *const c_char,
+    token: *const c_char,
+    resources: *const c_char,
+    _visible: Boolean,
+    logging_on: Boolean,
+    event_mode_used: Boolean,
+    early_return_allowed: Boolean,
+    intermediate: *const u32,
+    n_intermediate: usize,
+    environment: *mut c_void,
+    log_message: Option<Logger3>,
+    intermediate_update: Option<IntermediateUpdate>,
+) -> InstanceHandle {
+    // SAFETY: as the crate's documentation says; so for every block below.
+    let references = unsafe { array(intermediate, n_intermediate, "requiredIntermediateVariables") };
+    let (references, beyond) = match (references, intermediate_update) {
+        (Err(refused), _) => (Vec::new(), Some(refused.message)),
+        (Ok([_, ..]), None) => {
+            (Vec::new(), Some("there are intermediate variables and no intermediateUpdate.".to_string()))
+        }
+        (Ok(references), _) => (references.to_vec(), None),
+    };
+    let look = intermediate_update.map(|callback| Look { callback, environment, references });
+    let part = Part { event_mode: event_mode_used != 0, early_return: early_return_allowed != 0, look };
+    unsafe {
+        hand_out(Wanted {
+            function: "fmi3InstantiateCoSimulation",
+            standard: Standard::Three,
+            interface: Interface::CoSimulation,
+            part,
+            name,
+            token,
+            resources,
+            locate: of_path,
+            sink: sink(log_message, environment),
+            logging_on: logging_on != 0,
+            beyond,
+        })
+    }
+}
+
+life_cycle! {
+    /// Ends an event of Co-Simulation.
+    fmi3EnterStepMode => enter_step;
+}
+
+/// Steps.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3DoStep(
+    instance: InstanceHandle,
+    at: f64,
+    h: f64,
+    _no_set_state_prior: Boolean,
+    event_handling_needed: *mut Boolean,
+    terminate_simulation: *mut Boolean,
+    early_return: *mut Boolean,
+    last_successful_time: *mut f64,
+) -> Status {
+    let mut course = None;
+    let mut ended = Ended::default();
+    unsafe {
+        let mut status = enter(instance, "fmi3DoStep", |i| {
+            let outcome = if i.is_looked_into() {
+                i.begin(at, h).map(|begun| course = Some(begun))
+            } else {
+                i.stride(at, h).map(|there| ended = there)
+            };
+            write(last_successful_time, i.time());
+            outcome
+        });
+        if let (Some(course), Status::Ok) = (&mut course, status) {
+            status = look_on(instance, course, last_successful_time);
+            ended = course.ended;
+        }
+        write(event_handling_needed, Boolean::from(ended.event));
+        write(terminate_simulation, 0);
+        write(early_return, Boolean::from(ended.early));
+        status
+    }
+}
+
+/// Takes a step part by part. The importer looks in while nothing here refers to the instance.
+unsafe fn look_on(instance: InstanceHandle, course: &mut Course, last_successful_time: *mut f64) -> Status {
+    loop {
+        let mut view = None;
+        let status = unsafe {
+            enter(instance, "fmi3DoStep", |i| {
+                let outcome = i.part(course).map(|seen| view = seen);
+                write(last_successful_time, i.time());
+                outcome
+            })
+        };
+        let Some(view) = view else { return status };
+        let (mut requested, mut until) = (0, view.time);
+        unsafe {
+            (view.callback)(
+                view.environment,
+                view.time,
+                Boolean::from(view.sets),
+                1,
+                1,
+                Boolean::from(view.may_return),
+                &mut requested,
+                &mut until,
+            );
+        }
+        let until = (requested != 0 && view.may_return).then_some(until);
+        let status = unsafe { enter(instance, "fmi3DoStep", |i| Instance::looked(i, course, until)) };
+        if status != Status::Ok {
+            return status;
+        }
+    }
+}

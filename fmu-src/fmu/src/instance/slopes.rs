@@ -1,0 +1,185 @@
+//! Directional and adjoint derivatives: what may be asked for, and of what (`physics/src/slopes.rs` takes them).
+
+use super::{Instance, Interface, Mode, Type};
+use crate::boundary::{Outcome, Refused};
+use physics::declare::{Causality, Kind, Variability};
+use physics::model::{Entry, Slot, TIME};
+use physics::slopes::{Known, Move, Slope, Slopes, Unknown};
+
+/// Where derivatives may be asked for.
+const READABLE: &[Mode] =
+    &[Mode::Initialization, Mode::Step, Mode::Event, Mode::Continuous, Mode::Terminated];
+/// Uncertainty of a derivative that is given out, of itself.
+const RELATIVE: f64 = 1e-6;
+/// The same by what it makes of the unknown, as a share of its nominal value, where a known moves by its own.
+const OF_NOMINAL: f64 = 1e-7;
+/// Uncertainty, of itself, of a slope that is rounding: so small that it is let through, and known to no third digit.
+const ROUNDING: f64 = 1e-3;
+
+/// As many numbers as there are values.
+fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
+    if there == wanted {
+        return Ok(());
+    }
+    Err(Refused::error(format!("there are {there} {what} for {wanted} values.")))
+}
+
+impl Instance {
+    /// Derivatives of `unknowns` where each of `knowns` moves by its seed.
+    pub fn directional(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        out: &mut [f64],
+    ) -> Outcome {
+        self.ready(seed)?;
+        let (unknowns, knowns) = (self.unknowns(unknowns)?, self.knowns(knowns)?);
+        same_number("seeds", seed.len(), knowns.len())?;
+        same_number("places for derivatives", out.len(), unknowns.len())?;
+        let moves: Outcome<Vec<Move>> =
+            knowns.iter().zip(seed).map(|(known, &seed)| self.known(*known, seed)).collect();
+        let slopes = self.slopes(&moves?, &unknowns)?;
+        out.copy_from_slice(&slopes);
+        Ok(())
+    }
+
+    /// For each of `knowns` the sum over `unknowns` of their seed times their derivative.
+    pub fn adjoint(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome {
+        self.ready(seed)?;
+        let (unknowns, knowns) = (self.unknowns(unknowns)?, self.knowns(knowns)?);
+        same_number("seeds", seed.len(), unknowns.len())?;
+        same_number("places for derivatives", out.len(), knowns.len())?;
+        let moves: Outcome<Vec<Move>> = knowns.iter().map(|&known| self.known(known, 1.0)).collect();
+        for (place, one) in out.iter_mut().zip(moves?) {
+            let slopes = self.slopes(&[one], &unknowns)?;
+            *place = slopes.iter().zip(seed).map(|(slope, seed)| slope * seed).sum();
+        }
+        Ok(())
+    }
+
+    /// Derivatives of outputs with respect to time where a step has led, with the inputs held.
+    pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], out: &mut [f64]) -> Outcome {
+        self.require_interface(Interface::CoSimulation)?;
+        self.require(&[Mode::Step, Mode::Intermediate, Mode::Terminated])?;
+        let mut unknowns = Vec::with_capacity(out.len());
+        for (&reference, &order) in references.iter().zip(orders) {
+            let entry = self.entry(reference, Type::Real)?;
+            let shown =
+                entry.row.causality == Causality::Output || entry.is_intermediate() && !entry.is_settable();
+            if !shown {
+                return Err(Refused::error(format!("{} is no output.", entry.name)));
+            }
+            self.require_to_read(entry)?;
+            if order != 1 {
+                return Err(Refused::error(format!(
+                    "the derivative of order {order} of {} is not provided; order 1 is.",
+                    entry.name
+                )));
+            }
+            unknowns.extend(self.elements_of(entry));
+        }
+        same_number("places for derivatives", out.len(), unknowns.len())?;
+        let declaration = self.model.declaration();
+        let mut rates = vec![0.0; declaration.states.len()];
+        self.model.derivatives(&mut rates).map_err(|fault| Refused::discard(fault.0))?;
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut moves =
+            vec![Move { known: Known::Time, at: self.model.time(), seed: 1.0, size: 1.0, limits: free }];
+        for (k, (&[state, _], &seed)) in declaration.states.iter().zip(&rates).enumerate() {
+            let entry = &declaration.entries[state];
+            let at = self.model.get(entry.slot);
+            moves.push(Move { known: Known::State(k), at, seed, size: entry.row.nominal, limits: free });
+        }
+        out.copy_from_slice(&self.slopes(&moves, &unknowns)?);
+        Ok(())
+    }
+
+    fn ready(&mut self, seed: &[f64]) -> Outcome {
+        self.require(READABLE)?;
+        self.settle()?;
+        match seed.iter().find(|s| !s.is_finite()) {
+            Some(seed) => Err(Refused::discard(format!("the seed {seed} is not a finite number."))),
+            None => Ok(()),
+        }
+    }
+
+    fn unknowns(&self, references: &[u32]) -> Outcome<Vec<&'static Entry>> {
+        let mut all = Vec::with_capacity(references.len());
+        for &reference in references {
+            let entry = self.entry(reference, Type::Real)?;
+            if entry.is_settable() {
+                return Err(Refused::error(format!("{} is set and has no derivative.", entry.name)));
+            }
+            all.extend(self.elements_of(entry));
+        }
+        Ok(all)
+    }
+
+    /// Time is `None`.
+    fn knowns(&self, references: &[u32]) -> Outcome<Vec<Option<&'static Entry>>> {
+        let mut all = Vec::with_capacity(references.len());
+        for &reference in references {
+            if reference == TIME {
+                all.push(None);
+            } else {
+                all.extend(self.elements_of(self.entry(reference, Type::Real)?).map(Some));
+            }
+        }
+        Ok(all)
+    }
+
+    fn known(&mut self, known: Option<&'static Entry>, seed: f64) -> Outcome<Move> {
+        let Some(entry) = known else {
+            let limits = (f64::NEG_INFINITY, f64::INFINITY);
+            return Ok(Move { known: Known::Time, at: self.model.time(), seed, size: 1.0, limits });
+        };
+        let starting = self.mode == Mode::Initialization;
+        let known = match entry.slot.group {
+            Slot::STATES if !starting => Known::State(entry.slot.row as usize),
+            _ if entry.is_settable() && (starting || entry.row.variability != Variability::Fixed) => {
+                Known::Variable(entry.slot)
+            }
+            _ => {
+                return Err(Refused::error(format!(
+                    "{} is neither an input nor a parameter that may change now nor a state to start from.",
+                    entry.name
+                )));
+            }
+        };
+        debug_assert_eq!(entry.row.kind, Kind::Real);
+        let at = self.model.get(entry.slot);
+        Ok(Move { known, at, seed, size: entry.row.nominal, limits: (entry.row.min, entry.row.max) })
+    }
+
+    fn slopes(&mut self, moves: &[Move], unknowns: &[&'static Entry]) -> Outcome<Vec<f64>> {
+        let scratch = self.scratch.get_or_insert_with(|| self.model.boxed_clone());
+        let restart = (self.mode == Mode::Initialization).then_some(self.window.0);
+        let asked: Vec<Unknown> =
+            unknowns.iter().map(|entry| Unknown { slot: entry.slot, size: entry.row.nominal }).collect();
+        // The equations themselves are asked, also where steps take cooling by its tangents.
+        let mut handed = None;
+        if self.interface == Interface::CoSimulation {
+            handed.insert(self.model.boxed_clone()).hand_over();
+        }
+        let base = handed.as_ref().unwrap_or(&self.model).as_ref();
+        let found = Slopes { base, scratch: scratch.as_mut(), restart }.along(moves, &asked);
+        let seeded = moves.iter().filter(|m| m.seed != 0.0);
+        let way = seeded.map(|m| m.size.max(m.at.abs()) / m.seed.abs()).fold(f64::INFINITY, f64::min);
+        let doubtful = |(entry, slope): &(&&Entry, &Slope)| {
+            let settled = slope.error <= RELATIVE * slope.value.abs()
+                || slope.error * way <= OF_NOMINAL * entry.row.nominal;
+            !settled
+        };
+        if let Some((entry, slope)) = unknowns.iter().zip(&found).find(doubtful) {
+            return Err(Refused::discard(format!(
+                "{} has no derivative in this direction here: its differences do not settle beside {} (+-{}).",
+                entry.name, slope.value, slope.error
+            )));
+        }
+        // What books miss is rounding, and the slope of rounding is none.
+        let known =
+            |slope: &Slope| if slope.error > ROUNDING * slope.value.abs() { 0.0 } else { slope.value };
+        Ok(found.iter().map(known).collect())
+    }
+}

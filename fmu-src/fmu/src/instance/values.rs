@@ -1,0 +1,275 @@
+//! Values by reference: what may be read and set when, and how many values a variable has.
+//!
+//! FMI 2 has scalars alone, and an element is a variable of its own. In FMI 3 the elements are one variable with the reference of the first.
+
+use super::{Instance, Interface, Mode, Standard, Type};
+use crate::boundary::{Outcome, Refused};
+use physics::declare::{Elements, Kind, Variability};
+use physics::model::{Element, Entry, Refusal, Slot, TIME};
+
+impl Instance {
+    /// Whether an element is there.
+    #[inline]
+    pub(super) fn holds(&self, entry: &Entry) -> bool {
+        match entry.element {
+            Some(Element { index, of: Elements::UpTo(..), .. }) => index <= self.elements,
+            _ => true,
+        }
+    }
+
+    /// Whether a variable has a reference of its own.
+    #[inline]
+    fn shows(&self, entry: &Entry) -> bool {
+        match entry.element {
+            Some(Element { index, .. }) if self.standard == Standard::Three => index == 1,
+            _ => self.holds(entry),
+        }
+    }
+
+    /// How many values a variable has.
+    #[inline]
+    pub(super) fn width(&self, entry: &Entry) -> usize {
+        match entry.element {
+            Some(Element { of, .. }) if self.standard == Standard::Three => match of {
+                Elements::One => 1,
+                Elements::Fixed(count) => count as usize,
+                Elements::UpTo(..) => self.elements as usize,
+            },
+            _ => 1,
+        }
+    }
+
+    /// The entries of a variable: one, or an element each.
+    pub(super) fn elements_of(&self, entry: &'static Entry) -> impl Iterator<Item = &'static Entry> + use<> {
+        let declaration = self.model.declaration();
+        let (first, width) = (entry.value_reference, self.width(entry) as u32);
+        // Elements have references that follow one another.
+        (first..first + width).filter_map(move |reference| declaration.by_reference(reference))
+    }
+
+    #[inline]
+    pub(super) fn entry(&self, value_reference: u32, of: Type) -> Outcome<&'static Entry> {
+        let declaration = self.model.declaration();
+        let Some(entry) = declaration.by_reference(value_reference).filter(|e| self.shows(e)) else {
+            return Err(Refused::error(format!(
+                "{} has no variable with the value reference {value_reference}.",
+                declaration.name
+            )));
+        };
+        let is = self.type_of(entry);
+        if is != of {
+            return Err(Refused::error(format!(
+                "{} (value reference {value_reference}) is of type {} and not {}.",
+                entry.name,
+                is.words(),
+                of.words()
+            )));
+        }
+        Ok(entry)
+    }
+
+    /// FMI 3 wants sizes of arrays without a sign.
+    #[inline]
+    fn type_of(&self, entry: &Entry) -> Type {
+        match Type::of(entry) {
+            Type::Integer if self.is_structural(entry) => Type::Size,
+            of => of,
+        }
+    }
+
+    #[inline]
+    fn is_structural(&self, entry: &Entry) -> bool {
+        entry.row.kind == Kind::Integer
+            && self.standard == Standard::Three
+            && self.model.declaration().is_dimension(entry)
+    }
+
+    /// Reads `n` values; `put` gets each with its place in the list.
+    #[inline]
+    pub fn get(
+        &mut self,
+        references: &[u32],
+        of: Type,
+        n: usize,
+        mut put: impl FnMut(usize, f64),
+    ) -> Outcome {
+        // While it runs everything may be read; that is asked once and not for each variable.
+        let running = matches!(self.mode, Mode::Step | Mode::Continuous);
+        if !running {
+            self.require_readable()?;
+            self.settle()?;
+        }
+        let mut place = 0;
+        for &value_reference in references {
+            if value_reference == TIME && of == Type::Real {
+                if place < n {
+                    put(place, self.model.time());
+                }
+                place += 1;
+                continue;
+            }
+            let entry = self.entry(value_reference, of)?;
+            if !running {
+                self.require_to_read(entry)?;
+            }
+            if entry.element.is_none() {
+                if place < n {
+                    put(place, self.value(entry, entry.slot));
+                }
+                place += 1;
+                continue;
+            }
+            let width = self.width(entry);
+            for k in 0..width.min(n - place.min(n)) {
+                let slot = Slot { row: entry.slot.row + k as u16, ..entry.slot };
+                put(place + k, self.model.get(slot));
+            }
+            place += width;
+        }
+        if place == n { Ok(()) } else { Err(wrong_number(references.len(), place, n)) }
+    }
+
+    #[inline]
+    fn value(&mut self, entry: &Entry, slot: Slot) -> f64 {
+        if self.part.event_mode
+            && entry.row.variability == Variability::Discrete
+            && self.mode != Mode::Initialization
+        {
+            return self.held(slot);
+        }
+        self.model.get(slot)
+    }
+
+    #[inline]
+    fn require_readable(&self) -> Outcome {
+        if self.mode == Mode::Broken || self.mode == Mode::Instantiated && self.standard == Standard::Two {
+            return self.require(&[]);
+        }
+        Ok(())
+    }
+
+    /// Before initialization there are start values alone, in the middle of a step what was asked for.
+    #[inline]
+    pub(super) fn require_to_read(&self, entry: &Entry) -> Outcome {
+        let allowed = match self.mode {
+            Mode::Instantiated | Mode::Configuration => entry.is_settable(),
+            Mode::Intermediate => self.part.sees(entry),
+            _ => true,
+        };
+        if allowed {
+            return Ok(());
+        }
+        Err(Refused::error(format!(
+            "{} cannot be read while the instance is {}.",
+            entry.name,
+            self.mode.words()
+        )))
+    }
+
+    /// Sets `n` values, all or none.
+    #[inline]
+    pub fn set(&mut self, references: &[u32], of: Type, n: usize, value: impl Fn(usize) -> f64) -> Outcome {
+        if matches!(self.mode, Mode::Terminated | Mode::Broken) {
+            return self.require(&[]);
+        }
+        // In step mode nothing but a size has a mode of its own.
+        let special = self.mode != Mode::Step || of == Type::Size;
+        let running = !matches!(self.mode, Mode::Instantiated | Mode::Configuration | Mode::Initialization);
+        let mut last = None;
+        for (k, &value_reference) in references.iter().enumerate() {
+            if value_reference == TIME && of == Type::Real {
+                return Err(Refused::error("time is the independent variable and cannot be set."));
+            }
+            let entry = self.entry(value_reference, of)?;
+            if special {
+                self.require_to_set(entry)?;
+            }
+            // Whatever may be set is a scalar; an array is refused for what it is and not for its length.
+            if n != references.len() && entry.is_settable() {
+                break;
+            }
+            let value = if k < n { value(k) } else { f64::NAN };
+            if let Err(refusal) = entry.check(value, running) {
+                let message = entry.explain(value, &refusal);
+                return Err(match refusal {
+                    Refusal::Computed | Refusal::Fixed => Refused::error(message),
+                    _ => Refused::discard(message),
+                });
+            }
+            last = Some(entry.slot);
+        }
+        if n != references.len() {
+            return Err(wrong_number(references.len(), references.len(), n));
+        }
+        // All are good. A single value, the common case, needs no second look-up.
+        if let (&[_], Some(slot)) = (references, last) {
+            self.model.set(slot, value(0));
+        } else {
+            for (k, &value_reference) in references.iter().enumerate() {
+                let slot = self.entry(value_reference, of)?.slot;
+                self.model.set(slot, value(k));
+            }
+        }
+        self.unsettled = true;
+        Ok(())
+    }
+
+    /// Some variables have a mode of their own.
+    #[inline]
+    fn require_to_set(&self, entry: &Entry) -> Outcome {
+        if !entry.is_settable() {
+            return Ok(());
+        }
+        let when = match self.mode {
+            Mode::Continuous if !entry.is_continuous_input() => "at an event alone",
+            Mode::Intermediate if !(entry.is_continuous_input() && self.part.sees(entry)) => {
+                "between steps alone"
+            }
+            Mode::Configuration if !self.is_structural(entry) => "outside configuration mode alone",
+            mode if mode != Mode::Configuration && self.is_structural(entry) => "in configuration mode alone",
+            _ => return Ok(()),
+        };
+        Err(Refused::error(format!(
+            "{} can be set {when} and the instance is {}.",
+            entry.name,
+            self.mode.words()
+        )))
+    }
+
+    /// Sets the slopes of continuous inputs over the next step, all or none.
+    pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], slopes: &[f64]) -> Outcome {
+        self.require_interface(Interface::CoSimulation)?;
+        self.require(&[Mode::Initialization, Mode::Step])?;
+        for ((&value_reference, &order), &slope) in references.iter().zip(orders).zip(slopes) {
+            let entry = self.entry(value_reference, Type::Real)?;
+            if !entry.is_continuous_input() {
+                return Err(Refused::error(format!(
+                    "{} is no continuous input and takes no slope.",
+                    entry.name
+                )));
+            }
+            if order != 1 {
+                return Err(Refused::error(format!(
+                    "the derivative of order {order} of {} cannot be set; order 1 can.",
+                    entry.name
+                )));
+            }
+            if !slope.is_finite() {
+                return Err(Refused::discard(format!(
+                    "the slope {slope} {}/s of {} is not a finite number.",
+                    entry.row.unit.name(),
+                    entry.name
+                )));
+            }
+        }
+        for (&value_reference, &slope) in references.iter().zip(slopes) {
+            let slot = self.entry(value_reference, Type::Real)?.slot;
+            self.model.set_slope(slot, slope);
+        }
+        Ok(())
+    }
+}
+
+fn wrong_number(variables: usize, wanted: usize, there: usize) -> Refused {
+    Refused::error(format!("{variables} variables have {wanted} values and not {there}."))
+}
