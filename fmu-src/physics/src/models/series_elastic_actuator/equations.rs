@@ -32,13 +32,23 @@ const ENERGY_JOINT: usize = 5;
 const ENERGY_TRANSMISSION: usize = 6;
 const ENERGY_SUPPLY: usize = 7;
 
-/// All that the equations say at one instant.
+/// All that the rates need to know of one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Deflection of the series spring, play included, rad.
+    /// Twist of the coupling, rad, speed of the input shaft, rad/s, and how much faster it is than the motor, rad/s.
+    shaft: [f64; 3],
+    /// Turns of the shaft for one of the spring's input.
+    ratio: f64,
+    /// Torque that the transmission takes from its input shaft, N.m, and how much of it is friction.
+    tau_in: f64,
+    friction: f64,
+    /// Deflection of the series spring, play included, rad, and its rate, rad/s.
     pub deflection: f64,
+    rate: f64,
     /// The series spring.
     pub spring: Deflected,
+    /// Torque of the parallel spring, N.m, and its energy, J.
+    beside: [f64; 2],
     /// Torque that the actuator gives to the joint, N.m.
     pub joint_torque: f64,
     /// Torque that it takes from the motor's shaft, N.m.
@@ -51,14 +61,17 @@ pub struct Point {
     pub motor_power: f64,
     /// Heat of friction, coupling and spring, W.
     pub loss: f64,
-    /// Energy in springs, coupling and inertia, J.
-    pub stored: f64,
-    /// The books: powers of shaft, joint, and what the stores gain, W.
-    pub ledger: Ledger,
-    /// Powers that the stores gain by their own derivatives, W: springs and inertia.
-    pub gains: [f64; 2],
     /// Derivatives of the states.
     pub rates: [f64; STATES],
+}
+
+/// The books at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Books {
+    /// Energy in springs, coupling and inertia, J.
+    pub stored: f64,
+    /// Power that is unaccounted for, W.
+    pub error: f64,
 }
 
 impl Actuator {
@@ -67,9 +80,8 @@ impl Actuator {
         self.transmission.coupling == Coupling::Elastic
     }
 
-    /// All that holds at one instant.
+    /// What holds at one instant.
     pub fn point(&self, now: &At<'_>) -> Point {
-        use Account::{Ambient, Joint, Kinetic, Shaft, Spring};
         let (u, x, transmission) = (now.inputs, now.states, &self.transmission);
         let elastic = self.is_elastic();
         let (twist, w) = if elastic { (x[TWIST], x[INPUT_SPEED]) } else { (0.0, u.motor_speed) };
@@ -101,55 +113,80 @@ impl Actuator {
         );
         let motor_power = command.voltage[1] * u.motor_current;
         let supply_power = self.drive.power(motor_power);
-
-        // The books: the shaft's power goes on to the joint, into springs and inertia, and into heat.
-        let mut ledger = Ledger::default();
-        ledger.transfer(Shaft, Kinetic, load_torque * u.motor_speed);
-        let coupling_damping = if elastic { transmission.coupling_damping * slip * slip } else { 0.0 };
-        let coupling_spring = if elastic { transmission.coupling_stiffness * twist * slip } else { 0.0 };
-        ledger.transfer(Kinetic, Ambient, coupling_damping + friction * w);
-        ledger.transfer(Kinetic, Spring, coupling_spring + spring.torque * w / n);
-        ledger.transfer(Spring, Ambient, spring.loss);
-        ledger.transfer(Spring, Joint, joint_torque * u.joint_speed);
-        let stretching = spring.torque * rate - spring.loss;
-        let w_rate = if elastic { (coupling - tau_in) / transmission.inertia } else { 0.0 };
-        let gains = [
-            stretching + coupling_spring - beside * u.joint_speed,
-            if elastic { transmission.inertia * w * w_rate } else { 0.0 },
-        ];
-        let kinetic = 0.5 * transmission.inertia * w * w;
-        let coupling_energy =
-            if elastic { 0.5 * transmission.coupling_stiffness * twist * twist } else { 0.0 };
-        let loss = ledger.gain(Ambient);
+        let damping = if elastic { transmission.coupling_damping * slip * slip } else { 0.0 };
+        let loss = damping + friction * w + spring.loss;
 
         let mut rates = [0.0; STATES];
         (rates[DEMAND], rates[VOLTAGE]) = (command.rates[0], command.rates[1]);
         if elastic {
-            (rates[TWIST], rates[INPUT_SPEED]) = (slip, w_rate);
+            (rates[TWIST], rates[INPUT_SPEED]) = (slip, (coupling - tau_in) / transmission.inertia);
         }
         rates[ENERGY_SHAFT] = load_torque * u.motor_speed;
         rates[ENERGY_JOINT] = joint_torque * u.joint_speed;
         rates[ENERGY_TRANSMISSION] = loss;
         rates[ENERGY_SUPPLY] = supply_power;
         Point {
+            shaft: [twist, w, slip],
+            ratio: n,
+            tau_in,
+            friction,
             deflection,
+            rate,
             spring,
+            beside: [beside, beside_energy],
             joint_torque,
             load_torque,
             command,
             supply_power,
             motor_power,
             loss,
-            stored: spring.energy + beside_energy + coupling_energy + if elastic { kinetic } else { 0.0 },
-            ledger,
-            gains,
             rates,
         }
+    }
+
+    /// The books: the shaft's power goes on to the joint, into springs and inertia, and into heat.
+    pub fn books(&self, now: &At<'_>, p: &Point) -> Books {
+        use Account::{Ambient, Joint, Kinetic, Shaft, Spring};
+        let (u, transmission, elastic) = (now.inputs, &self.transmission, self.is_elastic());
+        let ([twist, w, slip], [beside, beside_energy]) = (p.shaft, p.beside);
+        let damping = if elastic { transmission.coupling_damping * slip * slip } else { 0.0 };
+        let twisting = if elastic { transmission.coupling_stiffness * twist * slip } else { 0.0 };
+        let mut ledger = Ledger::default();
+        ledger.transfer(Shaft, Kinetic, p.load_torque * u.motor_speed);
+        ledger.transfer(Kinetic, Ambient, damping + p.friction * w);
+        ledger.transfer(Kinetic, Spring, twisting + p.spring.torque * w / p.ratio);
+        ledger.transfer(Spring, Ambient, p.spring.loss);
+        ledger.transfer(Spring, Joint, p.joint_torque * u.joint_speed);
+        // What the stores gain by their own derivatives.
+        let stretching = p.spring.torque * p.rate - p.spring.loss;
+        let into_springs = stretching + twisting - beside * u.joint_speed;
+        let into_inertia = if elastic { w * (p.load_torque - p.tau_in) } else { 0.0 };
+        let coupling_energy = if elastic {
+            0.5 * (transmission.coupling_stiffness * twist * twist + transmission.inertia * w * w)
+        } else {
+            0.0
+        };
+        Books {
+            stored: p.spring.energy + beside_energy + coupling_energy,
+            error: ledger.error(&[
+                (Shaft, -p.rates[ENERGY_SHAFT]),
+                (Joint, p.rates[ENERGY_JOINT]),
+                (Ambient, p.rates[ENERGY_TRANSMISSION]),
+                (Spring, into_springs),
+                (Kinetic, into_inertia),
+            ]),
+        }
+    }
+
+    /// Energy in springs, coupling and inertia, J.
+    pub(super) fn stored(&self, now: &At<'_>) -> f64 {
+        self.books(now, &self.point(now)).stored
     }
 
     /// The outputs.
     pub(super) fn show(&self, now: &At<'_>) -> Outputs {
         let (p, u, x) = (self.point(now), now.inputs, now.states);
+        let books = self.books(now, &p);
         Outputs {
             voltage: p.command.voltage[1],
             current_command: p.command.current[1],
@@ -165,16 +202,11 @@ impl Actuator {
             energy_joint: x[ENERGY_JOINT],
             energy_transmission: x[ENERGY_TRANSMISSION],
             energy_supply: x[ENERGY_SUPPLY],
-            power_balance_error: p.ledger.error(&[
-                (Account::Shaft, -p.rates[ENERGY_SHAFT]),
-                (Account::Joint, p.rates[ENERGY_JOINT]),
-                (Account::Spring, p.gains[0]),
-                (Account::Kinetic, p.gains[1]),
-            ]),
+            power_balance_error: books.error,
             energy_balance_error: x[ENERGY_SHAFT]
                 - x[ENERGY_JOINT]
                 - x[ENERGY_TRANSMISSION]
-                - (p.stored - now.opening[1]),
+                - (books.stored - now.opening[1]),
         }
     }
 }

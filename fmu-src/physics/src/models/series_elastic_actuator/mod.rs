@@ -6,7 +6,7 @@
 mod equations;
 mod variables;
 
-pub use equations::Point;
+pub use equations::{Books, Point};
 pub use variables::{Indicators, Inputs, LIST, Outputs};
 
 use crate::components::springs::{ParallelSpring, SeriesSpring};
@@ -88,7 +88,7 @@ impl Law<STATES, OPENING> for Actuator {
         states[equations::INPUT_SPEED] = if self.is_elastic() { inputs.motor_speed } else { 0.0 };
         let opening = [turn, 0.0];
         let now = Now { time: 0.0, inputs, states: &states, opening: &opening };
-        let stored = self.point(&now).stored;
+        let stored = self.stored(&now);
         Ok((states, [turn, stored]))
     }
 
@@ -115,6 +115,6 @@ impl Law<STATES, OPENING> for Actuator {
     /// A parameter that changes on the way changes what springs and inertia hold; the books start anew from there.
     fn retuned(&self, before: &Self, now: &At<'_>) -> [f64; OPENING] {
         let [turn, stored] = *now.opening;
-        [turn, stored + self.point(now).stored - before.point(now).stored]
+        [turn, stored + self.stored(now) - before.stored(now)]
     }
 }
