@@ -162,10 +162,11 @@ def markdown(answer: dict) -> str:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, help=f"folder to write walking-study.md and {FIGURE} to")
+    parser.add_argument("--out", type=Path, help=f"folder to write walking-study.md, its numbers and {FIGURE} to")
     out = parser.parse_args().out
     answer = study()
     if out:
         (out / "walking-study.md").write_text(markdown(answer), encoding="utf-8")
+        (out / "walking-study.json").write_text(json.dumps(answer), encoding="utf-8")
         figure(answer, out / FIGURE)
     print(json.dumps(answer, indent=2))

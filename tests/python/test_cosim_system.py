@@ -161,7 +161,15 @@ def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
     fmi3.write_text(description.replace("/fmi2/", "/fmi3/"))
     told = cosim(fmi3, "--stop", "3", "--output", three)
     assert told["slopes"] is False
-    assert three.read_bytes() == held.read_bytes()
+    assert shared(three, held) == shared(held, held)
     fmi3.write_text(description.replace("/fmi2/GaitLoad", "/fmi3/GaitLoad"))
     told = cosim(fmi3, "--stop", "3", "--no-slopes", "--output", mixed)
     assert mixed.read_bytes() == held.read_bytes()
+
+
+def shared(file, columns_of):
+    """The cells, as they are written, of the columns that another file has too: FMI 3 shows the housing's segments as an output."""
+    with columns_of.open(newline="") as other:
+        names = next(csv.reader(other))
+    with file.open(newline="") as rows:
+        return [[row[name] for name in names] for row in csv.DictReader(rows)]

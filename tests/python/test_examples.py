@@ -19,6 +19,7 @@ ARGUMENTS = {
     "04_close_the_loop_bench": lambda folder: ("--out", str(folder)),
     "07_refit_against_repair": lambda folder: ("--out", str(folder)),
     "08_walking_study": lambda folder: ("--out", str(folder)),
+    "12_coupling_error": lambda folder: ("--out", str(folder)),
 }
 FILES = {
     "02_walking": ("walking.json", "walking.svg", "walking.png"),
@@ -26,6 +27,7 @@ FILES = {
     "04_close_the_loop_bench": ("close-the-loop-bench.md", "fan/report.json", "fan/report.html", "still-air/preset.toml"),
     "07_refit_against_repair": ("refit-against-repair.md", "refit-against-repair.svg"),
     "08_walking_study": ("walking-study.md", "walking-study.svg"),
+    "12_coupling_error": ("coupling-error.svg",),
 }
 # Pages of the documentation that an example writes.
 PAGES = ("what-cooling-buys.md", "walking-study.md", "close-the-loop-bench.md", "refit-against-repair.md", "refit-against-repair.svg")

@@ -5,7 +5,7 @@
 //! steps, slopes of inputs, events, saving and restoring, Model Exchange) is the same for all and stands here.
 
 use crate::exchange::{Exchange, Update};
-use crate::model::{Declaration, Fault, GroupAt, Model, Slot};
+use crate::model::{Declaration, Fault, GroupAt, Grouped, Model, Slot};
 use crate::solver::explicit::advance;
 use crate::terms::Drivers;
 use declare::Group;
@@ -30,7 +30,7 @@ pub struct Now<'a, I, const N: usize, const M: usize> {
 
 /// The equations of a model with `N` states, and its parameters. `M` numbers are fixed when it starts.
 pub trait Law<const N: usize, const M: usize>:
-    Copy + Debug + Default + PartialEq + Send + Sync + Sized + 'static
+    Grouped + Copy + Debug + Default + PartialEq + Send + Sync + Sized + 'static
 {
     /// What the importer sets.
     type Inputs: Table;
@@ -41,13 +41,6 @@ pub trait Law<const N: usize, const M: usize>:
 
     /// The declaration of the model.
     fn declaration() -> &'static Declaration;
-    /// The groups of parameters.
-    fn groups() -> Vec<GroupAt>;
-    /// The value of a parameter, by group and row.
-    fn value(&self, group: usize, row: usize) -> f64;
-    /// Sets a parameter; false where its type has no such value.
-    fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool;
-
     /// States and opening at the start; checks the parameters together.
     ///
     /// # Errors
@@ -312,23 +305,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         complete
     }
 
-    fn boxed_clone(&self) -> Box<dyn Model> {
-        Box::new(self.clone())
-    }
-
-    fn copy_from(&mut self, other: &dyn Model) -> bool {
-        match other.as_any().downcast_ref::<Self>() {
-            Some(other) => {
-                self.clone_from(other);
-                true
-            }
-            None => false,
-        }
-    }
-
-    fn as_any(&self) -> &dyn std::any::Any {
-        self
-    }
+    crate::copies!();
 }
 
 impl<L: Law<N, M>, const N: usize, const M: usize> Exchange for Explicit<L, N, M> {

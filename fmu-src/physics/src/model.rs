@@ -398,6 +398,38 @@ pub trait Model: Exchange + Send + Sync {
     fn as_any(&self) -> &dyn std::any::Any;
 }
 
+/// The three methods of [`Model`] by which one instance of a type is copied to another of the same type.
+#[macro_export]
+macro_rules! copies {
+    () => {
+        fn boxed_clone(&self) -> Box<dyn $crate::model::Model> {
+            Box::new(self.clone())
+        }
+
+        fn copy_from(&mut self, other: &dyn $crate::model::Model) -> bool {
+            let other = other.as_any().downcast_ref::<Self>();
+            if let Some(other) = other {
+                self.clone_from(other);
+            }
+            other.is_some()
+        }
+
+        fn as_any(&self) -> &dyn std::any::Any {
+            self
+        }
+    };
+}
+
+/// A struct of groups of variables, as [`groups!`](crate::groups) makes it.
+pub trait Grouped {
+    /// The groups, in the order of the tables.
+    fn groups() -> Vec<GroupAt>;
+    /// The value of a row.
+    fn value(&self, group: usize, row: usize) -> f64;
+    /// Sets a row; false where its type has no such value.
+    fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool;
+}
+
 /// A kind of model: its declaration and how to make one.
 pub struct ModelType {
     /// The declaration, made at the first call.
@@ -459,6 +491,22 @@ macro_rules! groups {
                 $(if group == k { return declare::Group::set(&mut self.$field, row, value); } k += 1;)*
                 $(if group >= k { return self.$tail.set_value(group - k, row, value); })?
                 panic!("no group {group}")
+            }
+        }
+
+        impl $crate::model::Grouped for $owner {
+            fn groups() -> Vec<$crate::model::GroupAt> {
+                <$owner>::groups()
+            }
+
+            #[inline]
+            fn value(&self, group: usize, row: usize) -> f64 {
+                <$owner>::value(self, group, row)
+            }
+
+            #[inline]
+            fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool {
+                <$owner>::set_value(self, group, row, value)
             }
         }
     };

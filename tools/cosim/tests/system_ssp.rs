@@ -141,13 +141,53 @@ fn connections_transform_and_may_suppress_the_units() {
     );
     assert_ne!(described, xml("gain"));
     folder.fmu("gain", &described);
-    for (attributes, expected) in [("", 2.0 * speed), ("suppressUnitConversion=\"true\"", 2.0 * speed / RPM)]
-    {
-        let ssd = with(attributes, "");
+    let suppressed = "suppressUnitConversion=\"true\"";
+    for (attributes, body, expected) in [
+        ("", "", 2.0 * speed),
+        (suppressed, "", 2.0 * speed / RPM),
+        // Units first.
+        ("", linear, 2.0 * (3.0 * speed + 1.0)),
+        (suppressed, linear, 2.0 * (3.0 * speed / RPM + 1.0)),
+    ] {
+        let ssd = with(attributes, body);
         let system = folder.ssp(&ssd, &[("resources/all.ssv", SSV)]).unwrap();
         let r = cosimulate(&system, &SystemOptions::default(), &mut |_| ()).unwrap();
         close(last(&r, "gain.y"), expected);
     }
+}
+
+#[test]
+fn an_archive_that_is_written_again_means_the_same() {
+    let linear = "endElement=\"rotor\" endConnector=\"speed\"><ssc:LinearTransformation factor=\"3\" offset=\"1\"/></ssd:Connection>";
+    let ssd = SSD.replace("endElement=\"rotor\" endConnector=\"speed\"/>", linear);
+    let folder = Folder::new();
+    // Another FMU's idea of the unit, which needs a name of its own.
+    let described = xml("gain").replace("factor=\"0.10471975511965977\"", "factor=\"0.1\"");
+    let output = "name=\"y\" valueReference=\"2\" causality=\"output\" variability=\"continuous\"><Real";
+    assert!(described.contains(output));
+    folder.fmu("gain", &described.replace(output, &format!("{output} unit=\"rpm\"")));
+    let first = folder.ssp(&ssd, &[("resources/all.ssv", SSV)]).unwrap();
+    let path = folder.path("again.ssp");
+    first.write_ssp(&path).unwrap();
+    let mut text = String::new();
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
+    std::io::Read::read_to_string(&mut archive.by_name("SystemStructure.ssd").unwrap(), &mut text).unwrap();
+    assert!(
+        text.contains("<ssc:Unit name=\"rpm\">") && text.contains("<ssc:Unit name=\"rpm (2)\">"),
+        "{text}"
+    );
+    let again = cosim::System::open(&path).unwrap();
+    let run = |system| cosimulate(system, &SystemOptions::default(), &mut |_| ()).unwrap();
+    let (a, b) = (run(&first), run(&again));
+    assert_eq!(a.recording.times, b.recording.times);
+    let columns = |r: &SystemRun| {
+        r.recording.columns.iter().map(|c| (c.name.clone(), c.unit.clone())).collect::<Vec<_>>()
+    };
+    assert_eq!(columns(&a), columns(&b));
+    for (x, y) in a.recording.columns.iter().zip(&b.recording.columns) {
+        assert_eq!(x.values, y.values, "{}", x.name);
+    }
+    close(last(&b, "gain.y"), 2.0 * (3.0 * (60.0 + 4.0 / RPM) + 1.0));
 }
 
 #[test]

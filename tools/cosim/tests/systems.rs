@@ -69,6 +69,9 @@ fn gauss_and_seidel_step_sources_first_and_differ_from_jacobi() {
     let jacobi = pair(&options(Algorithm::Jacobi, true, 0.01));
     // Seen by the later one at the end of its step and by the earlier at the beginning, the errors nearly cancel.
     assert!(error_at_end(&seidel) < 0.2 * error_at_end(&jacobi));
+    // A slope to where the other one arrived is better than one from where it has been.
+    let sloped = |algorithm| error_at_end(&pair(&options(algorithm, false, 0.01)));
+    assert!(sloped(Algorithm::GaussSeidel) < 0.5 * sloped(Algorithm::Jacobi));
     // The file lists them from the end to the source.
     let seidel = cosimulate(
         &Folder::new().toml(CHAIN).unwrap(),
@@ -93,6 +96,8 @@ fn the_variable_step_meets_its_tolerance() {
             assert_eq!(*run.recording.times.last().unwrap(), 6.0);
             work.push(steps);
         }
+        // The first step would make 600: where the tolerance allows, steps grow.
+        assert!(work[0] < 200.0, "{work:?}");
         // A local error of order p + 1 asks for 10^(1 / (p + 1)) as many steps for a digit.
         let growth = (work[3] / work[1]).powf(0.5).log10();
         let expected = if held { 0.5 } else { 1.0 / 3.0 };
@@ -109,6 +114,10 @@ fn a_step_that_is_refused_is_made_shorter_where_that_is_possible() {
         SystemOptions { tolerance: Some(1e-2), sets: sets.clone(), ..options(Algorithm::Jacobi, false, 1.0) };
     let run = pair(&variable);
     assert!(run.rejected > 0 && run.recording.steps >= 200);
+    // Steps that were taken back are not in the books: the halves are at most half as long as what the rotor takes.
+    let halves = pair(&options(Algorithm::Jacobi, false, 0.0075));
+    assert!(run.bonds[0].gross_error < 1.1 * halves.bonds[0].gross_error);
+    assert!((run.bonds[0].throughput / halves.bonds[0].throughput - 1.0).abs() < 1e-3);
     let folder = Folder::new();
     let fixed = SystemOptions { sets, ..options(Algorithm::Jacobi, false, 0.02) };
     assert_eq!(

@@ -63,12 +63,14 @@ const TOLERANCE: f64 = 1e-12;
 /// where its error control cuts one, the length of the parts hangs on the last digits, and an ulp of the
 /// supply moves the gearmotor's outputs by 1e-10 on one and the same machine.
 const RUN: [&str; 2] = ["1", "0.0002"];
-const SETTINGS: [(&str, &[&str]); 2] = [
+const SETTINGS: [(&str, &[&str]); 4] = [
     (
         "AnnulusCooledMotor",
         &["voltage=36", "load_torque=0.08", "fan_command=0.5", "cooling_mode=annulus_push"],
     ),
     ("BrushedGearmotor", &["duty=0.7", "load_torque=0.1"]),
+    ("SeriesElasticActuator", &["torque_demand=30", "motor_speed=50", "motor_current=2"]),
+    ("GaitLoad", &["gait.variation=0.03", "joint_torque=20"]),
 ];
 
 /// Takes `--toolchain DIR`.

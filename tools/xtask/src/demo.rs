@@ -7,6 +7,10 @@ use std::path::Path;
 use std::process::Stdio;
 
 const WALK: &str = "examples/02_walking.py";
+/// What cooling buys under gait.
+const STUDY: &str = "examples/08_walking_study.py";
+/// Motor, actuator and gait as one system.
+const SYSTEM: &str = "examples/systems/actuator-gait.toml";
 /// The measured motor of the bench.
 const BENCH: &str = "examples/04_close_the_loop_bench.py";
 
@@ -26,6 +30,13 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     shell::stage("twenty minutes of walking, twice");
     let dist = workspace.dist();
     example(workspace, &python, WALK, &dist)?;
+    shell::stage("motor, actuator and gait as one system");
+    let system = dist.join("actuator-gait.ssp");
+    shell::run(product::motor_fmu(workspace).args(["ssp", SYSTEM, "--out"]).arg(&system))?;
+    let mut run = product::motor_fmu(workspace);
+    shell::run(run.arg("cosim").arg(&system).arg("--output").arg(system.with_extension("csv")))?;
+    shell::stage("what cooling buys under gait");
+    example(workspace, &python, STUDY, &dist)?;
     shell::stage("closing the loop on the measured bench data");
     let bench = dist.join("bench");
     example(workspace, &python, BENCH, &bench)?;
@@ -40,9 +51,12 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     }
     let page = dist.join("index.html");
     let walk = page::walk(&read(&dist.join("walking.json"))?, &read(&dist.join("walking.svg"))?)?;
-    let html = page::html(&walk, &page::bench(&read(&bench.join("fan/report.json"))?)?);
+    let study =
+        page::study(&read(&dist.join("walking-study.json"))?, &read(&dist.join("walking-study.svg"))?)?;
+    let html = page::html(&walk, &study, &page::bench(&read(&bench.join("fan/report.json"))?)?);
     std::fs::write(&page, html).map_err(|e| format!("{} cannot be written: {e}", page.display()))?;
     println!("FMUs: {0}/fmi2, {0}/fmi3\nresults: {1}", dist.display(), page.display());
+    println!("system: {}", system.display());
     println!("closed loop: {}, all of it in {}", report.display(), bench.display());
     published
         .iter()

@@ -4,10 +4,10 @@
 //! connectors only where something feeds them; values of enumerations are whole numbers, as FMI 2 sets them; units are
 //! those of the FMUs; a step size stands in an annotation that other masters read as well.
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
-use super::structure::{Component, End};
+use super::structure::{Component, Connector, End};
 use super::units::unit_of;
 use super::wiring::{Parts, Port, Wiring, resolve};
-use crate::{Causality, Error, Kind, Unit, Value, Variable};
+use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use std::collections::BTreeMap;
@@ -83,7 +83,7 @@ struct Document<'a> {
     parts: Parts<'a>,
     wiring: &'a Wiring,
     resources: &'a [(&'a Path, String)],
-    units: BTreeMap<String, Unit>,
+    units: BTreeMap<String, BaseUnit>,
     xml: Writer<Vec<u8>>,
 }
 
@@ -120,6 +120,7 @@ impl<'a> Document<'a> {
 
     /// Connectors of the system: whatever connections name without a component.
     fn system_connectors(&mut self) -> Written {
+        let declared = self.parts.structure.connectors.as_deref();
         let mut ports: Vec<(String, &str, Port)> = Vec::new();
         for connection in &self.parts.structure.connections {
             let (outer, inner) = match (&connection.start.component, &connection.end.component) {
@@ -137,7 +138,8 @@ impl<'a> Document<'a> {
         }
         self.open("ssd:Connectors", &[])?;
         for (name, kind, port) in ports {
-            self.connector(&name, kind, port)?;
+            let unit = unit_in(declared, &name);
+            self.connector(&name, kind, port, unit)?;
         }
         self.close("ssd:Connectors")
     }
@@ -162,7 +164,8 @@ impl<'a> Document<'a> {
             let plain = variable.dimensions.is_empty()
                 && (variable.kind.is_numeric() && variable.kind != Kind::Enumeration || joined);
             if plain && (variable.causality == Causality::Output || joined) {
-                self.connector(&variable.name, kind_of(variable), port)?;
+                let unit = unit_in(component.connectors.as_deref(), &variable.name);
+                self.connector(&variable.name, kind_of(variable), port, unit)?;
             }
         }
         self.close("ssd:Connectors")?;
@@ -170,19 +173,15 @@ impl<'a> Document<'a> {
         self.close("ssd:Component")
     }
 
-    fn connector(&mut self, name: &str, kind: &str, port: Port) -> Written {
+    /// A connector for a variable, with the unit that the structure declares, else the variable's.
+    fn connector(&mut self, name: &str, kind: &str, port: Port, unit: Option<Unit>) -> Written {
         let variable = self.parts.variable(port);
         self.open("ssd:Connector", &[("name", name), ("kind", kind)])?;
-        let unit = unit_of(self.parts.description(port.component), variable).filter(|u| u.base.is_some());
         match variable.kind {
             Kind::Float64 | Kind::Float32 => {
-                // A unit that another FMU defines otherwise is left to the FMU.
-                let unit = unit.filter(|u| self.units.get(&u.name).is_none_or(|known| known.base == u.base));
-                match unit {
-                    Some(unit) => {
-                        self.empty("ssc:Real", &[("unit", &unit.name)])?;
-                        self.units.insert(unit.name.clone(), unit);
-                    }
+                let own = || unit_of(self.parts.description(port.component), variable);
+                match unit.or_else(own).and_then(|u| self.define(u)) {
+                    Some(unit) => self.empty("ssc:Real", &[("unit", &unit)])?,
                     None => self.empty("ssc:Real", &[])?,
                 }
             }
@@ -194,6 +193,17 @@ impl<'a> Document<'a> {
             _ => self.empty("ssc:Integer", &[])?,
         }
         self.close("ssd:Connector")
+    }
+
+    /// The name under which a unit is defined in the file: its own, or a numbered one if another FMU means something
+    /// else by it. None for a unit that nobody defines; it is left to the FMU.
+    fn define(&mut self, unit: Unit) -> Option<String> {
+        let base = unit.base?;
+        let numbered = |k: usize| if k == 1 { unit.name.clone() } else { format!("{} ({k})", unit.name) };
+        let fits = |name: &String| self.units.get(name).is_none_or(|known| *known == base);
+        let name = (1..).map(numbered).find(fits)?;
+        self.units.insert(name.clone(), base);
+        Some(name)
     }
 
     fn values(&mut self, index: usize) -> Written {
@@ -278,11 +288,10 @@ impl<'a> Document<'a> {
             return Ok(());
         }
         self.open("ssd:Units", &[])?;
-        for (name, unit) in std::mem::take(&mut self.units) {
-            let Some(base) = unit.base else { continue };
+        for (name, base) in std::mem::take(&mut self.units) {
             self.open("ssc:Unit", &[("name", &name)])?;
             let mut texts: Vec<(&str, String)> = Vec::new();
-            let used = crate::BaseUnit::NAMES.into_iter().zip(base.exponents).filter(|(_, e)| *e != 0);
+            let used = BaseUnit::NAMES.into_iter().zip(base.exponents).filter(|(_, e)| *e != 0);
             texts.extend(used.map(|(name, exponent)| (name, exponent.to_string())));
             if base.factor != 1.0 {
                 texts.push(("factor", base.factor.to_string()));
@@ -342,6 +351,11 @@ impl<'a> Document<'a> {
     fn close(&mut self, tag: &str) -> Written {
         self.xml.write_event(Event::End(BytesEnd::new(tag)))
     }
+}
+
+/// The unit that a declared connector has.
+fn unit_in(connectors: Option<&[Connector]>, name: &str) -> Option<Unit> {
+    connectors?.iter().find(|c| c.name == name)?.unit.clone()
 }
 
 fn kind_of(variable: &Variable) -> &'static str {

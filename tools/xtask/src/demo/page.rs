@@ -23,6 +23,13 @@ spring. Angle and torque are those of level walking. The run is made by <code>ex
 recomputed and put right. What a fan and an annulus buy: <code>docs/what-cooling-buys.md</code>.</p>
 "#;
 
+const STUDY: &str = r#"<h2>What cooling buys under gait</h2>
+<p>The same motor as the thesis measured it, 75 kg, all of a healthy ankle's torque: minutes until the winding reaches 155 °C, and the share
+of the torque that can be given for ever. Below, the torque that can be walked for ever over the mass, with transmission ratio and
+spring swept. Made by <code>examples/08_walking_study.py</code>, told in <code>docs/walking-study.md</code>. The system of motor, actuator and
+gait is <a href="actuator-gait.ssp">one file</a> that any SSP tool opens.</p>
+"#;
+
 const BENCH: &str = r#"<h2>A measured motor: what did the fan do?</h2>
 <p>Logs of a motor on a bench, heated near standstill. The model is calibrated by runs in still air; in one run a fan was on, and its
 first 60 % tell what the fan did. The table is of the rest of that run, which nothing was fitted to: the error (RMSE) of the model as
@@ -31,17 +38,41 @@ figures; made by <code>examples/04_close_the_loop_bench.py</code>, told in <code
 "#;
 
 /// The page of its sections.
-pub fn html(walk: &str, bench: &str) -> String {
-    format!("{HEAD}{walk}\n{BENCH}{bench}\n</html>\n")
+pub fn html(walk: &str, study: &str, bench: &str) -> String {
+    format!("{HEAD}{walk}\n{STUDY}{study}\n{BENCH}{bench}\n</html>\n")
+}
+
+/// What the study under gait gave: a table of activities and arrangements, and its figure.
+pub fn study(results: &str, figure: &str) -> Outcome<String> {
+    let results: Value =
+        serde_json::from_str(results).map_err(|e| format!("the results of the study are no JSON: {e}"))?;
+    let arrangements = results["activities"].as_object().ok_or("the study has no activities")?;
+    let mut rows = String::from("<table>\n<tr><th>");
+    arrangements.keys().for_each(|name| rows += &format!("<th>{}", escaped(name)));
+    let activities = arrangements.values().next().and_then(Value::as_object).into_iter().flatten();
+    for (activity, _) in activities {
+        rows += &format!("\n<tr><td>{}", escaped(activity));
+        for answers in arrangements.values() {
+            let answer = &answers[activity];
+            let share = answer["support_for_ever"].as_f64().ok_or("the study has no share of the torque")?;
+            let minutes = answer["minutes_to_limit"].as_f64();
+            let minutes = minutes.map_or_else(|| "for ever".into(), |m| format!("{m:.0} min"));
+            rows += &format!("<td>{minutes}, {:.0} %", 100.0 * share);
+        }
+    }
+    Ok(format!("{rows}\n</table>\n{}", inside_a_page(figure)?))
+}
+
+/// An SVG without its prologue, as pages hold it.
+fn inside_a_page(figure: &str) -> Outcome<&str> {
+    Ok(figure.find("<svg").map(|at| &figure[at..]).ok_or("the figure is no SVG")?)
 }
 
 /// What the walk gave: the example's results, `{case: {quantity_unit: number}}`, and its figure.
 pub fn walk(results: &str, figure: &str) -> Outcome<String> {
     let results: Map<String, Value> = serde_json::from_str(results)
         .map_err(|e| format!("the results of the walk are no JSON object: {e}"))?;
-    // Inside a page an SVG has no XML prologue.
-    let svg = figure.find("<svg").map(|at| &figure[at..]).ok_or("the figure of the walk is no SVG")?;
-    Ok(format!("{svg}\n{}", table(&results)?))
+    Ok(format!("{}\n{}", inside_a_page(figure)?, table(&results)?))
 }
 
 /// What closing the loop came to: the errors over the test run, by channel.
@@ -121,14 +152,27 @@ mod tests {
         let told = bench(report).unwrap();
         assert!(told.contains("<tr><td>winding temperature, K<td>75.04<td>59.60<td>1.456"), "{told}");
         assert!(told.contains("Verdict: class; drive loss or leads, forced convection."), "{told}");
-        let page = html("<svg id=\"w\"/>", &told);
+        let page = html("<svg id=\"w\"/>", "<p>study</p>", &told);
         assert!(
             page.starts_with("<!doctype")
                 && page.ends_with("</html>\n")
                 && page.contains("href=\"bench.html\"")
         );
-        assert!(page.contains("<svg id=\"w\"/>") && page.contains(&told));
+        assert!(page.contains("<svg id=\"w\"/>") && page.contains("<p>study</p>") && page.contains(&told));
         assert!(bench("{}").unwrap_err().contains("no errors") && bench("").unwrap_err().contains("no JSON"));
+    }
+
+    #[test]
+    fn the_study_is_a_table_with_its_figure() {
+        let cell = |minutes: &str, share: f64| {
+            format!(r#"{{"walking": {{"minutes_to_limit": {minutes}, "support_for_ever": {share}}}}}"#)
+        };
+        let results =
+            format!(r#"{{"activities": {{"bare": {}, "fan": {}}}}}"#, cell("15.1", 0.45), cell("null", 1.04));
+        let told = study(&results, "<?xml?><svg id=\"s\"/>").unwrap();
+        assert!(told.contains("<tr><td>walking<td>15 min, 45 %<td>for ever, 104 %"), "{told}");
+        assert!(told.contains("<svg id=\"s\"/>") && !told.contains("<?xml"));
+        assert!(study("{}", "<svg/>").unwrap_err().contains("no activities"));
     }
 
     #[test]

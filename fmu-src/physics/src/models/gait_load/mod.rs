@@ -9,7 +9,7 @@ pub use variables::{Indicators, Inputs, LIST, Outputs};
 use crate::components::gait::Gait;
 use crate::explicit::{Explicit, Law, Now};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, GroupAt, ModelType};
+use crate::model::{Declaration, Declared, Fault, ModelType};
 use std::f64::consts::PI;
 
 /// States of the load.
@@ -58,18 +58,6 @@ impl Law<STATES, 0> for Walker {
                 LIST,
             )
         })
-    }
-
-    fn groups() -> Vec<GroupAt> {
-        Walker::groups()
-    }
-
-    fn value(&self, group: usize, row: usize) -> f64 {
-        Walker::value(self, group, row)
-    }
-
-    fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool {
-        Walker::set_value(self, group, row, value)
     }
 
     fn start(&self, _time: f64, _inputs: &Inputs) -> Result<([f64; STATES], [f64; 0]), Fault> {

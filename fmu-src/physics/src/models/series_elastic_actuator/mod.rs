@@ -15,7 +15,7 @@ use crate::components::torque_control::TorqueControl;
 use crate::components::transmission::Transmission;
 use crate::explicit::{Explicit, Law, Now};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, GroupAt, ModelType};
+use crate::model::{Declaration, Declared, Fault, ModelType};
 
 /// States of the actuator.
 pub const STATES: usize = LIST.len();
@@ -74,18 +74,6 @@ impl Law<STATES, OPENING> for Actuator {
                 LIST,
             )
         })
-    }
-
-    fn groups() -> Vec<GroupAt> {
-        Actuator::groups()
-    }
-
-    fn value(&self, group: usize, row: usize) -> f64 {
-        Actuator::value(self, group, row)
-    }
-
-    fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool {
-        Actuator::set_value(self, group, row, value)
     }
 
     /// The spring carries the torque that is demanded, so that a gait does not begin with a jerk; the motor's speed is

@@ -1,0 +1,86 @@
+"""The powered ankle through masters that are not ours: what they give, and that it is what our master gives when it does the same.
+
+The plain master of `examples/09_plain_master.py` gives the same bits. ecos opens the SSP and runs it; it differs in the last bits of the first
+step, which the friction of a motor that turns round makes a ten millionth of the speed after half a second.
+"""
+
+import csv
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from clients import paths
+
+STEP, STEPS = 2.0**-10, 512
+READ = ("gait.joint_angle", "motor.shaft_speed", "motor.current", "actuator.energy_joint", "motor.winding_temperature")
+ECOS = ["ecos"] if importlib.util.find_spec("ecospy") else []
+
+
+@pytest.fixture
+def system(tmp_path):
+    file = tmp_path / "ankle.toml"
+    text = (paths.EXAMPLES / "systems" / "actuator-gait.toml").read_text()
+    file.write_text(text.replace("../../dist", paths.dist().resolve().as_posix()))
+    return file
+
+
+@pytest.fixture
+def ours(motor_fmu, system, tmp_path):
+    out = tmp_path / "ours.csv"
+    options = ("--algorithm", "jacobi-delayed", "--no-slopes", "--stop", repr(STEP * STEPS), "--step", repr(STEP))
+    done = motor_fmu("cosim", system, *options, "--output", out)
+    assert done.returncode == 0, done.stderr
+    with out.open(newline="") as file:
+        return [[float(row[name]) for name in READ] for row in csv.DictReader(file)]
+
+
+def test_the_plain_master_gives_the_same_bits(ours):
+    spec = importlib.util.spec_from_file_location("plain_master", paths.EXAMPLES / "09_plain_master.py")
+    plain = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(plain)
+    rows = plain.run(stop=STEP * STEPS, step=STEP, record=READ)
+    assert len(rows) == len(ours) == STEPS + 1
+    for k, (a, b) in enumerate(zip(rows, ours)):
+        assert a == b, f"point {k}"
+    assert max(abs(row[1]) for row in rows) > 100.0
+
+
+@pytest.mark.parametrize("master", ECOS)
+def test_ecos_opens_the_archive_and_agrees(master, ours, system, motor_fmu, tmp_path):
+    assert motor_fmu("ssp", system, "--out", tmp_path / "ankle.ssp").returncode == 0
+    theirs = tmp_path / "theirs.json"
+    command = [sys.executable, __file__, str(tmp_path / "ankle.ssp"), str(theirs)]
+    environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    assert done.returncode == 0, done.stderr[-2000:]
+    rows = json.loads(theirs.read_text())
+    assert len(rows) == len(ours)
+    for name, theirs_, ours_ in zip(READ, zip(*rows), zip(*ours)):
+        size = max(map(abs, ours_))
+        assert max(abs(a - b) for a, b in zip(theirs_, ours_)) < 2e-6 * size, name
+        assert theirs_[1] == pytest.approx(ours_[1], rel=1e-12), name
+
+
+def record(ssp):
+    """The run by ecos."""
+    import ctypes
+
+    ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
+    from ecospy import EcosSimulation
+
+    with EcosSimulation(ssp_path=ssp, step_size=STEP) as simulation:
+        assert simulation.init(parameter_set=""), "ecos could not initialise the system"
+        read = lambda: [simulation.get_real(name.replace(".", "::")) for name in READ]  # noqa: E731
+        rows = [read()]
+        for _ in range(STEPS):
+            simulation.step()
+            rows.append(read())
+    return rows
+
+
+if __name__ == "__main__":
+    Path(sys.argv[2]).write_text(json.dumps(record(sys.argv[1])))
