@@ -86,8 +86,10 @@ fn is_sound(model: &mut dyn Model) -> bool {
     })
 }
 
-/// Window, held outputs and the numbers of the model.
-fn parts(numbers: &[f64]) -> Option<((f64, f64), &[f64], &[f64])> {
+/// The window, s, what discrete outputs show, and the numbers of the model.
+type Parts<'a> = ((f64, f64), &'a [f64], &'a [f64]);
+
+fn parts(numbers: &[f64]) -> Option<Parts<'_>> {
     let (&[start, stop, count], rest) = numbers.split_first_chunk()?;
     // A count that was no number casts to one that is too large or to none, and the model's numbers do not fit.
     let (held, model) = rest.split_at_checked(count as usize)?;

@@ -289,7 +289,7 @@ impl Toy {
                 18 if three => fmi3EnterEventMode(h),
                 18 => fmi2EnterEventMode(h),
                 19 => {
-                    let known = vec![dice.one(&self.references)];
+                    let known = [dice.one(&self.references)];
                     let seed = [dice.number()];
                     if three {
                         fmi3GetDirectionalDerivative(
