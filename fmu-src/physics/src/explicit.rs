@@ -228,7 +228,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         let mut states = self.states;
         advance(rates, &mut states, h, &Self::sizes()).map_err(|stuck| {
             Fault(format!(
-                "The equations of {} have no solution {} s after {time} s.",
+                "The equations of {} cannot be followed over a step of {h} s: it ends {} s after {time} s.",
                 L::declaration().name,
                 stuck.t
             ))

@@ -23,6 +23,9 @@ const TOLERANCE: f64 = 1e-7;
 /// Halvings of a communication step before the equations count as unsolvable.
 const HALVINGS: u32 = 40;
 
+/// Steps that one communication step may be cut into; a caller who asks for years at once shall not wait for ever.
+const MOST_STEPS: u32 = 1_000_000;
+
 /// The equations could not be followed: the time from the start of the step, s, where it ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stuck {
@@ -34,7 +37,7 @@ pub struct Stuck {
 /// of each state is measured by, beside the state itself. On failure `x` is as it was.
 ///
 /// # Errors
-/// Rates that are not finite, or an error that no step is small enough for.
+/// Rates that are not finite, an error that no step is small enough for, or more steps than anyone would wait for.
 pub fn advance<const N: usize>(
     rates: impl Fn(f64, &[f64; N]) -> [f64; N],
     x: &mut [f64; N],
@@ -44,7 +47,11 @@ pub fn advance<const N: usize>(
     let least = h * 0.5f64.powi(HALVINGS as i32);
     let (mut now, mut t, mut step) = (*x, 0.0, h);
     let mut first = rates(0.0, &now);
-    while t < h {
+    for _ in 0..MOST_STEPS {
+        if t >= h {
+            *x = now;
+            return Ok(());
+        }
         let last = t + step >= h;
         let length = if last { h - t } else { step };
         let (next, rate, error) = one(&rates, t, &now, first, length, size);
@@ -62,8 +69,7 @@ pub fn advance<const N: usize>(
             }
         }
     }
-    *x = now;
-    Ok(())
+    Err(Stuck { t })
 }
 
 /// One step: the states after it, their rates there, and the error in shares of what is allowed.
@@ -128,6 +134,13 @@ mod tests {
         };
         let order = (run(4) / run(8)).log2();
         assert!((order - 5.0).abs() < 0.4, "{order}");
+    }
+
+    #[test]
+    fn years_at_once_are_refused_and_nothing_changes() {
+        let mut x = [1.0];
+        let stuck = advance(|t, _: &[f64; 1]| [t.sin()], &mut x, 1e9, &[1.0]).unwrap_err();
+        assert!(stuck.t > 1e3 && stuck.t < 1e9 && x == [1.0]);
     }
 
     #[test]
