@@ -47,7 +47,8 @@ def draw_laws(rng, kind: str, chosen: str | None) -> list:
     names = [name for name, law in CATALOGUE.items() if law.listed == (kind == "listed")]
     laws = [CATALOGUE[chosen or str(rng.choice(names))]]
     if chosen is None and rng.random() < TWO:
-        others = [law for law in CATALOGUE.values() if law.listed and law.port != laws[0].port and law.drive is None]
+        beside = lambda law: law.port != laws[0].port and any(on.allows(laws[0]) and on.allows(law) for on in LAYOUTS.values())  # noqa: E731
+        others = [law for law in CATALOGUE.values() if law.listed and law.drive is None and beside(law)]
         laws.append(others[rng.integers(len(others))])
     return laws
 
