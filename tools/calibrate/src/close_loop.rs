@@ -176,8 +176,7 @@ impl<'a> Search<'a> {
         let runs = self.first.runs.clone();
         for k in 0..count {
             progress(0.6 + 0.2 * k as f64 / count as f64, "looking again");
-            let whole = self.point().fitted.hypothesis.clone();
-            let mut others = whole.clone();
+            let mut others = self.point().fitted.hypothesis.clone();
             let own = others.additions.remove(0);
             let stripped = Point::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
             let scored = search(&stripped);
@@ -187,8 +186,16 @@ impl<'a> Search<'a> {
                 self.setup.fit(others.clone(), &runs)?
             };
             let without = Point::judged(self.setup, refit, &runs)?;
-            let round = compete(&without, &others, &scored);
             let old = self.rounds.remove(0);
+            let whole_cost = self.rounds.last().unwrap_or(&old).winner().map(|c| c.point.evidence.cost().0);
+            // What the others explain without it was a first choice that had to stand for them.
+            if whole_cost.is_some_and(|cost| without.evidence.cost().0 < cost + LEAST)
+                && let Some(last) = self.rounds.pop()
+            {
+                self.rounds.push(last.with_point(without));
+                continue;
+            }
+            let round = compete(&without, &others, &scored);
             let now = self.rounds.last().unwrap_or(&old);
             let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
             if round.taken.is_some() && cost(&round) < cost(now) + LEAST {

@@ -39,6 +39,8 @@ const FORETELLING: (f64, f64) = (30.0, 0.02);
 const CLEARLY: f64 = 1.05;
 /// A sensor may wander by so many deviations of its noise.
 const WANDERS: f64 = 4.0;
+/// A sensor is calibrated to so many deviations of its noise.
+const CALIBRATED: f64 = 0.5;
 /// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none. Asked for of
 /// those that lower BIC by less than the second number.
 const HARDLY: (f64, f64) = (0.995, 0.98);
@@ -48,6 +50,8 @@ const FORETOLD: f64 = 6.0;
 /// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
 /// noise, what the model rounds off shows as well.
 const STANDS_FOR: f64 = 0.003;
+/// Error on what was not fitted, over that of an effect of the list, below which a law predicts far better.
+const AHEAD: f64 = 0.7;
 /// A size within this share of itself in every run is the same.
 const ALIKE: f64 = 0.35;
 
@@ -145,9 +149,12 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     contenders.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     let mut taken = None;
     let mut alike = Vec::new();
+    for contender in &mut contenders {
+        contender.refused = at_limit(contender.addition());
+    }
     // An effect of the list stands for a shape that explains hardly more.
-    let best = contenders.first().map_or(0.0, Contender::sure);
-    let mut order: Vec<usize> = (0..contenders.len()).collect();
+    let best = contenders.iter().find(|c| c.refused.is_none()).map_or(0.0, Contender::sure);
+    let mut order: Vec<usize> = (0..contenders.len()).filter(|k| contenders[*k].refused.is_none()).collect();
     let near = LEAST.max(STANDS_FOR * best);
     order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < near));
     prefer_what_is_no_sensor(&contenders, &mut order);
@@ -206,7 +213,10 @@ fn is_sensor(port: Port) -> bool {
 fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
     let place = |c: &Contender| (c.addition().port, c.addition().follows);
     if contenders[k].addition().is_listed() {
-        return k;
+        return match law_ahead(point, contenders, k) {
+            Some(law) => foretelling(point, contenders, law),
+            None => k,
+        };
     }
     let worth =
         |c: &Contender| c.validation.unwrap_or(1.0) * if c.addition().is_table() { CLEARLY } else { 1.0 };
@@ -215,7 +225,8 @@ fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
         let apart = contenders[k].sure() - contenders[other].sure();
         let near = apart.abs() <= FORETELLING.0.max(FORETELLING.1 * contenders[k].sure().abs());
         let same = place(&contenders[other]) == place(&contenders[k]);
-        if other == k || !same || !near || contenders[other].addition().is_listed() {
+        let own = &contenders[other];
+        if other == k || !same || !near || own.refused.is_some() || own.addition().is_listed() {
             continue;
         }
         let Ok((validation, None)) = gate(point, &contenders[other]) else { continue };
@@ -225,6 +236,20 @@ fn foretelling(point: &Point, contenders: &mut [Contender], k: usize) -> usize {
         }
     }
     best
+}
+
+/// An effect of the list stands for a law that explains hardly more, but not for one at its port that also predicts far better.
+fn law_ahead(point: &Point, contenders: &mut [Contender], k: usize) -> Option<usize> {
+    let own = &contenders[k];
+    let (port, sure, foretold) = (own.addition().port, own.sure(), own.validation?);
+    let explains_more = |c: &Contender| {
+        c.refused.is_none() && !c.addition().is_listed() && c.addition().port == port && c.sure() > sure
+    };
+    let law = contenders.iter().position(explains_more)?;
+    let (validation, refused) = gate(point, &contenders[law]).ok()?;
+    (contenders[law].validation, contenders[law].refused) = (validation, refused);
+    let ahead = contenders[law].refused.is_none() && validation? < AHEAD * foretold;
+    ahead.then_some(law)
 }
 
 /// The most promising of each kind, of different effects, ports or drivers: first by what is sure, then by what explains
@@ -289,6 +314,15 @@ fn fitted<'a>(
     Ok(Contender { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
 }
 
+/// A number of an addition that stands at a limit, in one sentence.
+fn at_limit(addition: &Addition) -> Option<String> {
+    let stuck = addition.numbers.iter().find(|number| {
+        let (least, most) = number.limits;
+        (number.value <= least && least != 0.0) || number.value >= most
+    })?;
+    Some(format!("{} = {:.4} stands at its limit", stuck.symbol, stuck.value))
+}
+
 type Judged = (Option<f64>, Option<String>);
 
 /// Whether a contender passes: its error on what was not fitted over that without, and why not.
@@ -302,12 +336,6 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
         return Ok((None, Some(sentence)));
     }
     let addition = contender.addition();
-    for number in &addition.numbers {
-        let (least, most) = number.limits;
-        if (number.value <= least && least != 0.0) || number.value >= most {
-            return Ok((None, Some(format!("{} = {:.4} stands at its limit", number.symbol, number.value))));
-        }
-    }
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
     }
@@ -342,17 +370,22 @@ fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError>
     Ok((validation, None))
 }
 
-/// A shape over time at a sensor that is no more than what sensors wander, in one sentence.
+/// A finding at a sensor that is no more than what sensors do by themselves, in one sentence: a shape over time within what they
+/// wander, an effect of the list within what they are calibrated to.
 fn wanders(contender: &Contender) -> Option<String> {
     let (setup, addition) = (contender.point.setup, contender.addition());
-    if !is_sensor(addition.port) || addition.is_listed() || addition.follows != Follows::Driver(Driver::Time)
-    {
+    let least = match (addition.is_listed(), addition.follows) {
+        (true, _) => CALIBRATED,
+        (false, Follows::Driver(Driver::Time)) => WANDERS,
+        _ => return None,
+    };
+    if !is_sensor(addition.port) {
         return None;
     }
     let most =
         contender.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
-    (most < WANDERS).then(|| {
-        format!("moves no output by more than {most:.1} deviations of its noise: a sensor wanders as much")
+    (most < least).then(|| {
+        format!("moves no output by more than {most:.1} deviations of its noise: a sensor errs by as much")
     })
 }
 

@@ -4,7 +4,7 @@ use super::{Instance, Interface, Mode, Type};
 use crate::boundary::{Outcome, Refused};
 use physics::declare::{Causality, Kind, Variability};
 use physics::model::{Entry, Slot, TIME};
-use physics::slopes::{Known, Move, Slope, Slopes, Unknown};
+use physics::slopes::{Known, Move, SHORT_WAY, Slope, Slopes, Unknown, WAY};
 
 /// Where derivatives may be asked for.
 const READABLE: &[Mode] =
@@ -23,6 +23,9 @@ fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     }
     Err(Refused::error(format!("there are {there} {what} for {wanted} values.")))
 }
+
+/// A slope that differs by more than this share is that of a tangent.
+const TANGENT: f64 = 1e-5;
 
 impl Instance {
     /// Derivatives of `unknowns` where each of `knowns` moves by its seed.
@@ -157,13 +160,6 @@ impl Instance {
         let restart = (self.mode == Mode::Initialization).then_some(self.window.0);
         let asked: Vec<Unknown> =
             unknowns.iter().map(|entry| Unknown { slot: entry.slot, size: entry.row.nominal }).collect();
-        // The equations themselves are asked, also where steps take cooling by its tangents.
-        let mut handed = None;
-        if self.interface == Interface::CoSimulation {
-            handed.insert(self.model.boxed_clone()).hand_over();
-        }
-        let base = handed.as_ref().unwrap_or(&self.model).as_ref();
-        let found = Slopes { base, scratch: scratch.as_mut(), restart }.along(moves, &asked);
         let seeded = moves.iter().filter(|m| m.seed != 0.0);
         let way = seeded.map(|m| m.size.max(m.at.abs()) / m.seed.abs()).fold(f64::INFINITY, f64::min);
         let doubtful = |(entry, slope): &(&&Entry, &Slope)| {
@@ -171,6 +167,27 @@ impl Instance {
                 || slope.error * way <= OF_NOMINAL * entry.row.nominal;
             !settled
         };
+        let stepping = self.interface == Interface::CoSimulation;
+        let mut handed = None;
+        if stepping {
+            handed.insert(self.model.boxed_clone()).hand_over();
+        }
+        let base = handed.as_ref().unwrap_or(&self.model).as_ref();
+        let mut found = Slopes { base, scratch: scratch.as_mut(), restart, way: WAY }.along(moves, &asked);
+        if stepping && moves.iter().all(|m| matches!(m.known, Known::Variable(_))) {
+            // Steps take cooling by its tangents. Where these say something else than the equations, what is seen from outside is
+            // what the tangents say.
+            let base = self.model.as_ref();
+            let near =
+                Slopes { base, scratch: scratch.as_mut(), restart, way: SHORT_WAY }.along(moves, &asked);
+            for (exact, near) in found.iter_mut().zip(near) {
+                if (near.value - exact.value).abs()
+                    > TANGENT * near.value.abs() + 4.0 * (near.error + exact.error)
+                {
+                    *exact = near;
+                }
+            }
+        }
         if let Some((entry, slope)) = unknowns.iter().zip(&found).find(doubtful) {
             return Err(Refused::discard(format!(
                 "{} has no derivative in this direction here: its differences do not settle beside {} (+-{}).",

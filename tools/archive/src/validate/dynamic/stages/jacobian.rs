@@ -173,7 +173,7 @@ impl<'a> Point<'_, 'a> {
         for (i, told) in out.iter().enumerate() {
             // A Co-Simulation whose outputs wait for the next step shows nothing to compare with.
             let itself = is_same(name_at(self.unknowns, i), known.variable);
-            if !still && !itself && !column.allows(i, *told) {
+            if !still && !itself && !column.allows(i, *told, name_at(self.unknowns, i).nominal) {
                 let message = format!(
                     "The directional derivative of \"{}\" over \"{}\" is {told}, but differences give {}",
                     short(&name_at(self.unknowns, i).name),
@@ -202,7 +202,10 @@ impl<'a> Point<'_, 'a> {
                 );
                 self.session.ok("GetAdjointDerivative", status).map_err(|f| f.about(known.variable, &[]))?;
                 let v = name_at(self.unknowns, row);
-                if !is_still && !is_same(v, known.variable) && !column.allows(row, out[known.element]) {
+                if !is_still
+                    && !is_same(v, known.variable)
+                    && !column.allows(row, out[known.element], v.nominal)
+                {
                     let message = format!(
                         "The adjoint derivative of \"{}\" over \"{}\" is {}, but differences give {}",
                         short(&v.name),
@@ -220,10 +223,11 @@ impl<'a> Point<'_, 'a> {
 
 impl Column {
     /// Whether a derivative agrees with the differences, as well as these are known.
-    fn allows(&self, i: usize, told: f64) -> bool {
+    fn allows(&self, i: usize, told: f64, nominal: f64) -> bool {
         let near = self.near[i];
         let bend = (self.forward[i] - self.backward[i]).abs();
-        let noise = 1e-10 * self.middle[i].abs() / self.step;
+        // What is near zero may be what is left of terms of the usual size.
+        let noise = 1e-10 * self.middle[i].abs().max(1e-3 * nominal) / self.step;
         let room = SHARE * told.abs().max(near.abs()) + 3.0 * (near - self.far[i]).abs() + bend + noise;
         (told - near).abs() <= room
     }
