@@ -5,7 +5,8 @@
 //! steps, slopes of inputs, events, saving and restoring, Model Exchange) is the same for all and stands here.
 
 use crate::exchange::{Exchange, Update};
-use crate::model::{Declaration, Fault, GroupAt, Grouped, Model, Slot};
+use crate::groups::Grouped;
+use crate::model::{Declaration, Fault, GroupAt, Model, Slot};
 use crate::solver::explicit::advance;
 use crate::terms::Drivers;
 use declare::Group;

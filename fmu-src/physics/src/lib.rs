@@ -8,6 +8,7 @@ pub mod correlations;
 pub mod effects;
 pub mod exchange;
 pub mod explicit;
+pub mod groups;
 pub mod ledger;
 pub mod media;
 pub mod model;
