@@ -1,33 +1,10 @@
 //! Set, step and get must not allocate.
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 use common::*;
 use cosim::{FmiVersion, Instance, Kind, Log};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-struct Counting;
-
-thread_local! {
-    /// Per thread, as the test harness has threads of its own.
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: all work is the system allocator's.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
+use counting::allocations;
 
 #[test]
 fn hot_calls_do_not_allocate() {
@@ -38,7 +15,7 @@ fn hot_calls_do_not_allocate() {
         let mut instance = Instance::instantiate(&archive, "lag", Log::new()).unwrap();
         instance.enter_initialization(0.0, None, None).unwrap();
         instance.exit_initialization().unwrap();
-        let before = ALLOCATIONS.get();
+        let before = allocations();
         let (mut x, mut i, mut b) = ([0.0], [0], [false]);
         for k in 0..100 {
             instance.set_f64(&[1], &[1.0]).unwrap();
@@ -52,7 +29,7 @@ fn hot_calls_do_not_allocate() {
             instance.get_bool(&[6], &mut b).unwrap();
             instance.get_number(Kind::Boolean, &[6], &mut x).unwrap();
         }
-        assert_eq!(ALLOCATIONS.get(), before);
+        assert_eq!(allocations(), before);
         assert_eq!((i, b), ([6], [true]));
     }
 }
