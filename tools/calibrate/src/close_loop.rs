@@ -178,27 +178,26 @@ impl<'a> Search<'a> {
             progress(0.6 + 0.2 * k as f64 / count as f64, "looking again");
             let mut others = self.point().fitted.hypothesis.clone();
             let own = others.additions.remove(0);
-            let stripped = Point::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
-            let scored = search(&stripped);
             let refit = if others.additions.is_empty() {
                 self.first.fitted.clone()
             } else {
                 self.setup.fit(others.clone(), &runs)?
             };
             let without = Point::judged(self.setup, refit, &runs)?;
-            let old = self.rounds.remove(0);
-            let whole_cost = self.rounds.last().unwrap_or(&old).winner().map(|c| c.point.evidence.cost().0);
+            let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
+            let whole = self.rounds.last().map_or(f64::INFINITY, cost);
             // What the others explain without it was a first choice that had to stand for them.
-            if whole_cost.is_some_and(|cost| without.evidence.cost().0 < cost + LEAST)
-                && let Some(last) = self.rounds.pop()
-            {
-                self.rounds.push(last.with_point(without));
+            if self.rounds.len() > 1 && without.evidence.cost().0 < whole + LEAST {
+                self.rounds.remove(0);
+                if let Some(last) = self.rounds.pop() {
+                    self.rounds.push(last.with_point(without));
+                }
                 continue;
             }
-            let round = compete(&without, &others, &scored);
-            let now = self.rounds.last().unwrap_or(&old);
-            let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
-            if round.taken.is_some() && cost(&round) < cost(now) + LEAST {
+            let stripped = Point::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
+            let round = compete(&without, &others, &search(&stripped));
+            let old = self.rounds.remove(0);
+            if round.taken.is_some() && cost(&round) < whole + LEAST {
                 self.rounds.push(round);
             } else {
                 // It stays, last of all.
