@@ -6,18 +6,20 @@
 //! 4. What no present value of a driver explains but a force that is free in time does, follows its history.
 //! 5. The test runs are opened.
 
+mod looking;
+
 use crate::CalibrateError;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
-use crate::hypothesis::{Addition, Hypothesis};
+use crate::hypothesis::Hypothesis;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::point::Point;
-use crate::rounds::{Contender, LEAST, Round, acting, compete};
+use crate::rounds::{Contender, Round, acting};
 use crate::search::{Scored, search};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::telling;
-use physics::terms::{MOST_TERMS, Port};
+use physics::terms::Port;
 
 /// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
 /// of what there is to explain (slopes mislead by some hundredths), and a number.
@@ -25,12 +27,8 @@ const HISTORY: (f64, f64) = (0.03, 30.0);
 /// Times that numbers move beside a force, and share of their deviations by which they do no more.
 const MOVES: usize = 4;
 const SETTLED: f64 = 0.2;
-/// Cost by which two effects of the list have to be better than one law in place of both.
-const ONE_LAW: f64 = 6.0;
 /// Share of what a force that is free in time explains from which on a switch explains it.
 const SWITCHED: f64 = 0.9;
-/// Who explains less than this share of what the first does is far behind.
-const AHEAD: f64 = 0.9;
 /// What is left unexplained is said from this evidence on.
 const SAID: f64 = 40.0;
 
@@ -55,12 +53,15 @@ pub fn run(
     let refit = setup.fit(refit.hypothesis, &fit)?;
     let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
     search_of.rounds(progress)?;
-    // What cannot be looked at again stays as it was found.
-    if let Err(e) = search_of.look_again(progress) {
-        search_of.notes.push(format!("what was found could not be looked at again: {e}"));
-    }
-    if let Err(e) = search_of.one_law() {
-        search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
+    search_of.remember();
+    if search_of.remembered.is_none() {
+        // What cannot be looked at again stays as it was found.
+        if let Err(e) = search_of.look_again(progress) {
+            search_of.notes.push(format!("what was found could not be looked at again: {e}"));
+        }
+        if let Err(e) = search_of.one_law() {
+            search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
+        }
     }
     progress(0.85, "judging what was found");
     let verdict = search_of.verdict()?;
@@ -75,16 +76,16 @@ struct Search<'a> {
     setup: &'a Setup<'a>,
     /// The naive fit.
     first: Point<'a>,
-    /// What was scored there.
-    scored: Vec<Scored>,
+    /// What was scored there, and at the point of each round that has taken something.
+    scored: Vec<Vec<Scored>>,
     /// The rounds, each from the model that the one before has taken.
     rounds: Vec<Round<'a>>,
     /// What the last round refused.
     refused: Vec<Evidence>,
     /// What is odd.
     notes: Vec<String>,
-    /// What was scored last.
-    left: Vec<Scored>,
+    /// The force that knows its past, where one shows beside the present value of every driver.
+    remembered: Option<Scored>,
 }
 
 /// What a search has come to.
@@ -116,8 +117,8 @@ impl<'a> Search<'a> {
         Ok(Search {
             setup,
             first,
-            left: scored.clone(),
-            scored,
+            scored: vec![scored],
+            remembered: None,
             rounds: Vec::new(),
             refused: Vec::new(),
             notes: Vec::new(),
@@ -133,142 +134,16 @@ impl<'a> Search<'a> {
         self.taken().map_or(&self.first, |c| &c.point)
     }
 
-    fn rounds(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
-        for round in 0..MOST_TERMS {
-            if self.left.first().is_none_or(|s| s.sure() <= LEAST) {
-                break;
-            }
-            let round_of = compete(self.point(), &self.point().fitted.hypothesis, &self.left);
-            let ended = round_of.taken.is_none();
-            self.rounds.push(round_of);
-            if ended {
-                break;
-            }
-            let found = self.point().fitted.hypothesis.additions.last().map_or("", |a| &a.id).to_string();
-            progress(0.3 + 0.1 * (round + 1) as f64, &format!("{found}; is there more?"));
-            let taken = self.point().fitted.clone();
-            match Point::new(self.setup, taken, &self.first.runs) {
-                Ok(point) => self.left = search(&point),
-                Err(e) => {
-                    self.notes
-                        .push(format!("beyond what was found nothing further could be looked for: {e}"));
-                    break;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Looks at each addition once more, from the others and the numbers that were found with it: there the slopes are those
-    /// of the right neighbourhood, where the naive fit may have been far astray, and a first choice that had to stand for
-    /// two effects gives way.
-    fn look_again(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
-        // A round that took nothing is the last.
-        let taken = self.rounds.iter().filter(|r| r.taken.is_some()).count();
-        for (k, round) in self.rounds.drain(taken..).enumerate() {
-            self.refused.extend(round.ladder(taken + k + 1));
-        }
-        let count = self.rounds.len();
-        let listed = self.taken().is_some_and(|c| c.addition().is_listed());
-        if count == 0 || (count == 1 && listed && (!self.astray() || self.clear())) {
-            return Ok(());
-        }
-        let runs = self.first.runs.clone();
-        for k in 0..count {
-            progress(0.6 + 0.2 * k as f64 / count as f64, "looking again");
-            let mut others = self.point().fitted.hypothesis.clone();
-            let own = others.additions.remove(0);
-            let refit = if others.additions.is_empty() {
-                self.first.fitted.clone()
-            } else {
-                self.setup.fit(others.clone(), &runs)?
-            };
-            let without = Point::judged(self.setup, refit, &runs)?;
-            let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
-            let whole = self.rounds.last().map_or(f64::INFINITY, cost);
-            // What the others explain without it was a first choice that had to stand for them.
-            if self.rounds.len() > 1 && without.evidence.cost().0 < whole + LEAST {
-                self.rounds.remove(0);
-                if let Some(last) = self.rounds.pop() {
-                    self.rounds.push(last.with_point(without));
-                }
-                continue;
-            }
-            let stripped = Point::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
-            let round = compete(&without, &others, &search(&stripped));
-            let old = self.rounds.remove(0);
-            if round.taken.is_some() && cost(&round) < whole + LEAST {
-                self.rounds.push(round);
-            } else {
-                // It stays, last of all.
-                let mut kept = others;
-                kept.additions.push(own);
-                let point = Point::judged(self.setup, self.setup.judged(kept, &runs)?, &runs)?;
-                self.rounds.push(old.with_point(point));
-            }
-        }
-        Ok(())
-    }
-
-    /// Two effects of the list at one port and over one driver may stand in for one law between them: where a power explains as
-    /// much, it is the simpler story.
-    fn one_law(&mut self) -> Result<(), CalibrateError> {
-        let Some(point) = self.taken().map(|c| &c.point) else { return Ok(()) };
-        let additions = &point.fitted.hypothesis.additions;
-        let place = |a: &Addition| (a.port, a.follows);
-        let twice = |a: &&Addition| {
-            a.is_listed() && additions.iter().filter(|b| b.is_listed() && place(b) == place(a)).count() > 1
-        };
-        let Some(at) = additions.iter().find(twice).map(place) else { return Ok(()) };
-        let cost = point.evidence.cost().0;
-        let mut others = point.fitted.hypothesis.clone();
-        others.additions.retain(|a| place(a) != at);
-        let runs = self.first.runs.clone();
-        let refit = self.setup.fit(others.clone(), &runs)?;
-        let without = Point::new(self.setup, refit, &runs)?;
-        let is_power = |s: &&Scored| {
-            s.addition.as_ref().is_some_and(|a| place(a) == at && !a.is_listed() && !a.is_table())
-        };
-        let powers: Vec<Scored> = search(&without).iter().filter(is_power).cloned().collect();
-        let round = compete(&without, &others, &powers);
-        if round.winner().is_some_and(|c| c.point.evidence.cost().0 < cost + ONE_LAW) {
-            self.rounds.retain(|round| round.winner().is_some_and(|c| place(c.addition()) != at));
-            self.rounds.push(round);
-        }
-        Ok(())
-    }
-
-    /// Whether what was taken first is far ahead of all that act elsewhere.
-    fn clear(&self) -> bool {
-        let Some((round, best)) = self.rounds.first().and_then(|r| Some((r, r.winner()?))) else {
-            return false;
-        };
-        let elsewhere = round.contenders.iter().filter(|c| c.addition().port != best.addition().port);
-        elsewhere.map(Contender::sure).fold(0.0, f64::max) < AHEAD * best.sure()
-    }
-
-    /// Whether a parameter of the naive fit has gone so far that it stands in for something else.
-    fn astray(&self) -> bool {
-        let declared = self.setup.declared.iter().zip(&self.first.fitted.hypothesis.declared);
-        declared.into_iter().any(|(d, value)| d.astray(*value))
-    }
-
     /// The force that knows its past, where nothing that was added comes near what it would explain.
     fn history(&self) -> Option<&Scored> {
-        let free = self.scored.iter().find(|s| s.follows == Follows::History && !s.listed)?;
+        let scored = &self.scored[0];
+        let free = scored.iter().find(|s| s.is_free())?;
         let (before, after) = (self.first.evidence.cost(), self.point().evidence.cost());
         let explained = before.0 - after.0;
         let (share, least) = HISTORY;
         let ahead = |evidence: f64, explained: f64| evidence - explained > least.max(share * evidence.abs());
-        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1)).then(|| self.switched(free))
-    }
-
-    /// Forces that are free in time explain the same at many ports of heat. One that latches, switches or comes and goes says at which
-    /// it does: the force there, where that explains nearly as much.
-    fn switched<'s>(&'s self, free: &'s Scored) -> &'s Scored {
-        let past = || self.scored.iter().filter(|s| s.follows == Follows::History && !s.listed);
-        let known = past().find(|s| !s.is_free() && s.sure() > SWITCHED * free.sure());
-        known.and_then(|known| past().find(|s| s.is_free() && s.port == known.port)).unwrap_or(free)
+        (ahead(free.evidence, explained) && ahead(free.raw, before.1 - after.1))
+            .then(|| switched(scored, free))
     }
 
     fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
@@ -287,7 +162,10 @@ impl<'a> Search<'a> {
             ladder,
             notes: std::mem::take(&mut self.notes),
         };
-        if let Some(free) = self.history().cloned() {
+        let remembered = self.remembered.take();
+        if remembered.is_none()
+            && let Some(free) = self.history().cloned()
+        {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(told(&free, false));
             judgement.beside = self.beside(free.port, &self.first);
@@ -308,15 +186,18 @@ impl<'a> Search<'a> {
             (_, None, true) => Verdict::Class,
             (_, None, false) => Verdict::Named,
         };
-        if let Some(k) = unnamed {
+        if let Some(free) = remembered {
+            judgement.verdict = Verdict::Unexplained;
+            judgement.unexplained = Some(told(&free, false));
+        } else if let Some(k) = unnamed {
             // The shape that the data draws by itself, beside the law that was taken.
             let found = &effects[k];
             let same = |s: &&Scored| s.port == found.port && s.follows == found.follows && s.shape.len() > 2;
-            let shape = self.scored.iter().find(same).map(|s| s.shape.clone()).unwrap_or_default();
+            let shape = self.scored[0].iter().find(same).map(|s| s.shape.clone()).unwrap_or_default();
             judgement.unexplained =
                 Some(Unexplained { port: found.port, follows: found.follows, shape, added: true });
         } else if effects.is_empty()
-            && let Some(rest) = self.left.iter().find(|s| !s.listed).filter(|s| s.sure() > SAID)
+            && let Some(rest) = self.left().iter().find(|s| !s.listed).filter(|s| s.sure() > SAID)
         {
             judgement.verdict = Verdict::Unexplained;
             judgement.unexplained = Some(told(rest, false));
@@ -422,8 +303,8 @@ impl<'a> Search<'a> {
         let (_, raw) = self.first.evidence.cost();
         let excess = (raw - self.first.evidence.values() as f64).max(1.0);
         let of = |port: &Port| {
-            let free = self.scored.iter().find(|s| s.port == *port && s.is_free())?;
-            let with_driver = self.scored.iter().find(|s| s.port == *port && !s.listed && !s.is_free());
+            let free = self.scored[0].iter().find(|s| s.port == *port && s.is_free())?;
+            let with_driver = self.scored[0].iter().find(|s| s.port == *port && !s.listed && !s.is_free());
             let follows = with_driver.map_or(Follows::History, |s| s.follows);
             let gain = free.raw + 2.0 * self.first.per_number();
             Some(Localised { port: *port, share: (gain / excess).clamp(0.0, 1.0), follows })
@@ -432,6 +313,14 @@ impl<'a> Search<'a> {
         all.sort_by(|a, b| b.share.total_cmp(&a.share));
         all
     }
+}
+
+/// Forces that are free in time explain the same at many ports of heat. One that latches, switches or comes and goes says at which it
+/// does: the force there, where that explains nearly as much.
+fn switched<'s>(scored: &'s [Scored], free: &'s Scored) -> &'s Scored {
+    let past = || scored.iter().filter(|s| s.follows == Follows::History && !s.listed);
+    let known = past().find(|s| !s.is_free() && s.sure() > SWITCHED * free.sure());
+    known.and_then(|known| past().find(|s| s.is_free() && s.port == known.port)).unwrap_or(free)
 }
 
 /// The files of active runs, each once.

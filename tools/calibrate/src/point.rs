@@ -9,11 +9,13 @@ use crate::search::free_in_time;
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe};
 use nalgebra::{DMatrix, DVector};
-use physics::terms::{Drivers, Port};
+use physics::terms::{Driver, Drivers, Port};
 use rayon::prelude::*;
 
 /// How far the zero of a sensor may be off, over its noise.
 const ZERO: f64 = 0.5;
+/// Current and speed within so many deviations of their noise from zero may run either way.
+const HIDDEN: f64 = 4.0;
 /// Distance of the points between which a drifting sensor runs, s, at least.
 const KNOT: f64 = 900.0;
 /// Most such points over the whole clock.
@@ -161,13 +163,37 @@ impl<'a> Point<'a> {
     /// The column of the `k`-th of [`listed`](Self::listed), in the runs that `active` says (by place among the point's runs).
     pub fn listed_column(&self, k: usize, active: &[bool]) -> Option<DMatrix<f64>> {
         let place = self.ports.len() + self.inputs + k;
+        let hidden = self.hidden_at(self.listed[k].0.port);
         self.columns(1, |r, _| {
             if !active[r] {
                 return Some(None);
             }
-            let direction = self.further(r)[place].as_ref()?;
-            Some(Some(self.slopes.tangents[r].response(direction, |_| 1.0)))
+            let (direction, tangent) = (self.further(r)[place].as_ref()?, &self.slopes.tangents[r]);
+            Some(Some(
+                tangent.response(direction, |row| if hidden(&tangent.drivers[row]) { 0.0 } else { 1.0 }),
+            ))
         })
+    }
+
+    /// Where noise hides which way a force at a port acts, which turns round with the current or the speed.
+    fn hidden_at(&self, port: Port) -> impl Fn(&Drivers) -> bool {
+        self.hidden(match port {
+            Port::TerminalVoltage => Some(Driver::Current),
+            Port::DragTorque => Some(Driver::Speed),
+            _ => None,
+        })
+    }
+
+    /// Where a current or a speed is none but for its noise. What acts there would explain that noise by making the motor deaf to
+    /// what drives it.
+    pub fn hidden(&self, driver: Option<Driver>) -> impl Fn(&Drivers) -> bool {
+        let driver = driver.and_then(|driver| match driver {
+            Driver::Current => Some((driver, "current_A")),
+            Driver::Speed => Some((driver, "speed_rad_per_s")),
+            _ => None,
+        });
+        let least = driver.and_then(|(driver, column)| Some((driver, HIDDEN * self.setup.noise_of(column)?)));
+        move |drivers| least.is_some_and(|(driver, least)| drivers.of(driver).abs() < least)
     }
 
     /// Columns of forces at a port, one for each of `count` shapes; a shape sees run, row and drivers.
@@ -178,11 +204,13 @@ impl<'a> Point<'a> {
         shape: impl Fn(usize, usize, usize, &Drivers) -> f64,
     ) -> Option<DMatrix<f64>> {
         let place = self.ports.iter().position(|p| *p == port)?;
+        let hidden = self.hidden_at(port);
         self.columns(count, |r, k| {
             let direction = self.further(r)[place].as_ref()?;
             let tangent = &self.slopes.tangents[r];
-            let values: Vec<f64> =
-                tangent.drivers.iter().enumerate().map(|(row, d)| shape(k, r, row, d)).collect();
+            let drivers = tangent.drivers.iter().enumerate();
+            let felt = drivers.map(|(row, d)| if hidden(d) { 0.0 } else { shape(k, r, row, d) });
+            let values: Vec<f64> = felt.collect();
             Some(values.iter().any(|v| *v != 0.0).then(|| tangent.response(direction, |row| values[row])))
         })
     }

@@ -7,21 +7,23 @@
 //! are sign and size physical; does every run want the same size; is what was not fitted predicted better. Without it
 //! the cost alone finds effects in every bench whose thermocouples drift.
 
+mod gate;
+
 use crate::CalibrateError;
-use crate::experiment::Role;
-use crate::fit::Fitted;
 use crate::hypothesis::{Addition, Hypothesis};
 use crate::outcome::{Evidence, Follows};
 use crate::point::Point;
 use crate::search::{CHOICE, Scored};
-use crate::setup::{Setup, Shown};
+use crate::setup::Setup;
+pub use gate::acting;
+use gate::{foretells_where_it_shows, gate};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
 /// Fall of the cost that a term needs.
 pub const LEAST: f64 = 10.0;
-/// The same for a term of no list, which has so many ports, drivers and shapes to choose from.
-const UNNAMED: f64 = 30.0;
+/// What a contender that predicts worse has to explain to be tried together with another.
+const PROMISING: f64 = 100.0;
 /// Costs as near as this cannot be told apart.
 const NEAR: f64 = 6.0;
 /// Contenders: effects of the list, powers, shapes.
@@ -31,29 +33,15 @@ const FURTHER: [usize; 3] = [3, 1, 1];
 /// What brings a store of its own is simulated ten times as slowly, and competes only where what is sure of it is this share of the
 /// best.
 const STORED: f64 = 0.2;
-/// Share of a run that is held out where no validation run has the effect.
-const HELD_OUT: f64 = 0.25;
 /// Laws as near as this, as a number and as a share, are chosen by what they predict.
 const FORETELLING: (f64, f64) = (30.0, 0.02);
 /// A table that predicts better than a power by less than this share is not clearly better.
 const CLEARLY: f64 = 1.05;
-/// A sensor may wander by so many deviations of its noise.
-const WANDERS: f64 = 4.0;
-/// A sensor is calibrated to so many deviations of its noise.
-const CALIBRATED: f64 = 0.5;
-/// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none. Asked for of
-/// those that lower BIC by less than the second number.
-const HARDLY: (f64, f64) = (0.995, 0.98);
-const WEAK: f64 = 100.0;
-/// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
-const FORETOLD: f64 = 6.0;
 /// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
 /// noise, what the model rounds off shows as well.
 const STANDS_FOR: f64 = 0.003;
 /// Error on what was not fitted, over that of an effect of the list, below which a law predicts far better.
 const AHEAD: f64 = 0.7;
-/// A size within this share of itself in every run is the same.
-const ALIKE: f64 = 0.35;
 
 /// A candidate that was fitted.
 pub struct Contender<'a> {
@@ -88,6 +76,8 @@ pub struct Round<'a> {
     pub contenders: Vec<Contender<'a>>,
     /// The one that is taken, by its place.
     pub taken: Option<usize>,
+    /// Why it was taken though it does not pass the gate by itself.
+    excuse: Option<&'static str>,
     /// Others that the data cannot tell from it.
     pub alike: Vec<usize>,
 }
@@ -96,6 +86,35 @@ impl<'a> Round<'a> {
     /// What was taken.
     pub fn winner(&self) -> Option<&Contender<'a>> {
         self.taken.map(|taken| &self.contenders[taken])
+    }
+
+    /// The one that explains most but predicts worse, where that is a lot: something else may spoil what it predicts.
+    pub fn promising(&self) -> Option<usize> {
+        let predicts_worse = |c: &Contender| c.validation.is_some_and(|ratio| ratio >= 1.0);
+        let first = self.contenders.iter().position(|c| at_limit(c.addition()).is_none())?;
+        let best = &self.contenders[first];
+        (self.taken.is_none() && predicts_worse(best) && best.sure() > PROMISING).then_some(first)
+    }
+
+    /// The same with one of its contenders taken though it does not pass the gate, and why.
+    pub fn with_taken(mut self, k: usize, excuse: &'static str) -> Round<'a> {
+        self.contenders[k].refused = None;
+        self.taken = Some(k);
+        self.excuse = Some(excuse);
+        self
+    }
+
+    /// Whether the `k`-th predicts better the outputs in which it shows.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn foretells_where_it_shows(&self, point: &Point, k: usize) -> Result<bool, CalibrateError> {
+        foretells_where_it_shows(point, &self.contenders[k])
+    }
+
+    /// Whether what was taken also passes the gate beside a point that lies further back.
+    pub fn passes_beside(&self, point: &Point) -> bool {
+        self.winner().is_some_and(|c| matches!(gate(point, c), Ok((_, None))))
     }
 
     /// The same with another point for what was taken.
@@ -116,7 +135,7 @@ impl<'a> Round<'a> {
                 let reason = match (&c.refused, &best) {
                     (Some(refused), _) => refused.clone(),
                     (None, _) if self.taken == Some(k) => {
-                        "explains most of all, and passes the gate".to_string()
+                        self.excuse.unwrap_or("explains most of all, and passes the gate").to_string()
                     }
                     (None, Some(best)) if self.alike.contains(&k) => {
                         format!("explains as much as {best}: this data cannot tell them apart")
@@ -157,7 +176,7 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     let mut order: Vec<usize> = (0..contenders.len()).filter(|k| contenders[*k].refused.is_none()).collect();
     let near = LEAST.max(STANDS_FOR * best);
     order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < near));
-    prefer_what_is_no_sensor(&contenders, &mut order);
+    prefer_the_likelier(&contenders, &mut order);
     for k in order {
         // Who explains far less than one that was taken is not looked at.
         if taken.is_some_and(|t: usize| contenders[t].sure() - contenders[k].sure() > NEAR) {
@@ -181,27 +200,46 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     if taken.is_some_and(|t| !contenders[t].addition().is_listed()) {
         alike.clear();
     }
-    Round { contenders, taken, alike }
+    Round { contenders, taken, excuse: None, alike }
 }
 
-/// A sensor that errs by what the motor does is rarer than a motor that does it: of two laws of no list that explain the same, the one
-/// at the sensor comes second.
-fn prefer_what_is_no_sensor(contenders: &[Contender], order: &mut Vec<usize>) {
+/// Of two laws of no list that explain the same, the likelier comes first: a sensor that errs by what the motor does is rarer than a
+/// motor that does it, and what happens at a node follows the temperature of that node.
+fn prefer_the_likelier(contenders: &[Contender], order: &mut Vec<usize>) {
     let unnamed = |k: &usize| !contenders[*k].addition().is_listed();
-    let Some(first) = order.iter().position(unnamed) else { return };
-    let best = order[first];
-    if !is_sensor(contenders[best].addition().port) {
-        return;
+    for strange in [stands_at_a_sensor as fn(&Addition) -> bool, follows_another_node] {
+        let Some(first) = order.iter().position(unnamed) else { return };
+        let best = &contenders[order[first]];
+        if !strange(best.addition()) {
+            continue;
+        }
+        let as_well = |k: &usize| {
+            let other = &contenders[*k];
+            unnamed(k)
+                && !strange(other.addition())
+                && (is_sensor(best.addition().port) || other.addition().port == best.addition().port)
+                && best.sure() - other.sure() < NEAR
+        };
+        if let Some(other) = order.iter().position(as_well) {
+            let other = order.remove(other);
+            order.insert(first, other);
+        }
     }
-    let same = |k: &usize| {
-        unnamed(k)
-            && !is_sensor(contenders[*k].addition().port)
-            && contenders[best].sure() - contenders[*k].sure() < NEAR
+}
+
+fn stands_at_a_sensor(addition: &Addition) -> bool {
+    is_sensor(addition.port)
+}
+
+fn follows_another_node(addition: &Addition) -> bool {
+    let other = match addition.port {
+        Port::HousingHeat | Port::HousingAmbientConductance | Port::HeatCapacity | Port::HousingSensor => {
+            Driver::WindingTemperature
+        }
+        Port::WindingHeat | Port::WindingResistance | Port::WindingSensor => Driver::HousingTemperature,
+        _ => return false,
     };
-    if let Some(other) = order.iter().position(same) {
-        let other = order.remove(other);
-        order.insert(first, other);
-    }
+    addition.follows == Follows::Driver(other)
 }
 
 fn is_sensor(port: Port) -> bool {
@@ -321,167 +359,4 @@ fn at_limit(addition: &Addition) -> Option<String> {
         (number.value <= least && least != 0.0) || number.value >= most
     })?;
     Some(format!("{} = {:.4} stands at its limit", stuck.symbol, stuck.value))
-}
-
-type Judged = (Option<f64>, Option<String>);
-
-/// Whether a contender passes: its error on what was not fitted over that without, and why not.
-fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError> {
-    let (white, raw) = contender.delta;
-    let least = if contender.addition().is_listed() { LEAST } else { UNNAMED };
-    if raw <= least || white <= least {
-        let sentence = format!(
-            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {least} is asked for"
-        );
-        return Ok((None, Some(sentence)));
-    }
-    let addition = contender.addition();
-    if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
-        return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
-    }
-    if let Some(sentence) = wanders(contender) {
-        return Ok((None, Some(sentence)));
-    }
-    let unlike = unlike(contender);
-    let foretold = validation(before, contender)?;
-    let validation = foretold.map(|f| (f.with / f.without).sqrt());
-    if let Some(sentence) = unlike {
-        return Ok((validation, Some(sentence)));
-    }
-    if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0) {
-        let sentence =
-            format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
-        return Ok((validation, Some(sentence)));
-    }
-    let most = if addition.is_listed() { HARDLY.0 } else { HARDLY.1 };
-    let weak = contender.sure() < WEAK;
-    if let Some(ratio) = validation.filter(|ratio| weak && *ratio >= most) {
-        let sentence = format!(
-            "what was not fitted is hardly predicted better: {ratio:.4} times the error without it; {most} is asked for"
-        );
-        return Ok((validation, Some(sentence)));
-    }
-    if let Some(fall) = foretold.map(|f| f.without - f.with).filter(|fall| *fall < FORETOLD) {
-        let sentence = format!(
-            "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {FORETOLD} is asked for"
-        );
-        return Ok((validation, Some(sentence)));
-    }
-    Ok((validation, None))
-}
-
-/// A finding at a sensor that is no more than what sensors do by themselves, in one sentence: a shape over time within what they
-/// wander, an effect of the list within what they are calibrated to.
-fn wanders(contender: &Contender) -> Option<String> {
-    let (setup, addition) = (contender.point.setup, contender.addition());
-    let least = match (addition.is_listed(), addition.follows) {
-        (true, _) => CALIBRATED,
-        (false, Follows::Driver(Driver::Time)) => WANDERS,
-        _ => return None,
-    };
-    if !is_sensor(addition.port) {
-        return None;
-    }
-    let most =
-        contender.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
-    (most < least).then(|| {
-        format!("moves no output by more than {most:.1} deviations of its noise: a sensor errs by as much")
-    })
-}
-
-/// A run that wants another size than the others, in one sentence: what leaving it out would show.
-fn unlike(contender: &Contender) -> Option<String> {
-    let (point, addition) = (&contender.point, contender.addition());
-    let active: Vec<usize> = (0..point.runs.len()).filter(|r| addition.active[point.runs[*r]]).collect();
-    if active.len() < 2 {
-        return None;
-    }
-    for own in active {
-        let Some(column) = point.amplitude_column(own) else { continue };
-        let Some(gain) = point.evidence.gain(&column) else { continue };
-        let (off, deviation) = (gain.size[0], gain.covariance[(0, 0)].sqrt());
-        if off.abs() > ALIKE + 4.0 * deviation {
-            let file = &point.setup.experiment.runs[point.runs[own]].file;
-            return Some(format!(
-                "is not the same in every run: {file} wants {:.0} % of the size that the others have",
-                100.0 * (1.0 + off)
-            ));
-        }
-    }
-    None
-}
-
-/// Sums of squares over what was not fitted, in units of the noise.
-#[derive(Clone, Copy)]
-struct Foretold {
-    with: f64,
-    without: f64,
-}
-
-/// Error on what was not fitted with a contender and without: on the validation runs, and where it acts in none of them on
-/// the end of the runs in which it acts, fitted without it.
-fn validation(before: &Point, contender: &Contender) -> Result<Option<Foretold>, CalibrateError> {
-    let setup = before.setup;
-    let runs = setup.runs(Role::Validate);
-    let addition = contender.addition();
-    let partly = addition.active.iter().any(|on| !on);
-    if !runs.is_empty() {
-        let mut without = before.fitted.hypothesis.clone();
-        acting(setup, &mut without, &runs)?;
-        let without = setup.show(&without, &runs)?;
-        let mut with = contender.point.fitted.hypothesis.clone();
-        acting(setup, &mut with, &runs)?;
-        let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
-        let shown = setup.show(&with, &runs)?;
-        if !partly || active {
-            let (with, without) = (setup.chi_square(&runs, &shown).0, setup.chi_square(&runs, &without).0);
-            return Ok(Some(Foretold { with, without }));
-        }
-    }
-    let mut part = setup.clone();
-    let mut judged = setup.clone();
-    let mut held = Vec::new();
-    for run in before.runs.iter().filter(|run| addition.active[**run]) {
-        let Some((from, to)) = setup.counted(*run) else { continue };
-        let cut = to - HELD_OUT * (to - from);
-        part = part.with_window(*run, (from, cut));
-        judged = judged.with_window(*run, (cut, to));
-        held.push(*run);
-    }
-    if held.is_empty() {
-        return Ok(None);
-    }
-    let without = part.fit(before.fitted.hypothesis.clone(), &before.runs)?;
-    let with = part.fit(contender.point.fitted.hypothesis.clone(), &before.runs)?;
-    let error = |fitted: &Fitted| -> Result<f64, CalibrateError> {
-        let shown = judged.show(&fitted.hypothesis, &held)?;
-        Ok(judged.chi_square(&held, &shown).0)
-    };
-    Ok(Some(Foretold { with: error(&with)?, without: error(&without)? }))
-}
-
-/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better.
-///
-/// # Errors
-/// What the model says where it cannot be run.
-pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<(), CalibrateError> {
-    for a in 0..hypothesis.additions.len() {
-        if setup.runs(Role::Fit).iter().all(|r| hypothesis.additions[a].active[*r]) {
-            continue;
-        }
-        for run in runs {
-            let on = if let Some(same) = setup.fitted_with(*run) {
-                hypothesis.additions[a].active[same]
-            } else {
-                let mut error = |on: bool| -> Result<f64, CalibrateError> {
-                    hypothesis.additions[a].active[*run] = on;
-                    let shown: Vec<Shown> = setup.show(hypothesis, &[*run])?;
-                    Ok(setup.chi_square(&[*run], &shown).0)
-                };
-                error(true)? < error(false)?
-            };
-            hypothesis.additions[a].active[*run] = on;
-        }
-    }
-    Ok(())
 }

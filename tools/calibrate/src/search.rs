@@ -10,29 +10,31 @@
 //!
 //! Everything is compared by the fall of the evidence's cost less ln n for each number (Schwarz), n the blocks.
 
+mod past;
+
 use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
 use crate::hypothesis::{Addition, Number, Shape, hat, power};
 use crate::outcome::Follows;
 use crate::point::Point;
 use nalgebra::DMatrix;
-use physics::terms::{Driver, Factor, Port};
+use past::{FREE, histories, in_time};
+pub use past::{free_in_time, remembers};
+use physics::terms::{Driver, Drivers, Factor, Port};
 use rayon::prelude::*;
 
 /// Points of a smooth shape over a driver.
 const KNOTS: usize = 7;
-/// Points of a force that is free in time, in each run.
-const INSTANTS: usize = 24;
 /// Times over a run that are tried for a step, before those near the best.
 const TIMES: usize = 60;
 /// A driver that moves by less than this share of its size has no shape to show.
 const STILL: f64 = 0.01;
+/// Share of what a heat of the housing explains from which on a conductance explains it as well.
+const LEAVES: f64 = 0.9;
 /// Shapes for which powers are tried: the best.
 const LIKELY: usize = 16;
 /// What a choice among so many ports and drivers costs, beside the numbers.
 pub const CHOICE: f64 = 9.3;
-/// What a force that is free in time is called, behind its port.
-const FREE: &str = " free in time";
 /// Exponents that are tried.
 const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
 
@@ -61,6 +63,15 @@ impl Scored {
     /// Whether it is a force that is free in time.
     pub fn is_free(&self) -> bool {
         self.name.ends_with(FREE)
+    }
+
+    /// Whether its shape falls with its driver, as a whole; a power's coefficient stands alone.
+    fn falls(&self) -> bool {
+        let middle = self.shape.iter().map(|(x, ..)| x).sum::<f64>() / self.shape.len() as f64;
+        match self.shape[..] {
+            [(_, coefficient, _)] => coefficient < 0.0,
+            _ => self.shape.iter().map(|(x, value, _)| (x - middle) * value).sum::<f64>() < 0.0,
+        }
     }
 
     /// What speaks for it whichever way the noise is taken.
@@ -138,8 +149,30 @@ pub fn search(point: &Point) -> Vec<Scored> {
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
     all.par_extend(ports.par_iter().flat_map_iter(|port| histories(point, *port, per_number)));
     all.extend(free);
+    leave_to_the_air(&mut all);
     all.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     all
+}
+
+/// A heat of the housing that falls as it warms is heat that leaves: where a conductance to the air explains nearly as much over the
+/// same driver, it is that.
+fn leave_to_the_air(all: &mut Vec<Scored>) {
+    let leaves = |s: &Scored| {
+        let temperature = [Driver::HousingTemperature, Driver::WindingTemperature].map(Follows::Driver);
+        s.port == Port::HousingHeat && !s.listed && temperature.contains(&s.follows) && s.falls()
+    };
+    let points = |s: &Scored| s.shape.len();
+    let kept: Vec<bool> = (all.iter())
+        .map(|s| {
+            let same = |t: &&Scored| {
+                t.port == Port::HousingAmbientConductance && t.follows == s.follows && points(t) == points(s)
+            };
+            !(leaves(s)
+                && all.iter().filter(|t| !t.listed).find(same).is_some_and(|t| t.sure() > LEAVES * s.sure()))
+        })
+        .collect();
+    let mut kept = kept.into_iter();
+    all.retain(|_| kept.next().unwrap_or(true));
 }
 
 fn within(value: f64, limits: (f64, f64)) -> bool {
@@ -301,7 +334,9 @@ fn scored(name: String, port: Port, follows: Follows, gain: &Gain, cost: f64, x:
 
 fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
     let knots = knots(point, driver)?;
-    let columns = point.port_columns(port, knots.len(), |k, _, _, d| hat(&knots, k, d.of(driver)))?;
+    let hidden = point.hidden(Some(driver));
+    let value = |k: usize, d: &Drivers| if hidden(d) { 0.0 } else { hat(&knots, k, d.of(driver)) };
+    let columns = point.port_columns(port, knots.len(), |k, _, _, d| value(k, d))?;
     let gain = point.evidence.shape(&columns, &alike(&knots))?;
     let name = format!("{} over {}", port.name(), driver.name());
     let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + CHOICE, &knots);
@@ -327,9 +362,10 @@ fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
 fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
     knots(point, driver)?;
     let factor = scale(point, driver);
+    let hidden = point.hidden(Some(driver));
     let of = |exponent: f64| {
-        let value = |x: f64| power(&factor, x, exponent);
-        let gain = point.evidence.gain(&point.port_columns(port, 1, |_, _, _, d| value(d.of(driver)))?)?;
+        let value = |d: &Drivers| if hidden(d) { 0.0 } else { power(&factor, d.of(driver), exponent) };
+        let gain = point.evidence.gain(&point.port_columns(port, 1, |_, _, _, d| value(d))?)?;
         // A drag or a drop that drives is none.
         let physical = !matches!(port, Port::DragTorque | Port::TerminalVoltage) || gain.size[0] > 0.0;
         physical.then_some((exponent, gain))
@@ -365,110 +401,4 @@ fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
         active: vec![true; point.setup.experiment.runs.len()],
     });
     Some(found)
-}
-
-/// The clock of each row of each run.
-fn clock<'a>(point: &'a Point, r: usize) -> &'a [f64] {
-    &point.setup.drives[point.runs[r]].time
-}
-
-/// A force at a port that is free in time.
-pub struct Free {
-    /// Columns of its values at instants.
-    pub columns: DMatrix<f64>,
-    /// Their covariance: near instants are alike.
-    pub kernel: DMatrix<f64>,
-    /// The instants, s.
-    at: Vec<f64>,
-}
-
-/// A force that is free in time.
-pub fn free_in_time(point: &Point, port: Port) -> Option<Free> {
-    let mut instants: Vec<(usize, Vec<f64>)> = Vec::new();
-    for r in 0..point.runs.len() {
-        let time = clock(point, r);
-        let (from, to) = (time[0], time[time.len() - 1]);
-        let count = INSTANTS.min(time.len()).max(2);
-        instants.push((r, (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()));
-    }
-    let places: Vec<(usize, usize)> =
-        instants.iter().flat_map(|(r, times)| (0..times.len()).map(move |k| (*r, k))).collect();
-    let at: Vec<f64> = places.iter().map(|(r, k)| instants[*r].1[*k]).collect();
-    let columns = point.port_columns(port, places.len(), |place, r, row, _| {
-        let (own, k) = places[place];
-        if own == r { hat(&instants[r].1, k, clock(point, r)[row]) } else { 0.0 }
-    })?;
-    let memory = 600.0;
-    let kernel = DMatrix::from_fn(at.len(), at.len(), |a, b| (-(at[a] - at[b]).abs() / memory).exp());
-    Some(Free { columns, kernel, at })
-}
-
-fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
-    let free = free_in_time(point, port)?;
-    let gain = point.evidence.shape(&free.columns, &free.kernel)?;
-    let name = format!("{}{FREE}", port.name());
-    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + CHOICE, &free.at))
-}
-
-/// What knows its past: it latches, switches with hysteresis, or comes and goes.
-fn histories(point: &Point, port: Port, per_number: f64) -> Vec<Scored> {
-    let mut all = Vec::new();
-    let mut best = |name: &str, numbers: f64, tried: Vec<(f64, Gain)>| {
-        if let Some((at, gain)) = tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened)) {
-            let name = format!("{} {name} {at:.4}", port.name());
-            let cost = numbers * per_number + CHOICE;
-            let mut found = scored(name, port, Follows::History, &gain, cost, &[at]);
-            found.shape.truncate(1);
-            all.push(found);
-        }
-    };
-    for driver in [Driver::WindingTemperature, Driver::HousingTemperature, Driver::Current, Driver::Speed] {
-        let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
-        values.sort_by(f64::total_cmp);
-        let thresholds: Vec<f64> = (1..16).map(|k| values[(values.len() - 1) * k / 16]).collect();
-        let switched = |up: f64, down: f64| -> Vec<Vec<f64>> {
-            point
-                .slopes
-                .tangents
-                .iter()
-                .map(|t| {
-                    let mut on = false;
-                    t.drivers
-                        .iter()
-                        .map(|d| {
-                            let x = d.of(driver);
-                            on = x > if on { down } else { up };
-                            f64::from(u8::from(on))
-                        })
-                        .collect()
-                })
-                .collect()
-        };
-        let gain = |states: Vec<Vec<f64>>| {
-            let moves = states.iter().any(|run| run.iter().any(|on| *on != states[0][0]));
-            let columns = moves.then(|| point.port_columns(port, 1, |_, r, row, _| states[r][row]))??;
-            point.evidence.gain(&columns)
-        };
-        let latched = thresholds.iter().filter_map(|x| Some((*x, gain(switched(*x, f64::NEG_INFINITY))?)));
-        best(&format!("latched by {} above", driver.name()), 3.0, latched.collect());
-        if matches!(driver, Driver::WindingTemperature | Driver::HousingTemperature) {
-            let widths = [3.0, 6.0, 12.0];
-            let tried = thresholds.iter().flat_map(|x| widths.iter().map(move |w| (*x, *w)));
-            let tried = tried.filter_map(|(x, w)| Some((x, gain(switched(x, x - w))?)));
-            best(&format!("switched by {} with hysteresis above", driver.name()), 4.0, tried.collect());
-        }
-    }
-    let longest = point.runs.iter().enumerate().map(|(r, _)| clock(point, r)).map(|t| t[t.len() - 1] - t[0]);
-    let longest = longest.fold(0.0, f64::max);
-    let periods = (0..24).map(|k| 0.8 * longest * 0.87f64.powi(k));
-    let periodic = periods.filter_map(|period| {
-        let turn = std::f64::consts::TAU / period;
-        let columns = point.port_columns(port, 3, |k, r, row, _| {
-            let angle = turn * clock(point, r)[row];
-            [1.0, angle.sin(), angle.cos()][k]
-        })?;
-        Some((period, point.evidence.gain(&columns)?))
-    });
-    best("with a period of", 4.0, periodic.collect());
-    all
 }

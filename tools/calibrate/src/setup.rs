@@ -181,6 +181,12 @@ impl<'a> Setup<'a> {
         self.noise[self.experiment.inputs.len() + output]
     }
 
+    /// Noise of a channel, input or output; `None` where it was not measured.
+    pub fn noise_of(&self, column: &str) -> Option<f64> {
+        let channels = self.experiment.inputs.iter().chain(&self.experiment.outputs);
+        channels.zip(&self.noise).find(|(c, _)| c.column == column).map(|(_, noise)| *noise)
+    }
+
     /// The runs of a role.
     pub fn runs(&self, role: Role) -> Vec<usize> {
         (0..self.experiment.runs.len()).filter(|r| self.experiment.runs[*r].role == role).collect()
@@ -245,6 +251,15 @@ impl<'a> Setup<'a> {
             });
         }
         (sum, count)
+    }
+
+    /// The weighted sum of squares over runs, output by output.
+    pub fn chi_squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.outputs()];
+        for (run, shown) in runs.iter().zip(shown) {
+            self.each(*run, shown, |_, output, off| sums[output] += (off / self.sigma(output)).powi(2));
+        }
+        sums
     }
 
     /// Root mean square error of each output over runs; NaN where there is no reading.

@@ -1,0 +1,208 @@
+//! What a contender has to pass: does it explain enough, is it physical, is it the same in every run, does it foretell.
+
+use super::{Contender, LEAST, is_sensor};
+use crate::CalibrateError;
+use crate::experiment::Role;
+use crate::fit::Fitted;
+use crate::hypothesis::Hypothesis;
+use crate::outcome::Follows;
+use crate::point::Point;
+use crate::setup::{Setup, Shown};
+use physics::terms::Driver;
+
+/// The same for a term of no list, which has so many ports, drivers and shapes to choose from.
+const UNNAMED: f64 = 30.0;
+/// Share of a run that is held out where no validation run has the effect.
+const HELD_OUT: f64 = 0.25;
+/// A sensor may wander by so many deviations of its noise.
+const WANDERS: f64 = 4.0;
+/// A sensor is calibrated to so many deviations of its noise.
+const CALIBRATED: f64 = 0.5;
+/// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none. Asked for of
+/// those that lower BIC by less than the second number.
+const HARDLY: (f64, f64) = (0.995, 0.98);
+const WEAK: f64 = 100.0;
+/// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
+const FORETOLD: f64 = 6.0;
+/// A size within this share of itself in every run is the same.
+const ALIKE: f64 = 0.35;
+
+type Judged = (Option<f64>, Option<String>);
+
+/// Whether a contender passes: its error on what was not fitted over that without, and why not.
+pub fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError> {
+    let (white, raw) = contender.delta;
+    let least = if contender.addition().is_listed() { LEAST } else { UNNAMED };
+    if raw <= least || white <= least {
+        let sentence = format!(
+            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {least} is asked for"
+        );
+        return Ok((None, Some(sentence)));
+    }
+    let addition = contender.addition();
+    if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
+        return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
+    }
+    if let Some(sentence) = wanders(contender) {
+        return Ok((None, Some(sentence)));
+    }
+    let unlike = unlike(contender);
+    let foretold = validation(before, contender)?;
+    let validation = foretold.map(|f| (f.with / f.without).sqrt());
+    if let Some(sentence) = unlike {
+        return Ok((validation, Some(sentence)));
+    }
+    if let Some(ratio) = validation.filter(|ratio| *ratio >= 1.0) {
+        let sentence =
+            format!("what was not fitted is predicted worse: {ratio:.3} times the error without it");
+        return Ok((validation, Some(sentence)));
+    }
+    let most = if addition.is_listed() { HARDLY.0 } else { HARDLY.1 };
+    let weak = contender.sure() < WEAK;
+    if let Some(ratio) = validation.filter(|ratio| weak && *ratio >= most) {
+        let sentence = format!(
+            "what was not fitted is hardly predicted better: {ratio:.4} times the error without it; {most} is asked for"
+        );
+        return Ok((validation, Some(sentence)));
+    }
+    if let Some(fall) = foretold.map(|f| f.without - f.with).filter(|fall| *fall < FORETOLD) {
+        let sentence = format!(
+            "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {FORETOLD} is asked for"
+        );
+        return Ok((validation, Some(sentence)));
+    }
+    Ok((validation, None))
+}
+
+/// A finding at a sensor that is no more than what sensors do by themselves, in one sentence: a shape over time within what they
+/// wander, an effect of the list within what they are calibrated to.
+fn wanders(contender: &Contender) -> Option<String> {
+    let (setup, addition) = (contender.point.setup, contender.addition());
+    let least = match (addition.is_listed(), addition.follows) {
+        (true, _) => CALIBRATED,
+        (false, Follows::Driver(Driver::Time)) => WANDERS,
+        _ => return None,
+    };
+    if !is_sensor(addition.port) {
+        return None;
+    }
+    let most =
+        contender.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
+    (most < least).then(|| {
+        format!("moves no output by more than {most:.1} deviations of its noise: a sensor errs by as much")
+    })
+}
+
+/// A run that wants another size than the others, in one sentence: what leaving it out would show.
+fn unlike(contender: &Contender) -> Option<String> {
+    let (point, addition) = (&contender.point, contender.addition());
+    let active: Vec<usize> = (0..point.runs.len()).filter(|r| addition.active[point.runs[*r]]).collect();
+    if active.len() < 2 {
+        return None;
+    }
+    for own in active {
+        let Some(column) = point.amplitude_column(own) else { continue };
+        let Some(gain) = point.evidence.gain(&column) else { continue };
+        let (off, deviation) = (gain.size[0], gain.covariance[(0, 0)].sqrt());
+        if off.abs() > ALIKE + 4.0 * deviation {
+            let file = &point.setup.experiment.runs[point.runs[own]].file;
+            return Some(format!(
+                "is not the same in every run: {file} wants {:.0} % of the size that the others have",
+                100.0 * (1.0 + off)
+            ));
+        }
+    }
+    None
+}
+
+/// Sums of squares over what was not fitted, in units of the noise.
+#[derive(Clone, Copy)]
+struct Foretold {
+    with: f64,
+    without: f64,
+}
+
+/// Error on what was not fitted with a contender and without: on the validation runs, and where it acts in none of them on
+/// the end of the runs in which it acts, fitted without it.
+fn validation(before: &Point, contender: &Contender) -> Result<Option<Foretold>, CalibrateError> {
+    let setup = before.setup;
+    let runs = setup.runs(Role::Validate);
+    let addition = contender.addition();
+    let partly = addition.active.iter().any(|on| !on);
+    if !runs.is_empty() {
+        let mut without = before.fitted.hypothesis.clone();
+        acting(setup, &mut without, &runs)?;
+        let without = setup.show(&without, &runs)?;
+        let mut with = contender.point.fitted.hypothesis.clone();
+        acting(setup, &mut with, &runs)?;
+        let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
+        let shown = setup.show(&with, &runs)?;
+        if !partly || active {
+            let (with, without) = (setup.chi_square(&runs, &shown).0, setup.chi_square(&runs, &without).0);
+            return Ok(Some(Foretold { with, without }));
+        }
+    }
+    let mut part = setup.clone();
+    let mut judged = setup.clone();
+    let mut held = Vec::new();
+    for run in before.runs.iter().filter(|run| addition.active[**run]) {
+        let Some((from, to)) = setup.counted(*run) else { continue };
+        let cut = to - HELD_OUT * (to - from);
+        part = part.with_window(*run, (from, cut));
+        judged = judged.with_window(*run, (cut, to));
+        held.push(*run);
+    }
+    if held.is_empty() {
+        return Ok(None);
+    }
+    let without = part.fit(before.fitted.hypothesis.clone(), &before.runs)?;
+    let with = part.fit(contender.point.fitted.hypothesis.clone(), &before.runs)?;
+    let error = |fitted: &Fitted| -> Result<f64, CalibrateError> {
+        let shown = judged.show(&fitted.hypothesis, &held)?;
+        Ok(judged.chi_square(&held, &shown).0)
+    };
+    Ok(Some(Foretold { with: error(&with)?, without: error(&without)? }))
+}
+
+/// Whether the outputs that a contender explains in what was fitted are predicted better with it, whatever comes of the others.
+///
+/// # Errors
+/// What the model says where it cannot be run.
+pub fn foretells_where_it_shows(before: &Point, contender: &Contender) -> Result<bool, CalibrateError> {
+    let (setup, runs) = (before.setup, before.setup.runs(Role::Validate));
+    let by_output = |runs: &[usize], shown: &[Shown]| setup.chi_squares(runs, shown);
+    let fitted = [before, &contender.point].map(|point| by_output(&before.runs, &point.fitted.shown));
+    let explained: Vec<f64> = fitted[0].iter().zip(&fitted[1]).map(|(a, b)| (a - b).max(0.0)).collect();
+    let without = by_output(&runs, &setup.show(&before.fitted.hypothesis, &runs)?);
+    let with = by_output(&runs, &setup.show(&contender.point.fitted.hypothesis, &runs)?);
+    let whole: f64 = explained.iter().sum();
+    let ratio = |k: usize| if without[k] > 0.0 { with[k] / without[k] } else { 1.0 };
+    let foretold: f64 = explained.iter().enumerate().map(|(k, own)| own / whole * ratio(k)).sum();
+    Ok(foretold < HARDLY.1 * HARDLY.1)
+}
+
+/// Decides for each of some runs whether what acts in some runs only acts there, by which predicts it better.
+///
+/// # Errors
+/// What the model says where it cannot be run.
+pub fn acting(setup: &Setup, hypothesis: &mut Hypothesis, runs: &[usize]) -> Result<(), CalibrateError> {
+    for a in 0..hypothesis.additions.len() {
+        if setup.runs(Role::Fit).iter().all(|r| hypothesis.additions[a].active[*r]) {
+            continue;
+        }
+        for run in runs {
+            let on = if let Some(same) = setup.fitted_with(*run) {
+                hypothesis.additions[a].active[same]
+            } else {
+                let mut error = |on: bool| -> Result<f64, CalibrateError> {
+                    hypothesis.additions[a].active[*run] = on;
+                    let shown: Vec<Shown> = setup.show(hypothesis, &[*run])?;
+                    Ok(setup.chi_square(&[*run], &shown).0)
+                };
+                error(true)? < error(false)?
+            };
+            hypothesis.additions[a].active[*run] = on;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! What no present value of a driver explains: forces that are free in time, and what knows its past.
+
+use super::{CHOICE, Scored, scored};
+use crate::evidence::Gain;
+use crate::hypothesis::hat;
+use crate::outcome::Follows;
+use crate::point::Point;
+use nalgebra::DMatrix;
+use physics::terms::{Driver, Port};
+
+/// Points of a force that is free in time, in each run.
+const INSTANTS: usize = 24;
+/// What a force that is free in time is called, behind its port.
+pub(super) const FREE: &str = " free in time";
+/// Parts of a driver's span, as its rows stand, between which a threshold is tried.
+const THRESHOLDS: usize = 32;
+/// What knows its past has to explain this many times as much as the present does, and so much more.
+const REMEMBERS: (f64, f64) = (1.1, 30.0);
+
+/// Whether something that knows its past explains more at a point than all that follow a present value: what latches or switches by
+/// what the motor has measured, clearly.
+pub fn remembers(scored: &[Scored]) -> bool {
+    let most = |which: &dyn Fn(&Scored) -> bool| {
+        scored.iter().filter(|s| which(s)).map(Scored::sure).fold(0.0, f64::max)
+    };
+    let past = most(&|s| s.follows == Follows::History && !s.listed && !s.is_free());
+    // A law over time may be the same in other words.
+    let present = most(&|s| !matches!(s.follows, Follows::History | Follows::Driver(Driver::Time)));
+    past > REMEMBERS.0 * present + REMEMBERS.1
+}
+
+/// The clock of each row of each run.
+fn clock<'a>(point: &'a Point, r: usize) -> &'a [f64] {
+    &point.setup.drives[point.runs[r]].time
+}
+
+/// A force at a port that is free in time.
+pub struct Free {
+    /// Columns of its values at instants.
+    pub columns: DMatrix<f64>,
+    /// Their covariance: near instants are alike.
+    pub kernel: DMatrix<f64>,
+    /// The instants, s.
+    at: Vec<f64>,
+}
+
+/// A force that is free in time.
+pub fn free_in_time(point: &Point, port: Port) -> Option<Free> {
+    let mut instants: Vec<(usize, Vec<f64>)> = Vec::new();
+    for r in 0..point.runs.len() {
+        let time = clock(point, r);
+        let (from, to) = (time[0], time[time.len() - 1]);
+        let count = INSTANTS.min(time.len()).max(2);
+        instants.push((r, (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()));
+    }
+    let places: Vec<(usize, usize)> =
+        instants.iter().flat_map(|(r, times)| (0..times.len()).map(move |k| (*r, k))).collect();
+    let at: Vec<f64> = places.iter().map(|(r, k)| instants[*r].1[*k]).collect();
+    let columns = point.port_columns(port, places.len(), |place, r, row, _| {
+        let (own, k) = places[place];
+        if own == r { hat(&instants[r].1, k, clock(point, r)[row]) } else { 0.0 }
+    })?;
+    let memory = 600.0;
+    let kernel = DMatrix::from_fn(at.len(), at.len(), |a, b| (-(at[a] - at[b]).abs() / memory).exp());
+    Some(Free { columns, kernel, at })
+}
+
+pub(super) fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
+    let free = free_in_time(point, port)?;
+    let gain = point.evidence.shape(&free.columns, &free.kernel)?;
+    let name = format!("{}{FREE}", port.name());
+    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + CHOICE, &free.at))
+}
+
+/// The values of a driver at the rows of each run: of a temperature what was measured, where it was. What switches does so where the
+/// motor was, and not where a model without it goes.
+fn stood(point: &Point, driver: Driver) -> Vec<Vec<f64>> {
+    let column = match driver {
+        Driver::WindingTemperature => "winding_temperature_degC",
+        Driver::HousingTemperature => "housing_temperature_degC",
+        _ => "",
+    };
+    let experiment = point.setup.experiment;
+    let output = experiment.outputs.iter().position(|c| c.column == column);
+    let runs = point.runs.iter().zip(&point.slopes.tangents);
+    runs.map(|(run, tangent)| {
+        let own = || tangent.drivers.iter().map(|d| d.of(driver));
+        let Some(output) = output else { return own().collect() };
+        let measured = &experiment.runs[*run].table.columns[experiment.inputs.len() + output];
+        measured.iter().zip(own()).map(|(m, own)| if m.is_finite() { *m } else { own }).collect()
+    })
+    .collect()
+}
+
+/// What knows its past: it latches, switches with hysteresis, or comes and goes.
+pub(super) fn histories(point: &Point, port: Port, per_number: f64) -> Vec<Scored> {
+    let mut all = Vec::new();
+    let mut best = |name: &str, numbers: f64, tried: Vec<(f64, Gain)>| {
+        if let Some((at, gain)) = tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened)) {
+            let name = format!("{} {name} {at:.4}", port.name());
+            let cost = numbers * per_number + CHOICE;
+            let mut found = scored(name, port, Follows::History, &gain, cost, &[at]);
+            found.shape.truncate(1);
+            all.push(found);
+        }
+    };
+    for driver in [Driver::WindingTemperature, Driver::HousingTemperature, Driver::Current, Driver::Speed] {
+        let stood = stood(point, driver);
+        let mut values: Vec<f64> = stood.iter().flatten().copied().collect();
+        values.sort_by(f64::total_cmp);
+        let thresholds: Vec<f64> =
+            (1..THRESHOLDS).map(|k| values[(values.len() - 1) * k / THRESHOLDS]).collect();
+        let switched = |up: f64, down: f64| -> Vec<Vec<f64>> {
+            let states = stood.iter().map(|run| {
+                let mut on = false;
+                let mut state = |x: &f64| {
+                    on = *x > if on { down } else { up };
+                    f64::from(u8::from(on))
+                };
+                run.iter().map(&mut state).collect()
+            });
+            states.collect()
+        };
+        let gain = |states: Vec<Vec<f64>>| {
+            let moves = states.iter().any(|run| run.iter().any(|on| *on != states[0][0]));
+            let columns = moves.then(|| point.port_columns(port, 1, |_, r, row, _| states[r][row]))??;
+            point.evidence.gain(&columns)
+        };
+        let latched = thresholds.iter().filter_map(|x| Some((*x, gain(switched(*x, f64::NEG_INFINITY))?)));
+        best(&format!("latched by {} above", driver.name()), 3.0, latched.collect());
+        if matches!(driver, Driver::WindingTemperature | Driver::HousingTemperature) {
+            let widths = [3.0, 6.0, 12.0];
+            let tried = thresholds.iter().flat_map(|x| widths.iter().map(move |w| (*x, *w)));
+            let tried = tried.filter_map(|(x, w)| Some((x, gain(switched(x, x - w))?)));
+            best(&format!("switched by {} with hysteresis above", driver.name()), 4.0, tried.collect());
+        }
+    }
+    let longest = point.runs.iter().enumerate().map(|(r, _)| clock(point, r)).map(|t| t[t.len() - 1] - t[0]);
+    let longest = longest.fold(0.0, f64::max);
+    let periods = (0..24).map(|k| 0.8 * longest * 0.87f64.powi(k));
+    let periodic = periods.filter_map(|period| {
+        let turn = std::f64::consts::TAU / period;
+        let columns = point.port_columns(port, 3, |k, r, row, _| {
+            let angle = turn * clock(point, r)[row];
+            [1.0, angle.sin(), angle.cos()][k]
+        })?;
+        Some((period, point.evidence.gain(&columns)?))
+    });
+    best("with a period of", 4.0, periodic.collect());
+    all
+}
