@@ -53,7 +53,9 @@ pub fn run(
     let refit = setup.fit(refit.hypothesis, &fit)?;
     let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
     search_of.rounds(progress)?;
-    search_of.remember();
+    if search_of.history().is_none() {
+        search_of.remember();
+    }
     if search_of.remembered.is_none() {
         // What cannot be looked at again stays as it was found.
         if let Err(e) = search_of.look_again(progress) {

@@ -104,6 +104,14 @@ impl<'a> Round<'a> {
         self
     }
 
+    /// The same with nothing taken, and why not what was.
+    pub fn without_taken(mut self, reason: &str) -> Round<'a> {
+        if let Some(k) = self.taken.take() {
+            self.contenders[k].refused = Some(reason.to_string());
+        }
+        self
+    }
+
     /// Whether the `k`-th predicts better the outputs in which it shows.
     ///
     /// # Errors

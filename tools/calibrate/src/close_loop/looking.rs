@@ -57,23 +57,15 @@ impl<'a> Search<'a> {
         Ok(search(&Point::new(self.setup, self.point().fitted.clone(), &self.first.runs)?))
     }
 
-    /// A contender that explains a lot and predicts worse, together with what else there is. It is taken where both predict better,
-    /// where the other knows its past and has no law that could predict, and where nothing else shows in what was fitted but the outputs
-    /// that it explains are predicted better: then the others meet something new. Whether it was taken.
+    /// A contender that explains a lot and predicts worse, together with what else there is. It is taken where both predict better, and
+    /// where nothing else shows in what was fitted but the outputs that it explains are predicted better: then the others meet something
+    /// new. Whether it was taken.
     fn together(&mut self, round: Round<'a>, k: usize) -> Result<bool, CalibrateError> {
         let point = Point::new(self.setup, round.contenders[k].point.fitted.clone(), &self.first.runs)?;
         let scored = search(&point);
         let alone = scored.first().is_none_or(|s| s.sure() <= LEAST);
-        let excuse = if remembers(&scored) {
-            Some("explains most of all; beside it something knows its past, which spoils what is predicted")
-        } else if alone && round.foretells_where_it_shows(self.point(), k)? {
-            Some(
-                "explains all there is; the outputs in which it shows are predicted better, the others meet something new",
-            )
-        } else {
-            None
-        };
-        if let Some(excuse) = excuse {
+        if alone && round.foretells_where_it_shows(self.point(), k)? {
+            let excuse = "explains all there is; the outputs in which it shows are predicted better, the others meet something new";
             self.rounds.push(round.with_taken(k, excuse));
             return Ok(true);
         }
@@ -90,20 +82,21 @@ impl<'a> Search<'a> {
         Ok(true)
     }
 
-    /// Where a force that knows its past explains more than the present does, and what was taken after it leaves much of it: those
-    /// stood in for it.
+    /// Where a force that knows its past explains more of the naive fit's residual than the present does, and what was taken leaves much
+    /// of it: that stood in for it.
     pub(super) fn remember(&mut self) {
         let rest = self.left().first().is_some_and(|s| s.follows == Follows::History && s.sure() > SAID);
-        let Some(k) = self.scored.iter().position(|scored| remembers(scored)).filter(|_| rest) else {
+        if !rest || !remembers(&self.scored[0]) {
             return;
-        };
+        }
         let past = |s: &&Scored| s.follows == Follows::History && !s.listed;
-        let past: Vec<&Scored> = self.scored[k].iter().filter(past).collect();
+        let past: Vec<&Scored> = self.scored[0].iter().filter(past).collect();
         let Some(known) = past.iter().find(|s| !s.is_free()) else { return };
         let there = past.iter().find(|s| s.is_free() && s.port == known.port).unwrap_or(known);
         self.remembered = Some((*there).clone());
-        for (place, round) in self.rounds.drain(k..).enumerate() {
-            self.refused.extend(round.ladder(k + place + 1));
+        for (k, round) in self.rounds.drain(..).enumerate() {
+            let round = round.without_taken("stood in for what knows its past, and leaves much of it");
+            self.refused.extend(round.ladder(k + 1));
         }
     }
 
