@@ -114,10 +114,12 @@ impl<'a> Search<'a> {
         if count == 0 || (count == 1 && listed && (!self.astray() || self.clear())) {
             return Ok(());
         }
-        for pass in 0..PASSES {
+        // What may well be a force that knows its past is not turned over and over.
+        let passes = if self.history().is_some() { 1 } else { PASSES };
+        for pass in 0..passes {
             let mut changed = false;
             for k in 0..self.rounds.len() {
-                let share = (pass * count + k) as f64 / (PASSES * count) as f64;
+                let share = (pass * count + k) as f64 / (passes * count) as f64;
                 progress(0.6 + 0.2 * share, "looking again");
                 changed |= self.look_at_the_first_again()?;
             }
