@@ -53,10 +53,8 @@ pub fn run(
     let refit = setup.fit(refit.hypothesis, &fit)?;
     let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
     search_of.rounds(progress)?;
-    if search_of.history().is_none() {
-        search_of.remember();
-    }
-    if search_of.remembered.is_none() {
+    // What is clear from the start needs no second look.
+    if !search_of.remember() {
         // What cannot be looked at again stays as it was found.
         if let Err(e) = search_of.look_again(progress) {
             search_of.notes.push(format!("what was found could not be looked at again: {e}"));

@@ -28,7 +28,7 @@ impl<'a> Search<'a> {
                 break;
             }
             let round = compete(self.point(), &self.point().fitted.hypothesis, self.left());
-            let taken = match round.promising() {
+            let taken = match round.promising().filter(|_| self.rounds.is_empty()) {
                 Some(k) => self.together(round, k)?,
                 None => {
                     self.rounds.push(round);
@@ -82,22 +82,23 @@ impl<'a> Search<'a> {
         Ok(true)
     }
 
-    /// Where a force that knows its past explains more of the naive fit's residual than the present does, and what was taken leaves much
-    /// of it: that stood in for it.
-    pub(super) fn remember(&mut self) {
+    /// Where a force that knows its past explains more of the naive fit's residual than the present does, and what was taken does not come
+    /// near it or leaves much of it: that stood in for it. Whether it is so.
+    pub(super) fn remember(&mut self) -> bool {
         let rest = self.left().first().is_some_and(|s| s.follows == Follows::History && s.sure() > SAID);
-        if !rest || !remembers(&self.scored[0]) {
-            return;
+        if !remembers(&self.scored[0]) || !(rest || self.history().is_some()) {
+            return false;
         }
         let past = |s: &&Scored| s.follows == Follows::History && !s.listed;
         let past: Vec<&Scored> = self.scored[0].iter().filter(past).collect();
-        let Some(known) = past.iter().find(|s| !s.is_free()) else { return };
+        let Some(known) = past.iter().find(|s| !s.is_free()) else { return false };
         let there = past.iter().find(|s| s.is_free() && s.port == known.port).unwrap_or(known);
         self.remembered = Some((*there).clone());
         for (k, round) in self.rounds.drain(..).enumerate() {
             let round = round.without_taken("stood in for what knows its past, and leaves much of it");
             self.refused.extend(round.ladder(k + 1));
         }
+        true
     }
 
     /// Looks at each addition once more, from the others and the numbers that were found with it: there the slopes are those
