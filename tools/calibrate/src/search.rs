@@ -11,6 +11,8 @@
 //! Everything is compared by the fall of the evidence's cost less ln n for each number (Schwarz), n the blocks.
 
 mod past;
+#[cfg(test)]
+mod tests;
 
 use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
