@@ -52,7 +52,7 @@ pub fn run(
     progress(0.15, "looking for what is missing");
     let refit = setup.fit(refit.hypothesis, &fit)?;
     let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
-    search_of.rounds(progress)?;
+    search_of.rounds(progress);
     // What is clear from the start needs no second look.
     if !search_of.remember() {
         // What cannot be looked at again stays as it was found.

@@ -22,14 +22,15 @@ impl<'a> Search<'a> {
         self.scored.last().map_or(&[], Vec::as_slice)
     }
 
-    pub(super) fn rounds(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
+    /// Adds the best of what passes, round by round, until nothing does or there is no more room.
+    pub(super) fn rounds(&mut self, progress: &dyn Fn(f64, &str)) {
         while self.rounds.len() < MOST_TERMS {
             if self.left().first().is_none_or(|s| s.sure() <= LEAST) {
                 break;
             }
             let round = compete(self.point(), &self.point().fitted.hypothesis, self.left());
             let taken = match round.promising().filter(|_| self.rounds.is_empty()) {
-                Some(k) => self.together(round, k)?,
+                Some(k) => self.together(round, k),
                 None => {
                     self.rounds.push(round);
                     self.rounds.last().is_some_and(|r| r.taken.is_some())
@@ -49,7 +50,6 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        Ok(())
     }
 
     /// What the model as it stands may lack.
@@ -60,26 +60,31 @@ impl<'a> Search<'a> {
     /// A contender that explains a lot and predicts worse, together with what else there is. It is taken where both predict better, and
     /// where nothing else shows in what was fitted but the outputs that it explains are predicted better: then the others meet something
     /// new. Whether it was taken.
-    fn together(&mut self, round: Round<'a>, k: usize) -> Result<bool, CalibrateError> {
-        let point = Point::new(self.setup, round.contenders[k].point.fitted.clone(), &self.first.runs)?;
+    fn together(&mut self, round: Round<'a>, k: usize) -> bool {
+        // One that cannot be looked at has not proved itself.
+        let Ok(point) = Point::new(self.setup, round.contenders[k].point.fitted.clone(), &self.first.runs)
+        else {
+            self.rounds.push(round);
+            return false;
+        };
         let scored = search(&point);
         let alone = scored.first().is_none_or(|s| s.sure() <= LEAST);
-        if alone && round.foretells_where_it_shows(self.point(), k)? {
+        if alone && round.foretells_where_it_shows(self.point(), k).unwrap_or(false) {
             let excuse = "explains all there is; the outputs in which it shows are predicted better, the others meet something new";
             self.rounds.push(round.with_taken(k, excuse));
-            return Ok(true);
+            return true;
         }
         let second = compete(&point, &point.fitted.hypothesis, &scored);
         if !second.passes_beside(self.point()) || self.rounds.len() + 2 > MOST_TERMS {
             self.rounds.push(round);
-            return Ok(false);
+            return false;
         }
         self.rounds.push(
             round.with_taken(k, "explains most of all; together with what comes next it passes the gate"),
         );
         self.scored.push(scored);
         self.rounds.push(second);
-        Ok(true)
+        true
     }
 
     /// Where a force that knows its past explains more of the naive fit's residual than the present does, and what was taken does not come
