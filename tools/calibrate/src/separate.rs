@@ -24,6 +24,9 @@ struct Reading {
     is_temperature: bool,
 }
 
+/// An experiment has to tell so many times as much as a gentler one, which comes first: where both tell the same, rounding would choose.
+const CLEARER: f64 = 1.01;
+
 /// One difference.
 struct Difference {
     sentence: String,
@@ -36,7 +39,7 @@ pub fn separate(setup: &Setup, one: &Hypothesis, other: &Hypothesis, names: [&st
     let mut best: Option<Difference> = None;
     let mut consider = |what: &str, drive: &Drive, run: usize, new: bool| {
         let Some(found) = compare(setup, one, other, drive, run, &readings, what, new) else { return };
-        if best.as_ref().is_none_or(|b| found.levels > b.levels) {
+        if best.as_ref().is_none_or(|b| found.levels > CLEARER * b.levels) {
             best = Some(found);
         }
     };
