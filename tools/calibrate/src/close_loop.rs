@@ -15,7 +15,7 @@ use crate::hypothesis::Hypothesis;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
 use crate::point::Point;
 use crate::rounds::{Contender, Round, acting};
-use crate::search::{Scored, search};
+use crate::search::{Scored, free_at, known_past, search};
 use crate::separate::separate;
 use crate::setup::Setup;
 use crate::telling;
@@ -318,9 +318,8 @@ impl<'a> Search<'a> {
 /// Forces that are free in time explain the same at many ports of heat. One that latches, switches or comes and goes says at which it
 /// does: the force there, where that explains nearly as much.
 fn switched<'s>(scored: &'s [Scored], free: &'s Scored) -> &'s Scored {
-    let past = || scored.iter().filter(|s| s.follows == Follows::History && !s.listed);
-    let known = past().find(|s| !s.is_free() && s.sure() > SWITCHED * free.sure());
-    known.and_then(|known| past().find(|s| s.is_free() && s.port == known.port)).unwrap_or(free)
+    let known = known_past(scored).filter(|known| known.sure() > SWITCHED * free.sure());
+    known.and_then(|known| free_at(scored, known.port)).unwrap_or(free)
 }
 
 /// The files of active runs, each once.

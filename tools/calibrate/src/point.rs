@@ -3,6 +3,7 @@
 use crate::CalibrateError;
 use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Evidence;
+use crate::experiment::Channel;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
 use crate::search::free_in_time;
@@ -187,12 +188,8 @@ impl<'a> Point<'a> {
     /// Where a current or a speed is none but for its noise. What acts there would explain that noise by making the motor deaf to
     /// what drives it.
     pub fn hidden(&self, driver: Option<Driver>) -> impl Fn(&Drivers) -> bool {
-        let driver = driver.and_then(|driver| match driver {
-            Driver::Current => Some((driver, "current_A")),
-            Driver::Speed => Some((driver, "speed_rad_per_s")),
-            _ => None,
-        });
-        let least = driver.and_then(|(driver, column)| Some((driver, HIDDEN * self.setup.noise_of(column)?)));
+        let driver = driver.filter(|d| matches!(d, Driver::Current | Driver::Speed));
+        let least = driver.and_then(|d| Some((d, HIDDEN * self.setup.noise_of(Channel::reading(d)?)?)));
         move |drivers| least.is_some_and(|(driver, least)| drivers.of(driver).abs() < least)
     }
 

@@ -15,8 +15,8 @@ use crate::outcome::{Evidence, Follows};
 use crate::point::Point;
 use crate::search::{CHOICE, Scored};
 use crate::setup::Setup;
-pub use gate::acting;
-use gate::{foretells_where_it_shows, gate};
+use gate::gate;
+pub use gate::{acting, foretells_where_it_shows};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
@@ -110,14 +110,6 @@ impl<'a> Round<'a> {
             self.contenders[k].refused = Some(reason.to_string());
         }
         self
-    }
-
-    /// Whether the `k`-th predicts better the outputs in which it shows.
-    ///
-    /// # Errors
-    /// What the model says where it cannot be run.
-    pub fn foretells_where_it_shows(&self, point: &Point, k: usize) -> Result<bool, CalibrateError> {
-        foretells_where_it_shows(point, &self.contenders[k])
     }
 
     /// Whether what was taken also passes the gate beside a point that lies further back.

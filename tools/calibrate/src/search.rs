@@ -21,7 +21,7 @@ use crate::outcome::Follows;
 use crate::point::Point;
 use nalgebra::DMatrix;
 use past::{FREE, histories, in_time};
-pub use past::{free_in_time, remembers};
+pub use past::{free_at, free_in_time, known_past, remembers};
 use physics::terms::{Driver, Drivers, Factor, Port};
 use rayon::prelude::*;
 
@@ -159,22 +159,13 @@ pub fn search(point: &Point) -> Vec<Scored> {
 /// A heat of the housing that falls as it warms is heat that leaves: where a conductance to the air explains nearly as much over the
 /// same driver, it is that.
 fn leave_to_the_air(all: &mut Vec<Scored>) {
-    let leaves = |s: &Scored| {
-        let temperature = [Driver::HousingTemperature, Driver::WindingTemperature].map(Follows::Driver);
-        s.port == Port::HousingHeat && !s.listed && temperature.contains(&s.follows) && s.falls()
-    };
-    let points = |s: &Scored| s.shape.len();
-    let kept: Vec<bool> = (all.iter())
-        .map(|s| {
-            let same = |t: &&Scored| {
-                t.port == Port::HousingAmbientConductance && t.follows == s.follows && points(t) == points(s)
-            };
-            !(leaves(s)
-                && all.iter().filter(|t| !t.listed).find(same).is_some_and(|t| t.sure() > LEAVES * s.sure()))
-        })
-        .collect();
-    let mut kept = kept.into_iter();
-    all.retain(|_| kept.next().unwrap_or(true));
+    let temperature = [Driver::HousingTemperature, Driver::WindingTemperature].map(Follows::Driver);
+    let law = |s: &Scored, port: Port| s.port == port && !s.listed && temperature.contains(&s.follows);
+    let shape = |s: &Scored| (s.follows, s.shape.len());
+    let air = all.iter().filter(|s| law(s, Port::HousingAmbientConductance));
+    let air: Vec<_> = air.map(|s| (shape(s), s.sure())).collect();
+    let as_well = |s: &Scored| air.iter().any(|(own, sure)| *own == shape(s) && *sure > LEAVES * s.sure());
+    all.retain(|s| !(law(s, Port::HousingHeat) && s.falls() && as_well(s)));
 }
 
 fn within(value: f64, limits: (f64, f64)) -> bool {

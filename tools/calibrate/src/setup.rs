@@ -2,7 +2,7 @@
 
 use crate::CalibrateError;
 use crate::change::Change;
-use crate::experiment::{Experiment, Role, Run};
+use crate::experiment::{Channel, Experiment, Role, Run};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::simulate::{Bench, Drive};
@@ -182,9 +182,9 @@ impl<'a> Setup<'a> {
     }
 
     /// Noise of a channel, input or output; `None` where it was not measured.
-    pub fn noise_of(&self, column: &str) -> Option<f64> {
+    pub fn noise_of(&self, channel: &Channel) -> Option<f64> {
         let channels = self.experiment.inputs.iter().chain(&self.experiment.outputs);
-        channels.zip(&self.noise).find(|(c, _)| c.column == column).map(|(_, noise)| *noise)
+        channels.zip(&self.noise).find(|(c, _)| c.column == channel.column).map(|(_, noise)| *noise)
     }
 
     /// The runs of a role.
@@ -255,15 +255,17 @@ impl<'a> Setup<'a> {
 
     /// The weighted sum of squares over runs, output by output.
     pub fn chi_squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<f64> {
-        let mut sums = vec![0.0; self.outputs()];
-        for (run, shown) in runs.iter().zip(shown) {
-            self.each(*run, shown, |_, output, off| sums[output] += (off / self.sigma(output)).powi(2));
-        }
-        sums
+        let sums = self.squares(runs, shown).into_iter().enumerate();
+        sums.map(|(output, (sum, _))| sum / self.sigma(output).powi(2)).collect()
     }
 
     /// Root mean square error of each output over runs; NaN where there is no reading.
     pub fn rmse(&self, runs: &[usize], shown: &[Shown]) -> Vec<f64> {
+        self.squares(runs, shown).into_iter().map(|(sum, count)| (sum / count as f64).sqrt()).collect()
+    }
+
+    /// The sum of squares over runs in SI units and the number of readings, output by output.
+    fn squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<(f64, usize)> {
         let mut sums = vec![(0.0, 0usize); self.outputs()];
         for (run, shown) in runs.iter().zip(shown) {
             self.each(*run, shown, |_, output, off| {
@@ -271,7 +273,7 @@ impl<'a> Setup<'a> {
                 sums[output].1 += 1;
             });
         }
-        sums.iter().map(|(sum, count)| (sum / *count as f64).sqrt()).collect()
+        sums
     }
 
     /// Means of values at rows (rows times outputs) over the blocks of a run, in units of their noise.

@@ -5,8 +5,8 @@ use crate::CalibrateError;
 use crate::hypothesis::Addition;
 use crate::outcome::Follows;
 use crate::point::Point;
-use crate::rounds::{Contender, LEAST, Round, compete};
-use crate::search::{Scored, remembers, search};
+use crate::rounds::{Contender, LEAST, Round, compete, foretells_where_it_shows};
+use crate::search::{Scored, free_at, known_past, remembers, search};
 use physics::terms::MOST_TERMS;
 
 /// Times that all that was found is looked at again, while it changes.
@@ -41,6 +41,10 @@ impl<'a> Search<'a> {
             }
             let found = self.point().fitted.hypothesis.additions.last().map_or("", |a| &a.id).to_string();
             progress(0.3 + 0.1 * self.rounds.len() as f64, &format!("{found}; is there more?"));
+            // What was tried together with another has been looked at.
+            if self.scored.len() > self.rounds.len() {
+                continue;
+            }
             match self.look_on() {
                 Ok(scored) => self.scored.push(scored),
                 Err(e) => {
@@ -69,13 +73,14 @@ impl<'a> Search<'a> {
         };
         let scored = search(&point);
         let alone = scored.first().is_none_or(|s| s.sure() <= LEAST);
-        if alone && round.foretells_where_it_shows(self.point(), k).unwrap_or(false) {
+        if alone && foretells_where_it_shows(self.point(), &round.contenders[k]).unwrap_or(false) {
             let excuse = "explains all there is; the outputs in which it shows are predicted better, the others meet something new";
             self.rounds.push(round.with_taken(k, excuse));
+            self.scored.push(scored);
             return true;
         }
         let second = compete(&point, &point.fitted.hypothesis, &scored);
-        if !second.passes_beside(self.point()) || self.rounds.len() + 2 > MOST_TERMS {
+        if !second.passes_beside(self.point()) {
             self.rounds.push(round);
             return false;
         }
@@ -94,11 +99,8 @@ impl<'a> Search<'a> {
         if !remembers(&self.scored[0]) || !(rest || self.history().is_some()) {
             return false;
         }
-        let past = |s: &&Scored| s.follows == Follows::History && !s.listed;
-        let past: Vec<&Scored> = self.scored[0].iter().filter(past).collect();
-        let Some(known) = past.iter().find(|s| !s.is_free()) else { return false };
-        let there = past.iter().find(|s| s.is_free() && s.port == known.port).unwrap_or(known);
-        self.remembered = Some((*there).clone());
+        let Some(known) = known_past(&self.scored[0]) else { return false };
+        self.remembered = Some(free_at(&self.scored[0], known.port).unwrap_or(known).clone());
         for (k, round) in self.rounds.drain(..).enumerate() {
             let round = round.without_taken("stood in for what knows its past, and leaves much of it");
             self.refused.extend(round.ladder(k + 1));

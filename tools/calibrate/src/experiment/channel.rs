@@ -6,6 +6,7 @@
 
 use physics::declare::Causality;
 use physics::model::{Declaration, Node};
+use physics::terms::Driver;
 
 /// A quantity that a bench records, with its column in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +47,18 @@ impl Channel {
             "box_temperature" => Some(Node::Box),
             _ => None,
         }
+    }
+
+    /// The channel that reads a driver of terms, where the bench has a sensor for it.
+    pub fn reading(driver: Driver) -> Option<&'static Channel> {
+        let output = match driver {
+            Driver::Current => "current",
+            Driver::Speed => "shaft_speed",
+            Driver::WindingTemperature => "winding_temperature",
+            Driver::HousingTemperature => "housing_temperature",
+            _ => return None,
+        };
+        CHANNELS.iter().find(|c| c.output == Some(output))
     }
 
     /// Whether it is a temperature.

@@ -2,6 +2,7 @@
 
 use super::{CHOICE, Scored, scored};
 use crate::evidence::Gain;
+use crate::experiment::Channel;
 use crate::hypothesis::hat;
 use crate::outcome::Follows;
 use crate::point::Point;
@@ -20,13 +21,25 @@ const REMEMBERS: (f64, f64) = (1.1, 30.0);
 /// Whether something that knows its past explains more at a point than all that follow a present value: what latches or switches by
 /// what the motor has measured, clearly.
 pub fn remembers(scored: &[Scored]) -> bool {
-    let most = |which: &dyn Fn(&Scored) -> bool| {
-        scored.iter().filter(|s| which(s)).map(Scored::sure).fold(0.0, f64::max)
-    };
-    let past = most(&|s| s.follows == Follows::History && !s.listed && !s.is_free());
     // A law over time may be the same in other words.
-    let present = most(&|s| !matches!(s.follows, Follows::History | Follows::Driver(Driver::Time)));
-    past > REMEMBERS.0 * present + REMEMBERS.1
+    let present =
+        scored.iter().filter(|s| !matches!(s.follows, Follows::History | Follows::Driver(Driver::Time)));
+    let present = present.map(Scored::sure).fold(0.0, f64::max);
+    known_past(scored).is_some_and(|past| past.sure() > REMEMBERS.0 * present + REMEMBERS.1)
+}
+
+/// What explains most of all that latches, switches or comes and goes; `scored` has the surest first.
+pub fn known_past(scored: &[Scored]) -> Option<&Scored> {
+    past(scored).find(|s| !s.is_free())
+}
+
+/// The force at a port that is free in time.
+pub fn free_at(scored: &[Scored], port: Port) -> Option<&Scored> {
+    past(scored).find(|s| s.is_free() && s.port == port)
+}
+
+fn past(scored: &[Scored]) -> impl Iterator<Item = &Scored> {
+    scored.iter().filter(|s| s.follows == Follows::History && !s.listed)
 }
 
 /// The clock of each row of each run.
@@ -75,13 +88,9 @@ pub(super) fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scor
 /// The values of a driver at the rows of each run: of a temperature what was measured, where it was. What switches does so where the
 /// motor was, and not where a model without it goes.
 fn stood(point: &Point, driver: Driver) -> Vec<Vec<f64>> {
-    let column = match driver {
-        Driver::WindingTemperature => "winding_temperature_degC",
-        Driver::HousingTemperature => "housing_temperature_degC",
-        _ => "",
-    };
     let experiment = point.setup.experiment;
-    let output = experiment.outputs.iter().position(|c| c.column == column);
+    let sensor = Channel::reading(driver).filter(|c| c.is_temperature());
+    let output = sensor.and_then(|s| experiment.outputs.iter().position(|c| c.column == s.column));
     let runs = point.runs.iter().zip(&point.slopes.tangents);
     runs.map(|(run, tangent)| {
         let own = || tangent.drivers.iter().map(|d| d.of(driver));
