@@ -119,8 +119,8 @@ macro_rules! effects {
             }
 
             #[inline]
-            fn tell(&mut self, drivers: &Drivers) {
-                $(self.$id.tell(drivers);)*
+            fn tell(&mut self, drivers: &Drivers) -> bool {
+                false $(| self.$id.tell(drivers))*
             }
 
             fn holds(&self, driver: Driver) -> bool {

@@ -4,6 +4,7 @@ use crate::native::Native;
 pub use crate::platform::{HERE, Library, Platform, library_path};
 use crate::{documentation, object_file, reference, terminals};
 use describe::{Dependencies, ModelType, Preset, StartValues, fmi2, fmi3, start_values};
+use rayon::prelude::*;
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -185,8 +186,10 @@ pub fn build_for(
         return Err(BuildError::NoTerms { model: name });
     }
     let binaries = libraries.iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
-    let found = Dependencies::of(kind, &terms, &starts);
-    let common = common(&Native { kind, starts: &starts, terms: &terms }, contents);
+    let (found, common) = rayon::join(
+        || Dependencies::of(kind, &terms, &starts),
+        || common(&Native { kind, starts: &starts, terms: &terms }, contents),
+    );
     let write = |standard: &Standard| {
         let path = out.join(standard.folder()).join(format!("{name}.fmu"));
         let bytes = pack(&entries(kind, *standard, &starts, &found, &binaries, &common));
@@ -197,7 +200,7 @@ pub fn build_for(
         written.map_err(|source| BuildError::Write { path: path.clone(), source })?;
         Ok(path)
     };
-    standards.iter().map(write).collect()
+    standards.par_iter().map(write).collect()
 }
 
 /// A library with the start values in it, for its platform and no other.

@@ -17,8 +17,10 @@ use calibrate::report::{Replay, Report};
 use describe::Preset;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::thread;
 
 /// Find what the model misses in bench data, add it to the FMU, and say how large the error was and is.
 ///
@@ -60,10 +62,15 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let exported = export::export(&experiment, &outcome, &args.out)?;
     bar.set_position(950);
     bar.set_message("replay");
-    let replay = replay::replay(&experiment, &outcome, &exported)?;
+    let (replay, findings) = thread::scope(|scope| {
+        let findings = scope.spawn(|| exported.findings());
+        let replay = replay::replay(&experiment, &outcome, &exported);
+        (replay, findings.join().unwrap_or_else(|e| resume_unwind(e)))
+    });
+    let (replay, findings) = (replay?, findings?);
     bar.finish_and_clear();
     let mut notes = outcome.notes.clone();
-    notes.extend(exported.findings.iter().cloned());
+    notes.extend(findings.iter().cloned());
     if !replay.agrees || !replay.left_out.is_empty() || replay.channels.is_empty() {
         notes.push(words::replay(&replay));
     }
@@ -75,7 +82,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
     // FMI 3 has no slopes of inputs, so that a term which stands still over a row stands still over its parts there.
     let faithful = replay.channels.iter().all(|c| c.standard != "fmi2" || c.difference <= replay.limit);
-    Ok(if faithful && exported.findings.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if faithful && findings.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 /// The experiment's preset: a file beside the experiment, else a built-in one or a file from here.

@@ -3,11 +3,16 @@
 //! The structure is asked of the model in every combination of its choices, at points where no effect is
 //! neutral: a dependency that is there in any of them is declared. What importers sort their loops by can thus
 //! not drift away from the equations.
+//!
+//! What a model has by itself is looked for at many points and kept ([`known`]); for terms that are data fewer do.
+
+mod known;
 
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
+use rayon::prelude::*;
 
 /// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
 const START: f64 = 1e5;
@@ -23,6 +28,20 @@ pub struct Unknown {
     pub on_time: bool,
 }
 
+impl Unknown {
+    /// With what else it depends on.
+    fn and(mut self, other: Unknown) -> Unknown {
+        self.on_time |= other.on_time;
+        self.on.extend(other.on);
+        self.on.sort_unstable();
+        self.on.dedup();
+        self
+    }
+}
+
+/// While the model runs, and at its start.
+type Both = (Vec<Unknown>, Vec<Unknown>);
+
 /// What depends on what, in the order of the declaration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dependencies {
@@ -36,6 +55,14 @@ pub struct Dependencies {
     pub initial: Vec<Unknown>,
 }
 
+/// How a point differs from others with the same choices: the size of the inputs, and whether all effects are there.
+type Point = (f64, bool);
+/// Inputs of their usual size and a thousand times smaller: what saturates at one moves at the other. Then half of the
+/// effects, because some put a node in place of a direct way.
+const POINTS: [Point; 3] = [(1.0, true), (1e-3, true), (1.0, false)];
+/// How often all of them are taken for what is kept: a point of the fan's curve shows where the air meets it.
+const TURNS: usize = 4;
+
 /// Something that is moved.
 #[derive(Clone, Copy, Debug)]
 enum Known {
@@ -48,6 +75,45 @@ enum Known {
 impl Dependencies {
     /// The structure of a model that carries these terms, with as many elements as its start values say.
     pub fn of(kind: &ModelType, terms: &[GenericTerm], starts: &StartValues) -> Dependencies {
+        let declaration = (kind.declaration)();
+        let Some(known) = Dependencies::known(declaration, starts) else {
+            return Dependencies::found(kind, terms, starts, &POINTS);
+        };
+        // Of the start values only counts of elements decide what there is.
+        let counts = declaration.entries.iter().filter(|entry| declaration.is_dimension(entry));
+        let usual = counts.into_iter().all(|entry| starts.of(entry) == entry.row.start);
+        match (terms.is_empty(), usual) {
+            (true, true) => known,
+            (false, true) => known.and(Dependencies::found(kind, terms, starts, &POINTS[..1])),
+            (_, false) => known.and(Dependencies::found(kind, terms, starts, &POINTS)),
+        }
+    }
+
+    /// The structure of a model by itself, looked for at as many points as it takes to be kept.
+    pub fn of_all(kind: &ModelType) -> Dependencies {
+        Dependencies::found(kind, &[], &StartValues::default(), &[POINTS; TURNS].concat())
+    }
+
+    /// With what else there is of the same unknowns.
+    fn and(self, other: Dependencies) -> Dependencies {
+        let both = |own: Vec<Unknown>, other: Vec<Unknown>| -> Vec<Unknown> {
+            own.into_iter().zip(other).map(|(own, other)| own.and(other)).collect()
+        };
+        Dependencies {
+            outputs: both(self.outputs, other.outputs),
+            rates: both(self.rates, other.rates),
+            indicators: both(self.indicators, other.indicators),
+            initial: both(self.initial, other.initial),
+        }
+    }
+
+    /// The structure as it shows at these points with every combination of the choices.
+    fn found(
+        kind: &ModelType,
+        terms: &[GenericTerm],
+        starts: &StartValues,
+        points: &[Point],
+    ) -> Dependencies {
         let declaration = (kind.declaration)();
         let of_kind = |which: &dyn Fn(&Entry) -> bool| -> Vec<usize> {
             indices(declaration, |e| which(e) && starts.shows(declaration, e))
@@ -70,15 +136,15 @@ impl Dependencies {
             .chain([Known::Time])
             .collect();
         let nothing = |entry: &usize| Unknown { entry: *entry, on: Vec::new(), on_time: false };
-        let mut running: Vec<Unknown> = at_once.iter().map(nothing).collect();
-        let mut initial: Vec<Unknown> = at_start.iter().map(nothing).collect();
-        let mut probe = Probe::default();
-        // Inputs of their usual size and a thousand times smaller: what saturates at one moves at the other. Then with
-        // half of the effects, because some put a node in place of a direct way.
-        let points = combinations(declaration, &choices)
-            .into_iter()
-            .flat_map(|c| [(c.clone(), 1.0, true), (c.clone(), 1e-3, true), (c, 1.0, false)]);
-        for (combination, scale, effects) in points {
+        let none =
+            || -> Both { (at_once.iter().map(nothing).collect(), at_start.iter().map(nothing).collect()) };
+        let combinations = combinations(declaration, &choices);
+        let points = combinations.par_iter().enumerate().flat_map_iter(|(k, combination)| {
+            let points = points.iter().enumerate();
+            points.map(move |(turn, point)| (combination, *point, Probe::new(k, turn)))
+        });
+        let look = |(combination, (scale, effects), mut probe): (&Vec<(usize, f64)>, Point, Probe)| -> Both {
+            let (mut running, mut initial) = none();
             let mut model = (kind.new)();
             model.set_terms(terms);
             model.hand_over();
@@ -96,7 +162,7 @@ impl Dependencies {
                     model.set(entry.slot, share * probe.generic(entry, starts));
                 }
             }
-            for &(k, value) in &combination {
+            for &(k, value) in combination {
                 model.set(declaration.entries[k].slot, value);
             }
             if effects {
@@ -122,10 +188,14 @@ impl Dependencies {
                 let note = Note { declaration, unknowns: &at_once, starts };
                 note.add(&mut running, &move_at_once, &mut probe, point, settle, START);
             }
-        }
-        for unknown in running.iter_mut().chain(&mut initial) {
-            unknown.on.sort_unstable();
-        }
+            (running, initial)
+        };
+        let (mut running, initial) = points.map(look).reduce(none, |all, one| {
+            let both = |all: Vec<Unknown>, one: Vec<Unknown>| -> Vec<Unknown> {
+                all.into_iter().zip(one).map(|(all, one)| all.and(one)).collect()
+            };
+            (both(all.0, one.0), both(all.1, one.1))
+        });
         let indicators = running.split_off(outputs.len() + rates.len());
         let rates = running.split_off(outputs.len());
         Dependencies { outputs: running, rates, indicators, initial }
@@ -271,10 +341,14 @@ impl Note<'_> {
 }
 
 /// Numbers without pattern, the same at every run.
-#[derive(Default)]
 struct Probe(u64);
 
 impl Probe {
+    /// Those of one point of one combination, whichever is looked at first.
+    fn new(combination: usize, point: usize) -> Probe {
+        Probe((combination as u64) << 40 | (point as u64) << 32)
+    }
+
     /// A share in (0, 1): a counter whose bits are mixed (Steele, Lea, Flood 2014, SplitMix64), so that no two uses keep step.
     fn share(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -30,10 +30,11 @@ pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
     for kind in physics::models::ALL {
         let declaration = (kind.declaration)();
         let home = folder.join(declaration.name);
-        let found = Dependencies::of(kind, &[], &starts);
+        let found = Dependencies::of_all(kind);
         files.push((home.join("fmi2.xml"), fmi2::model_description(declaration, &starts, &found)));
         files.push((home.join("fmi3.xml"), fmi3::model_description(declaration, &starts, &found)));
         files.push((home.join("parameters.md"), markdown::parameters(kind)));
+        files.push((home.join("dependencies.toml"), found.text(declaration)));
     }
     let declarations: Vec<_> = physics::models::ALL.iter().map(|m| (m.declaration)()).collect();
     let path = folder.join("value-references.lock");

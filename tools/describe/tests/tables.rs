@@ -242,6 +242,18 @@ fn the_generated_files_are_up_to_date() {
     assert!(stale.is_empty(), "run `cargo xtask describe`: {stale:?}");
 }
 
+/// What is kept of a model's structure is read as it was written; without it, every archive would look for it anew.
+#[test]
+fn the_structure_is_read_as_it_is_kept() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
+    for kind in models::ALL {
+        let declaration = (kind.declaration)();
+        let kept = std::fs::read_to_string(folder.join(declaration.name).join("dependencies.toml")).unwrap();
+        let found = Dependencies::of(kind, &[], &StartValues::default());
+        assert!(kept.lines().count() > 20 && found.text(declaration) == kept, "{}", declaration.name);
+    }
+}
+
 #[test]
 fn a_value_reference_is_never_given_again() {
     let declaration = (models::ALL[0].declaration)();

@@ -113,8 +113,11 @@ impl Effect for GenericTerms {
     }
 
     #[inline]
-    fn tell(&mut self, drivers: &Drivers) {
+    fn tell(&mut self, drivers: &Drivers) -> bool {
         self.drivers = *drivers;
+        let cooling =
+            |term: &GenericTerm| matches!(term.port, Port::FanFlow | Port::HousingAmbientConductance);
+        self.terms.iter().flatten().any(cooling)
     }
 
     fn holds(&self, driver: Driver) -> bool {
@@ -235,6 +238,15 @@ mod tests {
         assert_eq!(change(Port::HeatCapacity, 1.0).heat_capacity(), 2.0);
         assert_eq!(change(Port::FanFlow, -0.5).fan_flow(0.5), 0.25);
         assert_eq!(change(Port::FanFlow, -3.0).fan_flow(0.5), 0.0);
+    }
+
+    /// What the air takes is dear, and asked for anew only for those that may change it.
+    #[test]
+    fn the_air_hears_of_those_that_meet_it() {
+        for port in [Port::FanFlow, Port::HousingAmbientConductance, Port::DragTorque, Port::HousingHeat] {
+            let told = carrying(port, 0.1, Driver::Speed, 1.0, 1.0).tell(&Drivers::default());
+            assert_eq!(told, matches!(port, Port::FanFlow | Port::HousingAmbientConductance), "{port:?}");
+        }
     }
 
     #[test]

@@ -14,9 +14,12 @@ pub trait Effect {
         false
     }
 
-    /// Tells where the motor stands: what follows a driver slowly holds that over a step.
+    /// Tells where the motor stands: what follows a driver slowly holds that over a step. Whether this may change what the air takes,
+    /// which is kept over many steps.
     #[inline]
-    fn tell(&mut self, _drivers: &Drivers) {}
+    fn tell(&mut self, _drivers: &Drivers) -> bool {
+        false
+    }
 
     /// Whether it holds this driver over a step, as [`tell`](Effect::tell) told it.
     fn holds(&self, _driver: Driver) -> bool {

@@ -8,7 +8,9 @@ use calibrate::experiment::Experiment;
 use calibrate::outcome::{Outcome, Setting};
 use describe::{Declaration, Entry, Kind, ModelType, Preset, models};
 use std::fmt::Write;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 /// What was written.
 pub struct Exported {
@@ -22,11 +24,31 @@ pub struct Exported {
     pub archives: Vec<(Standard, PathBuf)>,
     /// Their names relative to the folder.
     pub names: Vec<String>,
-    /// What the validator finds wrong with them, in sentences.
-    pub findings: Vec<String>,
 }
 
-/// Writes preset.toml, effects.json where there are terms, and the archives, and validates these.
+impl Exported {
+    /// What the validator finds wrong with the archives, in sentences.
+    ///
+    /// # Errors
+    /// An archive that cannot be read.
+    pub fn findings(&self) -> Result<Vec<String>, Failure> {
+        let program = std::env::current_exe()
+            .map_err(|e| Failure::new(format!("this program is not to be found: {e}")))?;
+        let wrong = |(name, (_, path)): (&String, &(Standard, PathBuf))| -> Result<Vec<String>, Failure> {
+            let wrong = validate(path, &program)?.into_iter().filter(|f| f.severity == Severity::Error);
+            Ok(wrong.map(|f| format!("{name}: {}: {}", f.place, f.message)).collect())
+        };
+        // Threads that wait for the validator's own processes.
+        thread::scope(|scope| {
+            let archives = self.names.iter().zip(&self.archives);
+            let waiting: Vec<_> = archives.map(|archive| scope.spawn(move || wrong(archive))).collect();
+            let all = waiting.into_iter().map(|thread| thread.join().unwrap_or_else(|e| resume_unwind(e)));
+            all.collect::<Result<Vec<_>, _>>().map(|all| all.concat())
+        })
+    }
+}
+
+/// Writes preset.toml, effects.json where there are terms, and the archives.
 ///
 /// # Errors
 /// A file that cannot be written, a library that is not there, values that the model refuses.
@@ -45,19 +67,12 @@ pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<
         None => {}
     }
     let library = library_path()?;
-    let program =
-        std::env::current_exe().map_err(|e| Failure::new(format!("this program is not to be found: {e}")))?;
-    let (mut archives, mut names, mut findings) = (Vec::new(), Vec::new(), Vec::new());
     let contents = Contents { preset: Some(&preset), effects: effects.as_ref() };
     let paths = build_all(kind, &Standard::ALL, contents, &library, out)?;
-    for (standard, path) in Standard::ALL.into_iter().zip(paths) {
-        let name = format!("{}/{}.fmu", standard.folder(), outcome.model);
-        let wrong = validate(&path, &program)?.into_iter().filter(|f| f.severity == Severity::Error);
-        findings.extend(wrong.map(|f| format!("{name}: {}: {}", f.place, f.message)));
-        archives.push((standard, path));
-        names.push(name);
-    }
-    Ok(Exported { kind, library, preset, archives, names, findings })
+    let archives: Vec<(Standard, PathBuf)> = Standard::ALL.into_iter().zip(paths).collect();
+    let name = |(standard, _): &(Standard, _)| format!("{}/{}.fmu", standard.folder(), outcome.model);
+    let names: Vec<String> = archives.iter().map(name).collect();
+    Ok(Exported { kind, library, preset, archives, names })
 }
 
 /// The terms of a setting as a file; `None` where it has none.

@@ -8,12 +8,14 @@
 
 use super::export::{Exported, terms};
 use crate::Failure;
-use archive::build::{Contents, build};
+use archive::build::{Contents, Standard, build};
 use calibrate::experiment::{Experiment, Role, Run, Start};
 use calibrate::outcome::{Outcome, Setting};
 use calibrate::report::{ROLES, Replay, ReplayedChannel, role_name};
 use calibrate::simulate::Drive;
 use cosim::{Archive, Causality, Instance, Kind, Log, ModelDescription, Value, Variable};
+use rayon::prelude::*;
+use std::path::PathBuf;
 
 /// What the FMU's error may differ from the model's, as a share of the channel's range.
 const LIMIT: f64 = 1e-6;
@@ -31,8 +33,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
     let role = ROLES.into_iter().rev().find(has).unwrap_or(Role::Fit);
     let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
     let left_out: Vec<String> = of_role().filter(|(r, _)| !cold(r)).map(|(r, _)| r.file.clone()).collect();
-    let mut channels = Vec::new();
-    for (standard, path) in &exported.archives {
+    let replayed = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
         let archive = Archive::open(path)?;
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
         for (run, setting) in of_role().filter(|(r, _)| cold(r)) {
@@ -50,6 +51,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
             };
             compare(experiment, outcome, run, &shown, &mut sums);
         }
+        let mut channels = Vec::new();
         for (n, (channel, sum)) in
             experiment.outputs.iter().zip(&sums).enumerate().filter(|(_, (_, s))| s.count > 0)
         {
@@ -70,7 +72,9 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
                 difference_of_a_value: sum.apart / range,
             });
         }
-    }
+        Ok(channels)
+    };
+    let channels = exported.archives.par_iter().map(replayed).collect::<Result<Vec<_>, _>>()?.concat();
     let greatest = |of: fn(&ReplayedChannel) -> f64| {
         // One that is no number is the worst.
         channels

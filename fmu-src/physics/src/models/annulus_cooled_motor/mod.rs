@@ -29,6 +29,7 @@ use crate::solver::split::{Fast, Passed, Split, State};
 use crate::terms::{Drivers, GenericTerm};
 use exchange::Held;
 use network::{Body, Network};
+use states::Followed;
 
 /// What the motor is made of, and how it is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -116,6 +117,8 @@ pub struct AnnulusCooledMotor {
     network: Option<Network>,
     /// What is held between events, where the caller integrates.
     held: Option<Held>,
+    /// What those who fit see of the states.
+    followed: Followed,
     /// What is wrong with the parameters taken together.
     fault: Option<String>,
     outputs_are_stale: bool,
@@ -168,6 +171,7 @@ impl Default for AnnulusCooledMotor {
             phases: Phases::default(),
             network: None,
             held: None,
+            followed: Followed::default(),
             fault: None,
             outputs_are_stale: true,
             books_are_stale: true,
@@ -248,6 +252,7 @@ impl AnnulusCooledMotor {
             (_, Some(body)) => Some(Network::new(&self.parameters, body, self.state.temperature[1])),
             (_, None) => None,
         };
+        self.followed = Followed::of(self);
     }
 
     /// Brings the outputs to the state; with `books`, the flows of power as well.

@@ -67,6 +67,35 @@ fn counts(k: usize) -> bool {
     k != ANGLE && !(PHASES..HOUSING).contains(&k)
 }
 
+/// The states that move and that a rate depends on, by index: looking through all of them costs more than a rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Followed {
+    list: [u8; ALL],
+    count: usize,
+}
+
+impl Default for Followed {
+    fn default() -> Followed {
+        Followed { list: [0; ALL], count: 0 }
+    }
+}
+
+impl Followed {
+    /// Those of a motor with its parameters and its network.
+    pub(super) fn of(motor: &AnnulusCooledMotor) -> Followed {
+        let mut all = Followed::default();
+        for k in (0..ALL).filter(|&k| counts(k) && motor.moves(k)) {
+            all.list[all.count] = k as u8;
+            all.count += 1;
+        }
+        all
+    }
+
+    fn iter(self) -> impl Iterator<Item = usize> {
+        self.list.into_iter().take(self.count).map(usize::from)
+    }
+}
+
 impl AnnulusCooledMotor {
     fn lags(&self) -> bool {
         self.parameters.effects.housing_sensor_lag() > 0.0
@@ -135,26 +164,16 @@ impl AnnulusCooledMotor {
         self.outdate();
     }
 
-    fn followed(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..ALL).filter(|&k| counts(k) && self.moves(k))
-    }
-
     pub(super) fn push_states(&self, out: &mut Vec<f64>) {
-        out.extend(self.followed().map(|k| self.state_value(k)));
+        out.extend(self.followed.iter().map(|k| self.state_value(k)));
     }
 
     pub(super) fn take_states(&mut self, states: &[f64]) -> bool {
-        if states.len() != self.followed().count() {
+        if states.len() != self.followed.count {
             return false;
         }
-        let mut rest = states.iter();
-        for k in 0..ALL {
-            if counts(k)
-                && self.moves(k)
-                && let Some(&value) = rest.next()
-            {
-                self.put_state(k, value);
-            }
+        for (k, value) in self.followed.iter().zip(states) {
+            self.put_state(k, *value);
         }
         self.follow_states();
         true
@@ -163,7 +182,7 @@ impl AnnulusCooledMotor {
     pub(super) fn push_rates(&mut self, out: &mut Vec<f64>) {
         let mut all = [0.0; ALL];
         self.rates_of_heat_and_motion(&mut all);
-        out.extend(self.followed().map(|k| all[k]));
+        out.extend(self.followed.iter().map(|k| all[k]));
     }
 
     /// The rates of all states, zero for those that stand still.

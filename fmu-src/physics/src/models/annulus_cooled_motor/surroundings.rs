@@ -25,7 +25,9 @@ impl AnnulusCooledMotor {
     }
 
     fn tell_drivers(&mut self, drivers: &Drivers) {
-        self.parameters.effects.tell(drivers);
+        if !self.parameters.effects.tell(drivers) {
+            return;
+        }
         self.fan = (f64::NAN, PerNode::default());
         if let Some(network) = &mut self.network {
             network.forget();
