@@ -34,6 +34,8 @@ const ENERGY_SHAFT: usize = 4;
 const ENERGY_JOINT: usize = 5;
 const ENERGY_TRANSMISSION: usize = 6;
 const ENERGY_SUPPLY: usize = 7;
+/// Points of a step's quadrature after the first.
+const LATER: usize = POINTS - 1;
 
 /// Transmission and springs at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -202,47 +204,47 @@ impl Actuator {
         if self.is_elastic() || first.command.is_limited() {
             return None;
         }
-        let inputs: [Inputs; POINTS] = std::array::from_fn(|k| line.inputs(t + AT[k] * h));
-        if self.parallel.takes_hold(inputs[0].joint_angle, inputs[4].joint_angle) {
+        let on: [Inputs; LATER] = std::array::from_fn(|k| line.inputs(t + AT[1 + k] * h));
+        let end = &on[LATER - 1];
+        if self.parallel.takes_hold(line.inputs(t).joint_angle, end.joint_angle) {
             return None;
         }
-        // Of the first point only the rate is used; the loop is the same for all of them.
-        let m: [Mechanics; POINTS] = std::array::from_fn(|k| {
-            self.mechanics(&inputs[k], [0.0, inputs[k].motor_speed], line.opening[0])
-        });
         let filter_time = self.control.filter_time;
-        let slope = (m[4].demand - m[0].demand) / h;
+        let demand = end.torque_demand - self.parallel.at(end.joint_angle).0;
+        let slope = (demand - first.mechanics.demand) / h;
         let apart = first.command.rates[0] - slope;
-        let z = h / filter_time;
-        // The points lie symmetrically, so that three exponentials give all five.
-        let [early, middle, late] = [1, 2, 3].map(|k| (-AT[k] * z).exp());
-        let decay = [1.0, early, middle, late, early * late];
-        let wanted: [Wanted; POINTS] =
-            std::array::from_fn(|k| self.wanted(&inputs[k], &m[k], slope + apart * decay[k]));
-        let winding: [f64; POINTS] =
-            std::array::from_fn(|k| self.control.winding_up(&wanted[k], inputs[k].motor_current));
+        // The points lie symmetrically, so that three exponentials give all.
+        let [early, middle, late] = [1, 2, 3].map(|k| (-AT[k] * h / filter_time).exp());
+        let rate = [early, middle, late, early * late].map(|decay| slope + apart * decay);
+        let seen: [(Mechanics, Wanted); LATER] = std::array::from_fn(|k| {
+            let u = &on[k];
+            let m = self.mechanics(u, [0.0, u.motor_speed], line.opening[0]);
+            (m, self.wanted(u, &m, rate[k]))
+        });
+        // What the first point has said already, and what the others say.
+        let all = |first: f64, f: &dyn Fn(usize) -> f64| -> [f64; POINTS] { [first, f(0), f(1), f(2), f(3)] };
+        let winding =
+            all(first.command.rates[1], &|k| self.control.winding_up(&seen[k].1, on[k].motor_current));
         let wound = integrals(&winding, h);
-        let command: [Command; POINTS] = std::array::from_fn(|k| {
-            self.control.voltage(&wanted[k], inputs[k].motor_current, x[VOLTAGE] + wound[k])
+        let command: [Command; LATER] = std::array::from_fn(|k| {
+            self.control.voltage(&seen[k].1, on[k].motor_current, x[VOLTAGE] + wound[1 + k])
         });
         if command.iter().any(Command::is_limited) {
             return None;
         }
-        let power: [f64; POINTS] = std::array::from_fn(|k| self.powers(&inputs[k], &command[k])[1]);
         let mut states = *x;
         let mut errors = [0.0; STATES];
-        states[DEMAND] = m[4].demand - filter_time * (slope + apart * decay[4]);
-        let mut add = |state: usize, f: &[f64; POINTS]| {
-            let (whole, error) = integral(f, h);
+        states[DEMAND] = demand - filter_time * rate[LATER - 1];
+        let mut add = |state: usize, f: &dyn Fn(usize) -> f64| {
+            let (whole, error) = integral(&all(first.rates[state], f), h);
             states[state] += whole;
             errors[state] = error;
         };
-        let of = |f: fn(&Mechanics, &Inputs) -> f64| std::array::from_fn(|k| f(&m[k], &inputs[k]));
-        add(VOLTAGE, &winding);
-        add(ENERGY_SHAFT, &of(|m, u| m.load_torque * u.motor_speed));
-        add(ENERGY_JOINT, &of(|m, u| m.joint_torque * u.joint_speed));
-        add(ENERGY_TRANSMISSION, &of(|m, _| m.loss));
-        add(ENERGY_SUPPLY, &power);
+        add(VOLTAGE, &|k| winding[1 + k]);
+        add(ENERGY_SHAFT, &|k| seen[k].0.load_torque * on[k].motor_speed);
+        add(ENERGY_JOINT, &|k| seen[k].0.joint_torque * on[k].joint_speed);
+        add(ENERGY_TRANSMISSION, &|k| seen[k].0.loss);
+        add(ENERGY_SUPPLY, &|k| self.powers(&on[k], &command[k])[1]);
         let error = share_of(&errors, &sizes(LIST), x, &states);
         Some(Tried { states, error, point: None })
     }
