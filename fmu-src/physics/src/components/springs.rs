@@ -98,13 +98,6 @@ impl ParallelSpring {
         };
         (self.stiffness * off, 0.5 * self.stiffness * off * off)
     }
-
-    /// Whether it takes hold or lets go where the joint moves from one angle to the other, rad.
-    #[inline]
-    pub fn takes_hold(&self, from: f64, to: f64) -> bool {
-        let above = |angle: f64| angle > self.neutral_angle;
-        self.engagement != Engagement::Both && self.stiffness != 0.0 && above(from) != above(to)
-    }
 }
 
 #[cfg(test)]
@@ -140,10 +133,6 @@ mod tests {
         assert!((both.at(0.3).0 + 20.0).abs() < 1e-12 && (both.at(0.3).1 - 2.0).abs() < 1e-12);
         let above = ParallelSpring { engagement: Engagement::Above, ..both };
         assert_eq!((above.at(0.3), above.at(0.0)), (both.at(0.3), (0.0, 0.0)));
-        assert!(above.takes_hold(0.0, 0.2) && above.takes_hold(0.2, 0.0) && !above.takes_hold(0.2, 0.3));
-        assert!(
-            !both.takes_hold(0.0, 0.2) && !ParallelSpring { stiffness: 0.0, ..above }.takes_hold(0.0, 0.2)
-        );
         let below = ParallelSpring { engagement: Engagement::Below, ..both };
         assert_eq!((below.at(0.3), below.at(0.0)), ((0.0, 0.0), both.at(0.0)));
     }

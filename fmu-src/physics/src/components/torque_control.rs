@@ -128,13 +128,6 @@ impl TorqueControl {
         Wanted { current: [wanted, current], limits: [low, high], emf, supply, demand_rate }
     }
 
-    /// Rate of the integral, V/s, where the voltage is not limited: eq. (5) for the current wanted and the one
-    /// measured, A.
-    #[inline(always)]
-    pub fn winding_up(&self, wanted: &Wanted, measured: f64) -> f64 {
-        TAU * self.current_bandwidth * (self.R * (wanted.current[1] - measured))
-    }
-
     /// Eqs. (4) and (5), for the current measured, A, and the integral, V.
     #[inline(always)]
     pub fn voltage(&self, wanted: &Wanted, measured: f64, integral: f64) -> Command {

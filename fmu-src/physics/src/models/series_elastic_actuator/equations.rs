@@ -16,14 +16,11 @@
 //! *Neglects* the mass of springs, lever and nut (add it to the inertia), and what the motor's own FMU says of
 //! its temperature, which the current control finds out.
 
-use super::{Actuator, At, Inputs, LIST, OPENING, Outputs, STATES};
+use super::{Actuator, At, Inputs, Outputs, STATES};
 use crate::components::springs::Deflected;
 use crate::components::torque_control::{Command, Seen, Wanted};
 use crate::components::transmission::Coupling;
-use crate::explicit::{Line, sizes};
 use crate::ledger::{Account, Ledger};
-use crate::solver::explicit::{Tried, share_of};
-use crate::solver::lobatto::{AT, POINTS, integral, integrals};
 
 /// Places of the states.
 pub(super) const DEMAND: usize = 0;
@@ -34,8 +31,6 @@ const ENERGY_SHAFT: usize = 4;
 const ENERGY_JOINT: usize = 5;
 const ENERGY_TRANSMISSION: usize = 6;
 const ENERGY_SUPPLY: usize = 7;
-/// Points of a step's quadrature after the first.
-const LATER: usize = POINTS - 1;
 
 /// Transmission and springs at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -119,12 +114,6 @@ impl Actuator {
         Point { mechanics: m, command, supply_power, motor_power, rates }
     }
 
-    /// The same at the states `x`, `t` seconds into a step.
-    pub fn at_line(&self, line: &Line<'_, Inputs, OPENING>, t: f64, x: &[f64; STATES]) -> Point {
-        let inputs = line.inputs(t);
-        self.at(&At { time: line.time + t, inputs: &inputs, states: x, opening: line.opening })
-    }
-
     /// Transmission and springs, where the input shaft has this twist against the motor's, rad, and speed, rad/s;
     /// `opening` is its turn where the motor shows 0, rad.
     #[inline(always)]
@@ -184,69 +173,6 @@ impl Actuator {
     fn powers(&self, u: &Inputs, command: &Command) -> [f64; 2] {
         let motor = command.voltage[1] * u.motor_current;
         [motor, self.drive.power(motor)]
-    }
-
-    /// Tries a step of `h` seconds behind a rigid coupling, where the rates need no state but the filtered demand, which
-    /// follows a line exactly:
-    ///
-    /// tau_f = tau_d - T tau_d' + (tau_f0 - tau_d0 + T tau_d') exp(-t / T)                                          (7)
-    ///
-    /// All other states are integrals. `None` where the coupling gives, where a parallel spring takes hold on the way, so
-    /// that the demand has a corner, and where the voltage is limited, so that its integral feeds back on itself.
-    pub(super) fn along(
-        &self,
-        line: &Line<'_, Inputs, OPENING>,
-        t: f64,
-        x: &[f64; STATES],
-        first: &Point,
-        h: f64,
-    ) -> Option<Tried<Point, STATES>> {
-        if self.is_elastic() || first.command.is_limited() {
-            return None;
-        }
-        let on: [Inputs; LATER] = std::array::from_fn(|k| line.inputs(t + AT[1 + k] * h));
-        let end = &on[LATER - 1];
-        if self.parallel.takes_hold(line.inputs(t).joint_angle, end.joint_angle) {
-            return None;
-        }
-        let filter_time = self.control.filter_time;
-        let demand = end.torque_demand - self.parallel.at(end.joint_angle).0;
-        let slope = (demand - first.mechanics.demand) / h;
-        let apart = first.command.rates[0] - slope;
-        // The points lie symmetrically, so that three exponentials give all.
-        let [early, middle, late] = [1, 2, 3].map(|k| (-AT[k] * h / filter_time).exp());
-        let rate = [early, middle, late, early * late].map(|decay| slope + apart * decay);
-        let seen: [(Mechanics, Wanted); LATER] = std::array::from_fn(|k| {
-            let u = &on[k];
-            let m = self.mechanics(u, [0.0, u.motor_speed], line.opening[0]);
-            (m, self.wanted(u, &m, rate[k]))
-        });
-        // What the first point has said already, and what the others say.
-        let all = |first: f64, f: &dyn Fn(usize) -> f64| -> [f64; POINTS] { [first, f(0), f(1), f(2), f(3)] };
-        let winding =
-            all(first.command.rates[1], &|k| self.control.winding_up(&seen[k].1, on[k].motor_current));
-        let wound = integrals(&winding, h);
-        let command: [Command; LATER] = std::array::from_fn(|k| {
-            self.control.voltage(&seen[k].1, on[k].motor_current, x[VOLTAGE] + wound[1 + k])
-        });
-        if command.iter().any(Command::is_limited) {
-            return None;
-        }
-        let mut states = *x;
-        let mut errors = [0.0; STATES];
-        states[DEMAND] = demand - filter_time * rate[LATER - 1];
-        let mut add = |state: usize, f: &dyn Fn(usize) -> f64| {
-            let (whole, error) = integral(&all(first.rates[state], f), h);
-            states[state] += whole;
-            errors[state] = error;
-        };
-        add(VOLTAGE, &|k| winding[1 + k]);
-        add(ENERGY_SHAFT, &|k| seen[k].0.load_torque * on[k].motor_speed);
-        add(ENERGY_JOINT, &|k| seen[k].0.joint_torque * on[k].joint_speed);
-        add(ENERGY_TRANSMISSION, &|k| seen[k].0.loss);
-        add(ENERGY_SUPPLY, &|k| self.powers(&on[k], &command[k])[1]);
-        let error = share_of(&errors, &sizes(LIST), x, &states);
-        Some(Tried { states, error, point: None })
     }
 
     /// The books: the shaft's power goes on to the joint, into springs and inertia, and into heat.
