@@ -235,7 +235,7 @@ impl<const N: usize> Split<N> {
         fast.chain(thermal.matrix().iter().copied()).chain([thermal.step(), self.trial])
     }
 
-    /// The integrator of as many numbers, `None` where they run out.
+    /// The integrator of as many numbers, `None` where they run out or the step is none.
     pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Self> {
         fn block<const M: usize>(next: &mut impl FnMut() -> Option<f64>) -> Option<Phi<M>> {
             let mut matrix = SMatrix::<f64, M, M>::zeros();
@@ -244,7 +244,9 @@ impl<const N: usize> Split<N> {
             }
             Some(Phi::new(matrix, next()?))
         }
-        Some(Split { fast: block(next)?, thermal: block(next)?, ease: 1.0, trial: next()? })
+        let (fast, thermal) = (block(next)?, block(next)?);
+        let trial = next().filter(|step| *step > 0.0)?;
+        Some(Split { fast, thermal, ease: 1.0, trial })
     }
 
     /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] as they are eased: one, where that is wider than all.

@@ -260,8 +260,11 @@ mod tests {
         for steps in [810, 970, 1110, 1120, 1123, 1124, 1380, 1580] {
             let looks: Vec<u32> = (0..steps).filter(|&step| is_looked_at(step, steps)).collect();
             assert_eq!(looks.len() as u32, INSTANTS, "{steps}");
-            let apart = looks.iter().zip(looks.iter().skip(1).chain(&[steps])).map(|(a, b)| b - a);
-            assert!(apart.into_iter().all(|d| d.abs_diff(steps / INSTANTS) <= 1), "{steps} {looks:?}");
+            let ends = [looks.clone(), vec![steps]].concat();
+            assert!(
+                ends.windows(2).map(|ends| ends[1] - ends[0]).all(|d| d.abs_diff(steps / INSTANTS) <= 1),
+                "{steps} {looks:?}"
+            );
         }
     }
 }
