@@ -91,14 +91,6 @@ pub struct Command {
     pub rates: [f64; 2],
 }
 
-impl Command {
-    /// Whether the supply gives less voltage than is wanted.
-    #[inline]
-    pub fn is_limited(&self) -> bool {
-        self.voltage[0] != self.voltage[1]
-    }
-}
-
 impl TorqueControl {
     /// Rate of the demand, N.m/s, that the filter at `filtered` tells.
     #[inline]

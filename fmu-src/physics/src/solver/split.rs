@@ -30,11 +30,12 @@ pub type Fast = Vector2<f64>;
 /// Relative tolerance of one step on what the temperatures and the energies miss, and on the fast block's last stage where
 /// rates bend within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
-/// Relative tolerance of one step on the fast block's last stage elsewhere: an estimate of the method's own order.
+/// Relative tolerance of one step on the fast block's last stage elsewhere, an estimate of the method's own order; and on its
+/// parabola against the line where rates bend.
 const STAGE_TOLERANCE: f64 = 1e-6;
-/// Relative tolerance of one step on the fast block's parabola against the line: an error of order three beside a step whose
-/// own is of order five while the Jacobian is that of its start (tests/limits.rs). With both, a minute of walking at a
-/// millisecond keeps current and speed to 5e-8 of their size, and the angle to 2e-7; tests/accuracy.rs has the rest.
+/// Relative tolerance of one step on the fast block's parabola against the line elsewhere: an error of order three beside a
+/// step whose own is of order five while the Jacobian is that of its start (tests/limits.rs). With both, a minute of walking
+/// at a millisecond keeps current and speed to 5e-8 of their size, and the angle to 2e-7; tests/accuracy.rs has the rest.
 const LINE_TOLERANCE: f64 = 3e-6;
 /// Sizes below which an error no longer counts as relative: 1 A, 10 rad/s.
 const FAST_FLOOR: Fast = Vector2::new(1.0, 10.0);
@@ -252,8 +253,9 @@ impl<const N: usize> Split<N> {
     /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] as they are eased: one, where that is wider than all.
     fn tolerances(&self, bends: bool) -> [f64; 3] {
         let tolerance = TOLERANCE * self.ease;
-        let stage = if bends { tolerance } else { tolerance.max(STAGE_TOLERANCE) };
-        [tolerance, stage, tolerance.max(LINE_TOLERANCE)]
+        let [stage, line] =
+            if bends { [TOLERANCE, STAGE_TOLERANCE] } else { [STAGE_TOLERANCE, LINE_TOLERANCE] };
+        [tolerance, tolerance.max(stage), tolerance.max(line)]
     }
 
     fn stale(&self) -> f64 {
