@@ -98,7 +98,9 @@ fn hour(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements((seconds / STEP) as u64));
         let options = SystemOptions { stop: Some(seconds), step: Some(STEP), ..SystemOptions::default() };
         group.bench_function(name, |b| {
-            b.iter(|| black_box(cosimulate(&system, &options, &mut |_| ()).expect("it walks").steps));
+            b.iter(|| {
+                black_box(cosimulate(&system, &options, &mut |_| ()).expect("it walks").recording.steps)
+            });
         });
     }
     group.finish();

@@ -126,7 +126,7 @@ impl TorqueControl {
         let current = wanted.current[1];
         let voltage = self.R * current + wanted.emf + integral;
         let limited = voltage.clamp(-wanted.supply, wanted.supply);
-        let rate = TAU * self.current_bandwidth * (self.R * (current - measured) + (limited - voltage));
+        let rate = TAU * self.current_bandwidth * (self.R * (current - measured) + limited - voltage);
         Command {
             current: wanted.current,
             limits: wanted.limits,
