@@ -21,6 +21,10 @@
 //! with.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
+mod system;
+
+pub use system::{Segment, System, Work};
+
 use super::phi::{Forcing, Phi, product};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
@@ -56,89 +60,6 @@ const ROUNDS: usize = 4;
 const ABSURD: f64 = 1e5;
 /// A step cut below this share of the caller's step is a failure, not an accuracy.
 const LEAST_SHARE: f64 = 1e-9;
-
-/// What a model tells the integrator. Times are seconds since the start of the caller's step.
-pub trait System<const N: usize> {
-    /// What rates, heat and work share at one instant and costs to compute.
-    type Instant: Copy;
-    /// That of an instant.
-    fn instant(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Self::Instant;
-    /// Derivatives of current and speed, A/s and rad/s2, with what is known of the instant.
-    fn fast_rates_at(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>, instant: &Self::Instant)
-    -> Fast;
-    /// Derivatives of current and speed, A/s and rad/s2.
-    #[inline]
-    fn fast_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Fast {
-        self.fast_rates_at(t, x, temperature, &self.instant(t, x, temperature))
-    }
-    /// Their Jacobian with respect to (current, speed), 1/s.
-    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Matrix2<f64>;
-    /// Derivatives of the temperatures by conduction, convection and radiation alone, K/s.
-    fn network_rates(&self, t: f64, temperature: &SVector<f64, N>) -> SVector<f64, N>;
-    /// Their Jacobian, 1/s.
-    fn network_matrix(&self, t: f64, temperature: &SVector<f64, N>) -> SMatrix<f64, N, N>;
-    /// Heat capacities of the nodes, J/K.
-    fn capacity(&self) -> &SVector<f64, N>;
-    /// Their reciprocals, K/J.
-    fn inverse_capacity(&self) -> &SVector<f64, N>;
-    /// Heat flow from the nodes to whatever surrounds them, W.
-    fn outflow(&self, t: f64, temperature: &SVector<f64, N>) -> f64;
-    /// Heat set free in each node, W, with what is known of the instant.
-    fn heat_rates_at(
-        &self,
-        t: f64,
-        x: &Fast,
-        temperature: &SVector<f64, N>,
-        instant: &Self::Instant,
-    ) -> SVector<f64, N>;
-    /// Heat set free in each node at one instant, W.
-    #[inline]
-    fn heat_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> SVector<f64, N> {
-        self.heat_rates_at(t, x, temperature, &self.instant(t, x, temperature))
-    }
-    /// Energies over one step, from the fast solution's integrals, with what is known of its start, middle and end.
-    fn work(&self, segment: &Segment<N>, instants: &[Self::Instant; 3]) -> Work<N>;
-    /// True where the fast rates bend on a scale that a stiff block passes within a step, so that the last stage must be
-    /// as near as all else.
-    fn bends_where_stiff(&self) -> bool;
-    /// True where an input that multiplies current or speed runs along a slope, so that [`Segment::moment`]
-    /// is wanted.
-    fn wants_moment(&self) -> bool;
-}
-
-/// The fast solution over one step, and the temperatures under it.
-#[derive(Clone, Copy, Debug)]
-pub struct Segment<const N: usize> {
-    /// Start, s after the start of the caller's step.
-    pub t: f64,
-    /// Length, s.
-    pub h: f64,
-    /// Current and speed at the start, the middle and the end.
-    pub x: [Fast; 3],
-    /// Their integrals, A.s and rad.
-    pub integral: Fast,
-    /// Integrals of (t - start) times current and speed; zero unless [`System::wants_moment`].
-    pub moment: Fast,
-    /// Temperatures at the start, the middle and the end, K.
-    pub temperature: [SVector<f64, N>; 3],
-}
-
-/// Energies over one step, J.
-#[derive(Clone, Copy, Debug)]
-pub struct Work<const N: usize> {
-    /// Heat set free in each node.
-    pub heat: SVector<f64, N>,
-    /// Electrical energy taken at the terminals, and heat put in from outside.
-    pub electrical: f64,
-    /// Energy delivered at the shaft.
-    pub mechanical: f64,
-    /// Heat given to the surroundings without passing a node.
-    pub ambient: f64,
-    /// Heat set free beyond the nodes.
-    pub aside: f64,
-    /// How far a coarser rule would miss the energies that are not exact.
-    pub doubt: f64,
-}
 
 /// What the integrator carries from step to step. `E` is how many energies are counted, at least three.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -358,7 +279,7 @@ impl<const N: usize> Split<N> {
         let start = system.instant(t, &x0, &temp0);
         let slope0 = system.fast_rates_at(t, &x0, &temp0, &start);
         let n0 = slope0 - product(a, &x0);
-        let network0 = system.network_rates(t, &temp0);
+        let (network0, outflow0) = system.network(t, &temp0);
         let heat0 = system.heat_rates_at(t, &x0, &temp0, &start);
         let rate0 = network0 + heat0.component_mul(per_joule);
         let xa = fast.half(&x0, &n0);
@@ -391,10 +312,12 @@ impl<const N: usize> Split<N> {
             let heatm = (work.heat * (6.0 / h) - heat0 - heat1) * 0.25;
             let flow =
                 |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_mul(per_joule);
+            let (networkm, outflowm) = system.network(middle, &tempm);
+            let (network1, outflow1) = system.network(until, &temp1);
             let warming = Forcing::through(
                 flow(network0 - product(m, &temp0), heat0),
-                flow(system.network_rates(middle, &tempm) - product(m, &tempm), heatm),
-                flow(system.network_rates(until, &temp1) - product(m, &temp1), heat1),
+                flow(networkm - product(m, &tempm), heatm),
+                flow(network1 - product(m, &temp1), heat1),
             );
             let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
             let moved = (end - temp1).amax().max((half - tempm).amax());
@@ -425,10 +348,10 @@ impl<const N: usize> Split<N> {
             let error = miss / line + late / stage + of_heat / tolerance;
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -m.tr_mul(capacity);
-            let rest = |s: f64, temp: &SVector<f64, N>| system.outflow(t + s * h, temp) - share.dot(temp);
             let over_time = thermal.integral(&temp0, &warming);
             let outflow = share.dot(&over_time)
-                + h / 6.0 * (rest(0.0, &temp0) + 4.0 * rest(0.5, &tempm) + rest(1.0, &temp1));
+                + h / 6.0
+                    * (outflow0 + 4.0 * outflowm + outflow1 - share.dot(&(temp0 + tempm * 4.0 + temp1)));
             let gained = [work.electrical, work.mechanical, outflow + work.ambient];
             let mut energy = state.energy;
             for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(work.heat.iter())) {

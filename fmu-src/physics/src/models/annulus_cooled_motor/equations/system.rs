@@ -58,12 +58,12 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline(always)]
-    fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
+    fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
         let conducts = self.constants.across * self.ports().winding_housing_conductance(temperature[WINDING]);
         let across = conducts * (temperature[WINDING] - temperature[CORE]);
         let leaving = self.leaving(t, temperature);
         let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
-        gain.component_mul(&self.constants.inverse_capacity)
+        (gain.component_mul(&self.constants.inverse_capacity), leaving.winding + leaving.housing)
     }
 
     #[inline(always)]
@@ -94,12 +94,6 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn inverse_capacity(&self) -> &Temperatures {
         &self.constants.inverse_capacity
-    }
-
-    #[inline(always)]
-    fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
-        let leaving = self.leaving(t, temperature);
-        leaving.winding + leaving.housing
     }
 
     #[inline(always)]

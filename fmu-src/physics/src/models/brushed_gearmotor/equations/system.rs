@@ -61,14 +61,14 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline]
-    fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
+    fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
         let [across, winding_to_box, to_box, to_ambient] = self.flows(t, temperature);
         let gain = Temperatures::new(
             -across - winding_to_box,
             across - to_box,
             winding_to_box + to_box - to_ambient,
         );
-        gain.component_mul(&self.constants.inverse_capacity)
+        (gain.component_mul(&self.constants.inverse_capacity), to_ambient)
     }
 
     #[inline]
@@ -106,11 +106,6 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn inverse_capacity(&self) -> &Temperatures {
         &self.constants.inverse_capacity
-    }
-
-    #[inline]
-    fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
-        self.flows(t, temperature)[3]
     }
 
     #[inline]
