@@ -1,6 +1,7 @@
 //! An instance: its life cycle, and what it refuses.
 
 mod exchange;
+mod known;
 mod mode;
 mod slopes;
 mod stepping;
@@ -12,6 +13,7 @@ pub use stepping::{Course, Ended, IntermediateUpdate, Look, Part, View};
 use crate::boundary::{Outcome, Refused};
 use crate::logger::{CATEGORIES, Log};
 use crate::saved::Saved;
+use known::Known;
 use mode::LIVING;
 use physics::model::{Model, ModelType, Slot};
 use physics::terms::GenericTerm;
@@ -43,6 +45,10 @@ pub struct Instance {
     window: (f64, f64),
     /// Values were set since the model last started, during initialization.
     unsettled: bool,
+    /// What a running instance was asked to read, to set and to let run along slopes the last time.
+    read: Known,
+    written: Known,
+    sloped: Known,
     /// Where messages go.
     pub log: Log,
 }
@@ -99,6 +105,9 @@ impl Instance {
             mode: Mode::Instantiated,
             window: (0.0, f64::INFINITY),
             unsettled: true,
+            read: Known::NOTHING,
+            written: Known::NOTHING,
+            sloped: Known::NOTHING,
             log,
         })
     }

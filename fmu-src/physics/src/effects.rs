@@ -85,7 +85,12 @@ impl std::ops::Add for PerNode {
 #[inline]
 pub(crate) fn smooth_sign<D: Number>(x: D, small: f64) -> D {
     const SATURATED: f64 = 20.0;
-    if x.re().abs() > SATURATED * small { D::from(x.re().signum()) } else { (x / small).tanh() }
+    if x.re().abs() > SATURATED * small {
+        return D::from(x.re().signum());
+    }
+    let sign = (x.re() / small).tanh();
+    // The derivative follows from the value; `x` less its own value is the derivative's part of `x` alone.
+    (x - D::from(x.re())) * ((1.0 - sign * sign) / small) + sign
 }
 
 /// The derivative of a port with respect to its argument, at `x`.

@@ -7,9 +7,9 @@
 use crate::exchange::{Exchange, Update};
 use crate::groups::Grouped;
 use crate::model::{Declaration, Fault, GroupAt, Model, Slot};
-use crate::solver::explicit::advance;
+use crate::solver::explicit::{Tried, advance, dormand_prince};
 use crate::terms::Drivers;
-use declare::Group;
+use declare::{Group, State};
 use std::fmt::Debug;
 
 /// A struct of variables that a model can own.
@@ -29,6 +29,27 @@ pub struct Now<'a, I, const N: usize, const M: usize> {
     pub opening: &'a [f64; M],
 }
 
+/// What the law is asked about along a step: inputs on their lines.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<'a, I, const M: usize> {
+    /// Time at the beginning of the communication step, s.
+    pub time: f64,
+    /// Inputs there.
+    pub inputs: &'a I,
+    /// Their slopes, per second; `None` where all of them are held.
+    pub slopes: Option<&'a I>,
+    /// What the start has fixed.
+    pub opening: &'a [f64; M],
+}
+
+impl<I: Table, const M: usize> Line<'_, I, M> {
+    /// The inputs `t` seconds into the step.
+    #[inline(always)]
+    pub fn inputs(&self, t: f64) -> I {
+        self.slopes.map_or(*self.inputs, |slopes| after(self.inputs, t, slopes))
+    }
+}
+
 /// The equations of a model with `N` states, and its parameters. `M` numbers are fixed when it starts.
 pub trait Law<const N: usize, const M: usize>:
     Grouped + Copy + Debug + Default + PartialEq + Send + Sync + Sized + 'static
@@ -40,6 +61,13 @@ pub trait Law<const N: usize, const M: usize>:
     /// Residuals that pass through zero at an event.
     type Indicators: Table;
 
+    /// What holds at one instant, from which rates and outputs follow.
+    type Point: Clone + Debug + Send + Sync + 'static;
+    /// The states, in the order of the rates.
+    const LIST: &'static [State];
+    /// The first of the outputs that are left to [`complete`](Law::complete).
+    const LATE: usize = usize::MAX;
+
     /// The declaration of the model.
     fn declaration() -> &'static Declaration;
     /// States and opening at the start; checks the parameters together.
@@ -47,12 +75,50 @@ pub trait Law<const N: usize, const M: usize>:
     /// # Errors
     /// Parameters that do not go together.
     fn start(&self, time: f64, inputs: &Self::Inputs) -> Result<([f64; N], [f64; M]), Fault>;
+    /// What holds at one instant.
+    fn point(&self, now: &Now<'_, Self::Inputs, N, M>) -> Self::Point;
     /// Derivatives of the states with respect to time.
-    fn rates(&self, now: &Now<'_, Self::Inputs, N, M>) -> [f64; N];
-    /// The outputs.
-    fn outputs(&self, now: &Now<'_, Self::Inputs, N, M>) -> Self::Outputs;
+    fn rates(point: &Self::Point) -> [f64; N];
+    /// The outputs up to [`LATE`](Law::LATE).
+    fn outputs(&self, now: &Now<'_, Self::Inputs, N, M>, point: &Self::Point) -> Self::Outputs;
+    /// The other outputs, which are seldom read and cost something.
+    fn complete(
+        &self,
+        _now: &Now<'_, Self::Inputs, N, M>,
+        _point: &Self::Point,
+        _outputs: &mut Self::Outputs,
+    ) {
+    }
     /// The event indicators.
-    fn indicators(&self, now: &Now<'_, Self::Inputs, N, M>) -> Self::Indicators;
+    fn indicators(&self, now: &Now<'_, Self::Inputs, N, M>, point: &Self::Point) -> Self::Indicators;
+    /// Tries a step of `h` seconds from the states `x`, `t` seconds into the communication step; `first` is what
+    /// holds there, where that is known. Laws that know a shorter way than Dormand's and Prince's take it.
+    #[inline]
+    fn one(
+        &self,
+        line: &Line<'_, Self::Inputs, M>,
+        t: f64,
+        x: &[f64; N],
+        first: Option<&Self::Point>,
+        h: f64,
+    ) -> Tried<Self::Point, N> {
+        self.general(line, t, x, first, h)
+    }
+    /// Dormand's and Prince's step.
+    fn general(
+        &self,
+        line: &Line<'_, Self::Inputs, M>,
+        t: f64,
+        x: &[f64; N],
+        first: Option<&Self::Point>,
+        h: f64,
+    ) -> Tried<Self::Point, N> {
+        let point = |t: f64, states: &[f64; N]| {
+            let (inputs, opening) = (&line.inputs(t), line.opening);
+            self.point(&Now { time: line.time + t, inputs, states, opening })
+        };
+        dormand_prince(point, Self::rates, t, x, first, h, &sizes(Self::LIST))
+    }
     /// The opening after the parameters have changed under way from those of `before`.
     fn retuned(&self, _before: &Self, now: &Now<'_, Self::Inputs, N, M>) -> [f64; M] {
         *now.opening
@@ -74,15 +140,25 @@ const INDICATORS: usize = 2;
 pub struct Explicit<L: Law<N, M>, const N: usize, const M: usize> {
     /// The equations with their parameters.
     pub law: L,
-    /// What the importer sets.
+    /// What the importer sets. After a change made here, [`set_states`](Model::set_states) says that it was made.
     pub inputs: L::Inputs,
-    outputs: L::Outputs,
-    indicators: L::Indicators,
     slopes: L::Inputs,
     time: f64,
     states: [f64; N],
     opening: [f64; M],
-    outputs_are_stale: bool,
+    /// What holds at this time with these inputs, where that is known.
+    point: Option<L::Point>,
+    outputs: L::Outputs,
+    indicators: L::Indicators,
+    /// Which outputs belong to the point: none of them, those before [`Law::LATE`], or all.
+    shown: Shown,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+enum Shown {
+    Nothing,
+    Most,
+    All,
 }
 
 /// No slope: a table of zeros.
@@ -92,6 +168,12 @@ fn flat<T: Table>() -> T {
         table.set(row, 0.0);
     });
     table
+}
+
+/// What the error of each state is measured by.
+#[inline]
+pub fn sizes<const N: usize>(list: &[State]) -> [f64; N] {
+    std::array::from_fn(|n| list[n].value.nominal)
 }
 
 fn rows<T: Table>() -> std::ops::Range<usize> {
@@ -112,15 +194,23 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Default for Explicit<L, N, M>
         Explicit {
             law: L::default(),
             inputs: L::Inputs::default(),
-            outputs: L::Outputs::default(),
-            indicators: L::Indicators::default(),
             slopes: flat(),
             time: 0.0,
             states: [0.0; N],
             opening: [0.0; M],
-            outputs_are_stale: true,
+            point: None,
+            outputs: L::Outputs::default(),
+            indicators: L::Indicators::default(),
+            shown: Shown::Nothing,
         }
     }
+}
+
+/// The present instant of a model, with no claim on its other fields.
+macro_rules! now {
+    ($model:ident) => {
+        Now { time: $model.time, inputs: &$model.inputs, states: &$model.states, opening: &$model.opening }
+    };
 }
 
 impl<L: Law<N, M>, const N: usize, const M: usize> Explicit<L, N, M> {
@@ -134,13 +224,42 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Explicit<L, N, M> {
     }
 
     fn now(&self) -> Now<'_, L::Inputs, N, M> {
-        Now { time: self.time, inputs: &self.inputs, states: &self.states, opening: &self.opening }
+        now!(self)
     }
 
-    /// The size that a state's error is measured by.
-    fn sizes() -> [f64; N] {
-        let declaration = L::declaration();
-        std::array::from_fn(|n| declaration.entries[declaration.states[n][0]].row.nominal)
+    /// What holds now; it is asked for once.
+    #[inline]
+    fn look(&mut self) -> &L::Point {
+        let now = now!(self);
+        self.point.get_or_insert_with(|| self.law.point(&now))
+    }
+
+    /// The outputs up to `row` belong to the present time.
+    #[inline]
+    fn show(&mut self, row: usize) {
+        let wanted = if row < L::LATE { Shown::Most } else { Shown::All };
+        if self.shown < wanted {
+            self.refresh(wanted);
+        }
+    }
+
+    fn refresh(&mut self, wanted: Shown) {
+        let now = now!(self);
+        let point = self.point.get_or_insert_with(|| self.law.point(&now));
+        if self.shown < Shown::Most {
+            self.outputs = self.law.outputs(&now, point);
+        }
+        if wanted == Shown::All {
+            self.law.complete(&now, point, &mut self.outputs);
+        }
+        self.shown = wanted;
+    }
+
+    /// Something has changed: nothing is known any more.
+    #[inline]
+    fn forget(&mut self) {
+        self.point = None;
+        self.shown = Shown::Nothing;
     }
 
     fn value(&self, group: usize, row: usize) -> f64 {
@@ -178,13 +297,14 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
     #[inline]
     fn get(&mut self, slot: Slot) -> f64 {
         match slot.group as usize {
-            OUTPUTS if self.outputs_are_stale => {
-                self.outputs = self.law.outputs(&self.now());
-                self.outputs_are_stale = false;
+            OUTPUTS => self.show(slot.row as usize),
+            INDICATORS => {
+                let now = now!(self);
+                let point = self.point.get_or_insert_with(|| self.law.point(&now));
+                self.indicators = self.law.indicators(&now, point);
             }
-            INDICATORS => self.indicators = self.law.indicators(&self.now()),
             _ if slot.group == Slot::STATES => return self.states[slot.row as usize],
-            _ if slot.group == Slot::RATES => return self.law.rates(&self.now())[slot.row as usize],
+            _ if slot.group == Slot::RATES => return L::rates(self.look())[slot.row as usize],
             _ => {}
         }
         self.value(slot.group as usize, slot.row as usize)
@@ -197,37 +317,33 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         if let Some(before) = before {
             self.opening = self.law.retuned(&before, &self.now());
         }
-        self.outputs_are_stale = true;
+        self.forget();
         taken
     }
 
     fn set_slope(&mut self, slot: Slot, slope: f64) {
         debug_assert_eq!(slot.group as usize, INPUTS);
         self.slopes.set(slot.row as usize, slope);
-        self.outputs_are_stale = true;
     }
 
     fn start(&mut self, time: f64) -> Result<(), Fault> {
         (self.states, self.opening) = self.law.start(time, &self.inputs)?;
         self.time = time;
-        self.outputs_are_stale = true;
+        self.forget();
         Ok(())
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        let sloping = self.slopes != flat();
-        let rates = |t: f64, states: &[f64; N]| {
-            let moved;
-            let inputs = if sloping {
-                moved = after(&self.inputs, t, &self.slopes);
-                &moved
-            } else {
-                &self.inputs
-            };
-            self.law.rates(&Now { time: time + t, inputs, states, opening: &self.opening })
-        };
+        let sloping = rows::<L::Inputs>().any(|row| self.slopes.get(row) != 0.0);
+        let slopes = sloping.then_some(&self.slopes);
+        let line = Line { time, inputs: &self.inputs, slopes, opening: &self.opening };
         let mut states = self.states;
-        advance(rates, &mut states, h, &Self::sizes()).map_err(|stuck| {
+        // What was found for the outputs is the beginning of the step, unless the caller counts time in another way.
+        let first = self.point.as_ref().filter(|_| time == self.time);
+        let one =
+            |t: f64, x: &[f64; N], first: Option<&L::Point>, h: f64| self.law.one(&line, t, x, first, h);
+        let followed = advance(one, &mut states, first, h);
+        followed.map_err(|stuck| {
             Fault(format!(
                 "The equations of {} cannot be followed over a step of {h} s: it ends {} s after {time} s.",
                 L::declaration().name,
@@ -240,7 +356,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
             self.slopes = flat();
         }
         self.time = time + h;
-        self.outputs_are_stale = true;
+        self.forget();
         Ok(())
     }
 
@@ -257,13 +373,13 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         if fits {
             self.states.copy_from_slice(states);
             self.time = time;
-            self.outputs_are_stale = true;
+            self.forget();
         }
         fits
     }
 
     fn rates(&mut self, out: &mut Vec<f64>) {
-        out.extend(self.law.rates(&self.now()));
+        out.extend(L::rates(self.look()));
     }
 
     /// The steps have one accuracy.
@@ -300,7 +416,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         };
         let complete = read().is_some();
         if complete {
-            copy.outputs_are_stale = true;
+            copy.forget();
             *self = copy;
         }
         complete
@@ -319,16 +435,18 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Exchange for Explicit<L, N, M
 
     fn write_states(&mut self, states: &[f64]) {
         self.states[..states.len()].copy_from_slice(states);
-        self.outputs_are_stale = true;
+        self.forget();
     }
 
     fn write_time(&mut self, time: f64) {
-        self.outputs_are_stale |= time != self.time;
+        if time != self.time {
+            self.forget();
+        }
         self.time = time;
     }
 
     fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault> {
-        out.copy_from_slice(&self.law.rates(&self.now())[..out.len()]);
+        out.copy_from_slice(&L::rates(self.look())[..out.len()]);
         Ok(())
     }
 

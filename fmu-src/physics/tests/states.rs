@@ -6,6 +6,7 @@ use physics::effects::Effects;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{CoolingMode, DriveMode, MechanicalMode};
 use physics::models::brushed_gearmotor::BrushedGearmotor;
+use physics::solver::split::Split;
 
 /// A step so short that a difference is a derivative, s.
 const SHORT: f64 = 1e-6;
@@ -86,4 +87,53 @@ fn rates_of_the_gearmotor() {
     states[2] += 20.0;
     assert!(m.set_states(m.time(), &states) && !m.set_states(0.0, &[]));
     assert_rates(&mut m, "warmer");
+}
+
+/// Both motors thrown to and fro, so that steps are cut.
+fn thrown() -> [(Box<dyn Model>, &'static str, [f64; 2]); 2] {
+    let motor = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
+    let mut gearmotor = BrushedGearmotor::default();
+    gearmotor.inputs.supply_voltage = 12.0;
+    [(Box::new(motor), "voltage", [40.0, -40.0]), (Box::new(gearmotor), "duty", [1.0, 0.3])]
+}
+
+/// A model that takes the numbers of another goes on as that one does, to the bit, the step that served included.
+#[test]
+fn a_saved_motor_goes_on_with_the_step_that_served() {
+    for (mut model, input, values) in thrown() {
+        let slot = model.declaration().by_name(input).unwrap().slot;
+        let go = |model: &mut dyn Model, from: u32, to: u32| {
+            for k in from..to {
+                model.set(slot, values[k as usize % 2]);
+                model.step(f64::from(k) * 0.02, 0.02).unwrap();
+            }
+            let mut numbers = Vec::new();
+            model.save(&mut numbers);
+            numbers
+        };
+        let bits = |numbers: Vec<f64>| numbers.into_iter().map(f64::to_bits).collect::<Vec<u64>>();
+        let mut other = model.boxed_clone();
+        model.start(0.0).unwrap();
+        let saved = go(&mut *model, 0, 5);
+        assert!(other.restore(&saved));
+        assert_eq!(bits(go(&mut *model, 5, 9)), bits(go(&mut *other, 5, 9)), "{input}");
+    }
+}
+
+/// The integrator's numbers: frozen for no step, and with the whole step to begin with; no other step than one that time can
+/// take is among them.
+#[test]
+fn an_integrator_takes_no_step_that_is_none() {
+    let numbers: Vec<f64> = Split::<2>::default().to_numbers().collect();
+    let taken = |numbers: &[f64]| {
+        let mut left = numbers.iter().copied();
+        Split::<2>::from_numbers(&mut || left.next())
+    };
+    assert_eq!(taken(&numbers), Some(Split::default()));
+    let [rest @ .., trial] = numbers.as_slice() else { panic!("it has numbers") };
+    assert_eq!(*trial, f64::INFINITY);
+    for none in [0.0, -1e-3, f64::NAN] {
+        assert_eq!(taken(&[rest, &[none]].concat()), None, "{none}");
+    }
+    assert_eq!(taken(rest), None);
 }

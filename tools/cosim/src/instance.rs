@@ -250,6 +250,7 @@ impl Instance {
         })
     }
 
+    #[inline]
     fn call(
         &mut self,
         functions: [&'static str; 2],
@@ -259,30 +260,41 @@ impl Instance {
     }
 
     /// The one place where the FMU's status is judged; all calls but free go through here.
+    #[inline]
     fn call_at(
         &mut self,
         functions: [&'static str; 2],
         time: Option<f64>,
         f: impl FnOnce(&mut Backend) -> c_int,
     ) -> Result<(), Error> {
-        let function = self.pick(functions);
         if self.dead {
-            return Err(Error::Dead { instance: self.name.clone(), function });
+            return Err(Error::Dead { instance: self.name.clone(), function: self.pick(functions) });
         }
         let mark = self.log.mark();
         let status = Status::from_c(f(&mut self.backend));
         if status <= Status::Warning {
             return Ok(());
         }
+        Err(self.failed(functions, time, status, mark))
+    }
+
+    #[cold]
+    fn failed(
+        &mut self,
+        functions: [&'static str; 2],
+        time: Option<f64>,
+        status: Status,
+        mark: u64,
+    ) -> Error {
         // A pending step still uses the instance in another thread: as untouchable as after Fatal.
         self.dead = status >= Status::Fatal;
-        Err(Error::Call {
+        Error::Call {
             instance: self.name.clone(),
-            function,
+            function: self.pick(functions),
             status,
             time,
             messages: self.log.since(mark),
-        })
+        }
     }
 
     /// As `call`, for a function that the FMU may lack: then `f` gives `None`.

@@ -99,6 +99,14 @@ impl Instance {
             self.require_readable()?;
             self.settle()?;
         }
+        // With event mode some outputs are held.
+        let plain = running && of == Type::Real && n == references.len() && !self.part.event_mode;
+        if plain && let Some(places) = self.read.places(references) {
+            for (k, place) in places.iter().enumerate() {
+                put(k, self.model.get(place.slot));
+            }
+            return Ok(());
+        }
         let mut place = 0;
         for &value_reference in references {
             if value_reference == TIME && of == Type::Real {
@@ -126,7 +134,13 @@ impl Instance {
             }
             place += width;
         }
-        if place == n { Ok(()) } else { Err(wrong_number(references.len(), place, n)) }
+        if place != n {
+            return Err(wrong_number(references.len(), place, n));
+        }
+        if plain {
+            self.read.learn(self.model.declaration(), references);
+        }
+        Ok(())
     }
 
     #[inline]
@@ -172,6 +186,17 @@ impl Instance {
         if matches!(self.mode, Mode::Terminated | Mode::Broken) {
             return self.require(&[]);
         }
+        let plain = self.mode == Mode::Step && of == Type::Real && n == references.len();
+        if plain
+            && let Some(places) = self.written.places(references)
+            && places.iter().enumerate().all(|(k, place)| place.takes(value(k)))
+        {
+            for (k, place) in places.iter().enumerate() {
+                self.model.set(place.slot, value(k));
+            }
+            self.unsettled = true;
+            return Ok(());
+        }
         // In step mode nothing but a size has a mode of its own.
         let special = self.mode != Mode::Step || of == Type::Size;
         let running = !matches!(self.mode, Mode::Instantiated | Mode::Configuration | Mode::Initialization);
@@ -211,6 +236,9 @@ impl Instance {
             }
         }
         self.unsettled = true;
+        if plain {
+            self.written.learn(self.model.declaration(), references);
+        }
         Ok(())
     }
 
@@ -240,6 +268,15 @@ impl Instance {
     pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], slopes: &[f64]) -> Outcome {
         self.require_interface(Interface::CoSimulation)?;
         self.require(&[Mode::Initialization, Mode::Step])?;
+        if let Some(places) = self.sloped.places(references)
+            && orders.iter().all(|&order| order == 1)
+            && slopes.iter().all(|slope| slope.is_finite())
+        {
+            for (place, &slope) in places.iter().zip(slopes) {
+                self.model.set_slope(place.slot, slope);
+            }
+            return Ok(());
+        }
         for ((&value_reference, &order), &slope) in references.iter().zip(orders).zip(slopes) {
             let entry = self.entry(value_reference, Type::Real)?;
             if !entry.is_continuous_input() {
@@ -266,6 +303,7 @@ impl Instance {
             let slot = self.entry(value_reference, Type::Real)?.slot;
             self.model.set_slope(slot, slope);
         }
+        self.sloped.learn(self.model.declaration(), references);
         Ok(())
     }
 }

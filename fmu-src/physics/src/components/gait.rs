@@ -101,16 +101,40 @@ fn ramp(x: f64) -> (f64, f64) {
     (x * x * x * (x * (6.0 * x - 15.0) + 10.0), 30.0 * x * x * (1.0 - x) * (1.0 - x))
 }
 
+/// The whole number below, without a call where a conversion will do.
+#[inline]
+pub fn floor(x: f64) -> f64 {
+    /// From here on there are no fractions.
+    const WHOLE: f64 = (1u64 << 52) as f64;
+    if x.abs() < WHOLE {
+        let near = x as i64 as f64;
+        if near > x { near - 1.0 } else { near }
+    } else {
+        x
+    }
+}
+
 impl Gait {
     fn cycle(&self) -> &'static Cycle {
         cycle(self.activity, self.joint)
     }
 
     /// Share of the whole gait that is walked at `time`, s, and its rate, 1/s: eq. (4).
+    #[inline]
     fn share(&self, time: f64) -> (f64, f64) {
-        let at = |from: f64| ramp((time - from) / self.ramp_time);
+        let at = |from: f64| {
+            let since = time - from;
+            if since <= 0.0 {
+                (0.0, 0.0)
+            } else if since >= self.ramp_time {
+                (1.0, 0.0)
+            } else {
+                ramp(since / self.ramp_time)
+            }
+        };
         let (on, off) = (at(self.start_time), at(self.stop_time));
-        (on.0 - off.0, (on.1 - off.1) / self.ramp_time)
+        let rate = on.1 - off.1;
+        (on.0 - off.0, if rate == 0.0 { 0.0 } else { rate / self.ramp_time })
     }
 
     /// The joint at `time`, s, where the stride's coordinate is `stride`: eqs. (2) to (5).
@@ -123,7 +147,7 @@ impl Gait {
         };
         let (share, share_rate) = self.share(time);
         let stride_rate = 1.0 / (cycle.stride_time * varied(Quantity::Time).0);
-        let phase = stride - stride.floor();
+        let phase = stride - floor(stride);
         let (q, q_slope) = cycle.angle.at(phase);
         let (range, range_slope) = varied(Quantity::Angle);
         let (strength, _) = varied(Quantity::Torque);
@@ -133,6 +157,25 @@ impl Gait {
             torque: share * strength * self.body_mass * self.support * cycle.torque.at(phase).0,
             stride_rate,
         }
+    }
+
+    /// Strides walked in the `h` seconds from `time`, s, on, and the work that they ask for, J, where `stride` is the
+    /// coordinate before: the integrals of (1) and of torque times speed. `None` where strides differ or the share of the
+    /// gait is on its way.
+    #[inline]
+    pub fn on(&self, time: f64, stride: f64, h: f64) -> Option<(f64, f64)> {
+        let changes = |from: f64| time < from + self.ramp_time && time + h > from;
+        if self.variation > 0.0 || changes(self.start_time) || changes(self.stop_time) {
+            return None;
+        }
+        let (cycle, (share, _)) = (self.cycle(), self.share(time));
+        let strides = h / cycle.stride_time;
+        let (from, to) = (stride, stride + strides);
+        let (whole_from, whole_to) = (floor(from), floor(to));
+        let turns = whole_to - whole_from;
+        let work =
+            cycle.work.to(to - whole_to) - cycle.work.to(from - whole_from) + turns * cycle.work.whole();
+        Some((strides, share * share * self.body_mass * self.support * work))
     }
 
     /// The first time after `time`, s, at which setting out or stopping begins or ends.
@@ -217,5 +260,44 @@ mod tests {
         })
         .collect();
         assert_eq!(found, [1.0, 3.0, 5.0, 7.0]);
+    }
+
+    /// The integral of torque times speed over parts of a stride, a stride and several, by the middle rule.
+    #[test]
+    fn the_work_of_a_step_is_the_integral_of_its_power() {
+        for activity in [Activity::Walk, Activity::StairsDown] {
+            let gait = Gait { activity, support: 0.7, ..walk() };
+            let rate = gait.at(0.0, 0.0).stride_rate;
+            for (from, h) in [(0.31, 1e-3), (0.9995, 1e-3), (0.2, 0.4), (3.7, 1.0 / rate), (0.1, 3.3)] {
+                let (strides, work) = gait.on(7.0, from, h).unwrap();
+                assert!((strides - h * rate).abs() < 1e-14 * strides.max(1.0));
+                let n = 20_000;
+                let dt = h / f64::from(n);
+                let power = |k: i32| gait.at(7.0, from + (f64::from(k) + 0.5) * dt * rate);
+                let sum: f64 = (0..n).map(power).map(|m| m.torque * m.speed * dt).sum();
+                assert!(
+                    (work - sum).abs() < 1e-7 + 1e-6 * sum.abs(),
+                    "{activity:?} {from} {h}: {work} {sum}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_changes_on_the_way_has_no_short_cut() {
+        let gait = Gait { start_time: 1.0, stop_time: 5.0, ramp_time: 2.0, ..walk() };
+        let known =
+            [0.0, 0.95, 1.5, 2.95, 3.0, 4.85, 4.95, 6.95, 7.0].map(|t| gait.on(t, 0.3, 0.1).is_some());
+        assert_eq!(known, [true, false, false, false, true, true, false, false, true]);
+        assert_eq!(gait.on(0.0, 0.3, 0.1).unwrap().1, 0.0);
+        assert!(Gait { variation: 0.02, ..walk() }.on(0.0, 0.3, 0.1).is_none());
+    }
+
+    #[test]
+    fn the_whole_number_below() {
+        for x in [0.0, 0.3, 1.0, 2.999, -0.2, -1.0, -7.5, 1e14 + 0.5, -1e14 - 0.5, 1e300, -1e300, 4.6e15] {
+            assert_eq!(floor(x), x.floor(), "{x}");
+        }
+        assert!(floor(f64::NAN).is_nan());
     }
 }

@@ -64,6 +64,20 @@ pub struct Seen {
     pub supply: f64,
 }
 
+/// The current that the control wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Before and after the limits, A.
+    pub current: [f64; 2],
+    /// Least and greatest current that drive and supply allow, A.
+    pub limits: [f64; 2],
+    /// Voltage that the speed induces, V, and the most that the supply gives, V.
+    emf: f64,
+    supply: f64,
+    /// Rate of the filtered demand, N.m/s.
+    demand_rate: f64,
+}
+
 /// What the control does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command {
@@ -84,17 +98,15 @@ impl TorqueControl {
         (demand - filtered) / self.filter_time
     }
 
-    /// Eqs. (1) to (5); `states` are the filtered demand, N.m, and the integral, V.
-    #[inline]
-    pub fn command(&self, seen: &Seen, states: [f64; 2]) -> Command {
-        let demand_rate = self.demand_rate(seen.demand, states[0]);
+    /// Eqs. (1) to (3), for the rate of the demand, N.m/s.
+    #[inline(always)]
+    pub fn wanted(&self, seen: &Seen, demand_rate: f64) -> Wanted {
         let [e, rate] = [seen.demand - seen.torque[0], demand_rate - seen.torque[1]];
         let w0 = TAU * self.natural_frequency;
         let feedback = self.J * seen.turns_per_torque * (w0 * w0 * e + 2.0 * self.damping_ratio * w0 * rate);
         let friction = self.tau_c * smooth_sign(seen.way_speed, self.w_small);
         let wanted = (seen.feed_forward + friction + feedback) / self.k_t;
-        let [speed, measured] = seen.motor;
-        let emf = self.k_t * speed;
+        let emf = self.k_t * seen.motor[0];
         // A slope may have led the supply below nothing, which is nothing.
         let supply = seen.supply.max(0.0);
         let low = (-self.current_max).max((-supply - emf) / self.R);
@@ -105,14 +117,21 @@ impl TorqueControl {
         } else {
             (0.5 * (low + high)).clamp(-self.current_max, self.current_max)
         };
-        let voltage = self.R * current + emf + states[1];
-        let limited = voltage.clamp(-supply, supply);
-        let integral = TAU * self.current_bandwidth * (self.R * (current - measured) + limited - voltage);
+        Wanted { current: [wanted, current], limits: [low, high], emf, supply, demand_rate }
+    }
+
+    /// Eqs. (4) and (5), for the current measured, A, and the integral, V.
+    #[inline(always)]
+    pub fn voltage(&self, wanted: &Wanted, measured: f64, integral: f64) -> Command {
+        let current = wanted.current[1];
+        let voltage = self.R * current + wanted.emf + integral;
+        let limited = voltage.clamp(-wanted.supply, wanted.supply);
+        let rate = TAU * self.current_bandwidth * (self.R * (current - measured) + limited - voltage);
         Command {
-            current: [wanted, current],
-            limits: [low, high],
+            current: wanted.current,
+            limits: wanted.limits,
             voltage: [voltage, limited],
-            rates: [demand_rate, integral],
+            rates: [wanted.demand_rate, rate],
         }
     }
 }
@@ -133,10 +152,15 @@ mod tests {
         }
     }
 
+    fn command(control: &TorqueControl, seen: &Seen, [filtered, integral]: [f64; 2]) -> Command {
+        let wanted = control.wanted(seen, control.demand_rate(seen.demand, filtered));
+        control.voltage(&wanted, seen.motor[1], integral)
+    }
+
     #[test]
     fn at_rest_with_the_right_torque_it_feeds_forward_alone() {
         let control = TorqueControl::default();
-        let c = control.command(&seen(), [50.0, 0.0]);
+        let c = command(&control, &seen(), [50.0, 0.0]);
         assert!((c.current[1] - 0.2 / 0.0276).abs() < 1e-12);
         assert!((c.voltage[1] - 0.386 * 0.2 / 0.0276).abs() < 1e-12);
         assert!(c.rates.iter().all(|r| r.abs() < 1e-9));
@@ -145,7 +169,7 @@ mod tests {
     #[test]
     fn a_supply_below_nothing_gives_nothing() {
         let control = TorqueControl::default();
-        let gone = |supply| control.command(&Seen { supply, ..seen() }, [50.0, 0.0]).voltage[1];
+        let gone = |supply| command(&control, &Seen { supply, ..seen() }, [50.0, 0.0]).voltage[1];
         assert_eq!((gone(-48.0), gone(0.0)), (0.0, 0.0));
     }
 
@@ -153,7 +177,7 @@ mod tests {
     #[test]
     fn an_error_is_answered_by_its_natural_frequency() {
         let control = TorqueControl::default();
-        let c = control.command(&Seen { torque: [49.0, 0.0], ..seen() }, [50.0, 0.0]);
+        let c = command(&control, &Seen { torque: [49.0, 0.0], ..seen() }, [50.0, 0.0]);
         assert!((c.current[0] - 0.2 / 0.0276 - 7.621_1).abs() < 1e-3, "{:?}", c.current);
     }
 
@@ -161,14 +185,14 @@ mod tests {
     fn current_and_voltage_stay_within_their_limits() {
         let control = TorqueControl::default();
         let hard = Seen { demand: 5000.0, feed_forward: 20.0, ..seen() };
-        let c = control.command(&hard, [5000.0, 0.0]);
+        let c = command(&control, &hard, [5000.0, 0.0]);
         assert_eq!(c.current[1], 30.0);
         // At 1500 rad/s the back-EMF leaves 6.6 V, 17.1 A.
-        let c = control.command(&Seen { motor: [1500.0, 0.0], ..hard }, [5000.0, 0.0]);
+        let c = command(&control, &Seen { motor: [1500.0, 0.0], ..hard }, [5000.0, 0.0]);
         assert!((c.current[1] - (48.0 - 0.0276 * 1500.0) / 0.386).abs() < 1e-9 && c.voltage[1] == 48.0);
         // Pushed beyond its supply it brakes with all that the drive can, in either direction.
         for speed in [5000.0, -5000.0] {
-            let c = control.command(&Seen { motor: [speed, 0.0], ..hard }, [5000.0, 0.0]);
+            let c = command(&control, &Seen { motor: [speed, 0.0], ..hard }, [5000.0, 0.0]);
             assert!(c.current[1] == -30.0 * speed.signum() && c.voltage[1] == 48.0 * speed.signum());
         }
     }
@@ -176,7 +200,7 @@ mod tests {
     #[test]
     fn at_the_limit_the_integral_unwinds() {
         let control = TorqueControl::default();
-        let c = control.command(&seen(), [50.0, 100.0]);
+        let c = command(&control, &seen(), [50.0, 100.0]);
         assert!(c.voltage[1] == 48.0 && c.rates[1] < 0.0);
     }
 }

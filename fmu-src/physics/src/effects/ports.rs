@@ -3,6 +3,10 @@
 use super::{Number, PerNode};
 use crate::terms::{Driver, Drivers, GenericTerm};
 
+/// What an effect adds that adds nothing: x + -0.0 is x to the last bit for every x, so that no addition remains of it in
+/// the sum over all effects; x + 0.0 is not, where x is -0.0.
+const NONE: f64 = -0.0;
+
 /// What an effect may do, port by port. A port that an effect does not touch stays neutral.
 pub trait Effect {
     /// Whether its switch, the parameter that is 0 by default, is on.
@@ -29,41 +33,41 @@ pub trait Effect {
     /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.
     #[inline]
     fn drag_torque<D: Number>(&self, _w: D) -> D {
-        D::from(0.0)
+        D::from(NONE)
     }
 
     /// A torque against the motion for each newton metre that the shaft hands to its load: of the sign of `w`
     /// times that of the load's torque, which is about `tau`, N.m. Its power heats the housing.
     #[inline]
     fn load_drag<D: Number>(&self, _w: D, _tau: f64) -> D {
-        D::from(0.0)
+        D::from(NONE)
     }
 
     /// Volts lost between the terminals and the winding at current `i`, A: of the sign of `i`. Their power heats
     /// the winding.
     #[inline]
     fn terminal_voltage<D: Number>(&self, _i: D) -> D {
-        D::from(0.0)
+        D::from(NONE)
     }
 
     /// Volts lost in the drive's bridge at current `i`, A (drive_mode pwm): of the sign of `i`. Their power heats the
     /// surroundings.
     #[inline]
     fn bridge_voltage<D: Number>(&self, _i: D) -> D {
-        D::from(0.0)
+        D::from(NONE)
     }
 
     /// Volts that the motor misses at current `i`, A, while the supply of `supply` volts gives as much less
     /// (drive_mode pwm): of the sign of `i`. No heat.
     #[inline]
     fn missed_voltage<D: Number>(&self, _i: D, _supply: f64) -> D {
-        D::from(0.0)
+        D::from(NONE)
     }
 
     /// Mean square of the current's ripple, A2 (drive_mode pwm), which heats the winding.
     #[inline]
     fn ripple_square(&self, _duty: f64, _supply: f64, _inductance: f64) -> f64 {
-        0.0
+        NONE
     }
 
     /// Multiplies the winding's resistance; positive.
@@ -75,7 +79,7 @@ pub trait Effect {
     /// Heat set free in the winding beside that of its current, W.
     #[inline]
     fn winding_heat(&self) -> f64 {
-        0.0
+        NONE
     }
 
     /// Multiplies every heat capacity; positive.
@@ -111,13 +115,13 @@ pub trait Effect {
     /// Heat flow from the housing at `t_h`, K, to the surroundings at `t_a` that follows no conductance, W.
     #[inline]
     fn housing_to_ambient<D: Number>(&self, _t_h: D, _t_a: f64) -> D {
-        D::from(0.0)
+        D::from(NONE)
     }
 
     /// Heat set free in the housing at `t_h`, K, that the surroundings give, W.
     #[inline]
     fn housing_heat<D: Number>(&self, _t_h: D) -> D {
-        D::from(0.0)
+        D::from(NONE)
     }
 
     /// A stator between winding and housing: its resistance to the housing, K/W, and its capacity, J/K; both positive,
@@ -136,19 +140,19 @@ pub trait Effect {
     /// How fast the true ambient temperature leaves the shown one, K/s; they agree at time 0.
     #[inline]
     fn ambient_sensor(&self) -> f64 {
-        0.0
+        NONE
     }
 
     /// What the true ambient temperature is above the shown one, beside its drift, K.
     #[inline]
     fn ambient_offset(&self) -> f64 {
-        0.0
+        NONE
     }
 
     /// Time constant with which the sensor of the housing follows, s.
     #[inline]
     fn housing_sensor_lag(&self) -> f64 {
-        0.0
+        NONE
     }
 
     /// What the sensor of the winding shows at its temperature `t` in surroundings at `t_a`, K.
@@ -167,13 +171,13 @@ pub trait Effect {
     /// The part of [`drag_torque`](Effect::drag_torque) that arises in the iron, N.m.
     #[inline]
     fn iron_drag(&self, _w: f64) -> f64 {
-        0.0
+        NONE
     }
 
     /// Share of the input electrical_power that never reaches the winding and heats the surroundings.
     #[inline]
     fn drive_loss(&self) -> f64 {
-        0.0
+        NONE
     }
 }
 

@@ -33,20 +33,47 @@ pub struct Stuck {
     pub t: f64,
 }
 
-/// Advances `x` by `h` seconds. `rates(t, x)` are the derivatives `t` seconds into the step; `size` is what the error
-/// of each state is measured by, beside the state itself. On failure `x` is as it was.
+/// A step that is tried.
+#[derive(Clone, Copy, Debug)]
+pub struct Tried<P, const N: usize> {
+    /// The states after it.
+    pub states: [f64; N],
+    /// The error of its worst state, in shares of what is allowed.
+    pub error: f64,
+    /// What holds after it, where that is known by then.
+    pub point: Option<P>,
+}
+
+/// Advances `x` by `h` seconds, in as many steps as it takes. `one(t, x, first, length)` tries a step of `length` from `t`
+/// seconds on; `first` is what holds there, where that is known. On failure `x` is as it was.
 ///
 /// # Errors
 /// Rates that are not finite, an error that no step is small enough for, or more steps than anyone would wait for.
-pub fn advance<const N: usize>(
-    rates: impl Fn(f64, &[f64; N]) -> [f64; N],
+pub fn advance<P, const N: usize>(
+    one: impl Fn(f64, &[f64; N], Option<&P>, f64) -> Tried<P, N>,
     x: &mut [f64; N],
+    first: Option<&P>,
     h: f64,
-    size: &[f64; N],
+) -> Result<(), Stuck> {
+    let tried = one(0.0, x, first, h);
+    if tried.error <= 1.0 {
+        *x = tried.states;
+        return Ok(());
+    }
+    in_parts(one, x, first, h)
+}
+
+/// A communication step that is too long for one step.
+#[cold]
+fn in_parts<P, const N: usize>(
+    one: impl Fn(f64, &[f64; N], Option<&P>, f64) -> Tried<P, N>,
+    x: &mut [f64; N],
+    first: Option<&P>,
+    h: f64,
 ) -> Result<(), Stuck> {
     let least = h * 0.5f64.powi(HALVINGS as i32);
-    let (mut now, mut t, mut step) = (*x, 0.0, h);
-    let mut first = rates(0.0, &now);
+    let (mut now, mut t, mut step) = (*x, 0.0, 0.5 * h);
+    let mut reached: Option<P> = None;
     for _ in 0..MOST_STEPS {
         if t >= h {
             *x = now;
@@ -54,12 +81,13 @@ pub fn advance<const N: usize>(
         }
         let last = t + step >= h;
         let length = if last { h - t } else { step };
-        let (next, rate, error) = one(&rates, t, &now, first, length, size);
-        if error <= 1.0 {
-            (now, first) = (next, rate);
+        let known = if t == 0.0 { first } else { reached.as_ref() };
+        let tried = one(t, &now, known, length);
+        if tried.error <= 1.0 {
+            (now, reached) = (tried.states, tried.point);
             t = if last { h } else { t + length };
             // What is far below the tolerance at this length is below it at twice the length.
-            if error < 0.01 {
+            if tried.error < 0.01 {
                 step *= 2.0;
             }
         } else {
@@ -72,38 +100,65 @@ pub fn advance<const N: usize>(
     Err(Stuck { t })
 }
 
-/// One step: the states after it, their rates there, and the error in shares of what is allowed.
-fn one<const N: usize>(
-    rates: &impl Fn(f64, &[f64; N]) -> [f64; N],
+/// The error of the worst state, in shares of what is allowed: that of each, its size, and the state before and after.
+#[inline(always)]
+pub fn share_of<const N: usize>(
+    error: &[f64; N],
+    size: &[f64; N],
+    before: &[f64; N],
+    after: &[f64; N],
+) -> f64 {
+    let mut worst: f64 = 0.0;
+    for n in 0..N {
+        let share = error[n].abs() / (TOLERANCE * size[n].max(before[n].abs()).max(after[n].abs()));
+        // A rate that is no number is an error without end, which `max` would drop.
+        worst = if share.is_finite() { worst.max(share) } else { f64::INFINITY };
+    }
+    worst
+}
+
+/// One step of Dormand and Prince: `point(t, x)` is what holds `t` seconds into the communication step, `rates` are
+/// the derivatives that it says; `size` is what the error of each state is measured by, beside the state itself.
+pub fn dormand_prince<P, const N: usize>(
+    point: impl Fn(f64, &[f64; N]) -> P,
+    rates: impl Fn(&P) -> [f64; N],
     t: f64,
     x: &[f64; N],
-    first: [f64; N],
+    first: Option<&P>,
     h: f64,
     size: &[f64; N],
-) -> ([f64; N], [f64; N], f64) {
+) -> Tried<P, N> {
     let mut k = [[0.0; N]; 7];
-    k[0] = first;
-    let mut next = *x;
+    k[0] = first.map_or_else(|| rates(&point(t, x)), &rates);
+    let (mut next, mut last) = (*x, None);
     for stage in 1..7 {
         for n in 0..N {
             let sum: f64 = (0..stage).map(|s| A[stage][s] * k[s][n]).sum();
             next[n] = x[n] + h * sum;
         }
-        k[stage] = rates(t + C[stage] * h, &next);
+        let at = point(t + C[stage] * h, &next);
+        k[stage] = rates(&at);
+        last = Some(at);
     }
-    let mut worst: f64 = 0.0;
-    for n in 0..N {
-        let error: f64 = h * (0..7).map(|s| E[s] * k[s][n]).sum::<f64>();
-        let share = error.abs() / (TOLERANCE * size[n].max(x[n].abs()).max(next[n].abs()));
-        // A rate that is no number is an error without end, which `max` would drop.
-        worst = if share.is_finite() { worst.max(share) } else { f64::INFINITY };
-    }
-    (next, k[6], worst)
+    let error = std::array::from_fn(|n| h * (0..7).map(|s| E[s] * k[s][n]).sum::<f64>());
+    Tried { states: next, error: share_of(&error, size, x, &next), point: last }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Advances by Dormand and Prince's steps alone.
+    fn run<const N: usize>(
+        rates: impl Fn(f64, &[f64; N]) -> [f64; N],
+        x: &mut [f64; N],
+        h: f64,
+    ) -> Result<(), Stuck> {
+        let one = |t: f64, x: &[f64; N], first: Option<&[f64; N]>, h: f64| {
+            dormand_prince(&rates, |rates| *rates, t, x, first, h, &[1.0; N])
+        };
+        advance(one, x, None, h)
+    }
 
     /// x' = -50 x + 50 sin(t): a transient and a forced motion, both known.
     #[test]
@@ -115,7 +170,7 @@ mod tests {
         let mut x = [1.0];
         for k in 0..20 {
             let start = f64::from(k) * 0.01;
-            advance(|t, x: &[f64; 1]| [50.0 * ((start + t).sin() - x[0])], &mut x, 0.01, &[1.0]).unwrap();
+            run(|t, x: &[f64; 1]| [50.0 * ((start + t).sin() - x[0])], &mut x, 0.01).unwrap();
         }
         assert!((x[0] - exact(0.2)).abs() < 2e-7, "{} {}", x[0], exact(0.2));
     }
@@ -127,8 +182,7 @@ mod tests {
             let h = 1.0 / f64::from(n);
             for _ in 0..n {
                 let rates = |_: f64, x: &[f64; 1]| [-x[0]];
-                let first = rates(0.0, &x);
-                x = one(&rates, 0.0, &x, first, h, &[1.0]).0;
+                x = dormand_prince(rates, |rates| *rates, 0.0, &x, None, h, &[1.0]).states;
             }
             (x[0] - (-1.0f64).exp()).abs()
         };
@@ -139,14 +193,14 @@ mod tests {
     #[test]
     fn years_at_once_are_refused_and_nothing_changes() {
         let mut x = [1.0];
-        let stuck = advance(|t, _: &[f64; 1]| [t.sin()], &mut x, 1e9, &[1.0]).unwrap_err();
+        let stuck = run(|t, _: &[f64; 1]| [t.sin()], &mut x, 1e9).unwrap_err();
         assert!(stuck.t > 1e3 && stuck.t < 1e9 && x == [1.0]);
     }
 
     #[test]
     fn what_is_no_number_is_refused_and_nothing_changes() {
         let mut x = [1.0];
-        let stuck = advance(|t, _: &[f64; 1]| [if t > 0.3 { f64::NAN } else { 1.0 }], &mut x, 1.0, &[1.0]);
+        let stuck = run(|t, _: &[f64; 1]| [if t > 0.3 { f64::NAN } else { 1.0 }], &mut x, 1.0);
         assert!((stuck.unwrap_err().t - 0.3).abs() < 1e-3);
         assert_eq!(x, [1.0]);
     }

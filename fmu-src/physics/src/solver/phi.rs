@@ -19,7 +19,8 @@
 //! *Source*: Hochbruck, Ostermann: Exponential integrators, Acta Numerica 19 (2010), sections 2.1 and 4.1;
 //! (5): Skaflestad, Wright, Applied Numerical Mathematics 59 (2009).
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector2};
+use std::ops::{Add, Mul};
 
 /// The product of a matrix and a vector, unrolled: the general one costs several times as much at these sizes.
 #[inline(always)]
@@ -36,17 +37,28 @@ pub fn product<const N: usize>(m: &SMatrix<f64, N, N>, x: &SVector<f64, N>) -> S
 
 /// How many phi functions are kept: phi_0 ... phi_5, as (4) needs.
 const KEPT: usize = 6;
-/// Terms of the Taylor series: (1/2)^13 / 18! is far below the rounding of a double.
-const TERMS: usize = 13;
-const FACTORIAL: [f64; KEPT + TERMS] = {
-    let mut f = [1.0; KEPT + TERMS];
-    let mut k = 1;
-    while k < f.len() {
-        f[k] = f[k - 1] * k as f64;
+/// Of these at half the step: phi_0 ... phi_3.
+const HALF: usize = 4;
+/// Even power at which the Taylor series of phi_5 of a matrix of size 1 ends, with the odd one behind it: what is left out
+/// is 5! / 21! of what stays, far below the rounding of a double.
+const POWER: usize = 14;
+/// A size for which a power of [`POWER_SMALL`] is enough: 1e-3^6 5! / 11!.
+const SMALL: f64 = 1e-3;
+const POWER_SMALL: usize = 4;
+/// Eigenvalues beyond which p + q z loses digits that the product of matrices keeps.
+const FAR: f64 = 1e4;
+/// 1 / k!
+const RECIPROCAL: [f64; KEPT + POWER + 1] = {
+    let (mut reciprocal, mut factorial, mut k) = ([1.0; KEPT + POWER + 1], 1.0, 1);
+    while k < reciprocal.len() {
+        factorial *= k as f64;
+        reciprocal[k] = 1.0 / factorial;
         k += 1;
     }
-    f
+    reciprocal
 };
+/// 2^-k
+const HALVED: [f64; KEPT] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
 
 /// phi_0 ... phi_5 of h A, and what half the step needs, for one A and one h.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,44 +66,109 @@ pub struct Phi<const N: usize> {
     a: SMatrix<f64, N, N>,
     h: f64,
     full: [SMatrix<f64, N, N>; KEPT],
-    half: [SMatrix<f64, N, N>; 4],
+    half: [SMatrix<f64, N, N>; HALF],
     /// The four matrices of eq. (4).
     moment: [SMatrix<f64, N, N>; 4],
     /// 2 phi_3 - phi_2: what a parabola gives beyond a line.
     curvature: SMatrix<f64, N, N>,
 }
 
+/// phi_0 ... phi_5 at the whole step, and phi_0 ... phi_3 at half of it.
+type Functions<T> = ([T; KEPT], [T; HALF]);
+
+/// The functions of z times 2^doublings, by eqs. (1) and (5); `times` multiplies two functions of z.
+#[inline(always)]
+fn functions<T>(one: T, z: T, power: usize, doublings: i32, times: impl Fn(&T, &T) -> T) -> Functions<T>
+where
+    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+{
+    // Even and odd powers apart: neither waits for the other.
+    let square = times(&z, &z);
+    let (mut even, mut odd) = (one * RECIPROCAL[KEPT - 1 + power], one * RECIPROCAL[KEPT + power]);
+    for k in (0..power).step_by(2).rev() {
+        even = times(&square, &even) + one * RECIPROCAL[KEPT - 1 + k];
+        odd = times(&square, &odd) + one * RECIPROCAL[KEPT + k];
+    }
+    let mut phi = [one; KEPT];
+    phi[KEPT - 1] = even + times(&z, &odd);
+    for k in (0..KEPT - 1).rev() {
+        phi[k] = times(&z, &phi[k + 1]) + one * RECIPROCAL[k];
+    }
+    let mut half = [one; HALF];
+    for _ in 0..doublings {
+        half.copy_from_slice(&phi[..HALF]);
+        let e = phi[0];
+        for k in (1..KEPT).rev() {
+            let mut sum = times(&e, &phi[k]) + phi[k];
+            for j in 1..k {
+                sum = sum + phi[j] * RECIPROCAL[k - j];
+            }
+            phi[k] = sum * HALVED[k];
+        }
+        phi[0] = times(&e, &e);
+    }
+    (phi, half)
+}
+
+/// How often a matrix of this size is halved, and the power of it with which its series then ends. At least one halving,
+/// so that half the step is at hand.
+fn scaling(size: f64) -> (i32, usize) {
+    let (mut doublings, mut left) = (1, 0.5 * size);
+    while left > 1.0 && left.is_finite() {
+        (doublings, left) = (doublings + 1, 0.5 * left);
+    }
+    (doublings, if left < SMALL { POWER_SMALL } else { POWER })
+}
+
+/// The functions of a matrix of two rows: each is p + q z (Cayley, Hamilton), so that two numbers stand for four, and
+/// the eigenvalues alone say how often to halve. `None` for other matrices, and for eigenvalues so large that p + q z
+/// would cancel.
+fn pair<const N: usize>(z: &SMatrix<f64, N, N>) -> Option<Functions<SMatrix<f64, N, N>>> {
+    if N != 2 {
+        return None;
+    }
+    let half_trace = 0.5 * (z[(0, 0)] + z[(1, 1)]);
+    let apart = 0.5 * (z[(0, 0)] - z[(1, 1)]);
+    // The eigenvalues are half the trace and the root of this beside it.
+    let size = half_trace.abs() + (apart * apart + z[(0, 1)] * z[(1, 0)]).abs().sqrt();
+    if size.is_nan() || size > FAR {
+        return None;
+    }
+    let (doublings, power) = scaling(size);
+    let z = z * 0.5f64.powi(doublings);
+    let (trace, determinant) = (z[(0, 0)] + z[(1, 1)], z[(0, 0)] * z[(1, 1)] - z[(0, 1)] * z[(1, 0)]);
+    // z^2 = trace z - determinant.
+    let times = |a: &Vector2<f64>, b: &Vector2<f64>| {
+        let square = a[1] * b[1];
+        Vector2::new(a[0] * b[0] - square * determinant, a[0] * b[1] + a[1] * b[0] + square * trace)
+    };
+    let (full, half) = functions(Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0), power, doublings, times);
+    let matrix =
+        |f: Vector2<f64>| SMatrix::from_fn(|i, j| f[1] * z[(i, j)] + if i == j { f[0] } else { 0.0 });
+    Some((full.map(matrix), half.map(matrix)))
+}
+
 impl<const N: usize> Phi<N> {
     /// The functions of `h * a`; `h` in s, `a` in 1/s, both finite.
     pub fn new(a: SMatrix<f64, N, N>, h: f64) -> Self {
-        let one = SMatrix::<f64, N, N>::identity();
-        let norm = (a * h).abs().column_sum().max();
-        // At least one doubling, so that half the step is at hand.
-        let doublings = if norm.is_finite() { (norm.max(1e-300).log2().ceil() as i32 + 1).max(1) } else { 1 };
-        let z = a * (h * 0.5f64.powi(doublings));
-
-        let mut phi = [one; KEPT];
-        let mut top = one / FACTORIAL[KEPT - 1 + TERMS];
-        for k in (0..TERMS).rev() {
-            top = z * top + one / FACTORIAL[KEPT - 1 + k];
-        }
-        phi[KEPT - 1] = top;
-        for k in (0..KEPT - 1).rev() {
-            phi[k] = z * phi[k + 1] + one / FACTORIAL[k];
-        }
-        let mut half = [one; 4];
-        for _ in 0..doublings {
-            half = [phi[0], phi[1], phi[2], phi[3]];
-            let e = phi[0];
-            for k in (1..KEPT).rev() {
-                let mut sum = e * phi[k];
-                for j in 1..=k {
-                    sum += phi[j] / FACTORIAL[k - j];
-                }
-                phi[k] = sum * 0.5f64.powi(k as i32);
+        let z = a * h;
+        let (full, half) = match pair(&z) {
+            Some(functions) => functions,
+            None => {
+                let (doublings, power) = scaling(z.abs().column_sum().max());
+                let z = z * 0.5f64.powi(doublings);
+                functions(SMatrix::identity(), z, power, doublings, |a, b| a * b)
             }
-            phi[0] = e * e;
-        }
+        };
+        Self::of(a, h, full, half)
+    }
+
+    fn of(
+        a: SMatrix<f64, N, N>,
+        h: f64,
+        phi: [SMatrix<f64, N, N>; KEPT],
+        half: [SMatrix<f64, N, N>; HALF],
+    ) -> Self {
         Phi {
             a,
             h,
@@ -184,7 +261,7 @@ impl<const N: usize> Forcing<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix2, Vector2, matrix, vector};
+    use nalgebra::{Matrix2, matrix, vector};
     use proptest::prelude::*;
 
     /// A scalar system with every closed form known: x' = -x + 1 + s + s^2 over h = 2.
@@ -221,6 +298,34 @@ mod tests {
         let x = phi.constant(&vector![1.0, 2.0], &n);
         let steady = -a.try_inverse().unwrap() * n;
         assert!((x - steady).norm() < 1e-9 * steady.norm(), "{x} {steady}");
+    }
+
+    /// Eigenvalues apart, equal, and one of them far beyond the other, on both sides of [`FAR`]; then complex ones. Against
+    /// the closed form x_s + e^{A h} (x0 - x_s), to what so many doublings leave of the digits.
+    #[test]
+    fn a_matrix_of_two_rows_has_its_closed_form_near_and_far() {
+        let turn = matrix![0.8, -0.6; 0.6, 0.8];
+        let (x0, n) = (vector![1.0, 2.0], vector![3.0, -1.0]);
+        let holds = |[a, inverse, decay]: [Matrix2<f64>; 3], size: f64, near: bool| {
+            let steady = -inverse * n;
+            let exact = steady + decay * (x0 - steady);
+            let error = (Phi::new(a, 1.0).constant(&x0, &n) - exact).norm() / exact.norm();
+            assert!(error < 1e-15 * (2.0 + 0.1 * size), "{a} {error:e}");
+            assert_eq!(pair(&a).is_some(), near, "{a}");
+        };
+        for (fast, slow) in
+            [(-3.0, -0.5), (-2.0, -2.0), (-900.0, -0.5), (-9e3, -0.5), (-3e4, -0.5), (-1e6, -1e-2)]
+        {
+            let of = |fast: f64, slow: f64| turn * matrix![fast, 0.0; 0.0, slow] * turn.transpose();
+            let matrices = [of(fast, slow), of(1.0 / fast, 1.0 / slow), of(fast.exp(), slow.exp())];
+            holds(matrices, -fast, fast > -FAR);
+        }
+        for (decay, swing) in [(0.0, 0.3), (-0.5, 2.0), (-3.0, 40.0)] {
+            let of = |real: f64, imaginary: f64| matrix![real, -imaginary; imaginary, real];
+            let (e, square) = (f64::exp(decay), decay * decay + swing * swing);
+            let inverse = of(decay / square, -swing / square);
+            holds([of(decay, swing), inverse, of(e * swing.cos(), e * swing.sin())], swing, true);
+        }
     }
 
     proptest! {

@@ -15,10 +15,15 @@
 //! The blocks are solved in turn until the temperatures at the end of the step stand still.
 //!
 //! *Error control*: the parabola against the line (the error of the order below) for both blocks, what the fast
-//! block's remainder at x1 differs from that at x_b (which alone tells where the block is stiff), and the
-//! curvature of the temperatures as the fast block saw them. A step that misses is cut; the caller's step is
-//! always met.
+//! block's remainder at x1 differs from that at x_b (which alone tells where the block is stiff), how far the temperatures
+//! moved since the fast block saw them, and how far the heat in the middle of the step is from its parabola. A step that
+//! misses is cut; the caller's step is always met, and the next call begins with the step that this one would have gone on
+//! with.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
+
+mod system;
+
+pub use system::{Segment, System, Work};
 
 use super::phi::{Forcing, Phi, product};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
@@ -26,87 +31,35 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 /// Current, A, and speed, rad/s.
 pub type Fast = Vector2<f64>;
 
-/// Relative tolerance of one step on the estimate of the order below. Measured against diffsol, the error that
-/// remains over whole runs is below 1e-7 of each state's size (tests/accuracy.rs).
+/// Relative tolerance of one step on what the temperatures and the energies miss, and on the fast block's last stage where
+/// rates bend within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
+/// Relative tolerance of one step on the fast block's last stage elsewhere, an estimate of the method's own order; and on its
+/// parabola against the line where rates bend.
+const STAGE_TOLERANCE: f64 = 1e-6;
+/// Relative tolerance of one step on the fast block's parabola against the line elsewhere: an error of order three beside a
+/// step whose own is of order five while the Jacobian is that of its start (tests/limits.rs). With both, a minute of walking
+/// at a millisecond keeps current and speed to 5e-8 of their size, and the angle to 2e-7; tests/accuracy.rs has the rest.
+const LINE_TOLERANCE: f64 = 3e-6;
 /// Sizes below which an error no longer counts as relative: 1 A, 10 rad/s.
 const FAST_FLOOR: Fast = Vector2::new(1.0, 10.0);
 /// A temperature error below this is none, K (times [`TOLERANCE`]).
-const THERMAL_FLOOR: f64 = 10.0;
+const THERMAL_FLOOR: f64 = 1.0;
 /// Heat that moves the smallest node by less than this is nothing, K (times [`TOLERANCE`]).
 const HEAT_FLOOR: f64 = 1.0;
 /// How strongly copper and magnets answer to temperature, 1/K: what a temperature error does to the fast block.
 const SENSITIVITY: f64 = 0.004;
-/// A frozen Jacobian is renewed when it is off by this share.
-const STALE: f64 = 1e-3;
+/// A frozen Jacobian is renewed when it is off by this share: one that is off by more costs the step its order, and a motor
+/// that warms by 15 K/s more than all else that it errs.
+const STALE: f64 = 3e-6;
+/// The same while the tolerance is eased, at most.
+const STALE_AT_MOST: f64 = 1e-3;
 /// Rounds in which the two blocks may agree.
 const ROUNDS: usize = 4;
 /// No motor is this hot, K: a solution that comes here has run away, and there is no use in following it.
 const ABSURD: f64 = 1e5;
 /// A step cut below this share of the caller's step is a failure, not an accuracy.
 const LEAST_SHARE: f64 = 1e-9;
-
-/// What a model tells the integrator. Times are seconds since the start of the caller's step.
-pub trait System<const N: usize> {
-    /// Derivatives of current and speed, A/s and rad/s2.
-    fn fast_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Fast;
-    /// Their Jacobian with respect to (current, speed), 1/s.
-    fn fast_matrix(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Matrix2<f64>;
-    /// Derivatives of the temperatures by conduction, convection and radiation alone, K/s.
-    fn network_rates(&self, t: f64, temperature: &SVector<f64, N>) -> SVector<f64, N>;
-    /// Their Jacobian, 1/s.
-    fn network_matrix(&self, t: f64, temperature: &SVector<f64, N>) -> SMatrix<f64, N, N>;
-    /// Heat capacities of the nodes, J/K.
-    fn capacity(&self) -> &SVector<f64, N>;
-    /// Their reciprocals, K/J.
-    fn inverse_capacity(&self) -> &SVector<f64, N>;
-    /// Heat flow from the nodes to whatever surrounds them, W.
-    fn outflow(&self, t: f64, temperature: &SVector<f64, N>) -> f64;
-    /// Heat set free in each node at one instant, W.
-    fn heat_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> SVector<f64, N>;
-    /// Energies over one step, from the fast solution's integrals.
-    fn work(&self, segment: &Segment<N>) -> Work<N>;
-    /// True where the fast rates bend on a scale that a stiff block passes within a step, so that the remainder is
-    /// looked at once more where the step has led.
-    fn bends_where_stiff(&self) -> bool;
-    /// True where an input that multiplies current or speed runs along a slope, so that [`Segment::moment`]
-    /// is wanted.
-    fn wants_moment(&self) -> bool;
-}
-
-/// The fast solution over one step, and the temperatures under it.
-#[derive(Clone, Copy, Debug)]
-pub struct Segment<const N: usize> {
-    /// Start, s after the start of the caller's step.
-    pub t: f64,
-    /// Length, s.
-    pub h: f64,
-    /// Current and speed at the start, the middle and the end.
-    pub x: [Fast; 3],
-    /// Their integrals, A.s and rad.
-    pub integral: Fast,
-    /// Integrals of (t - start) times current and speed; zero unless [`System::wants_moment`].
-    pub moment: Fast,
-    /// Temperatures at the start, the middle and the end, K.
-    pub temperature: [SVector<f64, N>; 3],
-}
-
-/// Energies over one step, J.
-#[derive(Clone, Copy, Debug)]
-pub struct Work<const N: usize> {
-    /// Heat set free in each node.
-    pub heat: SVector<f64, N>,
-    /// Electrical energy taken at the terminals, and heat put in from outside.
-    pub electrical: f64,
-    /// Energy delivered at the shaft.
-    pub mechanical: f64,
-    /// Heat given to the surroundings without passing a node.
-    pub ambient: f64,
-    /// Heat set free beyond the nodes.
-    pub aside: f64,
-    /// How far a coarser rule would miss the energies that are not exact.
-    pub doubt: f64,
-}
 
 /// What the integrator carries from step to step. `E` is how many energies are counted, at least three.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,6 +126,9 @@ pub struct Stuck {
     pub h: f64,
 }
 
+/// Matrix, 1/s, and step, s, of the fast block and of the thermal one, from which all of their phi functions follow.
+type Frozen<const N: usize> = (Matrix2<f64>, f64, SMatrix<f64, N, N>, f64);
+
 /// The integrator: frozen Jacobians with their phi functions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split<const N: usize> {
@@ -180,26 +136,28 @@ pub struct Split<const N: usize> {
     thermal: Phi<N>,
     /// The tolerance over [`TOLERANCE`].
     ease: f64,
+    /// The step that the last call would have gone on with, s.
+    trial: f64,
 }
 
 impl<const N: usize> Default for Split<N> {
     /// Frozen for no step at all: the first step renews both blocks.
     fn default() -> Self {
         let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
-        Split { fast, thermal, ease: 1.0 }
+        Split { fast, thermal, ease: 1.0, trial: f64::INFINITY }
     }
 }
 
 impl<const N: usize> Split<N> {
     /// What a saved instance must hold beside its state so that it goes on bit for bit: matrix and step of both
-    /// frozen blocks. The phi functions follow from them.
+    /// frozen blocks, from which the phi functions follow, and the step to begin with.
     pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
         let (fast, thermal) = (&self.fast, &self.thermal);
         let fast = fast.matrix().iter().copied().chain([fast.step()]);
-        fast.chain(thermal.matrix().iter().copied()).chain([thermal.step()])
+        fast.chain(thermal.matrix().iter().copied()).chain([thermal.step(), self.trial])
     }
 
-    /// The integrator of as many numbers, `None` where they run out.
+    /// The integrator of as many numbers, `None` where they run out or the step is none.
     pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Self> {
         fn block<const M: usize>(next: &mut impl FnMut() -> Option<f64>) -> Option<Phi<M>> {
             let mut matrix = SMatrix::<f64, M, M>::zeros();
@@ -208,7 +166,21 @@ impl<const N: usize> Split<N> {
             }
             Some(Phi::new(matrix, next()?))
         }
-        Some(Split { fast: block(next)?, thermal: block(next)?, ease: 1.0 })
+        let (fast, thermal) = (block(next)?, block(next)?);
+        let trial = next().filter(|step| *step > 0.0)?;
+        Some(Split { fast, thermal, ease: 1.0, trial })
+    }
+
+    /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] as they are eased: one, where that is wider than all.
+    fn tolerances(&self, bends: bool) -> [f64; 3] {
+        let tolerance = TOLERANCE * self.ease;
+        let [stage, line] =
+            if bends { [TOLERANCE, STAGE_TOLERANCE] } else { [STAGE_TOLERANCE, LINE_TOLERANCE] };
+        [tolerance, tolerance.max(stage), tolerance.max(line)]
+    }
+
+    fn stale(&self) -> f64 {
+        (STALE * self.ease).min(STALE_AT_MOST)
     }
 
     /// Lets the steps err by this factor more than they do by default; it is no part of what is saved.
@@ -223,7 +195,7 @@ impl<const N: usize> Split<N> {
         state: &mut State<N, E>,
         h: f64,
     ) -> Result<(), Stuck> {
-        let (mut now, mut done, mut trial) = (*state, 0.0, h);
+        let (mut now, mut done, mut trial) = (*state, 0.0, self.trial.min(h));
         now.passed = Passed::default();
         let mut backup = None;
         loop {
@@ -233,16 +205,23 @@ impl<const N: usize> Split<N> {
             let (next, error) = self.step(system, &now, done, try_h, &mut backup);
             if error <= 1.0 {
                 now = next;
+                if try_h == h {
+                    self.trial = f64::INFINITY;
+                    break;
+                }
+                // Third order: the next step may grow by the cube root of what is to spare.
+                trial = try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0);
                 if try_h == rest {
+                    self.trial = trial;
                     break;
                 }
                 done += try_h;
-                // Third order: the next step may grow by the cube root of what is to spare.
-                trial = try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0);
             } else if try_h > LEAST_SHARE * h {
                 trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };
             } else {
-                *self = backup.unwrap_or(*self);
+                if let Some((a, fast, m, thermal)) = backup {
+                    (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
+                }
                 return Err(Stuck { t: done, h: try_h });
             }
         }
@@ -260,12 +239,18 @@ impl<const N: usize> Split<N> {
         self.step(system, state, 0.0, h, &mut None).0
     }
 
-    /// Renews the frozen blocks where they no longer serve; the first renewal keeps what was before.
-    fn renew(&mut self, a: Matrix2<f64>, m: SMatrix<f64, N, N>, h: f64, backup: &mut Option<Self>) {
-        let fast = self.fast.step() == h && fresh(self.fast.matrix(), &a, h);
-        let thermal = self.thermal.step() == h && fresh(self.thermal.matrix(), &m, h);
+    /// Renews the frozen blocks where they no longer serve; the first renewal keeps what they were frozen for.
+    fn renew(&mut self, a: Matrix2<f64>, m: SMatrix<f64, N, N>, h: f64, backup: &mut Option<Frozen<N>>) {
+        let stale = self.stale();
+        let fast = self.fast.step() == h && fresh(self.fast.matrix(), &a, h, stale);
+        let thermal = self.thermal.step() == h && fresh(self.thermal.matrix(), &m, h, stale);
         if !(fast && thermal) {
-            backup.get_or_insert(*self);
+            backup.get_or_insert((
+                *self.fast.matrix(),
+                self.fast.step(),
+                *self.thermal.matrix(),
+                self.thermal.step(),
+            ));
         }
         if !fast {
             self.fast = Phi::new(a, h);
@@ -282,7 +267,7 @@ impl<const N: usize> Split<N> {
         state: &State<N, E>,
         t: f64,
         h: f64,
-        backup: &mut Option<Self>,
+        backup: &mut Option<Frozen<N>>,
     ) -> (State<N, E>, f64) {
         let (x0, temp0) = (state.x, state.temperature);
         self.renew(system.fast_matrix(t, &x0, &temp0), system.network_matrix(t, &temp0), h, backup);
@@ -290,76 +275,83 @@ impl<const N: usize> Split<N> {
         let (a, m) = (fast.matrix(), thermal.matrix());
         let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
 
-        let slope0 = system.fast_rates(t, &x0, &temp0);
+        let (middle, until) = (t + 0.5 * h, t + h);
+        let start = system.instant(t, &x0, &temp0);
+        let slope0 = system.fast_rates_at(t, &x0, &temp0, &start);
         let n0 = slope0 - product(a, &x0);
-        let network0 = system.network_rates(t, &temp0);
-        let heat0 = system.heat_rates(t, &x0, &temp0);
+        let (network0, outflow0) = system.network(t, &temp0);
+        let heat0 = system.heat_rates_at(t, &x0, &temp0, &start);
         let rate0 = network0 + heat0.component_mul(per_joule);
-        let mut temp1 = temp0 + rate0 * h;
+        let xa = fast.half(&x0, &n0);
+        let mut tempm = temp0 + rate0 * (0.5 * h);
+        let mut stage = system.instant(middle, &xa, &tempm);
+        // To begin with, the temperatures end where the first stage's heat leads, which has most of a transient behind it.
+        let rate = network0 + system.heat_rates_at(middle, &xa, &tempm, &stage).component_mul(per_joule);
+        let mut temp1 = temp0 + rate * h;
         let mut round = 0;
         loop {
-            // The temperatures as the fast block sees them: start, slope at the start, end.
-            let tempm = temp0 * 0.75 + temp1 * 0.25 + rate0 * (0.25 * h);
-            let xa = fast.half(&x0, &n0);
-            let na = system.fast_rates(t + 0.5 * h, &xa, &tempm) - product(a, &xa);
+            let na = system.fast_rates_at(middle, &xa, &tempm, &stage) - product(a, &xa);
             let xb = fast.constant(&x0, &(na * 2.0 - n0));
-            let nb = system.fast_rates(t + h, &xb, &temp1) - product(a, &xb);
+            let nb = system.fast_rates(until, &xb, &temp1) - product(a, &xb);
             let forcing = Forcing::through(n0, na, nb);
             let x1 = fast.end(&x0, &slope0, &forcing);
+            let xm = fast.middle(&x0, &forcing);
             let segment = Segment {
                 t,
                 h,
-                x: [x0, fast.middle(&x0, &forcing), x1],
+                x: [x0, xm, x1],
                 integral: fast.integral(&x0, &forcing),
                 moment: if system.wants_moment() { fast.moment(&x0, &forcing) } else { Fast::zeros() },
                 temperature: [temp0, tempm, temp1],
             };
-            let work = system.work(&segment);
+            let instants = [start, system.instant(middle, &xm, &tempm), system.instant(until, &x1, &temp1)];
+            let work = system.work(&segment, &instants);
 
             // A heat flow with the step's own integral: Simpson's rule solved for the middle.
-            let heat1 = system.heat_rates(t + h, &x1, &temp1);
+            let heat1 = system.heat_rates_at(until, &x1, &temp1, &instants[2]);
             let heatm = (work.heat * (6.0 / h) - heat0 - heat1) * 0.25;
             let flow =
                 |network: SVector<f64, N>, heat: SVector<f64, N>| network + heat.component_mul(per_joule);
+            let (networkm, outflowm) = system.network(middle, &tempm);
+            let (network1, outflow1) = system.network(until, &temp1);
             let warming = Forcing::through(
                 flow(network0 - product(m, &temp0), heat0),
-                flow(system.network_rates(t + 0.5 * h, &tempm) - product(m, &tempm), heatm),
-                flow(system.network_rates(t + h, &temp1) - product(m, &temp1), heat1),
+                flow(networkm - product(m, &tempm), heatm),
+                flow(network1 - product(m, &temp1), heat1),
             );
-            let end = thermal.end(&temp0, &rate0, &warming);
-            let moved = (end - temp1).amax();
-            let settled = SENSITIVITY * moved <= 0.1 * TOLERANCE * self.ease;
+            let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
+            let moved = (end - temp1).amax().max((half - tempm).amax());
+            let settled = SENSITIVITY * moved <= 0.3 * TOLERANCE * self.ease;
             round += 1;
             if !settled && round < ROUNDS {
-                temp1 = end;
+                (tempm, temp1) = (half, end);
+                stage = system.instant(middle, &xa, &tempm);
                 continue;
             }
 
-            let bend = 0.25 * (end - temp0 - rate0 * h).amax();
             let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
             let miss = fast.curvature_error(&forcing).component_div(&size).amax();
             // Where the block is stiff, its end is the remainder's end value over A, and the parabola and the line
             // agree on that; what tells is how far the remainder at the end is from that at the last stage.
-            let late = if system.bends_where_stiff() {
-                let late = system.fast_rates(t + h, &x1, &temp1) - product(a, &x1) - nb;
-                let none = Fast::zeros();
-                let late = fast.end(&none, &none, &Forcing::through(none, none, late));
-                late.component_div(&size).amax()
-            } else {
-                0.0
-            };
+            let late = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
+            let none = Fast::zeros();
+            let late = fast.end(&none, &none, &Forcing::through(none, none, late));
+            let late = late.component_div(&size).amax();
             // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
             let miss_thermal = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
+            // A transient that dies early has not the parabola's shape, and its heat comes before the middle.
+            let shape = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
+            let shape = (shape.component_mul(per_joule) * h).amax();
             let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
-            let unsettled = if settled { 0.0 } else { SENSITIVITY * moved };
-            let error = (miss + late + miss_thermal + doubt + SENSITIVITY * bend + unsettled)
-                / (TOLERANCE * self.ease);
+            let [tolerance, stage, line] = self.tolerances(system.bends_where_stiff());
+            let of_heat = miss_thermal + doubt + SENSITIVITY * (moved + shape);
+            let error = miss / line + late / stage + of_heat / tolerance;
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -m.tr_mul(capacity);
-            let rest = |s: f64, temp: &SVector<f64, N>| system.outflow(t + s * h, temp) - share.dot(temp);
             let over_time = thermal.integral(&temp0, &warming);
             let outflow = share.dot(&over_time)
-                + h / 6.0 * (rest(0.0, &temp0) + 4.0 * rest(0.5, &tempm) + rest(1.0, &temp1));
+                + h / 6.0
+                    * (outflow0 + 4.0 * outflowm + outflow1 - share.dot(&(temp0 + tempm * 4.0 + temp1)));
             let gained = [work.electrical, work.mechanical, outflow + work.ambient];
             let mut energy = state.energy;
             for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(work.heat.iter())) {
@@ -379,10 +371,10 @@ impl<const N: usize> Split<N> {
     }
 }
 
-/// Whether a frozen matrix still serves: what it is off by, times the step, moves the solution by less than
-/// [`STALE`] of what the matrix itself does.
+/// Whether a frozen matrix still serves: what it is off by, times the step, moves the solution by less than the share
+/// `stale` of what the matrix itself does.
 #[inline]
-fn fresh<const N: usize>(frozen: &SMatrix<f64, N, N>, now: &SMatrix<f64, N, N>, h: f64) -> bool {
-    let slack = STALE / h;
-    frozen.iter().zip(now.iter()).all(|(f, n)| (f - n).abs() <= STALE * f.abs() + slack)
+fn fresh<const N: usize>(frozen: &SMatrix<f64, N, N>, now: &SMatrix<f64, N, N>, h: f64, stale: f64) -> bool {
+    let slack = stale / h;
+    frozen.iter().zip(now.iter()).all(|(f, n)| (f - n).abs() <= stale * f.abs() + slack)
 }

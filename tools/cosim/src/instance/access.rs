@@ -27,7 +27,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length or a kind that is no integer.
     pub fn get_i64(&mut self, kind: Kind, vrs: &[u32], values: &mut [i64]) -> Result<(), Error> {
-        let functions = names("Get", kind);
+        let functions = names(Verb::Get, kind);
         if !self.fits(functions, vrs.len(), values.len())? {
             return Ok(());
         }
@@ -43,7 +43,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] as for [`Self::get_i64`] and for a value that its type cannot hold.
     pub fn set_i64(&mut self, kind: Kind, vrs: &[u32], values: &[i64]) -> Result<(), Error> {
-        let functions = names("Set", kind);
+        let functions = names(Verb::Set, kind);
         if !self.fits(functions, vrs.len(), values.len())? {
             return Ok(());
         }
@@ -63,7 +63,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
     pub fn get_bool(&mut self, vrs: &[u32], values: &mut [bool]) -> Result<(), Error> {
-        let functions = names("Get", Kind::Boolean);
+        let functions = names(Verb::Get, Kind::Boolean);
         if !self.fits(functions, vrs.len(), values.len())? {
             return Ok(());
         }
@@ -78,7 +78,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
     pub fn set_bool(&mut self, vrs: &[u32], values: &[bool]) -> Result<(), Error> {
-        let functions = names("Set", Kind::Boolean);
+        let functions = names(Verb::Set, Kind::Boolean);
         if !self.fits(functions, vrs.len(), values.len())? {
             return Ok(());
         }
@@ -94,7 +94,7 @@ impl Instance {
     /// [`Error::Call`].
     pub fn get_string(&mut self, vrs: &[u32]) -> Result<Vec<String>, Error> {
         let mut texts = Vec::new();
-        self.call(names("Get", Kind::String), |b| {
+        self.call(names(Verb::Get, Kind::String), |b| {
             let (status, read) = match b {
                 Backend::Two(i) => i.get_string(vrs),
                 Backend::Three(i) => i.get_string(vrs),
@@ -110,7 +110,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
     pub fn set_string(&mut self, vrs: &[u32], values: &[&str]) -> Result<(), Error> {
-        let functions = names("Set", Kind::String);
+        let functions = names(Verb::Set, Kind::String);
         if !self.fits(functions, vrs.len(), values.len())? {
             return Ok(());
         }
@@ -128,7 +128,13 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length or a kind that is no number.
     pub fn get_number(&mut self, kind: Kind, vrs: &[u32], values: &mut [f64]) -> Result<(), Error> {
-        let functions = names("Get", kind);
+        if kind == Kind::Float64 && vrs.len() == values.len() && !vrs.is_empty() {
+            return self.call(GET_REAL, |b| match b {
+                Backend::Two(i) => i.get_f64(vrs, values),
+                Backend::Three(i) => i.get_f64(vrs, values),
+            });
+        }
+        let functions = names(Verb::Get, kind);
         if !self.fits(functions, vrs.len(), values.len())? {
             return Ok(());
         }
@@ -149,7 +155,13 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] as for [`Self::get_number`] and for a value that its type cannot hold.
     pub fn set_number(&mut self, kind: Kind, vrs: &[u32], values: &[f64]) -> Result<(), Error> {
-        let functions = names("Set", kind);
+        if kind == Kind::Float64 && vrs.len() == values.len() && !vrs.is_empty() {
+            return self.call(SET_REAL, |b| match b {
+                Backend::Two(i) => i.set_f64(vrs, values),
+                Backend::Three(i) => i.set_f64(vrs, values),
+            });
+        }
+        let functions = names(Verb::Set, kind);
         if !self.fits(functions, vrs.len(), values.len())? {
             return Ok(());
         }
@@ -184,7 +196,7 @@ impl Instance {
             (Value::Boolean(x), Kind::Boolean) => self.set_bool(vr, &[*x]),
             (Value::String(x), Kind::String) => self.set_string(vr, &[x]),
             _ => Err(self.misuse(
-                names("Set", variable.kind),
+                names(Verb::Set, variable.kind),
                 format!("{} is a {:?} and cannot take {value:?}", variable.name, variable.kind),
             )),
         }
@@ -192,6 +204,7 @@ impl Instance {
 
     /// Whether there is anything to do; an error if the lists cannot belong together. For FMI 3 there may be more
     /// values than references, as arrays have several.
+    #[inline]
     pub(super) fn fits(
         &self,
         functions: [&'static str; 2],
@@ -228,14 +241,24 @@ impl Instance {
     }
 }
 
+/// What is done with variables.
+#[derive(Clone, Copy)]
+enum Verb {
+    Get,
+    Set,
+}
+
+/// What masters call at every step.
+const GET_REAL: [&str; 2] = names(Verb::Get, Kind::Float64);
+const SET_REAL: [&str; 2] = names(Verb::Set, Kind::Float64);
+
 /// The names of the get or set function of a kind, for messages.
-fn names(verb: &str, kind: Kind) -> [&'static str; 2] {
+const fn names(verb: Verb, kind: Kind) -> [&'static str; 2] {
     macro_rules! both {
         ($two:literal, $three:literal) => {
-            if verb == "Get" {
-                [concat!("fmi2Get", $two), concat!("fmi3Get", $three)]
-            } else {
-                [concat!("fmi2Set", $two), concat!("fmi3Set", $three)]
+            match verb {
+                Verb::Get => [concat!("fmi2Get", $two), concat!("fmi3Get", $three)],
+                Verb::Set => [concat!("fmi2Set", $two), concat!("fmi3Set", $three)],
             }
         };
     }

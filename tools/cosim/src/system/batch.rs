@@ -1,4 +1,5 @@
 //! Variables that go over the interface in one call.
+use super::units::Affine;
 use crate::{Error, Instance, Kind, Variable};
 
 /// Variables of one component and kind that are read or set in one call.
@@ -39,6 +40,22 @@ impl Batch {
     /// Sets the variables from `inputs`.
     pub(crate) fn give(&mut self, instances: &mut [Instance], inputs: &[f64]) -> Result<(), Error> {
         self.take(inputs);
+        instances[self.component].set_number(self.kind, &self.vrs, &self.values)
+    }
+
+    /// Brings `inputs` up to date from `outputs`, by each input's source and conversion, and sets the variables.
+    pub(crate) fn pass(
+        &mut self,
+        instances: &mut [Instance],
+        sources: &[(usize, Affine)],
+        outputs: &[f64],
+        inputs: &mut [f64],
+    ) -> Result<(), Error> {
+        for (value, slot) in self.values.iter_mut().zip(&self.slots) {
+            let (source, convert) = sources[*slot];
+            *value = convert.of(outputs[source]);
+            inputs[*slot] = *value;
+        }
         instances[self.component].set_number(self.kind, &self.vrs, &self.values)
     }
 

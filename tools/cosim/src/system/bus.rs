@@ -209,11 +209,7 @@ impl Bus {
                 batch.read(&mut self.instances, outputs)?;
             }
             for batch in &mut round.sets {
-                for slot in &batch.slots {
-                    let (source, convert) = self.sources[*slot];
-                    inputs[*slot] = convert.of(outputs[source]);
-                }
-                batch.give(&mut self.instances, inputs)?;
+                batch.pass(&mut self.instances, &self.sources, outputs, inputs)?;
             }
         }
         Ok(())

@@ -37,8 +37,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "torque-sign",
         file: SYSTEM,
-        text: "(k * i - self.drag(t, x, k) - self.load.at(t)) * self.constants.inverse_j",
-        replacement: "(-k * i - self.drag(t, x, k) - self.load.at(t)) * self.constants.inverse_j",
+        text: "(k * i - instant.drag - self.load.at(t)) * self.constants.inverse_j",
+        replacement: "(-k * i - instant.drag - self.load.at(t)) * self.constants.inverse_j",
         breaks: "a positive current turns the shaft backwards",
     },
     Mutant {
@@ -65,8 +65,8 @@ pub const MUTANTS: &[Mutant] = &[
     Mutant {
         name: "lost-friction-heat",
         file: SYSTEM,
-        text: "self.drag_in_core(w, drag * w))",
-        replacement: "self.drag_in_core(w, 0.0 * drag * w))",
+        text: "self.drag_in_core(w, instant.drag * w))",
+        replacement: "self.drag_in_core(w, 0.0 * instant.drag * w))",
         breaks: "friction takes power from the shaft that heats nothing",
     },
     Mutant {

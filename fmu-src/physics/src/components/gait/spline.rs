@@ -6,8 +6,25 @@
 /// A function of period 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
-    /// Values, and second derivatives times h^2 / 6, at the points k / n.
-    points: Vec<[f64; 2]>,
+    /// From each point k / n to the next: the factors of 1, b, b^2, b^3, where b goes from 0 to 1.
+    pieces: Vec<[f64; 4]>,
+}
+
+/// The integral of one function along another: y dx over a period and its parts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Along {
+    /// For each piece the integral up to it, and the factors of b, b^2, ... within it.
+    pieces: Vec<[f64; 7]>,
+    /// Over the whole period.
+    whole: f64,
+}
+
+/// The piece of `n` in which `phase`, 0 ... 1, lies, and how far it is through it, 0 ... 1.
+#[inline]
+fn piece(phase: f64, n: usize) -> (usize, f64) {
+    let place = phase * n as f64;
+    let k = (place as usize).min(n - 1);
+    (k, place - k as f64)
 }
 
 /// Sweeps until the equations hold to rounding: each takes away three quarters of the error.
@@ -26,20 +43,56 @@ impl Spline {
                 m[k] = (bend - m[before] - m[after]) / 4.0;
             }
         }
-        Spline { points: values.iter().zip(m).map(|(&y, m)| [y, m]).collect() }
+        let piece = |k: usize| {
+            let (_, after) = around(k);
+            let (y0, y1, m0, m1) = (values[k], values[after], m[k], m[after]);
+            [y0, y1 - y0 - 2.0 * m0 - m1, 3.0 * m0, m1 - m0]
+        };
+        Spline { pieces: (0..n).map(piece).collect() }
     }
 
     /// Value and slope at `phase`, 0 ... 1.
     #[inline]
     pub fn at(&self, phase: f64) -> (f64, f64) {
-        let n = self.points.len();
-        let place = phase * n as f64;
-        let k = (place as usize).min(n - 1);
-        let (b, [y0, m0], [y1, m1]) = (place - k as f64, self.points[k], self.points[(k + 1) % n]);
-        let a = 1.0 - b;
-        let value = a * y0 + b * y1 + (a * a * a - a) * m0 + (b * b * b - b) * m1;
-        let slope = y1 - y0 - (3.0 * a * a - 1.0) * m0 + (3.0 * b * b - 1.0) * m1;
+        let n = self.pieces.len();
+        let (k, b) = piece(phase, n);
+        let [c0, c1, c2, c3] = self.pieces[k];
+        let value = c0 + b * (c1 + b * (c2 + b * c3));
+        let slope = c1 + b * (2.0 * c2 + b * (3.0 * c3));
         (value, slope * n as f64)
+    }
+
+    /// The integral of this function along `way`, which has as many points.
+    pub fn along(&self, way: &Spline) -> Along {
+        let mut whole = 0.0;
+        let piece = |(y, x): (&[f64; 4], &[f64; 4])| {
+            let mut factors = [whole, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            for (i, y) in y.iter().enumerate() {
+                for (j, x) in x.iter().enumerate().skip(1) {
+                    factors[i + j] += y * x * j as f64 / (i + j) as f64;
+                }
+            }
+            whole = factors.iter().sum();
+            factors
+        };
+        let pieces = self.pieces.iter().zip(&way.pieces).map(piece).collect();
+        Along { pieces, whole }
+    }
+}
+
+impl Along {
+    /// From 0 to `phase`, 0 ... 1.
+    #[inline]
+    pub fn to(&self, phase: f64) -> f64 {
+        let (k, b) = piece(phase, self.pieces.len());
+        let [c0, c1, c2, c3, c4, c5, c6] = self.pieces[k];
+        c0 + b * (c1 + b * (c2 + b * (c3 + b * (c4 + b * (c5 + b * c6)))))
+    }
+
+    /// Over a whole period.
+    #[inline]
+    pub fn whole(&self) -> f64 {
+        self.whole
     }
 }
 
@@ -71,5 +124,21 @@ mod tests {
         assert!((left.0 - right.0).abs() < 1e-9 && (left.1 - right.1).abs() < 1e-9);
         let bend = |p: f64, q: f64| (spline.at(q).1 - spline.at(p).1) / (q - p);
         assert!((bend(1.0 - 1e-5, 1.0) - bend(0.0, 1e-5)).abs() < 1e-2 * bend(0.0, 1e-5).abs());
+    }
+
+    /// cos^2 over a period, 1/2 of it, and the parts on the way, which go on where pieces meet.
+    #[test]
+    fn integrates_one_function_along_another() {
+        let of = |f: fn(f64) -> f64| {
+            Spline::through(&(0..50).map(|k| f(TAU * f64::from(k) / 50.0)).collect::<Vec<f64>>())
+        };
+        let along = of(f64::cos).along(&of(f64::sin));
+        assert!((along.whole() - 0.5 * TAU).abs() < 1e-5, "{}", along.whole());
+        for k in 0..=700 {
+            let phase = f64::from(k) / 700.0;
+            let exact = 0.5 * TAU * phase + 0.25 * (2.0 * TAU * phase).sin();
+            assert!((along.to(phase) - exact).abs() < 1e-5, "{phase}");
+            assert!((along.to(phase + 1e-9) - along.to(phase)).abs() < 1e-7);
+        }
     }
 }

@@ -17,7 +17,7 @@
 //! leg that swings back freely. What is left of the power's curve differs from the measured one by a tenth (root mean
 //! square), at the knee on the way down by a fifth: `power_is_kept`.
 
-use super::spline::Spline;
+use super::spline::{Along, Spline};
 use super::{Activity, Joint};
 use std::sync::OnceLock;
 
@@ -30,6 +30,15 @@ pub struct Cycle {
     pub angle: Spline,
     /// Torque over the phase, N.m/kg.
     pub torque: Spline,
+    /// Work over the phase, J/kg.
+    pub work: Along,
+}
+
+impl Cycle {
+    fn new(stride_time: f64, angle: &[f64], torque: &[f64]) -> Cycle {
+        let (angle, torque) = (Spline::through(angle), Spline::through(torque));
+        Cycle { stride_time, work: torque.along(&angle), angle, torque }
+    }
 }
 
 const LEVEL: &str = include_str!("../../../data/gait-schwartz2008/schwartz2008_joint_angle_moment_power.csv");
@@ -61,17 +70,16 @@ const SPEEDS: [&str; 5] = ["VerySlow", "Slow", "Free", "Fast", "VeryFast"];
 /// Names of the joints in the table, in the order of [`Joint`].
 const JOINTS: [&str; 3] = ["hip", "knee", "ankle"];
 
-/// The stride of an activity at a joint.
+/// The stride of an activity at a joint, made when it is first asked for.
+#[inline]
 pub fn cycle(activity: Activity, joint: Joint) -> &'static Cycle {
-    static ALL: OnceLock<Vec<Cycle>> = OnceLock::new();
-    let all = ALL.get_or_init(|| {
-        let level =
-            (0..SPEEDS.len()).flat_map(|speed| (0..JOINTS.len()).map(move |joint| level(speed, joint)));
-        let ways = STAIRS.iter().flatten().zip(PEAK_TORQUE.iter().flatten());
-        let stairs = ways.map(|(text, &peak)| stairs(text, peak));
-        level.chain(stairs).collect()
-    });
-    &all[(activity as usize - 1) * JOINTS.len() + joint as usize - 1]
+    static ALL: [OnceLock<Cycle>; (SPEEDS.len() + STAIRS.len()) * JOINTS.len()] =
+        [const { OnceLock::new() }; (SPEEDS.len() + STAIRS.len()) * JOINTS.len()];
+    let (activity, joint) = (activity as usize - 1, joint as usize - 1);
+    ALL[activity * JOINTS.len() + joint].get_or_init(|| match activity.checked_sub(SPEEDS.len()) {
+        None => level(activity, joint),
+        Some(way) => stairs(STAIRS[way][joint], PEAK_TORQUE[way][joint]),
+    })
 }
 
 /// A column of a table, by its name.
@@ -99,11 +107,8 @@ fn level(speed: usize, joint: usize) -> Cycle {
     let angle = closed(format!("{}_angles_mean", JOINTS[joint]));
     // The table counts angles in flexion, moments in extension.
     let angle: Vec<f64> = angle.iter().map(|degrees| -degrees.to_radians()).collect();
-    Cycle {
-        stride_time: column(STRIDES, "stride_time_s", of_speed)[0],
-        angle: Spline::through(&angle),
-        torque: Spline::through(&closed(format!("{}_moment_mean", JOINTS[joint]))),
-    }
+    let torque = closed(format!("{}_moment_mean", JOINTS[joint]));
+    Cycle::new(column(STRIDES, "stride_time_s", of_speed)[0], &angle, &torque)
 }
 
 /// A power over the cycle at equidistant phases, W/kg.
@@ -145,7 +150,7 @@ fn stairs(text: &str, peak: f64) -> Cycle {
     }
     let mean = angle.iter().sum::<f64>() / STAIRS_POINTS as f64;
     angle.iter_mut().for_each(|a| *a -= mean);
-    Cycle { stride_time: STAIRS_STRIDE, angle: Spline::through(&angle), torque: Spline::through(&torque) }
+    Cycle::new(STAIRS_STRIDE, &angle, &torque)
 }
 
 /// The sign of eq. (1) over the stride, -1 in the best part, with a smooth way of a few points at its ends.

@@ -312,7 +312,7 @@ impl<'a> Step<'a> {
 
     #[inline]
     fn ports(&self) -> Ports<'_> {
-        Ports { effects: &self.model.effects, acts: self.constants.acts }
+        Ports { effects: &self.model.effects, acts: &self.constants.acts }
     }
 
     /// The torque against the motion, N.m; `k` is the torque constant.

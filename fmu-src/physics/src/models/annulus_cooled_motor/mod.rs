@@ -138,6 +138,8 @@ groups! {
 const INPUTS: usize = 0;
 /// Index of the outputs in the list of groups.
 const OUTPUTS: usize = 1;
+/// The first of the outputs, current, shaft_angle and shaft_speed, are states and shown as they are.
+const STRAIGHT: usize = 3;
 /// Index of the flows of power in the list of groups.
 const BOOKS: usize = 2;
 /// Index of the event indicators in the list of groups; parameters follow.
@@ -272,6 +274,13 @@ impl AnnulusCooledMotor {
         }
     }
 
+    /// Outputs that are states.
+    #[inline]
+    fn show_straight(&mut self) {
+        (self.outputs.current, self.outputs.shaft_speed) = (self.state.x[0], self.state.x[1]);
+        self.outputs.shaft_angle = self.state.angle;
+    }
+
     /// The state, an input or a parameter has changed.
     #[inline]
     fn outdate(&mut self) {
@@ -303,7 +312,11 @@ impl Model for AnnulusCooledMotor {
     fn get(&mut self, slot: Slot) -> f64 {
         let row = slot.row as usize;
         match slot.group as usize {
-            OUTPUTS if self.outputs_are_stale => self.refresh_outputs(false),
+            OUTPUTS if self.outputs_are_stale => match row {
+                // What a coupled system reads at every step costs nothing.
+                0..STRAIGHT => self.show_straight(),
+                _ => self.refresh_outputs(false),
+            },
             BOOKS if self.books_are_stale => self.refresh_outputs(true),
             INDICATORS => self.indicators = self.indicate(),
             _ if slot.group >= Slot::STATES => return self.inside(slot),

@@ -6,10 +6,12 @@ mod variables;
 
 pub use variables::{Indicators, Inputs, LIST, Outputs};
 
-use crate::components::gait::Gait;
-use crate::explicit::{Explicit, Law, Now};
+use crate::components::gait::{Gait, Motion, floor};
+use crate::explicit::{Explicit, Law, Line, Now};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, ModelType};
+use crate::solver::explicit::Tried;
+use declare::State;
 use std::f64::consts::PI;
 
 /// States of the load.
@@ -46,6 +48,8 @@ impl Law<STATES, 0> for Walker {
     type Inputs = Inputs;
     type Outputs = Outputs;
     type Indicators = Indicators;
+    type Point = Motion;
+    const LIST: &'static [State] = LIST;
 
     fn declaration() -> &'static Declaration {
         static DECLARED: Declared = Declared::new();
@@ -72,31 +76,53 @@ impl Law<STATES, 0> for Walker {
         Ok(([gait.initial_phase, 0.0], []))
     }
 
-    fn rates(&self, now: &At<'_>) -> [f64; STATES] {
-        let motion = self.gait.at(now.time, now.states[STRIDE]);
+    fn point(&self, now: &At<'_>) -> Motion {
+        self.gait.at(now.time, now.states[STRIDE])
+    }
+
+    fn rates(motion: &Motion) -> [f64; STATES] {
         let mut rates = [0.0; STATES];
         rates[STRIDE] = motion.stride_rate;
         rates[ENERGY] = motion.torque * motion.speed;
         rates
     }
 
-    fn outputs(&self, now: &At<'_>) -> Outputs {
+    fn outputs(&self, now: &At<'_>, motion: &Motion) -> Outputs {
         let stride = now.states[STRIDE];
-        let motion = self.gait.at(now.time, stride);
+        let whole = floor(stride);
         Outputs {
             joint_angle: motion.angle,
             joint_speed: motion.speed,
             torque_demand: motion.torque,
-            gait_phase: stride - stride.floor(),
+            gait_phase: stride - whole,
             tracking_error: now.inputs.joint_torque - motion.torque,
             power_demand: motion.torque * motion.speed,
             energy_demand: now.states[ENERGY],
-            strides: stride.floor(),
+            strides: whole,
         }
     }
 
-    fn indicators(&self, now: &At<'_>) -> Indicators {
+    fn indicators(&self, now: &At<'_>, _: &Motion) -> Indicators {
         Indicators { heel_strike: (PI * now.states[STRIDE]).sin() }
+    }
+
+    /// Strides that are all alike are known in advance, with their work.
+    #[inline]
+    fn one(
+        &self,
+        line: &Line<'_, Inputs, 0>,
+        t: f64,
+        x: &[f64; STATES],
+        first: Option<&Motion>,
+        h: f64,
+    ) -> Tried<Motion, STATES> {
+        let Some((strides, work)) = self.gait.on(line.time + t, x[STRIDE], h) else {
+            return self.general(line, t, x, first, h);
+        };
+        let mut states = *x;
+        states[STRIDE] += strides;
+        states[ENERGY] += work;
+        Tried { states, error: 0.0, point: None }
     }
 
     fn next_event(&self, time: f64) -> f64 {

@@ -16,9 +16,9 @@
 //! *Neglects* the mass of springs, lever and nut (add it to the inertia), and what the motor's own FMU says of
 //! its temperature, which the current control finds out.
 
-use super::{Actuator, At, Outputs, STATES};
+use super::{Actuator, At, Inputs, Outputs, STATES};
 use crate::components::springs::Deflected;
-use crate::components::torque_control::{Command, Seen};
+use crate::components::torque_control::{Command, Seen, Wanted};
 use crate::components::transmission::Coupling;
 use crate::ledger::{Account, Ledger};
 
@@ -32,9 +32,9 @@ const ENERGY_JOINT: usize = 5;
 const ENERGY_TRANSMISSION: usize = 6;
 const ENERGY_SUPPLY: usize = 7;
 
-/// All that the rates need to know of one instant.
+/// Transmission and springs at one instant.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct Mechanics {
     /// Twist of the coupling, rad, speed of the input shaft, rad/s, and how much faster it is than the motor, rad/s.
     shaft: [f64; 3],
     /// Turns of the shaft for one of the spring's input.
@@ -42,6 +42,9 @@ pub struct Point {
     /// Torque that the transmission takes from its input shaft, N.m, and how much of it is friction.
     tau_in: f64,
     friction: f64,
+    /// Torque of an elastic coupling, N.m, and power that its damping turns into heat, W.
+    coupling: f64,
+    damping: f64,
     /// Deflection of the series spring, play included, rad, and its rate, rad/s.
     pub deflection: f64,
     rate: f64,
@@ -53,14 +56,23 @@ pub struct Point {
     pub joint_torque: f64,
     /// Torque that it takes from the motor's shaft, N.m.
     pub load_torque: f64,
+    /// Heat of friction, coupling and spring, W.
+    pub loss: f64,
+    /// Torque that the series spring shall give, N.m.
+    demand: f64,
+}
+
+/// All that rates and outputs need to know of one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Transmission and springs.
+    pub mechanics: Mechanics,
     /// What the control does.
     pub command: Command,
     /// Power taken from the supply, W.
     pub supply_power: f64,
     /// Power at the motor's terminals, W.
     pub motor_power: f64,
-    /// Heat of friction, coupling and spring, W.
-    pub loss: f64,
     /// Derivatives of the states.
     pub rates: [f64; STATES],
 }
@@ -81,93 +93,112 @@ impl Actuator {
     }
 
     /// What holds at one instant.
-    pub fn point(&self, now: &At<'_>) -> Point {
-        let (u, x, transmission) = (now.inputs, now.states, &self.transmission);
-        let elastic = self.is_elastic();
-        let (twist, w) = if elastic { (x[TWIST], x[INPUT_SPEED]) } else { (0.0, u.motor_speed) };
-        let (angle_in, n) = transmission.output(u.motor_angle + twist + now.opening[0]);
+    pub fn at(&self, now: &At<'_>) -> Point {
+        let (u, x) = (now.inputs, now.states);
+        let shaft = if self.is_elastic() { [x[TWIST], x[INPUT_SPEED]] } else { [0.0, u.motor_speed] };
+        let m = self.mechanics(u, shaft, now.opening[0]);
+        let demand_rate = self.control.demand_rate(m.demand, x[DEMAND]);
+        let wanted = self.wanted(u, &m, demand_rate);
+        let command = self.control.voltage(&wanted, u.motor_current, x[VOLTAGE]);
+        let [motor_power, supply_power] = self.powers(u, &command);
+        let mut rates = [0.0; STATES];
+        (rates[DEMAND], rates[VOLTAGE]) = (command.rates[0], command.rates[1]);
+        if self.is_elastic() {
+            (rates[TWIST], rates[INPUT_SPEED]) =
+                (m.shaft[2], (m.coupling - m.tau_in) / self.transmission.inertia);
+        }
+        rates[ENERGY_SHAFT] = m.load_torque * u.motor_speed;
+        rates[ENERGY_JOINT] = m.joint_torque * u.joint_speed;
+        rates[ENERGY_TRANSMISSION] = m.loss;
+        rates[ENERGY_SUPPLY] = supply_power;
+        Point { mechanics: m, command, supply_power, motor_power, rates }
+    }
+
+    /// Transmission and springs, where the input shaft has this twist against the motor's, rad, and speed, rad/s;
+    /// `opening` is its turn where the motor shows 0, rad.
+    #[inline(always)]
+    fn mechanics(&self, u: &Inputs, [twist, w]: [f64; 2], opening: f64) -> Mechanics {
+        let transmission = &self.transmission;
+        let (angle_in, n) = transmission.output(u.motor_angle + twist + opening);
         let deflection = angle_in - u.joint_angle;
         let rate = w / n - u.joint_speed;
         let spring = self.spring.deflected(deflection, rate, transmission.backlash);
         let (beside, beside_energy) = self.parallel.at(u.joint_angle);
         let (tau_in, friction) = transmission.input_torque(spring.torque, n, w);
         let slip = w - u.motor_speed;
-        let coupling = -transmission.coupling_stiffness * twist - transmission.coupling_damping * slip;
-        let load_torque = if elastic { coupling } else { tau_in };
-        let joint_torque = spring.torque + beside;
-
-        let demand = u.torque_demand - beside;
-        let demand_rate = self.control.demand_rate(demand, x[DEMAND]);
-        let way_speed = n * (u.joint_speed + demand_rate / self.spring.stiffness);
-        let command = self.control.command(
-            &Seen {
-                demand,
-                feed_forward: transmission.input_torque(demand, n, way_speed).0,
-                way_speed,
-                torque: [spring.torque, spring.rate],
-                turns_per_torque: n / self.spring.stiffness,
-                motor: [u.motor_speed, u.motor_current],
-                supply: u.supply_voltage,
-            },
-            [x[DEMAND], x[VOLTAGE]],
-        );
-        let motor_power = command.voltage[1] * u.motor_current;
-        let supply_power = self.drive.power(motor_power);
-        let damping = if elastic { transmission.coupling_damping * slip * slip } else { 0.0 };
-        let loss = damping + friction * w + spring.loss;
-
-        let mut rates = [0.0; STATES];
-        (rates[DEMAND], rates[VOLTAGE]) = (command.rates[0], command.rates[1]);
-        if elastic {
-            (rates[TWIST], rates[INPUT_SPEED]) = (slip, (coupling - tau_in) / transmission.inertia);
-        }
-        rates[ENERGY_SHAFT] = load_torque * u.motor_speed;
-        rates[ENERGY_JOINT] = joint_torque * u.joint_speed;
-        rates[ENERGY_TRANSMISSION] = loss;
-        rates[ENERGY_SUPPLY] = supply_power;
-        Point {
+        let elastic = self.is_elastic();
+        let (coupling, damping) = if elastic {
+            let damping = transmission.coupling_damping * slip;
+            (-transmission.coupling_stiffness * twist - damping, damping * slip)
+        } else {
+            (0.0, 0.0)
+        };
+        Mechanics {
             shaft: [twist, w, slip],
             ratio: n,
             tau_in,
             friction,
+            coupling,
+            damping,
             deflection,
             rate,
             spring,
             beside: [beside, beside_energy],
-            joint_torque,
-            load_torque,
-            command,
-            supply_power,
-            motor_power,
-            loss,
-            rates,
+            joint_torque: spring.torque + beside,
+            load_torque: if elastic { coupling } else { tau_in },
+            loss: damping + friction * w + spring.loss,
+            demand: u.torque_demand - beside,
         }
+    }
+
+    /// The current that the control wants, for the rate of the demand, N.m/s.
+    #[inline(always)]
+    fn wanted(&self, u: &Inputs, m: &Mechanics, demand_rate: f64) -> Wanted {
+        let turns_per_torque = m.ratio / self.spring.stiffness;
+        let way_speed = m.ratio * u.joint_speed + turns_per_torque * demand_rate;
+        let seen = Seen {
+            demand: m.demand,
+            feed_forward: self.transmission.input_torque(m.demand, m.ratio, way_speed).0,
+            way_speed,
+            torque: [m.spring.torque, m.spring.rate],
+            turns_per_torque,
+            motor: [u.motor_speed, u.motor_current],
+            supply: u.supply_voltage,
+        };
+        self.control.wanted(&seen, demand_rate)
+    }
+
+    /// Powers at the motor's terminals and from the supply, W.
+    #[inline(always)]
+    fn powers(&self, u: &Inputs, command: &Command) -> [f64; 2] {
+        let motor = command.voltage[1] * u.motor_current;
+        [motor, self.drive.power(motor)]
     }
 
     /// The books: the shaft's power goes on to the joint, into springs and inertia, and into heat.
     pub fn books(&self, now: &At<'_>, p: &Point) -> Books {
         use Account::{Ambient, Joint, Kinetic, Shaft, Spring};
         let (u, transmission, elastic) = (now.inputs, &self.transmission, self.is_elastic());
-        let ([twist, w, slip], [beside, beside_energy]) = (p.shaft, p.beside);
-        let damping = if elastic { transmission.coupling_damping * slip * slip } else { 0.0 };
+        let m = &p.mechanics;
+        let ([twist, w, slip], [beside, beside_energy]) = (m.shaft, m.beside);
         let twisting = if elastic { transmission.coupling_stiffness * twist * slip } else { 0.0 };
         let mut ledger = Ledger::default();
-        ledger.transfer(Shaft, Kinetic, p.load_torque * u.motor_speed);
-        ledger.transfer(Kinetic, Ambient, damping + p.friction * w);
-        ledger.transfer(Kinetic, Spring, twisting + p.spring.torque * w / p.ratio);
-        ledger.transfer(Spring, Ambient, p.spring.loss);
-        ledger.transfer(Spring, Joint, p.joint_torque * u.joint_speed);
+        ledger.transfer(Shaft, Kinetic, m.load_torque * u.motor_speed);
+        ledger.transfer(Kinetic, Ambient, m.damping + m.friction * w);
+        ledger.transfer(Kinetic, Spring, twisting + m.spring.torque * w / m.ratio);
+        ledger.transfer(Spring, Ambient, m.spring.loss);
+        ledger.transfer(Spring, Joint, m.joint_torque * u.joint_speed);
         // What the stores gain by their own derivatives.
-        let stretching = p.spring.torque * p.rate - p.spring.loss;
+        let stretching = m.spring.torque * m.rate - m.spring.loss;
         let into_springs = stretching + twisting - beside * u.joint_speed;
-        let into_inertia = if elastic { w * (p.load_torque - p.tau_in) } else { 0.0 };
+        let into_inertia = if elastic { w * (m.load_torque - m.tau_in) } else { 0.0 };
         let coupling_energy = if elastic {
             0.5 * (transmission.coupling_stiffness * twist * twist + transmission.inertia * w * w)
         } else {
             0.0
         };
         Books {
-            stored: p.spring.energy + beside_energy + coupling_energy,
+            stored: m.spring.energy + beside_energy + coupling_energy,
             error: ledger.error(&[
                 (Shaft, -p.rates[ENERGY_SHAFT]),
                 (Joint, p.rates[ENERGY_JOINT]),
@@ -180,33 +211,37 @@ impl Actuator {
 
     /// Energy in springs, coupling and inertia, J.
     pub(super) fn stored(&self, now: &At<'_>) -> f64 {
-        self.books(now, &self.point(now)).stored
+        self.books(now, &self.at(now)).stored
     }
 
-    /// The outputs.
-    pub(super) fn show(&self, now: &At<'_>) -> Outputs {
-        let (p, u, x) = (self.point(now), now.inputs, now.states);
-        let books = self.books(now, &p);
+    /// The outputs, but for the books.
+    pub(super) fn show(&self, now: &At<'_>, p: &Point) -> Outputs {
+        let (m, u, x) = (&p.mechanics, now.inputs, now.states);
         Outputs {
             voltage: p.command.voltage[1],
             current_command: p.command.current[1],
-            load_torque: p.load_torque,
-            joint_torque: p.joint_torque,
-            spring_deflection: p.deflection,
+            load_torque: m.load_torque,
+            joint_torque: m.joint_torque,
+            spring_deflection: m.deflection,
             supply_power: p.supply_power,
-            torque_error: p.joint_torque - u.torque_demand,
-            joint_power: p.joint_torque * u.joint_speed,
-            loss_transmission: p.loss,
+            torque_error: m.joint_torque - u.torque_demand,
+            joint_power: m.joint_torque * u.joint_speed,
+            loss_transmission: m.loss,
             loss_drive: p.supply_power - p.motor_power,
             energy_shaft: x[ENERGY_SHAFT],
             energy_joint: x[ENERGY_JOINT],
             energy_transmission: x[ENERGY_TRANSMISSION],
             energy_supply: x[ENERGY_SUPPLY],
-            power_balance_error: books.error,
-            energy_balance_error: x[ENERGY_SHAFT]
-                - x[ENERGY_JOINT]
-                - x[ENERGY_TRANSMISSION]
-                - (books.stored - now.opening[1]),
+            power_balance_error: 0.0,
+            energy_balance_error: 0.0,
         }
+    }
+
+    /// What the books show.
+    pub(super) fn show_books(&self, now: &At<'_>, p: &Point, outputs: &mut Outputs) {
+        let (books, x) = (self.books(now, p), now.states);
+        outputs.power_balance_error = books.error;
+        outputs.energy_balance_error =
+            x[ENERGY_SHAFT] - x[ENERGY_JOINT] - x[ENERGY_TRANSMISSION] - (books.stored - now.opening[1]);
     }
 }

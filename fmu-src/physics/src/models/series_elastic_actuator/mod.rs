@@ -6,7 +6,8 @@
 mod equations;
 mod variables;
 
-pub use equations::{Books, Point};
+pub use equations::{Books, Mechanics, Point};
+use variables::LATE;
 pub use variables::{Indicators, Inputs, LIST, Outputs};
 
 use crate::components::springs::{ParallelSpring, SeriesSpring};
@@ -16,6 +17,7 @@ use crate::components::transmission::Transmission;
 use crate::explicit::{Explicit, Law, Now};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, ModelType};
+use declare::State;
 
 /// States of the actuator.
 pub const STATES: usize = LIST.len();
@@ -62,6 +64,9 @@ impl Law<STATES, OPENING> for Actuator {
     type Inputs = Inputs;
     type Outputs = Outputs;
     type Indicators = Indicators;
+    type Point = Point;
+    const LIST: &'static [State] = LIST;
+    const LATE: usize = LATE;
 
     fn declaration() -> &'static Declaration {
         static DECLARED: Declared = Declared::new();
@@ -92,23 +97,30 @@ impl Law<STATES, OPENING> for Actuator {
         Ok((states, [turn, stored]))
     }
 
-    fn rates(&self, now: &At<'_>) -> [f64; STATES] {
-        self.point(now).rates
+    fn point(&self, now: &At<'_>) -> Point {
+        self.at(now)
     }
 
-    fn outputs(&self, now: &At<'_>) -> Outputs {
-        self.show(now)
+    fn rates(point: &Point) -> [f64; STATES] {
+        point.rates
     }
 
-    fn indicators(&self, now: &At<'_>) -> Indicators {
-        let p = self.point(now);
+    fn outputs(&self, now: &At<'_>, point: &Point) -> Outputs {
+        self.show(now, point)
+    }
+
+    fn complete(&self, now: &At<'_>, point: &Point, outputs: &mut Outputs) {
+        self.show_books(now, point, outputs);
+    }
+
+    fn indicators(&self, _: &At<'_>, p: &Point) -> Indicators {
         let (wanted, [least, most]) = (p.command.current[0], p.command.limits);
         let half = 0.5 * self.transmission.backlash;
         Indicators {
             current_above: wanted - most,
             current_below: wanted - least,
-            contact_above: p.deflection - half,
-            contact_below: p.deflection + half,
+            contact_above: p.mechanics.deflection - half,
+            contact_below: p.mechanics.deflection + half,
         }
     }
 

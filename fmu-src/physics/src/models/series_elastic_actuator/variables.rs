@@ -1,6 +1,6 @@
 //! Inputs, outputs, states and event indicators of the actuator. Parameters stand with their components.
 
-use declare::{State, Unit, Variable, states, variables};
+use declare::{Group, State, Unit, Variable, states, variables};
 
 variables! {
     /// What the importer sets at every communication point.
@@ -21,6 +21,9 @@ variables! {
         supply_voltage: f64 = Variable::input(7, 48.0, Unit::Volt, 0.0, 1e4).nominal(48.0),
     }
 }
+
+/// Value reference of the first of the outputs that the books show.
+const BOOKS: u32 = 34;
 
 variables! {
     /// What the model computes.
@@ -54,12 +57,21 @@ variables! {
         /// Energy taken from the supply since the start
         energy_supply: f64 = Variable::output(33, Unit::Joule).nominal(1000.0),
         /// Power that the books miss at this instant; zero but for rounding
-        power_balance_error: f64 = Variable::output(34, Unit::Watt),
+        power_balance_error: f64 = Variable::output(BOOKS, Unit::Watt),
         /// Energy taken in, less given out, less stored, since the start; zero but for rounding where the angles
         /// that come in move with the speeds that come in
         energy_balance_error: f64 = Variable::output(35, Unit::Joule),
     }
 }
+
+/// The first of the outputs that the books show: they come last, and are not asked for at every step.
+pub const LATE: usize = {
+    let mut row = 0;
+    while !matches!(<Outputs as Group>::TABLE[row].value_reference, BOOKS) {
+        row += 1;
+    }
+    row
+};
 
 variables! {
     /// Residuals that pass through zero at an event, for those who integrate the model themselves.

@@ -53,7 +53,7 @@ pub struct Ports<'a> {
     /// The effects.
     pub effects: &'a Effects,
     /// Where they act.
-    pub acts: Acts,
+    pub acts: &'a Acts,
 }
 
 macro_rules! ports {

@@ -4,11 +4,28 @@ use super::{CORE, Line, NODES, Step, Temperatures, WINDING};
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 
+/// What an instant within a step costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant {
+    /// Torque constant, N.m/A.
+    k: f64,
+    /// Torque against the motion, N.m.
+    drag: f64,
+}
+
 impl System<NODES> for Step<'_> {
+    type Instant = Instant;
+
     #[inline(always)]
-    fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
-        let (i, w) = (x[0], x[1]);
+    fn instant(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Instant {
         let k = self.torque_constant(t, temperature);
+        Instant { k, drag: self.drag(t, x, k) }
+    }
+
+    #[inline(always)]
+    fn fast_rates_at(&self, t: f64, x: &Fast, temperature: &Temperatures, instant: &Instant) -> Fast {
+        let (i, w) = (x[0], x[1]);
+        let k = instant.k;
         let di = if self.is_voltage_driven() {
             let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(i);
             (self.voltage.at(t) - self.resistance(temperature[WINDING]) * i - lost - k * w)
@@ -17,7 +34,7 @@ impl System<NODES> for Step<'_> {
             self.current.slope
         };
         let dw = if self.is_free() {
-            (k * i - self.drag(t, x, k) - self.load.at(t)) * self.constants.inverse_j
+            (k * i - instant.drag - self.load.at(t)) * self.constants.inverse_j
         } else {
             self.speed.slope
         };
@@ -41,12 +58,12 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline(always)]
-    fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
+    fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
         let conducts = self.constants.across * self.ports().winding_housing_conductance(temperature[WINDING]);
         let across = conducts * (temperature[WINDING] - temperature[CORE]);
         let leaving = self.leaving(t, temperature);
         let gain = Temperatures::new(-across - leaving.winding, across - leaving.housing);
-        gain.component_mul(&self.constants.inverse_capacity)
+        (gain.component_mul(&self.constants.inverse_capacity), leaving.winding + leaving.housing)
     }
 
     #[inline(always)]
@@ -80,33 +97,25 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline(always)]
-    fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
-        let leaving = self.leaving(t, temperature);
-        leaving.winding + leaving.housing
-    }
-
-    #[inline(always)]
-    fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
+    fn heat_rates_at(&self, t: f64, x: &Fast, temperature: &Temperatures, instant: &Instant) -> Temperatures {
         let (i, w) = (x[0], x[1]);
         let t_w = temperature[WINDING];
         let volts = self.resistance(t_w) * i + self.ports().terminal_voltage(i);
-        let drag = self.drag(t, x, self.torque_constant(t, temperature));
         let copper = volts * i + self.ripple_loss(t_w);
-        Temperatures::new(copper + self.heat.at(t), self.drag_in_core(w, drag * w))
+        Temperatures::new(copper + self.heat.at(t), self.drag_in_core(w, instant.drag * w))
     }
 
     /// The energies of one step. All but the friction heat follow from integrals that are exact for the fast
     /// solution; the copper heat of a voltage drive is what the books leave, so they close by construction.
     #[inline]
-    fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
+    fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let effects = self.ports();
         let (t, h) = (segment.t, segment.h);
         let [x0, xm, x1] = segment.x;
         let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
         // A line times the solution: value at the step's start by the integral, slope by the moment.
         let line = |l: &Line, k: usize| l.at(t) * segment.integral[k] + l.slope * segment.moment[k];
-        let at = [t, t + 0.5 * h, t + h];
-        let k_t = |n: usize| self.torque_constant(at[n], &segment.temperature[n]);
+        let k_t = |n: usize| instants[n].k;
 
         // The integral of f times current or speed: the value at the end times their exact integral, and what f
         // differs from it by Simpson's rule; with it, how far the trapezoidal rule would miss.
@@ -116,8 +125,7 @@ impl System<NODES> for Step<'_> {
             let extra = simpson(start, beyond(1), 0.0);
             (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * start).abs())
         };
-        let drag = |n: usize| self.drag(at[n], &segment.x[n], k_t(n));
-        let (friction, mut doubt) = against([drag(0), drag(1), drag(2)], 1);
+        let (friction, mut doubt) = against(instants.map(|instant| instant.drag), 1);
         let mut in_core = friction;
         if self.constants.has_network {
             let iron =

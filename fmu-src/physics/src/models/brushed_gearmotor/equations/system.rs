@@ -1,6 +1,7 @@
 //! The equations in the form that the integrator takes.
 
 use super::{BOX, HOUSING, NODES, Step, Temperatures, WINDING};
+use crate::components::chopper::Cycle;
 use crate::effects::Effect;
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, Matrix3, SMatrix};
@@ -9,16 +10,36 @@ use num_dual::Dual64;
 /// Start, middle and end of a step.
 const INSTANTS: [usize; 3] = [0, 1, 2];
 
+/// What an instant within a step costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant {
+    /// What the contacts lose, V.
+    lost: f64,
+    /// What the bridge works against, V.
+    e: f64,
+    /// The switching cycle.
+    cycle: Cycle<f64>,
+    /// Torque against the motion, N.m.
+    drag: f64,
+}
+
 impl System<NODES> for Step<'_> {
+    type Instant = Instant;
+
     #[inline]
-    fn fast_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Fast {
-        let (i, w) = (x[0], x[1]);
+    fn instant(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Instant {
+        let lost = self.model.effects.terminal_voltage(x[0]);
+        let e = self.torque_constant(temperature) * x[1] + lost;
+        Instant { lost, e, cycle: self.cycle(t, e, temperature), drag: self.drag(t, x[1]) }
+    }
+
+    #[inline]
+    fn fast_rates_at(&self, t: f64, x: &Fast, temperature: &Temperatures, instant: &Instant) -> Fast {
+        let i = x[0];
         let k = self.torque_constant(temperature);
-        let e = k * w + self.model.effects.terminal_voltage(i);
-        let drive = self.cycle(t, e, temperature).drive;
         let r = self.model.motor.resistance(temperature[WINDING]);
-        let torque = k * i - self.drag(t, w) - self.load.at(t);
-        Fast::new((drive - r * i) * self.constants.inverse_l, torque / self.constants.inertia)
+        let torque = k * i - instant.drag - self.load.at(t);
+        Fast::new((instant.cycle.drive - r * i) * self.constants.inverse_l, torque / self.constants.inertia)
     }
 
     #[inline]
@@ -40,14 +61,14 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline]
-    fn network_rates(&self, t: f64, temperature: &Temperatures) -> Temperatures {
+    fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
         let [across, winding_to_box, to_box, to_ambient] = self.flows(t, temperature);
         let gain = Temperatures::new(
             -across - winding_to_box,
             across - to_box,
             winding_to_box + to_box - to_ambient,
         );
-        gain.component_mul(&self.constants.inverse_capacity)
+        (gain.component_mul(&self.constants.inverse_capacity), to_ambient)
     }
 
     #[inline]
@@ -88,23 +109,22 @@ impl System<NODES> for Step<'_> {
     }
 
     #[inline]
-    fn outflow(&self, t: f64, temperature: &Temperatures) -> f64 {
-        self.flows(t, temperature)[3]
-    }
-
-    #[inline]
-    fn heat_rates(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Temperatures {
+    fn heat_rates_at(
+        &self,
+        _t: f64,
+        x: &Fast,
+        temperature: &Temperatures,
+        instant: &Instant,
+    ) -> Temperatures {
         let (i, w) = (x[0], x[1]);
         let r = self.model.motor.resistance(temperature[WINDING]);
-        let lost = self.model.effects.terminal_voltage(i);
-        let cycle = self.cycle(t, self.torque_constant(temperature) * w + lost, temperature);
-        Temperatures::new(r * (i * i + cycle.ripple) + lost * i, self.drag(t, w) * w, 0.0)
+        Temperatures::new(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w, 0.0)
     }
 
     /// The energies of one step. Charge, angle and stored energies are exact for the fast solution; the copper
     /// heat is what they leave of the terminals' energy, so the books close by construction.
     #[inline]
-    fn work(&self, segment: &Segment<NODES>) -> Work<NODES> {
+    fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let (t, h) = (segment.t, segment.h);
         let [x0, _, x1] = segment.x;
         let at = [t, t + 0.5 * h, t + h];
@@ -116,20 +136,15 @@ impl System<NODES> for Step<'_> {
             let extra = simpson(beyond);
             (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * beyond[0]).abs())
         };
-        let cycles = INSTANTS.map(|n| {
-            let (x, temperature) = (&segment.x[n], &segment.temperature[n]);
-            let e = self.torque_constant(temperature) * x[1] + self.model.effects.terminal_voltage(x[0]);
-            (e, self.cycle(at[n], e, temperature))
-        });
-        let volts = cycles.map(|(e, cycle)| e + cycle.drive);
+        let volts = instants.map(|instant| instant.e + instant.cycle.drive);
         let ripples = INSTANTS.map(|n| {
             let temperature = &segment.temperature[n];
-            self.model.motor.resistance(temperature[WINDING]) * cycles[n].1.ripple
+            self.model.motor.resistance(temperature[WINDING]) * instants[n].cycle.ripple
         });
         let ripple = simpson(ripples);
-        let supply = INSTANTS.map(|n| self.bridge(at[n]).supply_power(&cycles[n].1));
+        let supply = INSTANTS.map(|n| self.bridge(at[n]).supply_power(&instants[n].cycle));
 
-        let (friction, doubt_friction) = against(INSTANTS.map(|n| self.drag(at[n], segment.x[n][1])), 1);
+        let (friction, doubt_friction) = against(instants.map(|instant| instant.drag), 1);
         let load = self.load.at(t) * segment.integral[1] + self.load.slope * segment.moment[1];
         let air_gap = self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction;
         let (terminals, doubt_terminals) = against(volts, 0);
