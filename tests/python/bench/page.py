@@ -2,12 +2,14 @@
 
 from collections import Counter
 from html import escape
+from math import cos, radians, sin
 from pathlib import Path
 
 from . import judge as j
 from .score import further, rates, spreads
 
-CELL, LEFT, TOP = 22, 330, 250  # px
+CELL, MARGIN, LETTER = 22, 12, 6.6  # px; the width of a letter, generously
+TILT = 60  # degrees
 DARK, LIGHT = (20, 80, 140), (238, 244, 250)
 WRONG = (190, 60, 40)
 KIND_ORDER = (j.NULL, j.LISTED, j.UNLISTED)
@@ -68,23 +70,28 @@ def figure(sets) -> str:
     """Every truth against everything that was said, shaded by its share of the row."""
     rows = in_rows(sets)
     columns = sorted({s.said for s in sets}, key=lambda text: (text != "nothing", " by " in text, text))
-    width, height = LEFT + CELL * len(columns) + 10, TOP + CELL * len(rows) + 10
+    # Room for the longest words, and at the right for what the tilted ones reach beyond their columns.
+    left = MARGIN + LETTER * max(len(truth) + 5 for _, truth in rows)
+    top = MARGIN + LETTER * max(map(len, columns)) * sin(radians(TILT))
+    reach = max(CELL * (k + 1) + LETTER * len(said) * cos(radians(TILT)) for k, said in enumerate(columns))
+    left, top, width = round(left), round(top), round(left + max(CELL * len(columns), reach) + MARGIN)
+    height = top + CELL * len(rows) + MARGIN
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}"'
     parts = [head, ' font-family="sans-serif" font-size="11">\n<rect width="100%" height="100%" fill="white"/>\n']
     for k, said in enumerate(columns):
-        x, y = LEFT + CELL * k + 15, TOP - 6
-        parts.append(f'<text transform="translate({x} {y}) rotate(-60)">{escape(said)}</text>\n')
+        x, y = left + CELL * k + 15, top - 6
+        parts.append(f'<text transform="translate({x} {y}) rotate(-{TILT})">{escape(said)}</text>\n')
     for k, ((_, truth), group) in enumerate(rows.items()):
-        y = TOP + CELL * k
-        parts.append(f'<text x="{LEFT - 6}" y="{y + 15}" text-anchor="end">{escape(truth)} ({len(group)})</text>\n')
+        y = top + CELL * k
+        parts.append(f'<text x="{left - 6}" y="{y + 15}" text-anchor="end">{escape(truth)} ({len(group)})</text>\n')
         for m, said in enumerate(columns):
             cell = [s for s in group if s.said == said]
             fine = all(s.outcome in j.FINE for s in cell)
             fill = shade(len(cell) / len(group), fine) if cell else "#f7f7f7"
-            parts.append(f'<rect x="{LEFT + CELL * m}" y="{y}" width="{CELL - 1}" height="{CELL - 1}" fill="{fill}"/>\n')
+            parts.append(f'<rect x="{left + CELL * m}" y="{y}" width="{CELL - 1}" height="{CELL - 1}" fill="{fill}"/>\n')
             if cell:
                 colour = "white" if len(cell) > 0.5 * len(group) else "black"
-                place = f'x="{LEFT + CELL * m + 10}" y="{y + 15}" text-anchor="middle"'
+                place = f'x="{left + CELL * m + 10}" y="{y + 15}" text-anchor="middle"'
                 parts.append(f'<text {place} fill="{colour}">{len(cell)}</text>\n')
     return "".join(parts) + "</svg>\n"
 
