@@ -1,8 +1,8 @@
 //! Lists of references that a master asks for again at every step: looked up and judged once.
 //!
 //! What a reference stands for never changes, so there is nothing to forget: not by a reset, nor by a saved state. Nothing is
-//! kept of arrays, whose sizes may change, and of lists that call by call name one variable. A master may set an instance in
-//! several rounds, so the last few lists are kept.
+//! kept of arrays, whose sizes may change. A master may set an instance in several rounds, so the last few lists are kept; one
+//! that names a single variable in each of many calls leaves them alone once they are full.
 
 use physics::declare::Kind;
 use physics::model::{Declaration, Slot, TIME};
@@ -67,7 +67,8 @@ impl Known {
 
     /// Remembers the list.
     pub(super) fn learn(&mut self, declaration: &Declaration, references: &[u32]) {
-        if !(2..=ROOM).contains(&references.len()) {
+        let full = self.lists[self.oldest].count > 0;
+        if !(1..=ROOM).contains(&references.len()) || references.len() == 1 && full {
             return;
         }
         let mut list = List { count: references.len(), ..List::NOTHING };

@@ -224,17 +224,21 @@ impl Actuator {
             let m = self.mechanics(u, [0.0, u.motor_speed], line.opening[0]);
             (m, self.wanted(u, &m, rate[k]))
         });
-        let begin = (&first.mechanics, first.command.current, line.inputs(t));
-        let corner = seen.iter().zip(&on).any(|((m, wanted), u)| {
-            wanted.is_limited() || self.sides(m, u.joint_angle) != self.sides(begin.0, begin.2.joint_angle)
-        });
+        let begin = line.inputs(t);
+        let sides = self.sides(&first.mechanics, begin.joint_angle);
+        let corner = first.command.current[0] != first.command.current[1]
+            || seen
+                .iter()
+                .zip(&on)
+                .any(|((m, wanted), u)| wanted.is_limited() || self.sides(m, u.joint_angle) != sides);
         let way = |u: &Inputs, m: &Mechanics, rate: f64| self.way_speed(u, m, rate);
-        let ways =
-            [way(&begin.2, begin.0, first.command.rates[0]), way(end, &seen[LATER - 1].0, rate[LATER - 1])];
+        let ways = [
+            way(&begin, &first.mechanics, first.command.rates[0]),
+            way(end, &seen[LATER - 1].0, rate[LATER - 1]),
+        ];
         if corner
-            || begin.1[0] != begin.1[1]
             || turns_round(ways, self.transmission.w_small.min(self.control.w_small))
-            || turns_round([begin.2.motor_speed, end.motor_speed], self.transmission.w_small)
+            || turns_round([begin.motor_speed, end.motor_speed], self.transmission.w_small)
         {
             return None;
         }
@@ -267,20 +271,18 @@ impl Actuator {
     }
 
     /// On which sides of all corners of the torque it stands: where demand and spring pass through zero, so that friction
-    /// turns round, where play ends and where contact is whole, and where a parallel spring takes hold.
+    /// turns round, where play ends and where contact is whole, and where a parallel spring takes hold: a bit for each.
     #[inline(always)]
-    fn sides(&self, m: &Mechanics, joint_angle: f64) -> [bool; 7] {
+    fn sides(&self, m: &Mechanics, joint_angle: f64) -> u8 {
         let half = 0.5 * self.transmission.backlash;
         let d = m.deflection;
-        [
-            m.demand > 0.0,
-            m.spring.torque > 0.0,
-            d > half,
-            d < -half,
-            d > 2.0 * half,
-            d < -2.0 * half,
-            self.parallel.is_one_sided() && joint_angle > self.parallel.neutral_angle,
-        ]
+        u8::from(m.demand > 0.0)
+            | u8::from(m.spring.torque > 0.0) << 1
+            | u8::from(d > half) << 2
+            | u8::from(d < -half) << 3
+            | u8::from(d > 2.0 * half) << 4
+            | u8::from(d < -2.0 * half) << 5
+            | u8::from(self.parallel.is_one_sided() && joint_angle > self.parallel.neutral_angle) << 6
     }
 
     /// The books: the shaft's power goes on to the joint, into springs and inertia, and into heat.
