@@ -88,7 +88,9 @@ pub(crate) fn smooth_sign<D: Number>(x: D, small: f64) -> D {
     if x.re().abs() > SATURATED * small {
         return D::from(x.re().signum());
     }
-    let sign = (x.re() / small).tanh();
+    // tanh by one exponential: as near as rounding of 1 lets it be, odd to the last bit, and 0 where x is.
+    let turned = 1.0 - 2.0 / ((2.0 * x.re().abs() / small).exp() + 1.0);
+    let sign = turned.copysign(x.re());
     // The derivative follows from the value; `x` less its own value is the derivative's part of `x` alone.
     (x - D::from(x.re())) * ((1.0 - sign * sign) / small) + sign
 }

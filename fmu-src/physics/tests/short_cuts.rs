@@ -1,13 +1,15 @@
-//! What the gait takes instead of the general integrator, against diffsol on the same equations along the same lines.
+//! What actuator and gait take instead of the general integrator, against Runge and Kutta on the same equations along the
+//! same lines.
 
 #[path = "common/walker.rs"]
 #[allow(dead_code)]
 mod walker;
 
+use declare::Group;
+use physics::explicit::{Law, Line};
 use physics::model::{Model, Slot};
 use physics::models::gait_load::GaitLoad;
-use physics::models::series_elastic_actuator::SeriesElasticActuator;
-use physics::solver::reference::{Tolerance, integrate};
+use physics::models::series_elastic_actuator::{Inputs, SeriesElasticActuator};
 use std::cell::RefCell;
 use walker::{get, set};
 
@@ -21,7 +23,26 @@ const MOTION: [(&str, f64, f64); 6] = [
     ("torque_demand", 40.0, 5.0),
 ];
 
-/// States after a step of `h` seconds along lines, and by diffsol, from wherever `m` stands.
+/// The same inputs where they go together: joint and demand move by themselves, the motor nearly as the demand wants it
+/// behind a transmission of this ratio and a spring of this stiffness, N.m/rad.
+fn together(t: f64, ratio: f64, stiffness: f64) -> [f64; 6] {
+    let (joint, demand) = (0.2 * (14.0 * t).sin(), 40.0 * (5.0 * t).sin());
+    let (joint_speed, rate) = (2.8 * (14.0 * t).cos(), 200.0 * (5.0 * t).cos());
+    let motor = |joint: f64, torque: f64| ratio * (joint + 0.99 * torque / stiffness);
+    [
+        motor(joint, demand),
+        motor(joint_speed, rate),
+        1.1 * demand / ratio / 0.0276,
+        joint,
+        joint_speed,
+        demand,
+    ]
+}
+
+/// Parts of a step in which Runge's and Kutta's method takes it: a corner within one of them is no matter.
+const PARTS: u32 = 1000;
+
+/// States after a step of `h` seconds along lines, and after the same in so many parts, from wherever `m` stands.
 fn both<const N: usize>(m: &dyn Model, lines: &[(Slot, f64)], h: f64) -> [Vec<f64>; 2] {
     let time = m.time();
     let mut stepping = m.boxed_clone();
@@ -44,10 +65,98 @@ fn both<const N: usize>(m: &dyn Model, lines: &[(Slot, f64)], h: f64) -> [Vec<f6
         m.rates(&mut out);
         std::array::from_fn(|k| out[k])
     };
-    let start: [f64; N] = std::array::from_fn(|k| start[k]);
-    let tolerance = Tolerance { relative: 1e-11, absolute: 1e-11 };
-    let exact = integrate(rates, &start, &[h], tolerance).unwrap()[0];
-    [found, exact.to_vec()]
+    let mut x: [f64; N] = std::array::from_fn(|k| start[k]);
+    let part = h / f64::from(PARTS);
+    for k in 0..PARTS {
+        let t = f64::from(k) * part;
+        let on = |rate: &[f64; N], share: f64| std::array::from_fn(|n| x[n] + share * part * rate[n]);
+        let k1 = rates(t, &x);
+        let k2 = rates(t + 0.5 * part, &on(&k1, 0.5));
+        let k3 = rates(t + 0.5 * part, &on(&k2, 0.5));
+        let k4 = rates(t + part, &on(&k3, 1.0));
+        x = std::array::from_fn(|n| x[n] + part / 6.0 * (k1[n] + 2.0 * (k2[n] + k3[n]) + k4[n]));
+    }
+    [found, x.to_vec()]
+}
+
+/// Whether the actuator takes this step by quadrature: no point comes out of that.
+fn by_quadrature(m: &SeriesElasticActuator, opening: &[f64; 2], lines: &[(Slot, f64)], h: f64) -> bool {
+    let mut slopes = m.inputs;
+    for row in 0..Inputs::TABLE.len() {
+        slopes.set(row, 0.0);
+    }
+    for (slot, slope) in lines {
+        slopes.set(slot.row.into(), *slope);
+    }
+    let line = Line { time: m.time(), inputs: &m.inputs, slopes: Some(&slopes), opening };
+    let mut states = Vec::new();
+    m.states(&mut states);
+    let states: [f64; 8] = std::array::from_fn(|k| states[k]);
+    m.law.one(&line, 0.0, &states, None, h).point.is_none()
+}
+
+/// Every state of the actuator, in every way that its springs, its play, its control and its supply change a step: within
+/// a ten-millionth of its size where the step goes by quadrature, which it does but near corners, and within what a corner
+/// costs the general integrator there.
+#[test]
+fn a_step_of_the_actuator_is_that_of_its_equations() {
+    type Change = fn(&mut SeriesElasticActuator);
+    let changes: [(&str, Change); 8] = [
+        ("as it is", |_| ()),
+        ("with play", |m| set(m, "transmission.backlash", 0.02)),
+        ("with a spring beside it", |m| {
+            set(m, "parallel.stiffness", 60.0);
+            set(m, "spring.damping", 2.0);
+        }),
+        ("with a stop beside it", |m| {
+            set(m, "parallel.stiffness", 300.0);
+            set(m, "parallel.engagement", 2.0);
+        }),
+        ("with a ball screw", |m| set(m, "transmission.kind", 2.0)),
+        ("with losses before the motor", |m| {
+            set(m, "drive.efficiency", 0.9);
+            set(m, "drive.regeneration", 0.3);
+        }),
+        ("with too little current", |m| set(m, "control.current_max", 2.0)),
+        ("with too little voltage", |m| set(m, "supply_voltage", 8.0)),
+    ];
+    for (what, change) in changes {
+        let mut m = SeriesElasticActuator::default();
+        change(&mut m);
+        let (_, opening) = m.law.start(0.0, &m.inputs).unwrap();
+        let (ratio, stiffness) = (get(&mut m, "transmission.ratio"), get(&mut m, "spring.stiffness"));
+        m.start(0.0).unwrap();
+        let declaration = m.declaration();
+        let slot = |name: &str| declaration.by_name(name).unwrap().slot;
+        let sizes: Vec<f64> =
+            declaration.states.iter().map(|s| declaration.entries[s[0]].row.nominal).collect();
+        // Of both ways: how many steps, and the greatest error.
+        let mut ways = [(0, 0.0f64); 2];
+        let h = 1e-3;
+        for k in 0..600u32 {
+            let t = f64::from(k) * h;
+            let mut lines = Vec::new();
+            for (place, (name, ..)) in MOTION.into_iter().enumerate() {
+                let of = |t: f64| together(t, ratio, stiffness)[place];
+                m.set(slot(name), of(t));
+                lines.push((slot(name), (of(t + h) - of(t)) / h));
+            }
+            if k % 3 == 0 {
+                let [found, exact] = both::<8>(&m, &lines, h);
+                let way = &mut ways[usize::from(by_quadrature(&m, &opening, &lines, h))];
+                way.0 += 1;
+                for ((a, b), size) in found.iter().zip(&exact).zip(&sizes) {
+                    way.1 = way.1.max((a - b).abs() / size.max(b.abs()));
+                }
+            }
+            for (slot, slope) in lines {
+                m.set_slope(slot, slope);
+            }
+            m.step(t, h).unwrap();
+        }
+        println!("{what}: {ways:?}");
+        assert!(ways[1].1 < 1e-7 && ways[0].1 < 3e-5, "{what}: {ways:?}");
+    }
 }
 
 /// Stride and work of the gait: where strides are alike, where they differ, while setting out, and over many strides.

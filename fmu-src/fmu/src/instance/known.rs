@@ -1,13 +1,16 @@
 //! Lists of references that a master asks for again at every step: looked up and judged once.
 //!
 //! What a reference stands for never changes, so there is nothing to forget: not by a reset, nor by a saved state. Nothing is
-//! kept of arrays, whose sizes may change, and of lists that call by call name one variable.
+//! kept of arrays, whose sizes may change. A master may set an instance in several rounds, so the last few lists are kept; one
+//! that names a single variable in each of many calls leaves them alone once they are full.
 
 use physics::declare::Kind;
 use physics::model::{Declaration, Slot, TIME};
 
 /// Longer lists are looked up at every call.
 const ROOM: usize = 16;
+/// Lists that are kept.
+const LISTS: usize = 4;
 
 /// A real scalar: where it lives, and its limits.
 #[derive(Clone, Copy, Debug)]
@@ -25,42 +28,59 @@ impl Place {
     }
 }
 
-/// The list that one function was called with last, as far as it was a list of real scalars and was not refused.
-#[derive(Clone, Debug)]
-pub(super) struct Known {
+/// A list of real scalars that was not refused.
+#[derive(Clone, Copy, Debug)]
+struct List {
     count: usize,
     references: [u32; ROOM],
     places: [Place; ROOM],
 }
 
-impl Known {
-    pub(super) const NOTHING: Known = Known {
+impl List {
+    const NOTHING: List = List {
         count: 0,
         references: [TIME; ROOM],
         places: [Place { slot: Slot { group: 0, row: 0 }, min: 0.0, max: 0.0 }; ROOM],
     };
+}
 
-    /// The places of these references, where they are the ones that are known.
+/// The lists that one function was called with last, the latest but for those that were known.
+#[derive(Clone, Debug)]
+pub(super) struct Known {
+    lists: [List; LISTS],
+    /// The one that the next new list replaces.
+    oldest: usize,
+}
+
+impl Known {
+    pub(super) const NOTHING: Known = Known { lists: [List::NOTHING; LISTS], oldest: 0 };
+
+    /// The places of these references, where they are ones that are known.
     #[inline]
     pub(super) fn places(&self, references: &[u32]) -> Option<&[Place]> {
-        (references.len() == self.count && references == &self.references[..self.count])
-            .then(|| &self.places[..self.count])
+        let same = |list: &&List| {
+            let known = list.references.iter();
+            list.count == references.len() && known.zip(references).all(|(known, asked)| known == asked)
+        };
+        self.lists.iter().find(same).map(|list| &list.places[..references.len().min(ROOM)])
     }
 
     /// Remembers the list.
     pub(super) fn learn(&mut self, declaration: &Declaration, references: &[u32]) {
-        self.count = 0;
-        if !(2..=ROOM).contains(&references.len()) {
+        let full = self.lists[self.oldest].count > 0;
+        if !(1..=ROOM).contains(&references.len()) || references.len() == 1 && full {
             return;
         }
+        let mut list = List { count: references.len(), ..List::NOTHING };
         for (k, &reference) in references.iter().enumerate() {
             let entry = declaration.by_reference(reference).filter(|_| reference != TIME);
             let Some(entry) = entry.filter(|e| e.element.is_none() && e.row.kind == Kind::Real) else {
                 return;
             };
-            self.references[k] = reference;
-            self.places[k] = Place { slot: entry.slot, min: entry.row.min, max: entry.row.max };
+            list.references[k] = reference;
+            list.places[k] = Place { slot: entry.slot, min: entry.row.min, max: entry.row.max };
         }
-        self.count = references.len();
+        self.lists[self.oldest] = list;
+        self.oldest = (self.oldest + 1) % LISTS;
     }
 }

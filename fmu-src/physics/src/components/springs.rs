@@ -98,6 +98,12 @@ impl ParallelSpring {
         };
         (self.stiffness * off, 0.5 * self.stiffness * off * off)
     }
+
+    /// Whether it takes hold at its neutral angle.
+    #[inline]
+    pub fn is_one_sided(&self) -> bool {
+        self.engagement != Engagement::Both && self.stiffness != 0.0
+    }
 }
 
 #[cfg(test)]
@@ -133,6 +139,8 @@ mod tests {
         assert!((both.at(0.3).0 + 20.0).abs() < 1e-12 && (both.at(0.3).1 - 2.0).abs() < 1e-12);
         let above = ParallelSpring { engagement: Engagement::Above, ..both };
         assert_eq!((above.at(0.3), above.at(0.0)), (both.at(0.3), (0.0, 0.0)));
+        assert!(above.is_one_sided() && !both.is_one_sided());
+        assert!(!ParallelSpring { stiffness: 0.0, ..above }.is_one_sided());
         let below = ParallelSpring { engagement: Engagement::Below, ..both };
         assert_eq!((below.at(0.3), below.at(0.0)), ((0.0, 0.0), both.at(0.0)));
     }

@@ -91,6 +91,22 @@ pub struct Command {
     pub rates: [f64; 2],
 }
 
+impl Command {
+    /// Whether the supply gives less voltage than is wanted.
+    #[inline]
+    pub fn is_limited(&self) -> bool {
+        self.voltage[0] != self.voltage[1]
+    }
+}
+
+impl Wanted {
+    /// Whether drive or supply allow less current than is wanted.
+    #[inline]
+    pub fn is_limited(&self) -> bool {
+        self.current[0] != self.current[1]
+    }
+}
+
 impl TorqueControl {
     /// Rate of the demand, N.m/s, that the filter at `filtered` tells.
     #[inline]
@@ -118,6 +134,13 @@ impl TorqueControl {
             (0.5 * (low + high)).clamp(-self.current_max, self.current_max)
         };
         Wanted { current: [wanted, current], limits: [low, high], emf, supply, demand_rate }
+    }
+
+    /// Rate of the integral, V/s, where the voltage is not limited: eq. (5) for the current wanted and the one
+    /// measured, A.
+    #[inline(always)]
+    pub fn winding_up(&self, wanted: &Wanted, measured: f64) -> f64 {
+        TAU * self.current_bandwidth * (self.R * (wanted.current[1] - measured))
     }
 
     /// Eqs. (4) and (5), for the current measured, A, and the integral, V.

@@ -76,9 +76,16 @@ pub struct Phi<const N: usize> {
 /// phi_0 ... phi_5 at the whole step, and phi_0 ... phi_3 at half of it.
 type Functions<T> = ([T; KEPT], [T; HALF]);
 
-/// The functions of z times 2^doublings, by eqs. (1) and (5); `times` multiplies two functions of z.
+/// The functions of z times 2^doublings, by eqs. (1) and (5); `times` multiplies two functions of z, `plus` adds a number
+/// times `one`.
 #[inline(always)]
-fn functions<T>(one: T, z: T, power: usize, doublings: i32, times: impl Fn(&T, &T) -> T) -> Functions<T>
+fn functions<T>(
+    [one, z]: [T; 2],
+    power: usize,
+    doublings: i32,
+    times: impl Fn(&T, &T) -> T,
+    plus: impl Fn(T, f64) -> T,
+) -> Functions<T>
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
@@ -86,21 +93,25 @@ where
     let square = times(&z, &z);
     let (mut even, mut odd) = (one * RECIPROCAL[KEPT - 1 + power], one * RECIPROCAL[KEPT + power]);
     for k in (0..power).step_by(2).rev() {
-        even = times(&square, &even) + one * RECIPROCAL[KEPT - 1 + k];
-        odd = times(&square, &odd) + one * RECIPROCAL[KEPT + k];
+        even = plus(times(&square, &even), RECIPROCAL[KEPT - 1 + k]);
+        odd = plus(times(&square, &odd), RECIPROCAL[KEPT + k]);
     }
     let mut phi = [one; KEPT];
     phi[KEPT - 1] = even + times(&z, &odd);
     for k in (0..KEPT - 1).rev() {
-        phi[k] = times(&z, &phi[k + 1]) + one * RECIPROCAL[k];
+        phi[k] = plus(times(&z, &phi[k + 1]), RECIPROCAL[k]);
     }
     let mut half = [one; HALF];
     for _ in 0..doublings {
         half.copy_from_slice(&phi[..HALF]);
         let e = phi[0];
         for k in (1..KEPT).rev() {
+            // 1 / 1! and 1 / 0! are no factors.
             let mut sum = times(&e, &phi[k]) + phi[k];
-            for j in 1..k {
+            if k > 1 {
+                sum = sum + phi[k - 1];
+            }
+            for j in 1..(k - 1).max(1) {
                 sum = sum + phi[j] * RECIPROCAL[k - j];
             }
             phi[k] = sum * HALVED[k];
@@ -142,7 +153,9 @@ fn pair<const N: usize>(z: &SMatrix<f64, N, N>) -> Option<Functions<SMatrix<f64,
         let square = a[1] * b[1];
         Vector2::new(a[0] * b[0] - square * determinant, a[0] * b[1] + a[1] * b[0] + square * trace)
     };
-    let (full, half) = functions(Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0), power, doublings, times);
+    let plus = |a: Vector2<f64>, number: f64| Vector2::new(a[0] + number, a[1]);
+    let (full, half) =
+        functions([Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)], power, doublings, times, plus);
     let matrix =
         |f: Vector2<f64>| SMatrix::from_fn(|i, j| f[1] * z[(i, j)] + if i == j { f[0] } else { 0.0 });
     Some((full.map(matrix), half.map(matrix)))
@@ -157,7 +170,8 @@ impl<const N: usize> Phi<N> {
             None => {
                 let (doublings, power) = scaling(z.abs().column_sum().max());
                 let z = z * 0.5f64.powi(doublings);
-                functions(SMatrix::identity(), z, power, doublings, |a, b| a * b)
+                let one = SMatrix::identity();
+                functions([one, z], power, doublings, |a, b| a * b, |a, number| a + one * number)
             }
         };
         Self::of(a, h, full, half)

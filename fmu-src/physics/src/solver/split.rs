@@ -34,13 +34,13 @@ pub type Fast = Vector2<f64>;
 /// Relative tolerance of one step on what the temperatures and the energies miss, and on the fast block's last stage where
 /// rates bend within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
-/// Relative tolerance of one step on the fast block's last stage elsewhere, an estimate of the method's own order; and on its
-/// parabola against the line where rates bend.
+/// Relative tolerance of one step on the fast block's last stage elsewhere, an estimate of the method's own order, and on what
+/// temperatures that are not yet settled do to it; and on its parabola against the line where rates bend.
 const STAGE_TOLERANCE: f64 = 1e-6;
 /// Relative tolerance of one step on the fast block's parabola against the line elsewhere: an error of order three beside a
-/// step whose own is of order five while the Jacobian is that of its start (tests/limits.rs). With both, a minute of walking
-/// at a millisecond keeps current and speed to 5e-8 of their size, and the angle to 2e-7; tests/accuracy.rs has the rest.
-const LINE_TOLERANCE: f64 = 3e-6;
+/// step whose own is of order five while the Jacobian is that of its start (tests/limits.rs). With all three, a minute of
+/// walking at a millisecond keeps current, speed and angle to 2e-7 of their size; tests/accuracy.rs has the rest.
+const LINE_TOLERANCE: f64 = 3e-5;
 /// Sizes below which an error no longer counts as relative: 1 A, 10 rad/s.
 const FAST_FLOOR: Fast = Vector2::new(1.0, 10.0);
 /// A temperature error below this is none, K (times [`TOLERANCE`]).
@@ -56,6 +56,9 @@ const STALE: f64 = 3e-6;
 const STALE_AT_MOST: f64 = 1e-3;
 /// Rounds in which the two blocks may agree.
 const ROUNDS: usize = 4;
+/// A step that would be this share of what is left takes all of it: as it aims at half of the error that is allowed, that
+/// still serves. A step that is refused is cut to less.
+const WHOLE: f64 = 0.8;
 /// No motor is this hot, K: a solution that comes here has run away, and there is no use in following it.
 const ABSURD: f64 = 1e5;
 /// A step cut below this share of the caller's step is a failure, not an accuracy.
@@ -199,9 +202,8 @@ impl<const N: usize> Split<N> {
         now.passed = Passed::default();
         let mut backup = None;
         loop {
-            // Close to the end, take all of what is left, so that no sliver remains.
             let rest = h - done;
-            let try_h = if trial >= rest * (1.0 - 1e-9) { rest } else { trial.min(0.5 * rest) };
+            let try_h = if trial >= rest * WHOLE { rest } else { trial.min(0.5 * rest) };
             let (next, error) = self.step(system, &now, done, try_h, &mut backup);
             if error <= 1.0 {
                 now = next;
@@ -275,6 +277,7 @@ impl<const N: usize> Split<N> {
         let (a, m) = (fast.matrix(), thermal.matrix());
         let (capacity, per_joule) = (system.capacity(), system.inverse_capacity());
 
+        let [tolerance, stage_tolerance, line_tolerance] = self.tolerances(system.bends_where_stiff());
         let (middle, until) = (t + 0.5 * h, t + h);
         let start = system.instant(t, &x0, &temp0);
         let slope0 = system.fast_rates_at(t, &x0, &temp0, &start);
@@ -321,7 +324,7 @@ impl<const N: usize> Split<N> {
             );
             let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
             let moved = (end - temp1).amax().max((half - tempm).amax());
-            let settled = SENSITIVITY * moved <= 0.3 * TOLERANCE * self.ease;
+            let settled = SENSITIVITY * moved <= 0.3 * stage_tolerance;
             round += 1;
             if !settled && round < ROUNDS {
                 (tempm, temp1) = (half, end);
@@ -343,9 +346,9 @@ impl<const N: usize> Split<N> {
             let shape = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
             let shape = (shape.component_mul(per_joule) * h).amax();
             let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
-            let [tolerance, stage, line] = self.tolerances(system.bends_where_stiff());
-            let of_heat = miss_thermal + doubt + SENSITIVITY * (moved + shape);
-            let error = miss / line + late / stage + of_heat / tolerance;
+            let of_heat = miss_thermal + doubt + SENSITIVITY * shape;
+            let error =
+                miss / line_tolerance + (late + SENSITIVITY * moved) / stage_tolerance + of_heat / tolerance;
             // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -m.tr_mul(capacity);
             let over_time = thermal.integral(&temp0, &warming);

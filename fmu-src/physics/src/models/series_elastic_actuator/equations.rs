@@ -16,11 +16,14 @@
 //! *Neglects* the mass of springs, lever and nut (add it to the inertia), and what the motor's own FMU says of
 //! its temperature, which the current control finds out.
 
-use super::{Actuator, At, Inputs, Outputs, STATES};
+use super::{Actuator, At, Inputs, LIST, OPENING, Outputs, STATES};
 use crate::components::springs::Deflected;
 use crate::components::torque_control::{Command, Seen, Wanted};
 use crate::components::transmission::Coupling;
+use crate::explicit::{Line, sizes};
 use crate::ledger::{Account, Ledger};
+use crate::solver::explicit::{Tried, share_of};
+use crate::solver::lobatto::{AT, POINTS, integral, integrals};
 
 /// Places of the states.
 pub(super) const DEMAND: usize = 0;
@@ -31,7 +34,8 @@ const ENERGY_SHAFT: usize = 4;
 const ENERGY_JOINT: usize = 5;
 const ENERGY_TRANSMISSION: usize = 6;
 const ENERGY_SUPPLY: usize = 7;
-
+/// Points of a step's quadrature after the first.
+const LATER: usize = POINTS - 1;
 /// Transmission and springs at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Mechanics {
@@ -114,6 +118,12 @@ impl Actuator {
         Point { mechanics: m, command, supply_power, motor_power, rates }
     }
 
+    /// The same at the states `x`, `t` seconds into a step.
+    pub fn at_line(&self, line: &Line<'_, Inputs, OPENING>, t: f64, x: &[f64; STATES]) -> Point {
+        let inputs = line.inputs(t);
+        self.at(&At { time: line.time + t, inputs: &inputs, states: x, opening: line.opening })
+    }
+
     /// Transmission and springs, where the input shaft has this twist against the motor's, rad, and speed, rad/s;
     /// `opening` is its turn where the motor shows 0, rad.
     #[inline(always)]
@@ -151,11 +161,17 @@ impl Actuator {
         }
     }
 
+    /// Speed at which the motor moves with joint and demand, rad/s, for the rate of the demand, N.m/s.
+    #[inline(always)]
+    fn way_speed(&self, u: &Inputs, m: &Mechanics, demand_rate: f64) -> f64 {
+        m.ratio * u.joint_speed + m.ratio / self.spring.stiffness * demand_rate
+    }
+
     /// The current that the control wants, for the rate of the demand, N.m/s.
     #[inline(always)]
     fn wanted(&self, u: &Inputs, m: &Mechanics, demand_rate: f64) -> Wanted {
         let turns_per_torque = m.ratio / self.spring.stiffness;
-        let way_speed = m.ratio * u.joint_speed + turns_per_torque * demand_rate;
+        let way_speed = self.way_speed(u, m, demand_rate);
         let seen = Seen {
             demand: m.demand,
             feed_forward: self.transmission.input_torque(m.demand, m.ratio, way_speed).0,
@@ -173,6 +189,100 @@ impl Actuator {
     fn powers(&self, u: &Inputs, command: &Command) -> [f64; 2] {
         let motor = command.voltage[1] * u.motor_current;
         [motor, self.drive.power(motor)]
+    }
+
+    /// Tries a step of `h` seconds behind a rigid coupling, in which nothing has a corner. The rates need no state but the
+    /// filtered demand, which follows a line exactly:
+    ///
+    /// tau_f = tau_d - T tau_d' + (tau_f0 - tau_d0 + T tau_d') exp(-t / T)                                          (7)
+    ///
+    /// All other states are integrals. `None` where the coupling gives, where the voltage is limited, so that its integral
+    /// feeds back on itself, and where there is a corner, at a time that the general integrator has to find.
+    #[inline]
+    pub(super) fn along(
+        &self,
+        line: &Line<'_, Inputs, OPENING>,
+        t: f64,
+        x: &[f64; STATES],
+        first: &Point,
+        h: f64,
+    ) -> Option<Tried<Point, STATES>> {
+        if self.is_elastic() || first.command.is_limited() {
+            return None;
+        }
+        let on: [Inputs; LATER] = std::array::from_fn(|k| line.inputs(t + AT[1 + k] * h));
+        let end = &on[LATER - 1];
+        let filter_time = self.control.filter_time;
+        let demand = end.torque_demand - self.parallel.at(end.joint_angle).0;
+        let slope = (demand - first.mechanics.demand) / h;
+        let apart = first.command.rates[0] - slope;
+        // The points lie symmetrically, so that three exponentials give all.
+        let [early, middle, late] = [1, 2, 3].map(|k| (-AT[k] * h / filter_time).exp());
+        let rate = [early, middle, late, early * late].map(|decay| slope + apart * decay);
+        let seen: [(Mechanics, Wanted); LATER] = std::array::from_fn(|k| {
+            let u = &on[k];
+            let m = self.mechanics(u, [0.0, u.motor_speed], line.opening[0]);
+            (m, self.wanted(u, &m, rate[k]))
+        });
+        let begin = line.inputs(t);
+        let sides = self.sides(&first.mechanics, begin.joint_angle);
+        let corner = first.command.current[0] != first.command.current[1]
+            || seen
+                .iter()
+                .zip(&on)
+                .any(|((m, wanted), u)| wanted.is_limited() || self.sides(m, u.joint_angle) != sides);
+        let way = |u: &Inputs, m: &Mechanics, rate: f64| self.way_speed(u, m, rate);
+        let ways = [
+            way(&begin, &first.mechanics, first.command.rates[0]),
+            way(end, &seen[LATER - 1].0, rate[LATER - 1]),
+        ];
+        if corner
+            || turns_round(ways, self.transmission.w_small.min(self.control.w_small))
+            || turns_round([begin.motor_speed, end.motor_speed], self.transmission.w_small)
+        {
+            return None;
+        }
+        // What the first point has said already, and what the others say.
+        let all = |first: f64, f: &dyn Fn(usize) -> f64| -> [f64; POINTS] { [first, f(0), f(1), f(2), f(3)] };
+        let winding =
+            all(first.command.rates[1], &|k| self.control.winding_up(&seen[k].1, on[k].motor_current));
+        let wound = integrals(&winding, h);
+        let command: [Command; LATER] = std::array::from_fn(|k| {
+            self.control.voltage(&seen[k].1, on[k].motor_current, x[VOLTAGE] + wound[1 + k])
+        });
+        if command.iter().any(Command::is_limited) {
+            return None;
+        }
+        let mut states = *x;
+        let mut errors = [0.0; STATES];
+        states[DEMAND] = demand - filter_time * rate[LATER - 1];
+        let mut add = |state: usize, f: &dyn Fn(usize) -> f64| {
+            let (whole, error) = integral(&all(first.rates[state], f), h);
+            states[state] += whole;
+            errors[state] = error;
+        };
+        add(VOLTAGE, &|k| winding[1 + k]);
+        add(ENERGY_SHAFT, &|k| seen[k].0.load_torque * on[k].motor_speed);
+        add(ENERGY_JOINT, &|k| seen[k].0.joint_torque * on[k].joint_speed);
+        add(ENERGY_TRANSMISSION, &|k| seen[k].0.loss);
+        add(ENERGY_SUPPLY, &|k| self.powers(&on[k], &command[k])[1]);
+        let error = share_of(&errors, &sizes(LIST), x, &states);
+        Some(Tried { states, error, point: None })
+    }
+
+    /// On which sides of all corners of the torque it stands: where demand and spring pass through zero, so that friction
+    /// turns round, where play ends and where contact is whole, and where a parallel spring takes hold: a bit for each.
+    #[inline(always)]
+    fn sides(&self, m: &Mechanics, joint_angle: f64) -> u8 {
+        let half = 0.5 * self.transmission.backlash;
+        let d = m.deflection;
+        u8::from(m.demand > 0.0)
+            | u8::from(m.spring.torque > 0.0) << 1
+            | u8::from(d > half) << 2
+            | u8::from(d < -half) << 3
+            | u8::from(d > 2.0 * half) << 4
+            | u8::from(d < -2.0 * half) << 5
+            | u8::from(self.parallel.is_one_sided() && joint_angle > self.parallel.neutral_angle) << 6
     }
 
     /// The books: the shaft's power goes on to the joint, into springs and inertia, and into heat.
@@ -244,4 +354,12 @@ impl Actuator {
         outputs.energy_balance_error =
             x[ENERGY_SHAFT] - x[ENERGY_JOINT] - x[ENERGY_TRANSMISSION] - (books.stored - now.opening[1]);
     }
+}
+
+/// Whether friction at these speeds before and after a step, rad/s, turns round faster than five points can follow: a tanh
+/// over more than twice its width, where it is not saturated.
+#[inline]
+fn turns_round([from, to]: [f64; 2], small: f64) -> bool {
+    const SATURATED: f64 = 10.0;
+    (from - to).abs() > 2.0 * small && (from * to < 0.0 || from.abs().min(to.abs()) < SATURATED * small)
 }

@@ -14,9 +14,10 @@ use crate::components::springs::{ParallelSpring, SeriesSpring};
 use crate::components::supply::Supply;
 use crate::components::torque_control::TorqueControl;
 use crate::components::transmission::Transmission;
-use crate::explicit::{Explicit, Law, Now};
+use crate::explicit::{Explicit, Law, Line, Now};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, ModelType};
+use crate::solver::explicit::Tried;
 use declare::State;
 
 /// States of the actuator.
@@ -111,6 +112,26 @@ impl Law<STATES, OPENING> for Actuator {
 
     fn complete(&self, now: &At<'_>, point: &Point, outputs: &mut Outputs) {
         self.show_books(now, point, outputs);
+    }
+
+    #[inline]
+    fn one(
+        &self,
+        line: &Line<'_, Inputs, OPENING>,
+        t: f64,
+        x: &[f64; STATES],
+        first: Option<&Point>,
+        h: f64,
+    ) -> Tried<Point, STATES> {
+        let here;
+        let first = match first {
+            Some(first) => first,
+            None => {
+                here = self.at_line(line, t, x);
+                &here
+            }
+        };
+        self.along(line, t, x, first, h).unwrap_or_else(|| self.general(line, t, x, Some(first), h))
     }
 
     fn indicators(&self, _: &At<'_>, p: &Point) -> Indicators {
