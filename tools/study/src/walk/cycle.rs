@@ -2,7 +2,7 @@
 //!
 //! Phi(y) are the temperatures after a stride that began at y.
 //! slope        Phi' = S = exp(A T), A the slopes of the heat flows, T the stride; then Broyden's updates      (1)
-//! steady       y <- y + (1 - S)^-1 (Phi(y) - y), until the step is small                                    (2)
+//! steady       y <- y + (1 - S)^-1 (Phi(y) - y), step by step of 30 K at most until the step is small         (2)
 //! envelope     y after m strides = y + (S^m - 1) (S - 1)^-1 (Phi(y) - y), with m as the error of a jump of m
 //!              against two of m / 2 allows                                                                 (3)
 //!
@@ -19,8 +19,14 @@ use nalgebra::{DMatrix, DVector};
 const STEADY: f64 = 2e-3;
 /// Strides that the search may take.
 const MOST_STRIDES: u32 = 60;
+/// Longest step of the search, K: a slope that was found in the cold does not tell of what is a hundred kelvin warmer.
+const LONGEST: f64 = 30.0;
+/// How far a steady state is moved, along what dies out last, to see whether it comes back, K.
+const NUDGE: f64 = 1.0;
 /// A temperature that no motor has, K.
 const RUNAWAY: f64 = 1000.0;
+/// How often the map is doubled until what dies out last is left: strides of seconds against hours.
+const DOUBLINGS: usize = 24;
 /// Strides at the start until motion and current repeat.
 const SETTLING: u32 = 2;
 /// Error of a jump that is taken, K.
@@ -60,7 +66,7 @@ pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
     }
     let mut y = DVector::from_vec(walker.temperatures());
     let (Change { gain: mut f, .. }, s) = change_with_slopes(&mut walker)?;
-    let mut minus = s - DMatrix::identity(y.len(), y.len());
+    let mut minus = &s - DMatrix::identity(y.len(), y.len());
     let mut walked = SETTLING + 1;
     let runaway = || {
         StudyError::Unsettled(
@@ -69,7 +75,8 @@ pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
         )
     };
     while walked < MOST_STRIDES {
-        let step = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
+        let mut step = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
+        step *= (LONGEST / step.amax()).min(1.0);
         let next = &y + &step;
         if next.iter().any(|t| !(0.0..RUNAWAY).contains(t)) {
             return Err(runaway());
@@ -84,10 +91,30 @@ pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
         // What the next step would be is how far the steady state is.
         let left = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
         if left.amax() < STEADY {
-            return Ok((walker, stride, walked));
+            return if comes_back(&walker, &f, s)? {
+                Ok((walker, stride, walked + 1))
+            } else {
+                Err(runaway())
+            };
         }
     }
     Err(runaway())
+}
+
+/// Whether a walker in its steady state, in which a stride gains `f`, comes back to it from a little above; `s` are about the slopes of
+/// the map. Where the winding's heat grows faster with its temperature than what it drives out, there is a second steady state, to
+/// which nothing leads.
+fn comes_back(walker: &Walker, f: &DVector<f64>, s: DMatrix<f64>) -> Result<bool, StudyError> {
+    // S^(2^k) is, but for its size, what dies out last times what of a change belongs to that.
+    let far = (0..DOUBLINGS).fold(s, |s, _| {
+        let twice = &s * &s;
+        &twice / twice.amax()
+    });
+    let (way, part) = (far.column(0) / far.column(0).amax(), far.row(0));
+    let mut walker = walker.clone();
+    let moved = DVector::from_vec(walker.temperatures()) + way * NUDGE;
+    walker.put_temperatures(moved.as_slice());
+    Ok((part * (change(&mut walker)?.gain - f))[0] < 0.0)
 }
 
 /// A point of the envelope.
@@ -190,7 +217,46 @@ fn jumped(s: &DMatrix<f64>, f: &DVector<f64>, m: u64, y: &DVector<f64>) -> DVect
 
 #[cfg(test)]
 mod tests {
+    use super::super::load::Load;
     use super::*;
+    use describe::Preset;
+
+    fn bare(support: f64) -> Walker {
+        let preset = Preset::load("thesis-rig").unwrap();
+        let text = format!(
+            "[motor]\ndrive_mode = \"current\"\ncooling_mode = \"bare\"\n[gait]\n\"gait.support\" = {support}\n\
+             [actuator]\n\"transmission.ratio\" = 250\n\"transmission.efficiency\" = 0.85\n\"spring.stiffness\" = 250\n"
+        );
+        Load::parse(&text, "gait.toml", Some(&preset), &[]).unwrap().walker().unwrap()
+    }
+
+    /// Up to where the winding runs away there is a steady state, the hotter the more is asked of it. Steps as long as the slopes in
+    /// the cold say lead past it, near the end beyond all bounds.
+    #[test]
+    fn steady_states_end_where_the_winding_runs_away() {
+        let found: Vec<Option<f64>> = (0..13)
+            .map(|k| steady(&bare(0.40 + 0.02 * f64::from(k))).ok().map(|(_, stride, _)| stride.winding[0]))
+            .collect();
+        println!("{found:?}");
+        let settled = found.iter().take_while(|t| t.is_some()).count();
+        assert!((7..12).contains(&settled), "{settled}");
+        assert!(found[..settled].windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(found[settled..].iter().all(Option::is_none));
+    }
+
+    /// A little above the steady state the winding comes back to it; far above it warms on and on.
+    #[test]
+    fn beyond_the_second_steady_state_nothing_comes_back() {
+        let (walker, ..) = steady(&bare(0.5)).unwrap();
+        let back = |warmer: f64| {
+            let mut walker = walker.clone();
+            let hot: Vec<f64> = walker.temperatures().iter().map(|t| t + warmer).collect();
+            walker.put_temperatures(&hot);
+            let (Change { gain, .. }, s) = change_with_slopes(&mut walker.clone()).unwrap();
+            comes_back(&walker, &gain, s).unwrap()
+        };
+        assert!(back(0.0) && !back(200.0));
+    }
 
     /// A map that is a straight line: m strides at once are m strides one after the other.
     #[test]

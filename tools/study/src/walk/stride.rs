@@ -46,6 +46,11 @@ struct Read {
     supply: Slot,
 }
 
+/// Whether the step is one of the [`INSTANTS`] that are spread over a stride of so many steps.
+fn is_looked_at(step: u32, steps: u32) -> bool {
+    step * INSTANTS % steps < INSTANTS
+}
+
 /// The three models on their way.
 pub struct Walker {
     models: [Box<dyn Model>; 3],
@@ -217,7 +222,7 @@ impl Walker {
         let n = self.temperatures().len();
         let mut slopes = vec![vec![0.0; n]; n];
         let stride = self.steps_of_a_stride(|walker, step| {
-            if step % (walker.steps / INSTANTS).max(1) == 0 {
+            if is_looked_at(step, walker.steps) {
                 walker.add_slopes(&mut slopes, 1.0 / f64::from(INSTANTS));
             }
         })?;
@@ -241,6 +246,23 @@ impl Walker {
                     slopes[row][column] += share * sign * rate / (2.0 * DIFFERENCE);
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The shares of a mean add up to one, whatever the stride: as many looks as there are instants, as far apart as may be.
+    #[test]
+    fn a_stride_is_looked_at_as_often_as_its_mean_counts() {
+        for steps in [810u32, 970, 1110, 1120, 1123, 1124, 1380, 1580] {
+            let looks: Vec<u32> = (0..steps).filter(|&step| is_looked_at(step, steps)).collect();
+            assert_eq!(looks.len() as u32, INSTANTS, "{steps}");
+            let ends = looks.iter().skip(1).chain(std::iter::once(&steps));
+            let apart = looks.iter().zip(ends).map(|(a, b)| b - a);
+            assert!(apart.into_iter().all(|d| d.abs_diff(steps / INSTANTS) <= 1), "{steps} {looks:?}");
         }
     }
 }
