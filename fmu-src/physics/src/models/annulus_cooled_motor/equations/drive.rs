@@ -52,7 +52,7 @@ impl Step<'_> {
     }
 
     /// Copper loss of the ripple with the winding at `t_w`, W.
-    #[inline]
+    #[inline(always)]
     pub(super) fn ripple_loss(&self, t_w: f64) -> f64 {
         if self.chopper.ripple == 0.0 { 0.0 } else { self.resistance(t_w) * self.chopper.ripple }
     }
