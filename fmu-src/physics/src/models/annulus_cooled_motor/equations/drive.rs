@@ -33,6 +33,12 @@ impl Chopper {
 }
 
 impl Step<'_> {
+    /// Whether the drive loses something.
+    #[inline]
+    pub(super) fn loses(&self) -> bool {
+        self.chopper.loses
+    }
+
     /// Volts lost as heat in the bridge at the current `i`.
     #[inline]
     pub(super) fn bridge(&self, i: f64) -> f64 {
