@@ -320,7 +320,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
             self.forget();
             return self.inputs.set(slot.row as usize, value);
         }
-        let before = (slot.group as usize >= OWN).then(|| self.law);
+        let before = (slot.group as usize >= OWN).then_some(self.law);
         let taken = self.set_value(slot.group as usize, slot.row as usize, value);
         if let Some(before) = before {
             self.opening = self.law.retuned(&before, &self.now());
