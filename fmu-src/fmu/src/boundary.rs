@@ -46,21 +46,33 @@ pub unsafe fn enter(
     // SAFETY: by contract; instances are not shared between threads during a call (FMI 2 section 2.1.1, FMI 3
     // section 2.2.1).
     let instance = unsafe { &mut *handle.cast::<Instance>() };
-    let outcome = catch_unwind(AssertUnwindSafe(|| operation(instance)));
-    match outcome {
-        Ok(Ok(())) => Status::Ok,
-        Ok(Err(refused)) => {
-            instance.log.tell(refused.status, &format!("{name}: {}", refused.message));
-            refused.status
-        }
-        Err(_) => {
-            instance.break_down();
-            instance
-                .log
-                .tell(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
-            Status::Error
-        }
-    }
+    // Judged where it arises, a good outcome is no more than its status.
+    let judged = catch_unwind(AssertUnwindSafe(|| match operation(&mut *instance) {
+        Ok(()) => Status::Ok,
+        Err(refused) => refuse(instance, name, &refused),
+    }));
+    judged.unwrap_or_else(|_| fail(instance, name))
+}
+
+/// Tells why a call was not done.
+#[cold]
+fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
+    instance.log.tell(refused.status, &format!("{name}: {}", refused.message));
+    refused.status
+}
+
+/// After a panic.
+#[cold]
+fn fail(instance: &mut Instance, name: &str) -> Status {
+    instance.break_down();
+    instance.log.tell(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
+    Status::Error
+}
+
+/// An array that is not there.
+#[cold]
+fn missing(n: usize, what: &str) -> Refused {
+    Refused::error(format!("{what} is NULL though {n} elements are announced."))
 }
 
 /// What an importer says of an instance that it wants.
@@ -181,7 +193,7 @@ pub unsafe fn take_back(handle: *mut c_void) {
 pub unsafe fn array<'a, T>(pointer: *const T, n: usize, what: &str) -> Outcome<&'a [T]> {
     match (n, pointer.is_null()) {
         (0, _) => Ok(&[]),
-        (_, true) => Err(Refused::error(format!("{what} is NULL though {n} elements are announced."))),
+        (_, true) => Err(missing(n, what)),
         // SAFETY: by contract.
         _ => Ok(unsafe { std::slice::from_raw_parts(pointer, n) }),
     }
@@ -195,7 +207,7 @@ pub unsafe fn array<'a, T>(pointer: *const T, n: usize, what: &str) -> Outcome<&
 pub unsafe fn array_mut<'a, T>(pointer: *mut T, n: usize, what: &str) -> Outcome<&'a mut [T]> {
     match (n, pointer.is_null()) {
         (0, _) => Ok(&mut []),
-        (_, true) => Err(Refused::error(format!("{what} is NULL though {n} elements are announced."))),
+        (_, true) => Err(missing(n, what)),
         // SAFETY: by contract.
         _ => Ok(unsafe { std::slice::from_raw_parts_mut(pointer, n) }),
     }

@@ -112,11 +112,14 @@ impl Instance {
         })
     }
 
+    #[inline]
     fn require(&self, allowed: &[Mode]) -> Outcome {
-        if allowed.contains(&self.mode) {
-            return Ok(());
-        }
-        Err(Refused::error(format!("not allowed while the instance is {}.", self.mode.words())))
+        if allowed.contains(&self.mode) { Ok(()) } else { Err(self.not_now()) }
+    }
+
+    #[cold]
+    fn not_now(&self) -> Refused {
+        Refused::error(format!("not allowed while the instance is {}.", self.mode.words()))
     }
 
     /// After a panic: nothing but reset and free is allowed.

@@ -297,7 +297,10 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
     #[inline]
     fn get(&mut self, slot: Slot) -> f64 {
         match slot.group as usize {
-            OUTPUTS => self.show(slot.row as usize),
+            OUTPUTS => {
+                self.show(slot.row as usize);
+                return self.outputs.get(slot.row as usize);
+            }
             INDICATORS => {
                 let now = now!(self);
                 let point = self.point.get_or_insert_with(|| self.law.point(&now));
@@ -312,6 +315,11 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
 
     #[inline]
     fn set(&mut self, slot: Slot, value: f64) -> bool {
+        // What masters set at every step comes first.
+        if slot.group as usize == INPUTS {
+            self.forget();
+            return self.inputs.set(slot.row as usize, value);
+        }
         let before = (slot.group as usize >= OWN).then_some(self.law);
         let taken = self.set_value(slot.group as usize, slot.row as usize, value);
         if let Some(before) = before {

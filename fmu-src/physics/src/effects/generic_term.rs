@@ -127,11 +127,17 @@ impl Effect for GenericTerms {
 
     #[inline]
     fn drag_torque<D: Number>(&self, w: D) -> D {
+        if !self.is_on() {
+            return D::from(0.0);
+        }
         self.along(Port::DragTorque, w) * smooth_sign(w, self.tuning.w_small)
     }
 
     #[inline]
     fn terminal_voltage<D: Number>(&self, i: D) -> D {
+        if !self.is_on() {
+            return D::from(0.0);
+        }
         self.along(Port::TerminalVoltage, i) * smooth_sign(i, I_SMALL)
     }
 

@@ -138,9 +138,20 @@ impl<'a> Graph<'a> {
         // An input waits as long as nobody needs it, so that most inputs of a component go in one call.
         let needed = |input: usize| {
             let users = (0..count).filter(|o| self.through[*o].contains(&input));
-            users.map(|o| read[o]).min().map_or(rounds.saturating_sub(1), |first| first - 1)
+            users.map(|o| read[o]).min().map(|first| first - 1)
         };
-        let set = (0..self.wiring.feeds.len()).map(needed).collect();
+        let feeds = &self.wiring.feeds;
+        let asked: Vec<Option<usize>> = (0..feeds.len()).map(needed).collect();
+        // One that nobody needs goes with others of its component: set after its outputs were read, it would let the
+        // component forget what it has computed for them.
+        let with_others = |input: usize| {
+            let feed = &feeds[input];
+            let others = feeds.iter().zip(&asked).filter(|(f, _)| f.port.component == feed.port.component);
+            others.filter_map(|(_, round)| *round).filter(|round| *round >= read[feed.source]).max()
+        };
+        let last = rounds.saturating_sub(1);
+        let round = |input: usize| asked[input].or_else(|| with_others(input)).unwrap_or(last);
+        let set = (0..feeds.len()).map(round).collect();
         (read, set, rounds)
     }
 

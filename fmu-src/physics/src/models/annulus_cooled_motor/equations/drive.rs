@@ -33,6 +33,12 @@ impl Chopper {
 }
 
 impl Step<'_> {
+    /// Whether the drive loses something.
+    #[inline]
+    pub(super) fn loses(&self) -> bool {
+        self.chopper.loses
+    }
+
     /// Volts lost as heat in the bridge at the current `i`.
     #[inline]
     pub(super) fn bridge(&self, i: f64) -> f64 {
@@ -52,7 +58,7 @@ impl Step<'_> {
     }
 
     /// Copper loss of the ripple with the winding at `t_w`, W.
-    #[inline]
+    #[inline(always)]
     pub(super) fn ripple_loss(&self, t_w: f64) -> f64 {
         if self.chopper.ripple == 0.0 { 0.0 } else { self.resistance(t_w) * self.chopper.ripple }
     }

@@ -146,15 +146,21 @@ impl System<NODES> for Step<'_> {
             };
             (air_gap, air_gap - friction)
         };
-        let ripple = [0, 1, 2].map(|n| self.ripple_loss(segment.temperature[n][WINDING]));
-        let heat = h * self.heat.at(t + 0.5 * h) + simpson(ripple[0], ripple[1], ripple[2]);
+        let mut heat = h * self.heat.at(t + 0.5 * h);
+        if self.loses() {
+            let ripple = [0, 1, 2].map(|n| self.ripple_loss(segment.temperature[n][WINDING]));
+            heat += simpson(ripple[0], ripple[1], ripple[2]);
+        }
         let mut drive = h * self.drive.at(t + 0.5 * h);
         let (copper, electrical) = if self.is_voltage_driven() {
-            let (bridge, doubt_of_bridge) = against([x0, xm, x1].map(|x| self.bridge(x[0])), 0);
-            let (missed, doubt_of_missed) = against([x0, xm, x1].map(|x| self.missed(x[0])), 0);
-            doubt += doubt_of_bridge + doubt_of_missed;
-            drive += bridge;
-            let supplied = line(&self.voltage, 0) - missed - bridge;
+            let mut supplied = line(&self.voltage, 0);
+            if self.loses() {
+                let (bridge, doubt_of_bridge) = against([x0, xm, x1].map(|x| self.bridge(x[0])), 0);
+                let (missed, doubt_of_missed) = against([x0, xm, x1].map(|x| self.missed(x[0])), 0);
+                doubt += doubt_of_bridge + doubt_of_missed;
+                drive += bridge;
+                supplied = supplied - missed - bridge;
+            }
             (supplied - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, supplied)
         } else {
             let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
