@@ -261,10 +261,10 @@ def test_a_program_is_asked_once_about_each_set_and_counted(suite, capsys):
 
     assert score.main([str(sets), "--page", str(sets / "page.md"), "--command", "cargo"]) == 1
     out = capsys.readouterr().out
-    assert "correctly named, of detectable listed effects: 100.0% (1 of 1), bar >= 95%   met" in out
-    assert "false alarms, of null sets: 50.0% (1 of 2), bar <= 1%   MISSED" in out
-    assert "sets without a report: 33.3% (1 of 3), bar <= 0%   MISSED" in out
-    assert "- bench-1-2: no report: the truth is nothing, said was no report (exit code 2" in (sets / "page.md").read_text()
+    assert "correctly named, of detectable listed effects: 100.0% (1 of 1), criterion >= 95%   met" in out
+    assert "false alarms, of sets without an effect: 50.0% (1 of 2), criterion <= 1%   NOT MET" in out
+    assert "sets without a report: 33.3% (1 of 3), criterion <= 0%   NOT MET" in out
+    assert "- bench-1-2: no report: true effect nothing, reported no report (exit code 2" in (sets / "page.md").read_text()
 
 
 def test_a_program_that_hangs_is_stopped(tmp_path):

@@ -137,15 +137,15 @@ def main(arguments=None) -> int:
         print(sentence)
     every = rates(sets)
     for rate in [*every, *further(sets)]:
-        mark = "" if not rate.bar else "   met" if rate.met else "   MISSED"
-        print(f"{rate.what}: {rate.text}{f', bar {rate.bar}' if rate.bar else ''}{mark}")
+        mark = "" if not rate.bar else "   met" if rate.met else "   NOT MET"
+        print(f"{rate.what}: {rate.text}{f', criterion {rate.bar}' if rate.bar else ''}{mark}")
     for spread in spreads(sets):
         print(f"{spread.what}: {spread.text}")
     if options.page:
         write_page(options.page, sets, wrong, options.command)
     missed = [rate.what for rate in every if not rate.met]
     if missed:
-        print(f"missed: {'; '.join(missed)}")
+        print(f"not met: {'; '.join(missed)}")
     return 1 if missed else 0
 
 
