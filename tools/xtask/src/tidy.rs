@@ -2,6 +2,7 @@
 
 mod arrows;
 mod lengths;
+mod words;
 
 use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
 
@@ -12,6 +13,7 @@ const CHECKS: &[Check] = &[
     ("format", |w| shell::run(&mut w.cargo(&["fmt", "--all", "--check"]))),
     ("dependency arrows", arrows::check),
     ("file lengths", lengths::check),
+    ("words", words::check),
     ("lints", |w| {
         shell::run(&mut w.cargo(&[
             "clippy",
