@@ -380,7 +380,7 @@ BEHAVIOUR = [
     seeded("serialize", "a serialized state lacks a continuous state", "serialize", 3),
     seeded("step-size", "each step is 10 ms, independent of the requested size", "step_ignored", 2),
     seeded("stop-time", "steps after the stop time are accepted", "stop_time", 3),
-    seeded("derivative-value", "a declared derivative is 2 % too large", "derivative_told", 2),
+    seeded("derivative-value", "a declared derivative is 2 % too large", "derivative_declared", 2),
     seeded("exchange-differs", "the spring is 2 % too stiff in Co-Simulation", "dynamics_steps", 3),
     seeded("exchange-differs", "the spring is 2 % too stiff in Model Exchange", "dynamics_exchange", 2),
     seeded("reference-differs", "the spring is 2 % too stiff everywhere", "dynamics", 3),
