@@ -1,4 +1,4 @@
-"""Each numbered example runs as a user runs it, and gives what it gave when its output was stored."""
+"""Each numbered example runs as a user runs it and gives the stored output."""
 
 import json
 import os
