@@ -13,11 +13,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("fmu", &["physics", "terms"]),
     ("describe", &["physics"]),
     ("calibrate", &["physics"]),
-    ("cosim", &[]),
-    ("archive", &["describe", "cosim", "terms"]),
-    ("study", &["physics", "describe"]),
-    ("cli", &["calibrate", "cosim", "archive", "study", "describe"]),
-    ("xtask", &[]),
+    ("present", &[]),
+    ("cosim", &["present"]),
+    ("archive", &["describe", "cosim", "terms", "present"]),
+    ("study", &["physics", "describe", "present"]),
+    ("cli", &["calibrate", "cosim", "archive", "study", "describe", "present"]),
+    ("xtask", &["present"]),
 ];
 
 /// Compares with what `cargo metadata` says.
