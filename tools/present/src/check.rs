@@ -58,7 +58,7 @@ fn of_element(node: Node) -> Vec<String> {
         }
         "svg" => {
             if node.attribute("aria-label").is_none() && node.attribute("role") == Some("img")
-                || !node.parent().is_some_and(|p| p.children().any(|c| c.has_tag_name("figcaption")))
+                || !node.ancestors().any(|a| a.children().any(|c| c.has_tag_name("figcaption")))
             {
                 faults.push("svg without a label or a caption".to_owned());
             }
@@ -77,8 +77,10 @@ fn of_element(node: Node) -> Vec<String> {
         return faults;
     }
     let text: String = node.children().filter_map(|n| n.is_text().then(|| n.text()).flatten()).collect();
-    let is_label =
-        ["h1", "h2", "h3", "th", "td", "summary", "figcaption", "text", "option", "label"].contains(&name);
+    // The first cell of a row is its label.
+    let is_label = ["h1", "h2", "h3", "th", "summary", "figcaption", "text", "option", "label"]
+        .contains(&name)
+        || name == "td" && node.prev_sibling_element().is_none();
     if is_label && let Some(key) = text.split_whitespace().find(|word| is_key(word)) {
         faults.push(format!("raw key as a label: {key} in {:?}", begin()));
     }
@@ -121,6 +123,10 @@ mod tests {
             ("<figure><svg/></figure>", "caption"),
             ("<h2>What is said</h2>", "noun phrase"),
             ("<h2>current_rms</h2>", "raw key"),
+            (
+                "<div class=\"wide\"><table><tr><td>current_rms_A</td><td>by cooling_mode</td></tr></table></div>",
+                "raw key",
+            ),
             (
                 "<figure><svg aria-label=\"a\"><text>shaft_torque, N.m</text></svg><figcaption>c</figcaption></figure>",
                 "raw key",

@@ -94,16 +94,26 @@ pub struct Figure {
     panels: Vec<Panel>,
     notes: Vec<(f64, String)>,
     categories: Vec<String>,
+    remark: String,
     thin: bool,
 }
 
 impl Figure {
-    /// An empty figure with one panel.
+    /// A figure with one panel.
     pub fn new(title: &str, x: Axis, y: Axis) -> Figure {
-        let (notes, categories) = (Vec::new(), Vec::new());
-        let figure =
-            Figure { title: title.to_owned(), x, panels: Vec::new(), notes, categories, thin: false };
-        figure.panel(y)
+        Figure::stacked(title, x).panel(y)
+    }
+
+    /// A figure whose panels are still to come.
+    pub fn stacked(title: &str, x: Axis) -> Figure {
+        let (panels, notes, categories) = (Vec::new(), Vec::new(), Vec::new());
+        Figure { title: title.to_owned(), x, panels, notes, categories, remark: String::new(), thin: false }
+    }
+
+    /// With a remark below.
+    pub fn remark(mut self, text: &str) -> Figure {
+        text.clone_into(&mut self.remark);
+        self
     }
 
     /// With a further panel below.
@@ -161,10 +171,9 @@ impl Figure {
         self
     }
 
-    /// With the next series in the colour of the last.
-    pub fn same_colour(mut self) -> Figure {
-        let panel = self.last();
-        panel.next_colour = panel.next_colour.saturating_sub(1);
+    /// With the next series in this colour, the following ones in the colours after it.
+    pub fn colour(mut self, colour: usize) -> Figure {
+        self.last().next_colour = colour;
         self
     }
 
@@ -194,6 +203,12 @@ impl Figure {
     /// The title.
     pub fn title(&self) -> &str {
         &self.title
+    }
+
+    /// The SVG, complete in itself.
+    pub fn svg(&self) -> String {
+        let (content, height) = self.markup();
+        frame(&self.title, content, height)
     }
 
     fn x_scale(&self, left: f64) -> Scale {
@@ -227,7 +242,12 @@ impl Figure {
                 @let _ = below += tall;
             }
         };
-        (panels, below)
+        let lines = wrap(&self.remark, WIDTH - 2.0 * PAD);
+        let remark = html! {
+            (panels)
+            @for (k, line) in lines.iter().enumerate() { (text(PAD, below + LINE * (k as f64 + 1.0), "s", line)) }
+        };
+        (remark, below + if lines.is_empty() { 0.0 } else { LINE * lines.len() as f64 + PAD })
     }
 
     /// A panel, with its height: legend, label of the y axis, axes and series, label of the x axis.
@@ -359,8 +379,7 @@ fn draw_series(series: &Series, x: &Scale, y: &Scale, thin: bool) -> Markup {
 
 impl Drawing for Figure {
     fn svg(&self) -> String {
-        let (content, height) = self.markup();
-        frame(&self.title, content, height)
+        Figure::svg(self)
     }
 }
 

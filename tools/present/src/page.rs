@@ -14,7 +14,8 @@ h1{font-size:1.7rem;line-height:1.25;margin:0 0 .4rem}h2{font-size:1.25rem;margi
 h3{font-size:1.05rem;margin:1.6rem 0 .4rem}p,li{max-width:76ch}a{color:var(--link)}\
 .soft,figcaption{color:var(--soft)}.lead{font-size:1.15rem;line-height:1.45;max-width:66ch}\
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,460px),1fr));gap:1.6rem}\
-figure{margin:0;max-width:640px}figure svg{display:block;width:100%;height:auto}figure.wide-figure{max-width:960px}\
+figure{margin:0;max-width:640px}figure svg{display:block;width:100%;height:auto}figure.picture{max-width:960px}\
+.picture div{overflow-x:auto}.picture svg{min-width:620px}@media (prefers-color-scheme:dark){.picture svg{filter:invert(.93) hue-rotate(180deg)}}\
 figcaption{font-size:.9rem;max-width:70ch}\
 code,pre{font-family:ui-monospace,Consolas,monospace;font-size:.9em}\
 pre{background:var(--raised);padding:.8rem;overflow-x:auto;overflow-wrap:normal}\
@@ -82,10 +83,10 @@ impl Plate {
     }
 }
 
-/// An SVG from elsewhere with its caption, over the page's whole width; its prologue is left out.
+/// An SVG for light paper from elsewhere with its caption. Its prologue is left out; it scrolls in a narrow window.
 pub fn picture(svg: &str, caption: &str) -> Option<Markup> {
     let svg = &svg[svg.find("<svg")?..];
-    Some(html! { figure.wide-figure { (PreEscaped(svg)) figcaption { (caption) } } })
+    Some(html! { figure.picture { div tabindex="0" { (PreEscaped(svg)) } figcaption { (caption) } } })
 }
 
 /// Figures side by side where there is room.
