@@ -195,9 +195,12 @@ def test_the_table_has_every_truth_and_the_page_every_failure(tmp_path):
     text = (tmp_path / "blind.md").read_text()
     assert "- bench-1-0: a sentence\n" in text and "made by `a command`." in text and "](blind.svg)" in text
     assert "| 80.0% (8 of 10) | >= 95% | **missed** |" in text
-    figure = (tmp_path / "blind.svg").read_text()
-    assert figure.count(page.shade(0.2, False)) == 2 and figure.count(page.shade(0.8, True)) == 2
-    assert figure.count(">windage</text>") == 1 and figure.count('text-anchor="middle"') == 6
+    rows, columns, grid = page.cells(sets)
+    assert rows == ["nothing (5)", "iron_loss (10)", "drag_power_075 (10)"] and columns[0] == "nothing"
+    assert [[count for count, _ in row] for row in grid].count([0] * len(columns)) == 0
+    colours = [colour for row in grid for _, colour in row]
+    assert colours.count(page.shade(0.2, False)) == 2 and colours.count(page.shade(0.8, True)) == 2
+    assert (tmp_path / "blind.svg").read_text().count(">windage</text>") == 1
 
 
 STAND_IN = """#!{python}
