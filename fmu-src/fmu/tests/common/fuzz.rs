@@ -9,6 +9,8 @@ use motor_fmu::instance::IntermediateUpdate;
 use motor_fmu::logger::Status;
 use physics::declare::Elements;
 use physics::model::{Element, ModelType};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
@@ -45,20 +47,20 @@ unsafe extern "C" fn logger3(
     hear(message);
 }
 
-/// Numbers without pattern (SplitMix64), the same for the same seed.
-pub struct Dice(pub u64);
+/// Random numbers, the same for the same seed.
+pub struct Dice(Pcg64Mcg);
 
 impl Dice {
+    fn new(seed: u64) -> Dice {
+        Dice(Pcg64Mcg::seed_from_u64(seed))
+    }
+
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.next_u64()
     }
 
     fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
+        self.0.random_range(0..n)
     }
 
     fn one<T: Copy>(&mut self, of: &[T]) -> T {
@@ -139,8 +141,11 @@ impl Toy {
             declaration.entries.iter().map(|e| e.value_reference).chain([0, 99, u32::MAX]).collect();
         let seen: Vec<u32> =
             declaration.entries.iter().filter(|e| e.is_intermediate()).map(|e| e.value_reference).collect();
-        let mut looker =
-            Box::new(Looker { handle: null_mut(), dice: Dice(dice.next()), references: references.clone() });
+        let mut looker = Box::new(Looker {
+            handle: null_mut(),
+            dice: Dice::new(dice.next()),
+            references: references.clone(),
+        });
         let (events, early, looks) = (dice.below(2) as u8, dice.below(2) as u8, dice.below(3) == 0);
         let token = CString::new(declaration.token.clone()).unwrap();
         let (three, exchange) = (dice.below(2) == 1, dice.below(2) == 1);
@@ -438,7 +443,7 @@ pub fn play(seconds: f64, seed: u64, kind: Option<&'static ModelType>) -> (u64, 
     let end = Instant::now() + Duration::from_secs_f64(seconds);
     let (mut calls, mut done, mut round) = (0, 0, seed);
     while Instant::now() < end {
-        let mut dice = Dice(round);
+        let mut dice = Dice::new(round);
         let mut toy = Toy::new(&mut dice, kind);
         for _ in 0..400 {
             calls += 1;
