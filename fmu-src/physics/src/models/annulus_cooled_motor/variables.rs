@@ -158,8 +158,7 @@ variables! {
         /// Heat given to the surroundings since the start, without the power of the fan
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
         /// Energy taken in, less given out, less stored, since the start; zero but for rounding
-        // What is stored counts from 0 K: it is the rounding of so much that is left.
-        energy_balance_error: f64 = Variable::output(48, Unit::Joule).nominal(1e5),
+        energy_balance_error: f64 = Variable::output(48, Unit::Joule),
     }
 }
 
