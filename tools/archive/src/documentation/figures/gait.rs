@@ -32,8 +32,9 @@ pub fn torques(native: &Native<'_>) -> Option<Figure> {
         (joint.to_string(), points.unwrap_or_default())
     };
     let caption = format!(
-        "Level walking at the speed that one chooses, gait.body_mass {} kg, gait.support {}. Positive is extension, \
-         plantarflexion at the ankle; the stride begins at heel strike.",
+        "{}. gait.body_mass {} kg, gait.support {}. Positive is extension, plantarflexion at the ankle; the stride begins \
+         at heel strike.",
+        source(native, "walk")?,
         native.starts.of(native.entry("gait.body_mass")?),
         native.starts.of(native.entry("gait.support")?)
     );
@@ -46,16 +47,24 @@ pub fn torques(native: &Native<'_>) -> Option<Figure> {
     )
 }
 
-/// The power of the ankle in every activity.
+/// Subjects and publication of an activity, from its declaration.
+fn source(native: &Native<'_>, activity: &str) -> Option<&'static str> {
+    match native.entry("gait.activity")?.row.kind {
+        Kind::Enumeration(t) => t.items.iter().find(|i| i.name == activity).map(|i| i.doc.trim()),
+        _ => None,
+    }
+}
+
+/// The power of the ankle in several activities.
 pub fn powers(native: &Native<'_>) -> Option<Figure> {
-    let activities = ["walk_slow", "walk", "walk_fast", "stairs_up", "stairs_down"];
+    let activities = ["walk", "stairs_up", "stairs_down", "child_walk"];
     let line = |activity: &&str| {
         let points = stride(native, "power_demand", &[("gait.joint", "ankle"), ("gait.activity", activity)]);
         (activity.to_string(), points.unwrap_or_default())
     };
-    let caption = "The ankle in five activities. Positive is power into the leg. On stairs the power is measured, and how it \
-                   is shared out between torque and speed an estimate."
-        .to_string();
+    let sources: Option<Vec<String>> =
+        activities.iter().map(|a| source(native, a).map(|text| format!("{a}: {text}"))).collect();
+    let caption = format!("Positive is power into the leg. {}.", sources?.join(". "));
     figure(
         "Power of the ankle",
         "stride, %",
