@@ -63,25 +63,31 @@ variables! {
     /// Person, activity, and the fraction of the torque that the actuator provides.
     pub struct Gait {
         /// Body mass, including carried loads
-        body_mass: f64 = Variable::tunable(0, 75.0, Unit::Kilogram, 1.0, 500.0),
+        body_mass: f64 = Variable::tunable(0, 75.0, Unit::Kilogram, 1.0, 500.0)
+            .source("usual adult of gait studies"),
         /// Activity, with the subjects and the publication of its data
         activity: Activity = Variable::choice(1, 3),
         /// Loaded joint
         joint: Joint = Variable::choice(2, 3),
         /// Fraction of the biological torque that is demanded of the actuator
-        support: f64 = Variable::tunable(3, 1.0, Unit::One, -2.0, 2.0),
+        support: f64 = Variable::tunable(3, 1.0, Unit::One, -2.0, 2.0)
+            .source("the whole biological torque"),
         /// Coefficient of variation between strides, of stride time, range of angle and torque each
         variation: f64 = Variable::tunable(4, 0.0, Unit::One, 0.0, 0.2),
         /// Seed of the random numbers of the variation
-        seed: i32 = Variable::tunable_count(5, 1, 0, 1_000_000_000),
+        seed: i32 = Variable::tunable_count(5, 1, 0, 1_000_000_000)
+            .source("arbitrary"),
         /// Gait phase at the start, from heel strike
         initial_phase: f64 = Variable::tunable(6, 0.0, Unit::One, 0.0, 1.0),
         /// Time at which walking begins; where it is earlier than the start of the simulation by more than the ramp, the person walks from the start
-        start_time: f64 = Variable::tunable(7, -10.0, Unit::Second, -1e6, 1e9).nominal(10.0),
+        start_time: f64 = Variable::tunable(7, -10.0, Unit::Second, -1e6, 1e9).nominal(10.0)
+            .source("earlier than any start by more than the ramp"),
         /// Time at which the person begins to stop
-        stop_time: f64 = Variable::tunable(8, 1e9, Unit::Second, -1e6, 1e9).nominal(10.0),
+        stop_time: f64 = Variable::tunable(8, 1e9, Unit::Second, -1e6, 1e9).nominal(10.0)
+            .source("later than any stop"),
         /// Duration of starting and of stopping
-        ramp_time: f64 = Variable::tunable(9, 2.0, Unit::Second, 0.01, 1e3).log(),
+        ramp_time: f64 = Variable::tunable(9, 2.0, Unit::Second, 0.01, 1e3).log()
+            .source("estimate"),
     }
 }
 

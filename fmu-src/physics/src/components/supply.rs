@@ -22,9 +22,11 @@ variables! {
     /// Power balance of the drive.
     pub struct Supply {
         /// Efficiency of the drive
-        efficiency: f64 = Variable::tunable(0, 1.0, Unit::One, 0.05, 1.0),
+        efficiency: f64 = Variable::tunable(0, 1.0, Unit::One, 0.05, 1.0)
+            .source("neutral: no loss"),
         /// Fraction of a braking motor's power that the drive regenerates, before its losses
-        regeneration: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 1.0),
+        regeneration: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 1.0)
+            .source("neutral: no loss"),
         /// Standby power of the electronics
         standby_power: f64 = Variable::tunable(2, 0.0, Unit::Watt, 0.0, 1e4),
         /// Electrical power of the motor that the drive supplies

@@ -23,25 +23,34 @@ variables! {
     /// The control, with its motor data: the declared values are those of the declared motor.
     pub struct TorqueControl {
         /// Natural frequency of the torque's error
-        natural_frequency: f64 = Variable::tunable(0, 40.0, Unit::Hertz, 0.01, 1e4).log(),
+        natural_frequency: f64 = Variable::tunable(0, 40.0, Unit::Hertz, 0.01, 1e4).log()
+            .source("design choice"),
         /// Damping ratio of the torque's error
-        damping_ratio: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 10.0),
+        damping_ratio: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 10.0)
+            .source("design choice: no overshoot"),
         /// Time constant of the filter that differentiates the demand
-        filter_time: f64 = Variable::tunable(2, 0.002, Unit::Second, 1e-5, 10.0).log(),
+        filter_time: f64 = Variable::tunable(2, 0.002, Unit::Second, 1e-5, 10.0).log()
+            .source("design choice"),
         /// Current limit of the drive
-        current_max: f64 = Variable::tunable(3, 30.0, Unit::Ampere, 0.0, 1e4),
+        current_max: f64 = Variable::tunable(3, 30.0, Unit::Ampere, 0.0, 1e4)
+            .source("design choice"),
         /// Bandwidth of the current control's integral part
-        current_bandwidth: f64 = Variable::tunable(4, 50.0, Unit::Hertz, 0.0, 1e4),
+        current_bandwidth: f64 = Variable::tunable(4, 50.0, Unit::Hertz, 0.0, 1e4)
+            .source("design choice"),
         /// Torque constant of the motor, as known to the control
-        k_t: f64 = Variable::tunable(5, 0.0276, Unit::NewtonMetrePerAmpere, 1e-6, 1e3).log(),
+        k_t: f64 = Variable::tunable(5, 0.0276, Unit::NewtonMetrePerAmpere, 1e-6, 1e3).log()
+            .source("maxon datasheet 305015"),
         /// Terminal resistance of the motor, as known to the control
-        R: f64 = Variable::tunable(6, 0.386, Unit::Ohm, 1e-6, 1e4).log(),
+        R: f64 = Variable::tunable(6, 0.386, Unit::Ohm, 1e-6, 1e4).log()
+            .source("maxon datasheet 305015"),
         /// Moment of inertia of rotor and transmission at the motor's shaft, as known to the control
-        J: f64 = Variable::tunable(7, 33.3e-7, Unit::KilogramSquareMetre, 1e-12, 1e3).log(),
+        J: f64 = Variable::tunable(7, 33.3e-7, Unit::KilogramSquareMetre, 1e-12, 1e3).log()
+            .source("maxon datasheet 305015: rotor alone"),
         /// Coulomb friction of the motor, compensated by the control
         tau_c: f64 = Variable::tunable(8, 0.0, Unit::NewtonMetre, 0.0, 1e3),
         /// Speed of the motor below which the friction compensation falls to zero
-        w_small: f64 = Variable::tunable(9, 5.0, Unit::RadianPerSecond, 1e-6, 1e3).log(),
+        w_small: f64 = Variable::tunable(9, 5.0, Unit::RadianPerSecond, 1e-6, 1e3).log()
+            .source("regularisation width, chosen"),
     }
 }
 
