@@ -1,8 +1,8 @@
 """How far is the coupled system from one integration of its joined equations, and how fast does that shrink with the step?
 
 The powered ankle as three FMUs, run by `motor-fmu cosim` at steps from 0.125 to 1 ms with held inputs, with slopes, and with Gauss-Seidel,
-against the solution of the joined equations (`tests/reference/coupled-ankle`). Held inputs err with the first order of the step: each FMU
-sees the others a step late. Slopes make it the second. `--out FOLDER` also writes the figure.
+against the solution of the joined equations (`tests/reference/coupled-ankle`). Constant inputs give an error of first order in the step,
+because each FMU gets the others' outputs one step late; extrapolated inputs (slopes) give second order. `--out FOLDER` also writes the figure.
 """
 
 import argparse
@@ -19,8 +19,12 @@ SYSTEM = EXAMPLES / "systems" / "actuator-gait.toml"
 SOLUTION = ROOT / "tests" / "reference" / "coupled-ankle" / "joined.csv"
 FIGURE = "coupling-error.svg"
 STEPS = (1e-3, 5e-4, 2.5e-4, 1.25e-4)
-# The joined equations are those of the declared values: a motor without the friction of the preset, and no fan.
-DECLARED = ("--set", "motor.effect.coulomb_friction.tau_c=0", "--set", "motor.fan_command=0")
+# The joined equations are those of the declared values: no friction of the preset, no compensation for it, and no fan.
+DECLARED = [
+    part
+    for value in ("motor.effect.coulomb_friction.tau_c=0", "actuator.control.tau_c=0", "motor.fan_command=0")
+    for part in ("--set", value)
+]
 MASTERS = {
     "jacobi, held": ("--algorithm", "jacobi", "--no-slopes"),
     "jacobi, slopes": ("--algorithm", "jacobi"),
