@@ -10,8 +10,9 @@
 //! "drive_mode" = "current"
 //! ```
 
-use physics::declare::{Elements, Kind};
-use physics::model::{Declaration, Element, Entry};
+use physics::declare::{Causality, Elements, Kind};
+use physics::model::{Declaration, Element, Entry, ModelType};
+use physics::models::series_elastic_actuator::MOTOR_DATA;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
@@ -86,6 +87,11 @@ impl StartValues {
         Ok(starts)
     }
 
+    /// Whether a start value of the variable is given.
+    pub fn names(&self, entry: &Entry) -> bool {
+        self.0.contains_key(&entry.value_reference)
+    }
+
     /// Value references and values, ascending.
     pub fn entries(&self) -> Vec<(u32, f64)> {
         self.0.iter().map(|(k, v)| (*k, *v)).collect()
@@ -138,6 +144,25 @@ impl Preset {
         }
     }
 
+    /// What this preset says of `model`: itself where it is for that model; for the actuator, where this preset is of its
+    /// motor, the control's motor data that follow from it (`MOTOR_DATA`); else nothing.
+    pub fn for_model(&self, model: &ModelType) -> Option<Preset> {
+        let declaration = (model.declaration)();
+        if self.model == declaration.name {
+            return Some(self.clone());
+        }
+        let motor = physics::models::by_name(MOTOR).filter(|_| self.model == MOTOR)?;
+        let motor = (motor.declaration)();
+        let value = |name: &str| motor.by_name(name).map(|entry| self.starts.of(entry));
+        let starts = motor_data(declaration, value);
+        (!starts.0.is_empty()).then(|| Preset {
+            name: self.name.clone(),
+            model: declaration.name.to_owned(),
+            description: format!("motor data of the control from preset {}", self.name),
+            starts,
+        })
+    }
+
     /// The preset of a text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<Preset, PresetError> {
         let at = |offset: usize, message: String| located(text, file, offset, message);
@@ -177,6 +202,23 @@ impl Preset {
         };
         let description = words.get("description").map(|(text, _)| text.clone()).unwrap_or_default();
         Ok(Preset { name: word("name")?.0, model, description, starts })
+    }
+}
+
+/// The motor of the actuator.
+pub const MOTOR: &str = "AnnulusCooledMotor";
+
+/// The start values that the actuator derives from its motor, where `value` gives the motor's by name; none for another
+/// model.
+pub fn motor_data(declaration: &Declaration, value: impl Fn(&str) -> Option<f64>) -> StartValues {
+    let derived = MOTOR_DATA.iter().filter_map(|(own, of_motor)| {
+        let (own, value) = (declaration.by_name(own)?, value(of_motor)?);
+        let is_given = own.row.causality != Causality::Input || value > 0.0;
+        (is_given && own.check(value, false).is_ok()).then_some((own.value_reference, value))
+    });
+    match declaration.name {
+        "SeriesElasticActuator" => StartValues(derived.collect()),
+        _ => StartValues::default(),
     }
 }
 
@@ -290,6 +332,26 @@ mod tests {
         assert!((start("effect.coulomb_friction.tau_c") - 0.0276 * 0.356).abs() < 5e-6);
         assert_eq!(start("thermal.C_h"), 149.4);
         assert_eq!(start("effect.viscous_friction.k"), 0.0, "other values stay as declared");
+    }
+
+    /// The actuator's control gets the motor's data, from any preset of the motor; no other model does.
+    #[test]
+    fn the_actuator_follows_the_motors_preset() {
+        let text = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\n\"motor.R_ref\" = 1.1\n\
+                    \"motor.k_t\" = 0.0535\nvoltage = 24\n";
+        let preset = Preset::parse(text, "x.toml").unwrap();
+        let by_name = |name: &str| physics::models::by_name(name).unwrap();
+        let derived = preset.for_model(by_name("SeriesElasticActuator")).unwrap();
+        let declaration = (by_name(&derived.model).declaration)();
+        let start = |name: &str| derived.starts.of(declaration.by_name(name).unwrap());
+        assert_eq!([start("control.R"), start("control.k_t"), start("supply_voltage")], [1.1, 0.0535, 24.0]);
+        assert_eq!(start("control.J"), 33.3e-7, "what the preset does not name is the declared motor's");
+        let plain =
+            Preset::load("maxon-305015").unwrap().for_model(by_name("SeriesElasticActuator")).unwrap();
+        assert!((plain.starts.of(declaration.by_name("control.tau_c").unwrap()) - 9.83e-3).abs() < 1e-12);
+        assert!(preset.for_model(by_name("GaitLoad")).is_none());
+        assert!(preset.for_model(by_name("AnnulusCooledMotor")).is_some());
+        assert!(Preset::load("bdcm-37d").unwrap().for_model(by_name("SeriesElasticActuator")).is_none());
     }
 
     #[test]
