@@ -33,7 +33,7 @@
 //! *Range*: any duty from -1 to 1; continuous where (4) meets (5), and where the current begins.
 //! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sections 7-3 and 13-5, with the resistance kept.
 
-use crate::effects::Number;
+use crate::number::Number;
 use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {

@@ -12,7 +12,7 @@
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083;
 //! load's share as in the Modelica Standard Library, Rotational.Components.LossyGear.
 
-use crate::effects::{Number, smooth_sign};
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {

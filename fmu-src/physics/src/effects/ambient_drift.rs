@@ -6,7 +6,7 @@
 //! *Assumes* a drift linear in time, zero at time 0. *Neglects* everything else about the sensor.
 //! *Sign*: rate > 0 means that the surroundings get warmer than shown. *Source*: contract of the bench.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

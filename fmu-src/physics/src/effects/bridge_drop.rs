@@ -8,7 +8,8 @@
 //! *Range*: V_0 is 0 for MOSFETs, 1.4 to 3 V for bipolar bridges (L298: 1.8 V typical at 1 A).
 //! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., ch. 2 and 20.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {

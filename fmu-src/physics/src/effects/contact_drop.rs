@@ -6,7 +6,8 @@
 //! *Sign*: of the current; the terminals give V more than the winding sees, and its power V I >= 0 heats the winding.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.DCMachines.Brush, with a smooth passage.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {

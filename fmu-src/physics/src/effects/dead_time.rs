@@ -6,7 +6,8 @@
 //! diodes, back to the supply. *Assumes* a bridge that switches both legs, diodes without drop (`bridge_drop.rs`).
 //! *Sign*: against the current; no heat. *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sec. 8-7.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {

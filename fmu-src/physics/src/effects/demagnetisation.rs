@@ -7,7 +7,7 @@
 //! *Assumes* a loss that is sudden and for good. *Neglects* what caused it.
 //! *Sign*: fraction > 0 weakens the motor. *Source*: irreversible loss of Nd-Fe-B beyond its knee.
 
-use super::{Effect, IMMINENT};
+use super::ports::{Effect, IMMINENT};
 use declare::{Unit, Variable, variables};
 
 variables! {

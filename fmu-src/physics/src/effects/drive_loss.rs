@@ -7,7 +7,7 @@
 //! *Assumes* a share that does not depend on the power. *Neglects* the drive's own heat capacity.
 //! *Sign*: share > 0 leaves the winding cooler. *Source*: definition of an efficiency.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -6,7 +6,7 @@
 //! *Sign*: k > 0 takes flow away. *Range*: n from 0 to 1; an n beyond counts as its limit.
 //! *Source*: data of the synthetic bench; second order of a falling fan curve against a rising system curve.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

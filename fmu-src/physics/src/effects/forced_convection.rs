@@ -6,7 +6,7 @@
 //! *Assumes* that it does not depend on temperature. *Neglects* the warming of the air on its way.
 //! *Sign*: Q_flow > 0 leaves the motor. *Source*: as components/conductance.rs.
 
-use super::{Effect, PerNode};
+use super::ports::{Effect, PerNode};
 use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {

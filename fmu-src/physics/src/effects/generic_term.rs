@@ -22,7 +22,8 @@
 //! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
 //! *Source*: the data that the terms were found in.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use crate::terms::{Driver, Drivers, GenericTerm, MOST_TERMS, Port};
 use declare::{Group, Unit, Variable, variables};
 

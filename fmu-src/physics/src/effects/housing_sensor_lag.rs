@@ -8,7 +8,7 @@
 //! *Sign*: tau > 0 shows a warming housing too cold. *Range*: tau >= 0; 0 follows at once.
 //! *Source*: first-order response of a contact thermometer, VDI/VDE 3522-1.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -6,7 +6,7 @@
 //! *Sign*: offset > 0 shows a housing that is warmer than it is. The motor itself does not feel its sensor.
 //! *Range*: any temperature. *Source*: tolerance of thermocouples, IEC 60584-1:2013, class 1: 1.5 K.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -10,7 +10,8 @@
 //! *Source*: Modelica Standard Library, Rotational.Components.LossyGear: efficiency 1/(1 + mu) when the motor
 //! drives, 1 - mu when the load does.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -8,7 +8,7 @@
 //! *Range*: f L/R above about 3; below, (1) overestimates. *Source*: Mohan, Undeland, Robbins, Power Electronics,
 //! 3rd ed., sec. 7-7.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -7,7 +7,7 @@
 //! *Sign*: k > 0 shows too little of the rise. *Range*: k from 0 (no loss) to below 1 (shows the air).
 //! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -4,8 +4,12 @@
 //! rotor and housing run along a line, the network then takes the heat that they gave, and a piece whose line
 //! was not good enough is cut. At a step of milliseconds, one piece is enough.
 
+use super::equations::{Beyond, NODES, Step};
+use super::line::Line;
+use super::motor::AnnulusCooledMotor;
 use super::network::{Network, Passage};
-use super::{AnnulusCooledMotor, Beyond, Inputs, Line, NODES, Parameters, Step};
+use super::parameters::Parameters;
+use super::variables::Inputs;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;

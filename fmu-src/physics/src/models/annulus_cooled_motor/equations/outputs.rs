@@ -5,7 +5,7 @@ use crate::components::commutation::Phases;
 use crate::effects::Effect;
 use crate::ledger::{Account, Ledger};
 use crate::models::annulus_cooled_motor::network::Network;
-use crate::models::annulus_cooled_motor::{Books, DriveMode, Outputs};
+use crate::models::annulus_cooled_motor::variables::{Books, DriveMode, Outputs};
 use crate::solver::split::{State, System};
 
 /// What is to be shown of the heat beyond winding and core.
