@@ -19,7 +19,7 @@ variables! {
         /// Terminal resistance at T_ref
         R_ref: f64 = Variable::tunable(0, 0.386, Unit::Ohm, 1e-4, 1e4).log()
             .source("maxon datasheet 305015"),
-        /// Temperature at which R_ref and k_t are given
+        /// Reference temperature of R_ref and k_t
         T_ref: f64 = Variable::tunable(1, 298.15, Unit::Kelvin, 173.15, 473.15)
             .source("maxon datasheet 305015"),
         /// Temperature coefficient of the winding's resistance (copper 0.0039)
@@ -31,13 +31,13 @@ variables! {
         /// Torque constant at T_ref, equal to the back-EMF constant in V.s/rad
         k_t: f64 = Variable::tunable(4, 0.0276, Unit::NewtonMetrePerAmpere, 1e-5, 100.0).log()
             .source("maxon datasheet 305015"),
-        /// Temperature coefficient of the torque constant (negative: magnets weaken when hot)
+        /// Temperature coefficient of the torque constant (negative: decreases with temperature)
         alpha_mag: f64 = Variable::tunable(5, -0.0012, Unit::PerKelvin, -0.004, 0.0).nominal(0.001)
             .source("NdFeB, thesis eq. (5)"),
         /// Moment of inertia of the rotor
         J: f64 = Variable::tunable(6, 33.3e-7, Unit::KilogramSquareMetre, 1e-10, 10.0).log()
             .source("maxon datasheet 305015"),
-        /// Pole pairs: electrical over mechanical angle
+        /// Number of pole pairs
         pole_pairs: i32 = Variable::tunable_count(7, 2, 1, 100)
             .source("maxon datasheet 305015 (4 poles)"),
         /// Mass of the motor

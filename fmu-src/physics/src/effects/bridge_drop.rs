@@ -15,11 +15,11 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Drop of the bridge.
     pub struct BridgeDrop {
-        /// Voltage lost whatever the current
+        /// Constant part of the bridge voltage drop
         V_0: f64 = Variable::tunable(0, 0.0, Unit::Volt, 0.0, 100.0),
-        /// Resistance of the switches that conduct
+        /// Resistance of the conducting switches
         R_on: f64 = Variable::tunable(1, 0.0, Unit::Ohm, 0.0, 100.0).nominal(0.01),
-        /// Current below which V_0 falls to zero
+        /// Current scale over which V_0 reverses smoothly
         I_small: f64 = Variable::tunable(2, 0.05, Unit::Ampere, 1e-4, 1e3).log()
             .source("regularisation width, chosen"),
     }

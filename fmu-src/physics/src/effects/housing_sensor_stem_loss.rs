@@ -13,7 +13,8 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Stem loss of the housing's sensor.
     pub struct HousingSensorStemLoss {
-        /// Share of the rise over ambient that the sensor of the housing loses; 0 switches the effect off
+        /// Fraction of the rise over ambient that the housing sensor does not indicate; 0 switches the effect
+        /// off
         k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
     }
 }

@@ -13,7 +13,8 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Stem loss of the winding's sensor.
     pub struct WindingSensorStemLoss {
-        /// Share of the rise over ambient that the sensor of the winding loses; 0 switches the effect off
+        /// Fraction of the rise over ambient that the winding sensor does not indicate; 0 switches the effect
+        /// off
         k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
     }
 }

@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each test file uses its share
 
 use declare::Group;
-use physics::effects::{CooledNode, CoulombFriction, Draught, Effects};
+use physics::effects::{ConvectionDriver, CooledNode, CoulombFriction, Effects};
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
@@ -41,7 +41,7 @@ pub fn all_effects() -> Effects {
     effects.interface_temperature.beta = 0.004;
     effects.forced_convection.G = 0.03;
     effects.forced_convection.node = CooledNode::Winding;
-    effects.forced_convection.driver = Draught::FanCommand;
+    effects.forced_convection.driver = ConvectionDriver::FanCommand;
     effects.fan_back_pressure.k = 0.3;
     effects.demagnetisation.fraction = 0.1;
     effects.demagnetisation.time = 0.25;
