@@ -1,7 +1,6 @@
 //! The split against diffsol (BDF at 1e-10) on the same equations, and what is left between them.
 
-mod common;
-use common::{Profile, all_effects, compare, friction, motor};
+use crate::common::{Profile, all_effects, compare, friction, motor};
 use physics::models::annulus_cooled_motor::{DriveMode, MechanicalMode};
 
 /// Volts on a locked rotor: the current rises in 0.17 ms steps' time, the winding heats at 15 K/s and more.

@@ -1,16 +1,13 @@
 //! Motor, actuator and gait: the actuator's books and closed forms, and the three coupled against one integration of their
 //! joined equations.
 
-#[path = "common/walker.rs"]
-mod walker;
-
+use crate::walker::{COMMAND, GAIT, LOOKED_AT, MOTOR, System, TIMES, get, joined, set};
 use physics::components::transmission::Coupling;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::DriveMode;
 use physics::models::series_elastic_actuator::SeriesElasticActuator;
-use physics::solver::reference::{Tolerance, integrate};
+use reference::{Tolerance, integrate};
 use std::cell::RefCell;
-use walker::{COMMAND, GAIT, LOOKED_AT, MOTOR, System, TIMES, get, joined, set};
 
 /// An actuator that holds a fixed joint with a motor at this angle, started relaxed.
 fn twisted(turn: f64, change: impl Fn(&mut SeriesElasticActuator)) -> SeriesElasticActuator {

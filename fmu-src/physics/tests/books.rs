@@ -1,7 +1,6 @@
 //! The energy books, instantaneous and integrated, in every mode.
 
-mod common;
-use common::{all_effects, friction, motor};
+use crate::common::{all_effects, friction, motor};
 use physics::declare::Kind;
 use physics::effects::{Effect, Effects};
 use physics::model::Model;

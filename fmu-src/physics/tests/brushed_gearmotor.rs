@@ -7,8 +7,8 @@ use physics::model::{Model, Slot};
 use physics::models::brushed_gearmotor::{
     BrushedGearmotor, Constants, Inputs, NODES, STATES, Step, Temperatures,
 };
-use physics::solver::reference::{Tolerance, integrate};
 use physics::solver::split::{Fast, System};
+use reference::{Tolerance, integrate};
 
 /// The reference's tolerances.
 const TIGHT: Tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };

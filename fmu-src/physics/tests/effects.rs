@@ -1,7 +1,6 @@
 //! What single effects do to the motor as a whole, against numbers computed by hand.
 
-mod common;
-use common::{all_effects, motor};
+use crate::common::{all_effects, motor};
 use physics::effects::{CooledNode, Draught, Effect, Effects, PerNode};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{

@@ -1,7 +1,6 @@
 //! States and rates say what steps do, in every mode, and states that were set are those that come back.
 
-mod common;
-use common::{all_effects, motor};
+use crate::common::{all_effects, motor};
 use physics::effects::Effects;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{CoolingMode, DriveMode, MechanicalMode};

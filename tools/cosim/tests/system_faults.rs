@@ -1,9 +1,7 @@
 //! What is wrong with a system is told in one sentence, with component, connector, file and line.
-mod common;
-mod parts;
-use common::sets;
+use crate::common::sets;
+use crate::parts::*;
 use cosim::SystemOptions;
-use parts::*;
 
 #[test]
 fn connections_in_toml() {

@@ -1,8 +1,6 @@
 //! Systems of FMUs: orders of accuracy against the closed form, the energy books, what is bitwise the same.
-mod common;
-mod parts;
+use crate::parts::*;
 use cosim::{Algorithm, SystemOptions, SystemRun, cosimulate};
-use parts::*;
 
 fn options(algorithm: Algorithm, held_inputs: bool, step: f64) -> SystemOptions {
     SystemOptions { algorithm, held_inputs, step: Some(step), ..SystemOptions::default() }

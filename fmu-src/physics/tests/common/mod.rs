@@ -1,5 +1,4 @@
 //! What the tests share: motors, input profiles, and the comparison with the reference.
-#![allow(dead_code)] // each test file uses its share
 
 use declare::Group;
 use physics::effects::{CooledNode, CoulombFriction, Draught, Effects};
@@ -7,7 +6,7 @@ use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
 };
-use physics::solver::reference::{Tolerance, integrate};
+use reference::{Tolerance, integrate};
 use std::fmt;
 
 /// The reference's tolerances.

@@ -8,6 +8,8 @@ use crate::{
 /// A crate, and the crates of ours that it may need in the product.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("declare", &[]),
+    // Only tests and benches need it: diffsol stays out of the product.
+    ("reference", &[]),
     ("physics", &["declare"]),
     ("terms", &["physics"]),
     ("fmu", &["physics", "terms"]),

@@ -1,7 +1,7 @@
-//! The reference path: diffsol's variable-order BDF on the same equations, for tests and benchmarks.
+//! Reference integration of ordinary differential equations by diffsol's variable-order BDF, for tests and benchmarks.
 //!
-//! It takes the derivatives of all states and knows nothing of the split, of phi functions or of frozen
-//! matrices. *Source*: diffsol, Bdf (Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997)).
+//! It takes the derivatives of all states and shares no code with the models' own integrators. It is a crate of its
+//! own so that the models are compiled with one set of features, and the FMU library never contains diffsol. *Source*: diffsol, Bdf (Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997)).
 
 use diffsol::{DenseMatrix, DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod};
 
