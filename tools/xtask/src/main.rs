@@ -9,8 +9,10 @@ mod fuzz;
 mod importers;
 mod licenses;
 mod mutants;
+mod nightly;
 mod product;
 mod shell;
+mod stages;
 mod test;
 mod tidy;
 mod venv;
@@ -32,7 +34,12 @@ const COMMANDS: &[Command] = &[
         "build and validate the FMUs, walk for 20 minutes, close the loop on bench data, write dist/index.html",
         demo::run,
     ),
-    ("test", "every check there is: tidy, Rust, FMUs, Python, removals, mutants", test::run),
+    ("test", "runs the everyday tests: sources, Rust, FMUs, Python, mutants of changed files", test::run),
+    (
+        "nightly",
+        "runs all tests: also removals, all mutants, fuzz, cross, importers, blind, bench",
+        nightly::run,
+    ),
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
     ("describe", "write model-description/ anew (with --check: compare only)", describe::run),
     (
@@ -57,7 +64,11 @@ const COMMANDS: &[Command] = &[
         "one archive for three platforms, run on each; --toolchain DIR names a Rust with the sources of its library",
         cross::run,
     ),
-    ("mutants", "break the physics by hand and see the tests fail; arguments name mutants", mutants::run),
+    (
+        "mutants",
+        "apply each mutation of the table and expect the tests to fail; arguments name mutants",
+        mutants::run,
+    ),
     ("removals", "take each effect out in turn and see the physics compile", mutants::removal::run),
 ];
 

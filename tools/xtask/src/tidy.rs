@@ -2,6 +2,7 @@
 
 mod arrows;
 mod lengths;
+mod modules;
 
 use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
 
@@ -12,6 +13,7 @@ const CHECKS: &[Check] = &[
     ("format", |w| shell::run(&mut w.cargo(&["fmt", "--all", "--check"]))),
     ("dependency arrows", arrows::check),
     ("file lengths", lengths::check),
+    ("modules of tests", modules::check),
     ("lints", |w| {
         shell::run(&mut w.cargo(&[
             "clippy",
@@ -24,17 +26,28 @@ const CHECKS: &[Check] = &[
             "warnings",
         ]))
     }),
-    ("generated files", describe::check),
     ("licences", licenses::check),
 ];
+
+/// Takes as long as the tests of `describe`, which do the same.
+const GENERATED: Check = ("generated files", describe::check);
 
 /// Runs every check, failed or not. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     if let Some(extra) = arguments.first() {
         return Err(format!("`tidy` takes no arguments, got {extra:?}"));
     }
+    all(workspace, CHECKS.iter().chain([&GENERATED]))
+}
+
+/// Runs the checks that no test repeats.
+pub fn sources(workspace: &Workspace) -> Outcome {
+    all(workspace, CHECKS.iter())
+}
+
+fn all<'a>(workspace: &Workspace, checks: impl Iterator<Item = &'a Check>) -> Outcome {
     let mut failed = Vec::new();
-    for (name, check) in CHECKS {
+    for (name, check) in checks {
         shell::stage(&format!("tidy: {name}"));
         if let Err(sentence) = check(workspace) {
             eprintln!("{name}: {sentence}");
