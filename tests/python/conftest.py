@@ -8,8 +8,27 @@ import pytest
 from clients import paths
 from clients.fmu import Archive
 
+# The files whose tests take longest, longest first: begun last, one of them would keep one process busy alone.
+LONGEST = ()
+
 MODEL = "AnnulusCooledMotor"
 STANDARDS = (2, 3)
+
+
+def pytest_collection_modifyitems(items):
+    """With several processes: the tests of a file share its fixtures, so they stay together; each example is on its own."""
+
+    def group(item):
+        file = item.path.stem
+        return item.nodeid if file == "test_examples" else file
+
+    def rank(item):
+        names = [item.path.stem, item.name]
+        return min((k for k, name in enumerate(LONGEST) if name in names), default=len(LONGEST))
+
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group(group(item)))
+    items.sort(key=rank)
 
 
 @pytest.fixture(scope="session")

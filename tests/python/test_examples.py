@@ -37,7 +37,15 @@ def test_every_example_has_its_expected_output():
     assert [script.stem for script in SCRIPTS] == sorted(file.stem for file in EXPECTED.glob("*.json"))
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+# Their packages, MuJoCo and Dask, serve one example each.
+NIGHTLY = ("10_mujoco_leg", "11_dask_sweep")
+
+
+def _marked(script):
+    return pytest.param(script, id=script.stem, marks=pytest.mark.nightly if script.stem in NIGHTLY else ())
+
+
+@pytest.mark.parametrize("script", map(_marked, SCRIPTS))
 def test_example(script, tmp_path):
     arguments = ARGUMENTS.get(script.stem, lambda _: ())(tmp_path)
     done = subprocess.run(
