@@ -96,7 +96,7 @@ def test_sweep(motor_fmu, tmp_path):
     rows = list(csv.DictReader((tmp_path / "grid.csv").open()))
     assert len(rows) == 6
     for row in rows:
-        to_ambient = 0.1351 + 0.35 * float(row["fan_command"]) ** 0.8
+        to_ambient = 0.1351 + 0.113 * float(row["fan_command"]) ** 0.8
         by_hand = float(row["ambient_temperature"]) + 10 * (0.21 + 1 / to_ambient)
         assert float(row["winding_temperature"]) == pytest.approx(by_hand, abs=1e-3)
     assert "fan_command = 1.000, ambient_temperature = 290.0 K" in done.stdout

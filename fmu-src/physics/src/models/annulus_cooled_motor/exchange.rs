@@ -149,7 +149,7 @@ impl Exchange for AnnulusCooledMotor {
         self.tell_effects(self.time);
         if let Some(mut held) = self.held {
             // What the capacities hold more or less because a term has changed them is no error of the books.
-            let heat = self.constants.heat(&self.state.temperature);
+            let heat = self.constants.heat(&self.state.temperature, self.t_start);
             self.stored_at_start += heat - heat * held.booked / self.capacity_factor;
             held.booked = self.capacity_factor;
             self.held = Some(held);

@@ -5,8 +5,8 @@
 //! was not good enough is cut. At a step of milliseconds, one piece is enough.
 
 use super::network::{Network, Passage};
-use super::{AnnulusCooledMotor, Beyond, DriveMode, Inputs, Line, NODES, Parameters, Step};
-use crate::components::commutation::{Commutation, PHASES};
+use super::{AnnulusCooledMotor, Beyond, Inputs, Line, NODES, Parameters, Step};
+use crate::components::commutation::{Commutation, PHASES, PhaseLoad, Phases};
 use crate::components::conductance::Conductance;
 use crate::effects::{Effect, PerNode};
 use crate::model::Fault;
@@ -48,11 +48,15 @@ impl AnnulusCooledMotor {
 
     fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         self.follow_cooling();
+        let excess = self.mean_excess(h);
         let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, time)
-            .with_excess(self.excess());
+            .with_excess(excess);
         let before = self.state;
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
-        self.warm_phases(&before, h);
+        if self.parameters.choices.commutation != Commutation::EquivalentDc {
+            let load = step.phase_load(0.0, &before).middle(&step.phase_load(h, &self.state));
+            self.phases = self.phases_after(&before, &self.state, h, &load);
+        }
         self.arrive(time + h, h);
         self.slopes = Inputs::ZERO;
         Ok(())
@@ -133,7 +137,7 @@ impl AnnulusCooledMotor {
         let ambient = self.ambient(time);
         let still = self.slopes == Inputs::ZERO;
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
-        let excess = self.excess();
+        let excess = self.mean_excess(h);
         let Some(network) = &mut self.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, 0.0);
@@ -169,11 +173,16 @@ impl AnnulusCooledMotor {
             let shrink = 0.8 / advance.error.cbrt();
             return Ok(Err(h * if shrink.is_finite() { shrink.clamp(0.1, 0.7) } else { 0.1 }));
         }
+        let phases = (p.choices.commutation != Commutation::EquivalentDc).then(|| {
+            step.phase_load(0.0, &state).middle(&step.phase_load(h, &next))
+        });
         network.accept();
         network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
         self.state = next;
-        self.warm_phases(&state, h);
+        if let Some(load) = phases {
+            self.phases = self.phases_after(&state, &next, h, &load);
+        }
         self.arrive(time + h, h);
         Ok(Ok(()))
     }
@@ -205,33 +214,30 @@ impl AnnulusCooledMotor {
 
     /// Rates of how far the phases are above the mean winding, K/s.
     pub(super) fn phase_rates(&self) -> [f64; PHASES] {
-        let thermal = &self.parameters.thermal;
-        let heat = self.phase_loss(&self.state, self.inputs.electrical_power);
-        self.phases.rates(heat, &self.shares_now(), thermal.C_w, thermal.R_wh)
+        let load = self.equations().phase_load(0.0, &self.state);
+        self.phases.rates(&load, &self.shares_now())
     }
 
-    /// Copper loss that the phases share, W, with this input electrical_power.
-    fn phase_loss(&self, state: &State<NODES>, power: f64) -> f64 {
-        let p = &self.parameters;
-        let copper = p.motor.resistance(state.temperature[0]) * state.x[0] * state.x[0];
-        match p.choices.drive_mode {
-            DriveMode::Power => copper + power * (1.0 - p.effects.drive_loss()),
-            _ => copper,
-        }
+    /// The phases after `h` seconds of a load that led from one state to another.
+    fn phases_after(&self, from: &State<NODES>, to: &State<NODES>, h: f64, load: &PhaseLoad) -> Phases {
+        let (a, b) = (self.electrical_angle(from), self.electrical_angle(to));
+        self.phases.after(h, load, &self.parameters.choices.commutation.shares(a, b))
     }
 
-    /// The phases after `h` seconds that led from one state to the present one.
-    #[inline]
-    fn warm_phases(&mut self, from: &State<NODES>, h: f64) {
-        let p = &self.parameters;
-        if p.choices.commutation == Commutation::EquivalentDc {
-            return;
+    /// How far the phases that carry the current are above the mean winding in the middle of the next `h` seconds, K: with it
+    /// over the whole step, the resistance is of second order in the step.
+    fn mean_excess(&self, h: f64) -> f64 {
+        let commutation = self.parameters.choices.commutation;
+        if commutation == Commutation::EquivalentDc {
+            return 0.0;
         }
-        let (a, b) = (self.electrical_angle(from), self.electrical_angle(&self.state));
-        let shares = p.choices.commutation.shares(a, b);
-        let power = self.inputs.electrical_power + 0.5 * h * self.slopes.electrical_power;
-        let heat = 0.5 * (self.phase_loss(from, power) + self.phase_loss(&self.state, power));
-        self.phases = self.phases.after(h, heat, &shares, p.thermal.C_w, p.thermal.R_wh);
+        let load = self.equations().phase_load(0.0, &self.state);
+        let (a, way) = (
+            self.electrical_angle(&self.state),
+            h * self.state.x[1] * f64::from(self.parameters.motor.pole_pairs),
+        );
+        let middle = self.phases.after(0.5 * h, &load, &commutation.shares(a, a + 0.5 * way));
+        middle.in_use(&commutation.shares(a, a + way))
     }
 
     /// The true ambient temperature over a piece that begins at `time`, K.

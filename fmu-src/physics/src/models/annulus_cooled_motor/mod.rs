@@ -104,7 +104,7 @@ pub struct AnnulusCooledMotor {
     state: State<NODES>,
     /// The temperature that the housing's sensor has reached, K.
     t_sensor: f64,
-    /// The temperature at the start, K.
+    /// The temperature at the start, K; stored heat counts from it.
     t_start: f64,
     /// Multiplies the heat capacities of [`Constants`].
     capacity_factor: f64,
@@ -221,7 +221,7 @@ impl AnnulusCooledMotor {
 
     /// The equations with the cooling as it is kept.
     #[inline]
-    fn equations(&self) -> Step<'_> {
+    pub(super) fn equations(&self) -> Step<'_> {
         let step =
             Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, self.time)
                 .with_excess(self.excess());
@@ -235,8 +235,8 @@ impl AnnulusCooledMotor {
     /// Energy in all stores, J.
     fn stored(&self) -> f64 {
         let state = self.state;
-        let beyond = self.network.as_ref().map_or(0.0, Network::stored);
-        self.equations().stored(&state) + beyond
+        let beyond = self.network.as_ref().map_or(0.0, |n| n.stored(self.t_start));
+        self.equations().stored(&state, self.t_start) + beyond
     }
 
     /// Draws the consequences of parameters that were written.
@@ -263,7 +263,7 @@ impl AnnulusCooledMotor {
         self.follow_cooling();
         let (step, network) = (self.equations(), self.network.as_ref());
         if books {
-            self.books = step.books(&self.state, self.stored_at_start, network);
+            self.books = step.books(&self.state, (self.t_start, self.stored_at_start), network);
             self.books_are_stale = false;
         } else {
             self.outputs = step.outputs(&self.state, self.t_sensor, network, &self.phases);

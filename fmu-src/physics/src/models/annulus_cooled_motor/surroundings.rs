@@ -37,12 +37,12 @@ impl AnnulusCooledMotor {
     fn follow_capacity(&mut self) {
         let factor = self.parameters.effects.heat_capacity();
         if factor != self.capacity_factor {
-            let before = self.constants.heat(&self.state.temperature);
+            let before = self.constants.heat(&self.state.temperature, self.t_start);
             self.capacity_factor = factor;
             self.follow_parameters();
             // Who integrates also says when a step is taken (`exchange.rs`); until then nothing is booked.
             if self.held.is_none() {
-                self.stored_at_start += self.constants.heat(&self.state.temperature) - before;
+                self.stored_at_start += self.constants.heat(&self.state.temperature, self.t_start) - before;
             }
         }
     }

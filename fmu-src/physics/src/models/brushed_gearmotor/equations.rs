@@ -215,10 +215,11 @@ impl<'a> Step<'a> {
         ]
     }
 
-    /// Energy in the model's stores, J: magnetic, kinetic, and heat above 0 K.
-    pub fn stored(&self, state: &State) -> f64 {
+    /// Energy in the model's stores, J: magnetic, kinetic, and heat above the temperature `origin`, K.
+    pub fn stored(&self, state: &State, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
-        self.magnetic(i) + self.kinetic(w) + self.constants.capacity.dot(&state.temperature)
+        let heat = self.constants.capacity.dot(&state.temperature.add_scalar(-origin));
+        self.magnetic(i) + self.kinetic(w) + heat
     }
 
     fn magnetic(&self, i: f64) -> f64 {

@@ -60,6 +60,8 @@ pub struct BrushedGearmotor {
     slopes: Inputs,
     time: f64,
     state: State,
+    /// The temperature at the start, K; stored heat counts from it.
+    t_start: f64,
     opening: Opening,
     split: Split<NODES>,
     /// What is held between events, where the caller integrates.
@@ -105,6 +107,7 @@ impl Default for BrushedGearmotor {
             slopes: Inputs::ZERO,
             time: 0.0,
             state: at_rest(0.0),
+            t_start: 0.0,
             opening: Opening::default(),
             split: Split::default(),
             held: None,
@@ -146,7 +149,7 @@ impl BrushedGearmotor {
 
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
-            self.outputs = self.step_equations().outputs(&self.state, &self.opening);
+            self.outputs = self.step_equations().outputs(&self.state, self.t_start, &self.opening);
             if let Some(held) = &self.held {
                 self.outputs.over_temperature = held.over_temperature;
             }
@@ -201,11 +204,11 @@ impl Model for BrushedGearmotor {
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
         // A parameter that changes on the way changes what the stores hold; the books start anew from there.
-        let before = (group > INDICATORS).then(|| self.step_equations().opening(&self.state));
+        let before = (group > INDICATORS).then(|| self.step_equations().opening(&self.state, self.t_start));
         let taken = self.set_value(group, slot.row as usize, value);
         if let Some(before) = before {
             self.constants = Constants::of(&self.parameters);
-            self.opening = self.opening + self.step_equations().opening(&self.state) - before;
+            self.opening = self.opening + self.step_equations().opening(&self.state, self.t_start) - before;
         }
         self.outputs_are_stale = true;
         taken
@@ -220,10 +223,11 @@ impl Model for BrushedGearmotor {
     fn start(&mut self, time: f64) -> Result<(), Fault> {
         self.time = time;
         let drift = self.parameters.effects.ambient_sensor() * time;
-        self.state = at_rest(self.inputs.ambient_temperature + drift);
+        self.t_start = self.inputs.ambient_temperature + drift;
+        self.state = at_rest(self.t_start);
         self.split = Split::default();
         self.constants = Constants::of(&self.parameters);
-        self.opening = self.step_equations().opening(&self.state);
+        self.opening = self.step_equations().opening(&self.state, self.t_start);
         self.outputs_are_stale = true;
         self.hold_start();
         Ok(())
@@ -240,7 +244,7 @@ impl Model for BrushedGearmotor {
             return false;
         };
         self.state.temperature = Temperatures::new(winding, housing, enclosure);
-        self.opening = self.step_equations().opening(&self.state);
+        self.opening = self.step_equations().opening(&self.state, self.t_start);
         self.outputs_are_stale = true;
         true
     }
@@ -279,7 +283,7 @@ impl Model for BrushedGearmotor {
         out.extend(
             (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
         );
-        out.extend([self.time, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend([self.time, self.t_start, f64::from(u8::from(self.outputs_are_stale))]);
         out.extend([self.opening.stored, self.opening.magnetic, self.opening.kinetic]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
@@ -302,6 +306,7 @@ impl Model for BrushedGearmotor {
                 declare::Group::set(&mut copy.slopes, row, next()?);
             }
             copy.time = next()?;
+            copy.t_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;
             copy.opening = Opening { stored: next()?, magnetic: next()?, kinetic: next()? };
             copy.state = State::from_numbers(&mut next)?;
