@@ -299,6 +299,17 @@ fn the_matrices_are_the_derivatives() {
     }
 }
 
+/// `all_effects` has every effect on: a parameter that switches an effect is 0 where the effect is off.
+#[test]
+fn all_effects_are_on() {
+    let mut m = motor(DriveMode::Pwm, MechanicalMode::FreeShaft);
+    m.parameters.effects = all_effects();
+    let switches = m.declaration().entries.iter();
+    let switches = switches.filter(|e| e.name.starts_with("effect.") && e.row.start == 0.0);
+    let off: Vec<&str> = switches.filter(|e| m.get(e.slot) == 0.0).map(|e| e.name.as_str()).collect();
+    assert_eq!(off, Vec::<&str>::new());
+}
+
 /// The contract's list: every effect has its parameters, in the declaration of the motor, and is neutral at their
 /// start values.
 #[test]

@@ -8,6 +8,7 @@ mod accuracy;
 mod actuator_and_gait;
 mod books;
 mod brushed_gearmotor;
+mod cooling_values;
 mod effects;
 mod limits;
 mod network;

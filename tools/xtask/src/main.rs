@@ -55,7 +55,7 @@ const COMMANDS: &[Command] = &[
     ),
     (
         "fuzz",
-        "calls without order into both C interfaces, --seconds 60 for each model; --valgrind watches memory",
+        "random calls of both C interfaces, --calls 2000000 of each model; --valgrind checks memory",
         fuzz::run,
     ),
     ("importers", "the archives in other people's Rust importers", importers::run),
