@@ -8,7 +8,7 @@ use crate::validate::dynamic::probe::{Fault, Seen};
 use crate::validate::dynamic::session::{Session, Subject};
 use crate::validate::finding::{Findings, short};
 use crate::validate::rules;
-use crate::validate::schema::types::{parse_boolean, parse_double};
+use cosim::xml::{parse_boolean, parse_double};
 use crate::validate::xml::Xml;
 
 /// Where the files are.

@@ -4,7 +4,7 @@ use super::setting::when;
 use crate::validate::dynamic::probe::{Fault, Seen};
 use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
 use crate::validate::dynamic::session::{Session, Subject};
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules::{self, Rule};
 
 /// Differences below this are rounding, which a master can live with.
@@ -14,7 +14,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
     let (h, n) = (subject.facts.step(), steps(subject.facts));
     let (before, after) = (n / 3, n - n / 3);
-    let two = subject.facts.version == Version::Fmi2;
+    let two = subject.facts.version == FmiVersion::V2;
     let names = if two {
         ["GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializeFMUstate", "DeSerializeFMUstate"]
     } else {
