@@ -247,7 +247,9 @@ fn read_variable<'a>(node: Node<'a, 'a>, version: FmiVersion) -> Option<Variable
     let causality = node.attribute("causality").unwrap_or("local");
     let by_default = match version {
         FmiVersion::V2 => "continuous",
-        FmiVersion::V3 if ["parameter", "structuralParameter", "calculatedParameter"].contains(&causality) => {
+        FmiVersion::V3
+            if ["parameter", "structuralParameter", "calculatedParameter"].contains(&causality) =>
+        {
             "fixed"
         }
         FmiVersion::V3 if kind.is_float() => "continuous",

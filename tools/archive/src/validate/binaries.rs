@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashSet};
 use object::Architecture;
 
 use super::finding::{Findings, short};
-use super::model::{Model, FmiVersion};
+use super::model::{FmiVersion, Model};
 use super::rules;
 use super::symbols::{self, Part, System};
 use super::zip::{self, Archive};

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::finding::Findings;
-use super::model::{Model, FmiVersion, is_true};
+use super::model::{FmiVersion, Model, is_true};
 use super::rules;
 
 /// Checks the names of the entries.

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::finding::{Findings, short};
-use super::model::{Model, FmiVersion, children, check_version_of};
+use super::model::{FmiVersion, Model, check_version_of, children};
 use super::rules;
 use super::schema;
 use super::xml::Xml;

@@ -3,7 +3,7 @@
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, FileKind, Object, ObjectSymbol};
 
-use super::model::{Model, FmiVersion};
+use super::model::{FmiVersion, Model};
 
 const FMI2_COMMON: &[&str] = &[
     "GetTypesPlatform",

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::Node;
 
 use super::finding::{Findings, short};
-use super::model::{Model, children, double, check_version_of};
+use super::model::{Model, check_version_of, children, double};
 use super::rules;
 use super::schema;
 use super::xml::Xml;

@@ -6,10 +6,10 @@ use cosim::Kind;
 use cosim::raw::InterfaceType;
 
 use crate::validate::finding::Findings;
-use crate::validate::model::{self, Model, Unknown, FmiVersion, double, is_true, unsigned, unsigned_list};
-use cosim::xml::{parse_boolean, parse_double, parse_integer};
+use crate::validate::model::{self, FmiVersion, Model, Unknown, double, is_true, unsigned, unsigned_list};
 use crate::validate::semantics::arrays;
 use crate::validate::xml::Xml;
+use cosim::xml::{parse_boolean, parse_double, parse_integer};
 
 /// Elements of an array that are read; a larger one says more of the file than of the FMU.
 const LARGEST_ARRAY: usize = 1 << 20;

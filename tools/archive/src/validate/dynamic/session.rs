@@ -174,7 +174,7 @@ impl<'a> Session<'a> {
 
     /// One communication step of Co-Simulation; `false` when the FMU asks for the end.
     pub(super) fn step(&mut self, h: f64) -> Result<bool, Fault> {
-        let step = self.raw.do_step(self.now, h);
+        let step = self.raw.do_step(self.now, h, false);
         self.ok("DoStep", step.status)?;
         if step.early {
             let message = format!(

@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, children, unsigned, label};
+use crate::validate::model::{Kind, Model, Variable, children, label, unsigned};
 use crate::validate::rules;
 use cosim::xml::parse_integer;
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, is_true, unsigned, unsigned_list, label};
+use crate::validate::model::{Kind, Model, Variable, is_true, label, unsigned, unsigned_list};
 use crate::validate::rules;
 use cosim::xml::{parse_double, parse_integer};
 

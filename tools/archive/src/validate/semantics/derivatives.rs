@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::arrays;
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, Variable, FmiVersion, children, double, label};
+use crate::validate::model::{FmiVersion, Model, Variable, children, double, label};
 use crate::validate::rules;
 use cosim::xml::parse_integer;
 

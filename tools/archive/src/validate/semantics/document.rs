@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, FmiVersion, children, double};
+use crate::validate::model::{FmiVersion, Model, children, double};
 use crate::validate::rules;
 use crate::validate::schema::types::Type;
 

@@ -1,7 +1,7 @@
 //! Interface types, model identifiers and capability flags.
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, FmiVersion, double, is_true};
+use crate::validate::model::{FmiVersion, Model, double, is_true};
 use crate::validate::rules;
 
 /// A short class name; longer ones break path limits when the archive is unpacked.

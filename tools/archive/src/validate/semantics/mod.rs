@@ -15,7 +15,7 @@ mod values;
 mod variables;
 
 use super::finding::Findings;
-use super::model::{Model, FmiVersion};
+use super::model::{FmiVersion, Model};
 
 /// Runs every semantic rule on a model description.
 pub(crate) fn check(model: &Model, out: &mut Findings) {

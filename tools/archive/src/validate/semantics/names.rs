@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, FmiVersion, label};
+use crate::validate::model::{FmiVersion, Model, label};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Unknown, Variable, FmiVersion, unsigned_list, label};
+use crate::validate::model::{FmiVersion, Kind, Model, Unknown, Variable, label, unsigned_list};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {

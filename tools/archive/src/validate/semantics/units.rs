@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::Node;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, FmiVersion, children, double, is_true, label};
+use crate::validate::model::{FmiVersion, Model, children, double, is_true, label};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {

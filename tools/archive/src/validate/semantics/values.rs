@@ -1,7 +1,7 @@
 //! Start values, limits and nominal values.
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, FmiVersion, children, label};
+use crate::validate::model::{FmiVersion, Kind, Model, Variable, children, label};
 use crate::validate::rules;
 use cosim::xml::{parse_double, parse_integer};
 

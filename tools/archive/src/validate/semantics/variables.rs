@@ -1,7 +1,7 @@
 //! Causality, variability and initial: which combinations exist, and what else each demands.
 
 use crate::validate::finding::Findings;
-use crate::validate::model::{Kind, Model, Variable, FmiVersion, is_true, label};
+use crate::validate::model::{FmiVersion, Kind, Model, Variable, is_true, label};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {

@@ -103,7 +103,7 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         <= Status::Warning
         && raw.exit_initialization() <= Status::Warning;
     if started && subject.interface.kind == InterfaceType::CoSimulation {
-        raw.do_step(subject.facts.start, subject.facts.step());
+        raw.do_step(subject.facts.start, subject.facts.step(), false);
     }
     let declared = &subject.facts.categories;
     let messages = log.messages();
@@ -148,7 +148,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
     for k in 1..=runs::steps(facts) {
         let end = session.now + facts.step();
         let h = session.next.filter(|t| *t > session.now).map_or(end, |t| t.min(end)) - session.now;
-        let step = session.raw.do_step(session.now, h);
+        let step = session.raw.do_step(session.now, h, false);
         session.ok("DoStep", step.status)?;
         session.now += h;
         if step.terminated {

@@ -81,7 +81,7 @@ fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
     }
     match subject.interface.kind {
         InterfaceType::CoSimulation => {
-            Ok(session.raw.do_step(session.now, subject.facts.step()).status == Status::Ok)
+            Ok(session.raw.do_step(session.now, subject.facts.step(), false).status == Status::Ok)
         }
         _ => {
             let n: usize = subject.facts.states.iter().map(|i| subject.facts.variables[*i].size).sum();

@@ -90,7 +90,7 @@ pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
     }
     let mut now = stop;
     for _ in 0..3 {
-        if session.raw.do_step(now, h).status > Status::Warning {
+        if session.raw.do_step(now, h, false).status > Status::Warning {
             return Ok(());
         }
         now += h;
