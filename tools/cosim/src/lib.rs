@@ -7,6 +7,7 @@
 //! |---|---|
 //! | unpack the archive, safely | [`Archive`] |
 //! | read `modelDescription.xml` | [`ModelDescription`], [`Variable`] |
+//! | read its elements with their lines, right or wrong | [`elements`], [`xml`] |
 //! | turn text into a checked value | [`ModelDescription::parse_value`], [`Value`] |
 //! | call the binary | [`Instance`], [`State`], [`Log`] |
 //! | time tables for the inputs | [`InputTable`] |
@@ -27,10 +28,8 @@
 mod archive;
 mod decimate;
 mod description;
+pub mod elements;
 mod error;
-mod fmi2;
-mod fmi3;
-mod functions;
 mod grid;
 mod input;
 mod instance;
@@ -41,6 +40,7 @@ mod recording;
 mod simulate;
 mod system;
 mod value;
+pub mod xml;
 
 pub use archive::Archive;
 pub use description::{

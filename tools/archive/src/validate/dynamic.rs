@@ -5,7 +5,6 @@
 //! goes on behind that stage.
 
 use super::finding::{Finding, Findings};
-use super::model::Version;
 use super::rules;
 use cosim::{Archive, FmiVersion};
 use std::collections::HashSet;
@@ -142,11 +141,8 @@ fn cause(status: ExitStatus) -> String {
 }
 
 /// The version whose sections findings cite.
-fn version_of(file: &Path) -> Version {
-    match Archive::open(file) {
-        Ok(archive) if archive.description().fmi_version == FmiVersion::V2 => Version::Fmi2,
-        _ => Version::Fmi3,
-    }
+fn version_of(file: &Path) -> FmiVersion {
+    Archive::open(file).map_or(FmiVersion::V3, |archive| archive.description().fmi_version)
 }
 
 #[cfg(all(test, unix))]

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
-use super::model::Version;
+use super::model::FmiVersion;
 use super::rules::Rule;
 
 /// How grave a finding is.
@@ -38,14 +38,14 @@ const MOST_PER_RULE: usize = 200;
 
 /// The findings of one run; knows the standard, so that each message can end with its section.
 pub(crate) struct Findings {
-    pub(crate) version: Version,
+    pub(crate) version: FmiVersion,
     list: Vec<Finding>,
     counts: HashMap<&'static str, usize>,
 }
 
 impl Findings {
     pub(crate) fn new() -> Self {
-        Findings { version: Version::Fmi3, list: Vec::new(), counts: HashMap::new() }
+        Findings { version: FmiVersion::V3, list: Vec::new(), counts: HashMap::new() }
     }
 
     /// Adds a finding; `message` is a sentence without its full stop.
@@ -56,8 +56,8 @@ impl Findings {
             return;
         }
         let (standard, section) = match self.version {
-            Version::Fmi2 => ("FMI 2.0", rule.fmi2),
-            Version::Fmi3 => ("FMI 3.0", rule.fmi3),
+            FmiVersion::V2 => ("FMI 2.0", rule.fmi2),
+            FmiVersion::V3 => ("FMI 3.0", rule.fmi3),
         };
         let reference =
             if section.is_empty() { String::new() } else { format!(" ({standard}, section {section})") };

@@ -7,7 +7,7 @@ use super::facts::{Facts, Interface, Variable};
 use super::probe::{Fault, Pulse};
 use super::runs::{Base, BaseCell};
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// Event iterations after which an FMU is held to go on for ever.
@@ -110,7 +110,7 @@ impl<'a> Session<'a> {
         if status <= Status::Warning {
             return Ok(());
         }
-        let prefix = if self.facts.version == Version::Fmi2 { "fmi2" } else { "fmi3" };
+        let prefix = if self.facts.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
         let message = format!(
             "{prefix}{function} returned {status} for {} at t = {} s{}",
             name_of(self.interface.kind),
@@ -148,7 +148,7 @@ impl<'a> Session<'a> {
         let mut changed = false;
         for _ in 0..MOST_ITERATIONS {
             let (status, update) = self.raw.update_discrete_states();
-            let name = if self.facts.version == Version::Fmi2 {
+            let name = if self.facts.version == FmiVersion::V2 {
                 "NewDiscreteStates"
             } else {
                 "UpdateDiscreteStates"
@@ -174,7 +174,7 @@ impl<'a> Session<'a> {
 
     /// One communication step of Co-Simulation; `false` when the FMU asks for the end.
     pub(super) fn step(&mut self, h: f64) -> Result<bool, Fault> {
-        let step = self.raw.do_step(self.now, h);
+        let step = self.raw.do_step(self.now, h, false);
         self.ok("DoStep", step.status)?;
         if step.early {
             let message = format!(

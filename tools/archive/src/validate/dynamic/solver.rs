@@ -81,7 +81,7 @@ impl Solver {
             let status = session.raw.set_states(x);
             session.ok("SetContinuousStates", status)?;
             let status = session.raw.get_derivatives(&mut rates);
-            let name = if session.facts.version == crate::validate::model::Version::Fmi2 {
+            let name = if session.facts.version == crate::validate::model::FmiVersion::V2 {
                 "GetDerivatives"
             } else {
                 "GetContinuousStateDerivatives"

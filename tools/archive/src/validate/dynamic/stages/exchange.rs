@@ -4,7 +4,7 @@ use super::super::solver::{Solver, indicators};
 use crate::validate::dynamic::probe::{Fault, Seen};
 use crate::validate::dynamic::session::{Session, Subject};
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// Equal up to what an iterative solver inside the FMU leaves.
@@ -19,7 +19,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.started(&subject.base()?.settings)?;
     let states: Vec<usize> = facts.states.clone();
     let n: usize = states.iter().map(|i| facts.variables[*i].size).sum();
-    if facts.version == Version::Fmi3 {
+    if facts.version == FmiVersion::V3 {
         let numbers = session.raw.numbers();
         let numbers = numbers.or_else(|s| session.ok("GetNumberOfContinuousStates", s).map(|()| (0, 0)))?;
         if numbers != (n, facts.indicators) {

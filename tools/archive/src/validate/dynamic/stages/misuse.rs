@@ -7,7 +7,7 @@ use crate::validate::dynamic::facts::Variable;
 use crate::validate::dynamic::probe::{Fault, Seen};
 use crate::validate::dynamic::session::{Session, Subject};
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// A token of no FMU.
@@ -18,7 +18,7 @@ pub(super) fn token(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         return Ok(());
     }
     if subject.try_instance("probe", FOREIGN, &Log::new()).is_some() {
-        let word = if subject.facts.version == Version::Fmi2 { "GUID" } else { "instantiation token" };
+        let word = if subject.facts.version == FmiVersion::V2 { "GUID" } else { "instantiation token" };
         let message = format!(
             "The FMU accepts the {word} {FOREIGN}, so a library that does not belong to the description goes unnoticed"
         );
@@ -81,7 +81,7 @@ fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
     }
     match subject.interface.kind {
         InterfaceType::CoSimulation => {
-            Ok(session.raw.do_step(session.now, subject.facts.step()).status == Status::Ok)
+            Ok(session.raw.do_step(session.now, subject.facts.step(), false).status == Status::Ok)
         }
         _ => {
             let n: usize = subject.facts.states.iter().map(|i| subject.facts.variables[*i].size).sum();

@@ -8,8 +8,8 @@ use crate::validate::dynamic::probe::{Fault, Seen};
 use crate::validate::dynamic::session::{Session, Subject};
 use crate::validate::finding::{Findings, short};
 use crate::validate::rules;
-use crate::validate::schema::types::{parse_boolean, parse_double};
 use crate::validate::xml::Xml;
+use cosim::xml::{parse_boolean, parse_double};
 
 /// Where the files are.
 const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";

@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use cosim::raw::{InterfaceType, RawState};
+
 use super::setting::{others, when};
 use crate::validate::dynamic::facts::Variable;
 use crate::validate::dynamic::probe::{Fault, Seen};
@@ -145,8 +147,10 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.started(&Vec::new())?;
     if subject.interface.state {
         let piece = || {
-            let state = session.raw.get_state(None).map_err(|s| session.ok("GetFMUState", s).unwrap_err())?;
-            let (status, _) = session.raw.free_state(state);
+            let mut state = RawState::NONE;
+            let status = session.raw.save(&mut state);
+            session.ok("GetFMUState", status)?;
+            let status = session.raw.free_state(&mut state);
             session.ok("FreeFMUState", status)?;
             Ok(true)
         };
@@ -157,7 +161,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             seen.add(&rules::MEMORY, &subject.interface.place, message);
         }
     }
-    if subject.interface.kind == cosim::raw::InterfaceType::CoSimulation {
+    if subject.interface.kind == InterfaceType::CoSimulation {
         let h = subject.facts.step();
         let end = subject.facts.stop.unwrap_or(f64::INFINITY);
         let piece = || {

@@ -18,8 +18,9 @@ pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fau
     };
     for v in facts.select(exact) {
         if let Some(wanted) = &v.text {
-            let text = session.raw.get_string(v.reference);
-            let text = text.or_else(|status| session.ok("GetString", status).map(|()| String::new()))?;
+            let texts = session.raw.get_strings(&[v.reference]);
+            let texts = texts.or_else(|status| session.ok("GetString", status).map(|()| Vec::new()))?;
+            let text = texts.concat();
             if text != *wanted {
                 let message = format!(
                     "Variable \"{}\" starts at \"{}\" instead of its start value \"{}\"",

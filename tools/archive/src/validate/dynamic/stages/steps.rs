@@ -6,7 +6,7 @@ use crate::validate::dynamic::facts::Variable;
 use crate::validate::dynamic::probe::{Fault, Seen};
 use crate::validate::dynamic::session::Subject;
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// A difference below this share of a variable's movement is a matter of the solver.
@@ -90,12 +90,12 @@ pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
     }
     let mut now = stop;
     for _ in 0..3 {
-        if session.raw.do_step(now, h).status > Status::Warning {
+        if session.raw.do_step(now, h, false).status > Status::Warning {
             return Ok(());
         }
         now += h;
     }
-    let prefix = if subject.facts.version == Version::Fmi2 { "fmi2" } else { "fmi3" };
+    let prefix = if subject.facts.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
     let status = Status::Error;
     let message = format!(
         "{prefix}DoStep succeeds up to t = {now} s although the stop time was set to {stop} s; it must return {status}"
