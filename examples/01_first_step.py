@@ -1,6 +1,6 @@
 """The shortest use of the motor FMU: 24 V on a free shaft for ten seconds.
 
-Run it after `cargo xtask demo` (which makes the archives and a Python with fmpy).
+Run `cargo xtask demo` first: it builds the archives and a Python environment with fmpy.
 """
 
 import json

@@ -1,8 +1,8 @@
-"""A leg in MuJoCo whose motor is an FMU: leg extensions until the winding is warm.
+"""A leg in MuJoCo with an FMU as its motor: one minute of leg extensions and the winding temperature.
 
-MuJoCo has the shank, the foot and a weight on the ankle; the knee's torque comes from `SeriesElasticActuator` with `AnnulusCooledMotor`,
-not from a built-in motor. Its own joint controller asks for a torque, as a robot's would. The loop is causal in both directions: MuJoCo
-gives the knee's angle and speed, the actuator's spring gives the torque. Run it after `cargo xtask demo`, with `mujoco` installed.
+MuJoCo simulates the shank, the foot and a weight at the ankle. `SeriesElasticActuator` with `AnnulusCooledMotor` produces the knee torque in
+place of MuJoCo's own motor. A joint controller computes the torque demand. The loop is causal: MuJoCo computes angle and speed of the knee,
+the actuator's spring computes the torque. Run `cargo xtask demo` first; `mujoco` has to be installed.
 """
 
 import json
@@ -18,7 +18,7 @@ PERIOD = 2.5  # s, of a leg extension
 WEIGHT = 8.0  # kg, at the ankle
 KELVIN = 273.15
 
-# The knee's angle is 0 where the shank hangs down, positive in extension.
+# Knee angle: 0 with the shank hanging down, positive in extension.
 LEG = f"""
 <mujoco model="leg extension">
   <option timestep="{STEP}" integrator="implicitfast"/>
@@ -47,7 +47,7 @@ STIFFNESS, DAMPING = 150.0, 12.0  # of the joint controller, N.m/rad and N.m.s/r
 
 
 def wanted(t):
-    """Angle and speed of the exercise: from hanging to stretched and back, smoothly."""
+    """Reference angle and speed: smooth extension from the hanging position and back."""
     phase = 2.0 * math.pi * t / PERIOD
     return 0.7 * (1.0 - math.cos(phase)), 0.7 * 2.0 * math.pi / PERIOD * math.sin(phase)
 
@@ -66,7 +66,7 @@ def exercise(fan: float) -> dict:
                 t = k * STEP
                 angle, speed = float(data.qpos[0]), float(data.qvel[0])
                 target, target_speed = wanted(t)
-                # What gravity takes, MuJoCo knows; the rest is a spring and a damper about the exercise.
+                # Torque against gravity from MuJoCo, plus a PD controller about the reference.
                 demand = float(data.qfrc_bias[0]) + STIFFNESS * (target - angle) + DAMPING * (target_speed - speed)
                 actuator.set(dict(zip(FROM_MOTOR.values(), motor.get(*FROM_MOTOR))))
                 actuator.set({"joint_angle": angle, "joint_speed": speed, "torque_demand": demand})

@@ -1,8 +1,8 @@
-"""A sweep on a cluster: the same FMU on every worker of a Dask scheduler.
+"""A parameter sweep on a Dask cluster: the same FMU on every worker.
 
-`motor-fmu sweep` uses the cores of one machine. For more machines any scheduler will do that ships a file and calls a function; here it
-is Dask. Without an argument this script starts a cluster of two workers on this machine; `--scheduler ADDRESS` uses one that is there.
-Each task is a gearmotor that lifts its load for five minutes, at one supply voltage and one load.
+`motor-fmu sweep` uses the cores of one machine. For several machines any scheduler that transfers a file and calls a function is sufficient;
+this example uses Dask. Without an argument the script starts two workers on this machine; `--scheduler ADDRESS` uses an existing scheduler.
+Each task simulates a gearmotor that lifts a load for five minutes, at one supply voltage and one load torque.
 """
 
 import argparse
@@ -44,13 +44,13 @@ def lift(path: str, voltage: float, load: float) -> dict:
 
 
 def on_worker(name: str, voltage: float, load: float) -> tuple[dict, str]:
-    """A task as a worker sees it: the FMU is the file that was shipped to it. The worker's name tells who has done it."""
+    """A task on a worker, with the FMU file that was transferred to it; also returns the address of the worker."""
     worker = get_worker()
     return lift(str(Path(worker.local_directory) / name), voltage, load), worker.address
 
 
 def sweep(client: Client) -> tuple[list[dict], int]:
-    """All points in order, and how many workers have done them."""
+    """All points in order, and the number of workers that computed them."""
     path = archive(MODEL, 3)
     client.upload_file(str(path), load=False)
     jobs = [client.submit(on_worker, path.name, *point, pure=False) for point in product(VOLTAGES, LOADS)]
@@ -60,7 +60,7 @@ def sweep(client: Client) -> tuple[list[dict], int]:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scheduler", help="address of a scheduler, else two workers on this machine")
+    parser.add_argument("--scheduler", help="address of a scheduler; default: two workers on this machine")
     scheduler = parser.parse_args().scheduler
     if scheduler:
         with Client(scheduler) as client:

@@ -1,8 +1,9 @@
-"""How far is the coupled system from one integration of its joined equations, and how fast does that shrink with the step?
+"""Coupling error of co-simulated FMUs over the step, relative to one integration of the joined equations.
 
-The powered ankle as three FMUs, run by `motor-fmu cosim` at steps from 0.125 to 1 ms with held inputs, with slopes, and with Gauss-Seidel,
-against the solution of the joined equations (`tests/reference/coupled-ankle`). Held inputs err with the first order of the step: each FMU
-sees the others a step late. Slopes make it the second. `--out FOLDER` also writes the figure.
+`motor-fmu cosim` simulates the powered ankle as three FMUs at steps from 0.125 to 1 ms: with constant inputs ("held"), with input derivatives
+("slopes"), and with Gauss-Seidel. The reference is the solution of the joined equations (`tests/reference/coupled-ankle`). Constant inputs give
+an error of first order in the step, because each FMU uses values of the others that are one step old. Input derivatives give second order.
+`--out FOLDER` also writes the figure.
 """
 
 import argparse
@@ -74,7 +75,7 @@ def figure(found: dict, path: Path):
             panel.set(title=name, xlabel="communication step, ms")
             panel.set_xticks([1e3 * step for step in STEPS], [f"{1e3 * step:g}" for step in STEPS])
             panel.minorticks_off()
-        panels[0].set_ylabel("largest error, of the range")
+        panels[0].set_ylabel("largest error / range")
         panels[-1].legend()
         canvas.savefig(path, metadata={"Date": None})
         plt.close(canvas)

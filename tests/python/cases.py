@@ -1,4 +1,4 @@
-"""The drive cycles that several tests run: what the motor is told, when, and in which mode."""
+"""Drive cycles of several tests: inputs over time, and modes."""
 
 from dataclasses import dataclass
 

@@ -18,12 +18,12 @@ IMPORTERS = {"fmi": 2, "fmi-rs-2": 2, "fmi-rs-3": 3}
 def run(name, archive, folder, drive=None):
     """The finished process, and the rows where there are any."""
     program = os.environ["MOTOR_FMU_RUST_IMPORTERS"]
-    told, rows = folder / "drive.json", folder / "rows.json"
+    drive_file, rows = folder / "drive.json", folder / "rows.json"
     if drive:
-        drive.write(told)
+        drive.write(drive_file)
     else:
-        told.write_text('{"step": 1, "parameters": {}, "inputs": {}, "outputs": []}')
-    done = subprocess.run([program, name, archive, told, rows], capture_output=True, text=True, timeout=60)
+        drive_file.write_text('{"step": 1, "parameters": {}, "inputs": {}, "outputs": []}')
+    done = subprocess.run([program, name, archive, drive_file, rows], capture_output=True, text=True, timeout=60)
     return done, json.loads(rows.read_text()) if rows.exists() else None
 
 

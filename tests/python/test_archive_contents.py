@@ -151,17 +151,17 @@ def table(text):
 
 
 @pytest.mark.parametrize(
-    ("platform", "told"),
+    ("platform", "message"),
     [
         # No command here makes a library for macOS, so there is none to be found.
         ("x86_64-darwin" if sys.platform != "darwin" else "x86_64-windows", "cargo xtask cross"),
         ("win64", "x86_64-windows"),
     ],
 )
-def test_a_platform_without_a_library_is_told_in_one_sentence(platform, told, motor_fmu, tmp_path):
+def test_a_platform_without_a_library_is_reported_in_one_sentence(platform, message, motor_fmu, tmp_path):
     done = motor_fmu("build", "--platform", platform, "--out", tmp_path / "dist")
     assert done.returncode == 2 and not (tmp_path / "dist").exists()
-    assert platform in done.stderr and told in done.stderr and done.stderr.count("\n") == 1, done.stderr
+    assert platform in done.stderr and message in done.stderr and done.stderr.count("\n") == 1, done.stderr
 
 
 def test_build_says_what_its_libraries_need(motor_fmu, tmp_path):

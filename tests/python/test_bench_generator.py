@@ -1,4 +1,4 @@
-"""The generator of synthetic bench experiments: against the public sets, its books, its seeds, its effects, its files."""
+"""The generator of synthetic bench experiments: public sets, energy balance, seeds, effects, files."""
 
 import csv
 import json
@@ -116,7 +116,7 @@ def stored(specimen, effect, record):
 
 
 @pytest.mark.parametrize("name", CATALOGUE)
-def test_effect_shows_where_it_must_and_books_close(specimen, steady, name):
+def test_effect_acts_at_its_port_and_energy_balance_closes(specimen, steady, name):
     effect = CATALOGUE[name].typical()
     rig, times, inputs, without = steady[effect.law.drive or "current"]
     record = simulate(specimen, [effect], times, inputs, rig)

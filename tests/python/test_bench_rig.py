@@ -36,7 +36,7 @@ def table_of(path):
 
 
 def logs(shift, lag=2.5, ramp=0.0, noise=0.02, heated=150.0, log_s=None, seed=1):
-    """Two logs of a made-up run: two nodes at 1 ms, a lagging reading, a power that trembles as the rig's does."""
+    """Two logs of a made-up run: two nodes at 1 ms, a lagging reading, a power with the noise of the rig."""
     random = np.random.default_rng(seed)
     seconds = shift + heated + 15.0
     h = 1e-3
@@ -120,9 +120,9 @@ def test_dead_sensors_drop_outs_and_gaps_are_noted_and_left_blank():
     assert np.isnan(table["housing_temperature_degC"]).all()
     assert np.nanmin(table["winding_temperature_degC"]) > 20.0
     assert np.diff(table["time_s"]).max() == pytest.approx(20.0, abs=prepare.ROW_S)
-    told = " ".join(report["notes"])
-    assert "Stator_Body_degC reads -40 degC" in told and "2 readings of -40 degC in Winding_Temp_degC" in told
-    assert "no temperatures from 99.9" in told
+    notes = " ".join(report["notes"])
+    assert "Stator_Body_degC reads -40 degC" in notes and "2 readings of -40 degC in Winding_Temp_degC" in notes
+    assert "no temperatures from 99.9" in notes
     assert report["energy_in_table_kJ"] == pytest.approx(report["energy_logged_kJ"], rel=0.02), "the gap's energy is kept"
 
 
@@ -159,8 +159,8 @@ def test_the_report_is_the_stored_one(prepared):
 
 def test_runs_2_and_12_alone_are_not_trusted(prepared):
     _, report = prepared
-    assert [run for run, told in report.items() if not told["energy_trusted"]] == ["run-2.csv", "run-12.csv"]
-    assert all(told["shift_sure_to_s"] <= 0.2 for told in report.values())
+    assert [run for run, entry in report.items() if not entry["energy_trusted"]] == ["run-2.csv", "run-12.csv"]
+    assert all(entry["shift_sure_to_s"] <= 0.2 for entry in report.values())
     assert report["run-2.csv"]["clock_ratio"] == pytest.approx(1.22, abs=0.02), "SOURCE.md: 22 %"
 
 

@@ -139,7 +139,7 @@ def test_the_switched_circuit_runs_up_as_the_average_does(make, duty, decay):
 
 
 @pytest.mark.parametrize("duty", [0.25, -0.7, 1.0])
-def test_books_close(make, duty):
+def test_energy_balance_closes(make, duty):
     fmu = make(duty=duty, load_torque=0.05)
     for k in range(400):
         fmu.set({"duty": duty * (1.0 if k < 200 else -0.5)})
@@ -147,7 +147,7 @@ def test_books_close(make, duty):
         fmu.step(0.02)
     energy, error = fmu.get("energy_supply", "energy_balance_error")
     assert energy > 1.0 and abs(error) <= 1e-6 * energy
-    # From outside: what the supply gave is in the load, the surroundings, the heat of three nodes and the motion.
+    # From outside: energy from the supply = load + ambient + heat of three nodes + kinetic energy.
     p, names = parameters(fmu), ("energy_shaft", "energy_heat_to_ambient", *STATES, "ambient_temperature")
     shaft, given, i, w, _, t_w, t_h, t_b, ambient = fmu.get(*names)
     heat = p["thermal_C_w"] * (t_w - ambient) + p["thermal_C_h"] * (t_h - ambient) + p["thermal_C_b"] * (t_b - ambient)

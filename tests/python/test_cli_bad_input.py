@@ -1,4 +1,4 @@
-"""Bad input through the `motor-fmu` program: exit code 1 for the answer "no", 2 for what could not be done."""
+"""Bad input through the `motor-fmu` program: exit code 1 = check failed, 2 = could not run."""
 
 import shutil
 import zipfile

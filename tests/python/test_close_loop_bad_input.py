@@ -36,7 +36,7 @@ def rows(count=60, step=2.0):
 
 @pytest.fixture
 def close_loop(motor_fmu, tmp_path):
-    """Writes an experiment with its runs, changed as told, and closes the loop."""
+    """Writes an experiment with its runs and the given changes, and closes the loop."""
 
     def run(experiment=("", ""), table=lambda lines: lines, missing=()):
         old, new = experiment

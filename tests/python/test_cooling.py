@@ -2,7 +2,7 @@
 
     still air       Churchill, Chu (1975) on the cylinder, laminar plate of height pi D/4 on the ends, grey radiation
     fan across      Churchill, Bernstein (1977) under the ring jet, fourth powers added to natural convection
-    within          winding - stator - housing, winding - rotor - housing, leads to the room, as resistances
+    within          winding - stator - housing, winding - rotor - housing, leads to ambient, as resistances
 """
 
 import json
@@ -113,7 +113,7 @@ def test_the_studies_agree_with_the_archive(make, motor_fmu, mode):
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_books_close_and_the_step_does_not_matter(make, mode):
+def test_energy_balance_closes_for_every_step(make, mode):
     short, long = settled(make, mode), settled(make, mode, step=600.0)
     for fmu in (short, long):
         assert abs(show(fmu, "power_balance_error")) < 1e-6

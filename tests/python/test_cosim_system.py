@@ -40,7 +40,7 @@ def ssp(motor_fmu, toml):
 
 @pytest.fixture
 def cosim(motor_fmu):
-    """Runs a system and returns what `--json` tells."""
+    """Runs a system and returns the result of `--json`."""
 
     def run(*arguments):
         done = motor_fmu("cosim", *arguments, "--json")
@@ -56,8 +56,8 @@ def rows(path):
 
 
 def test_a_minute_of_walking(cosim, toml, tmp_path):
-    told = cosim(toml, "--output", tmp_path / "walk.csv", "--plot", tmp_path / "walk.svg")
-    assert told["steps"] == 60_000 and told["rows"] == 60_001
+    result = cosim(toml, "--output", tmp_path / "walk.csv", "--plot", tmp_path / "walk.svg")
+    assert result["steps"] == 60_000 and result["rows"] == 60_001
     walk = rows(tmp_path / "walk.csv")
     assert list(walk[0])[:2] == ["time", "gait.joint_angle"] and float(walk[-1]["time"]) == 60.0
     judged = [row for row in walk if float(row["time"]) > GETTING_IN_STEP]
@@ -65,8 +65,8 @@ def test_a_minute_of_walking(cosim, toml, tmp_path):
     peak = max(float(row["gait.torque_demand"]) for row in judged)
     assert 80.0 < peak < 150.0
     assert max(abs(float(row["actuator.torque_error"])) for row in judged) < 0.05 * peak
-    assert told["final"]["motor.winding_temperature"] > 305.0
-    assert 50 < told["final"]["gait.strides"] < 60
+    assert result["final"]["motor.winding_temperature"] > 305.0
+    assert 50 < result["final"]["gait.strides"] < 60
     assert (tmp_path / "walk.svg").read_text().startswith("<svg")
 
 
@@ -111,7 +111,7 @@ def test_the_archive_runs_as_the_description_does(motor_fmu, cosim, toml, ssp, t
 
 
 def test_the_archive_is_valid_and_whole(ssp):
-    # read_ssd holds it against the standard's schema.
+    # read_ssd validates it with the standard's schema.
     system = read_ssd(str(ssp), validate=True).system
     assert [component.name for component in system.elements] == ["gait", "motor", "actuator"]
     assert len(system.connections) == 9
@@ -135,7 +135,7 @@ def test_fmpy_s_own_master_runs_it(cosim, ssp, tmp_path):
         ours = {round(float(row["time"]) / step): row for row in rows(out)}
         far = 0.0
         for row in theirs:
-            # Their row tells the end of the step by its beginning.
+            # Their row has the values at the end of the step and the time of its start.
             point = round(row["time"] / step) + 1
             if row["time"] > GETTING_IN_STEP and point in ours:
                 far = max(far, abs(row["actuator.joint_torque"] - float(ours[point]["actuator.joint_torque"])))
@@ -148,10 +148,10 @@ def test_fmpy_s_own_master_runs_it(cosim, ssp, tmp_path):
 
 def test_a_variable_step_walks_as_well(cosim, toml):
     fixed = cosim(toml, "--stop", "4", "--step", "0.0001")["final"]
-    told = cosim(toml, "--stop", "4", "--tolerance", "1e-4")
-    assert told["steps"] < 40_000
+    result = cosim(toml, "--stop", "4", "--tolerance", "1e-4")
+    assert result["steps"] < 40_000
     for name in ("motor.winding_temperature", "actuator.joint_torque", "actuator.energy_joint"):
-        assert told["final"][name] == pytest.approx(fixed[name], rel=2e-3), name
+        assert result["final"][name] == pytest.approx(fixed[name], rel=2e-3), name
 
 
 def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
@@ -160,11 +160,11 @@ def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
     cosim(toml, "--stop", "3", "--no-slopes", "--output", held)
     fmi3 = tmp_path / "fmi3.toml"
     fmi3.write_text(description.replace("/fmi2/", "/fmi3/"))
-    told = cosim(fmi3, "--stop", "3", "--output", three)
-    assert told["slopes"] is False
+    result = cosim(fmi3, "--stop", "3", "--output", three)
+    assert result["slopes"] is False
     assert shared(three, held) == shared(held, held)
     fmi3.write_text(description.replace("/fmi2/GaitLoad", "/fmi3/GaitLoad"))
-    told = cosim(fmi3, "--stop", "3", "--no-slopes", "--output", mixed)
+    result = cosim(fmi3, "--stop", "3", "--no-slopes", "--output", mixed)
     assert mixed.read_bytes() == held.read_bytes()
 
 

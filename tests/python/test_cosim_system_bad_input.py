@@ -25,7 +25,7 @@ def cosim(motor_fmu, tmp_path):
 def test_good_input_is_fine(cosim):
     done = cosim(described(["a.shaft_speed -> b.imposed_speed"]), "--stop", "0.01")
     assert done.returncode == 0, done.stderr
-    # Inputs that nobody feeds are told.
+    # Unconnected inputs are listed.
     assert done.stderr.startswith("note: a: voltage, ") and "imposed_speed" not in done.stderr.splitlines()[1]
 
 

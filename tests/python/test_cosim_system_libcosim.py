@@ -42,8 +42,8 @@ def test_the_same_bits(motor_fmu, tmp_path):
     theirs = tmp_path / "theirs.json"
     environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
     command = [sys.executable, __file__, str(tmp_path / "walk.ssp"), str(theirs)]
-    told = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
-    assert told.returncode == 0, told.stderr[-2000:]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    assert done.returncode == 0, done.stderr[-2000:]
     found = json.loads(theirs.read_text())
     assert len(found) == STEPS and len(ours) == STEPS + 1
     for k, (a, b) in enumerate(zip(found, ours[1:])):

@@ -82,7 +82,7 @@ def names(archive, keep):
 
 
 def outputs(archive):
-    """Outputs that mean something: the books' errors are rounding."""
+    """Outputs without the balance residuals, which are rounding errors."""
     return names(archive, lambda v: v.causality == "output" and not v.name.endswith("balance_error"))
 
 
@@ -289,7 +289,7 @@ def test_what_has_no_derivative_is_refused(both):
 @pytest.mark.parametrize("case", ("voltage", "push", "gearmotor"))
 def test_derivatives_of_outputs_are_their_slopes(case, both):
     """Against steps of a microsecond from a saved state, with the inputs held: short beside the winding's L/R of 0.2 ms, so that
-    what the steps before have left of their error in the current falls as the derivative says, and exact but for rounding."""
+    what the steps before have left of their error in the current falls as the derivative says, and exact apart from rounding."""
     model, start = CASES[case]
     archive = both[model]
     with archive.instance() as instance:

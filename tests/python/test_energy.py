@@ -1,4 +1,4 @@
-"""The energy books of the FMU: at every instant, and summed up over each run."""
+"""Power balance of the FMU at every communication point, energy balance over each run."""
 
 import pytest
 from cases import CONSTANT, DRIVE_CYCLE
@@ -8,7 +8,7 @@ ENERGY_ERROR = 1e-6  # of the energy that went through
 
 
 @pytest.mark.parametrize("case", [*CONSTANT, DRIVE_CYCLE], ids=lambda case: case.name)
-def test_books_close(make, case):
+def test_balances_close(make, case):
     fmu = make(case.start)
     throughput, last = 0.0, 0.0
     for inputs, slopes, steps in case.stretches():
@@ -22,7 +22,7 @@ def test_books_close(make, case):
     assert abs(fmu.get("energy_balance_error")[0]) <= ENERGY_ERROR * throughput
 
 
-def test_books_close_from_outside(make):
+def test_energy_balance_from_the_outputs_closes(make):
     """The stored heat is taken from the temperatures here, so that a wrong book of the FMU cannot agree with itself."""
     fmu = make(drive_mode="current", mechanical_mode="imposed_speed", current_command=8.0, imposed_speed=500.0)
     ambient = fmu.get("ambient_temperature")[0]

@@ -23,8 +23,8 @@ from importers import Drive
 
 STEP, STEPS = 2.0**-9, 256
 
-# What each model is told: parameters, then inputs as functions of the communication point's number.
-TOLD = {
+# Parameters of each model, then inputs as functions of the number of the communication point.
+DRIVES = {
     "AnnulusCooledMotor": (
         {"effect.viscous_friction.k": 2e-6, "motor.R_ref": 0.4},
         {
@@ -58,7 +58,7 @@ TOLD = {
     "GaitLoad": ({"gait.variation": 0.03, "gait.body_mass": 82.0}, {"joint_torque": lambda k: 0.5 * k}),
 }
 
-# An output of each that does not stand still.
+# A varying output of each.
 MOVES = {
     "AnnulusCooledMotor": "shaft_speed",
     "BrushedGearmotor": "shaft_speed",
@@ -75,13 +75,13 @@ ALL = {
 }
 # Two of them have packages for some machines and Pythons alone. Where requirements.txt demands one that is missing, its tests fail.
 IMPORTERS = {name: standards for name, (standards, package) in ALL.items() if is_demanded(package)}
-# Points at the beginning of a run of which an importer tells nothing.
+# Points at the start of a run without outputs from an importer.
 BLIND_POINTS = {"libcosim": 1}
 MODELS = sorted(path.stem for path in (paths.dist() / "fmi2").glob("*.fmu"))
 
 
 def test_there_is_an_archive_of_each_model_for_each_standard():
-    assert MODELS == sorted(TOLD), "every model that is built goes through the gate: tell it something in TOLD"
+    assert MODELS == sorted(DRIVES), "every model needs an entry in DRIVES"
     assert MODELS == sorted(path.stem for path in (paths.dist() / "fmi3").glob("*.fmu"))
 
 
@@ -102,12 +102,12 @@ def drives():
     """A drive by model. The outputs are those that are real, in the order of the FMI 2 archive."""
 
     def drive(model):
-        parameters, inputs = TOLD[model]
+        parameters, inputs = DRIVES[model]
         with Archive(paths.archive(model, 2)) as archive:
             outputs = [v.name for v in archive.variables.values() if v.causality == "output" and v.type == "Real"]
         return Drive(STEP, parameters, {name: [f(k) for k in range(STEPS)] for name, f in inputs.items()}, outputs)
 
-    return {model: drive(model) for model in TOLD}
+    return {model: drive(model) for model in DRIVES}
 
 
 @pytest.fixture(scope="session")
@@ -138,11 +138,11 @@ def simulate(program, archive, drive, folder):
 
 
 def run(importer, archive, drive, folder):
-    """Runs an importer in its own process; what it wrote to standard error tells why it could not."""
-    told, rows = folder / "drive.json", folder / "rows.json"
-    drive.write(told)
+    """Runs an importer in its own process; its standard error explains a failure."""
+    drive_file, rows = folder / "drive.json", folder / "rows.json"
+    drive.write(drive_file)
     environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
-    command = [sys.executable, "-m", "importers", importer, archive, told, rows]
+    command = [sys.executable, "-m", "importers", importer, archive, drive_file, rows]
     command = [*map(str, command)]
     done = subprocess.run(command, cwd=Path(__file__).parent, env=environment, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, f"{importer} ended with {done.returncode}: {done.stderr[-2000:]}"
@@ -160,7 +160,7 @@ def test_an_importer_reads_the_same_bits(importer, fmi, model, drives, natively,
     for k, (ours, theirs) in enumerate(zip(native[blind:], read[blind:]), blind):
         differing = {name: (a, b) for name, a, b in zip(drive.outputs, ours, theirs) if a != b}
         assert not differing, f"point {k}: {differing}"
-    # Not the agreement of two that stand still.
+    # Constant outputs would agree trivially.
     assert max(abs(row[drive.outputs.index(MOVES[model])]) for row in read[blind:]) > 0.3
 
 

@@ -1,7 +1,7 @@
 """The powered ankle through masters that are not ours: what they give, and that it is what our master gives when it does the same.
 
 The plain master of `examples/09_plain_master.py` gives the same bits. ecos opens the SSP and runs it; it differs in the last bits of the first
-step, which the friction of a motor that turns round makes a ten millionth of the speed after half a second.
+step, which the friction of a reversing motor makes a ten millionth of the speed after half a second.
 """
 
 import csv

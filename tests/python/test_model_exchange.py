@@ -118,7 +118,7 @@ def disagreement(one, other, description):
     variables = {v.name: v for v in description.modelVariables}
     errors = {}
     for name in one.dtype.names:
-        # Zero but for rounding (and the importer's own error), these have no size of their own.
+        # Zero apart from rounding and the importer's own error: no scale of their own.
         if name == "time" or name.endswith("balance_error") or one[name].dtype == bool:
             continue
         zero = one[name][0] if variables[name].unit == "K" else 0.0

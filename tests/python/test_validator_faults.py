@@ -1,7 +1,7 @@
 """Faults seeded into our archives and into a foreign one: `motor-fmu validate` finds each, and none where there is none.
 
 The foreign FMU is an oscillator that is compiled here from its own C source (`validator/`). What two other free checkers find is in
-docs/validator.md, which this test holds against what they answer.
+docs/validator.md, which this test compares with their answers.
 """
 
 import os
@@ -50,4 +50,4 @@ def test_there_are_as_many_faults_as_promised():
 
 def test_the_page_has_the_table(answers):
     command = "cd tests/python && python -m validator.table PROGRAM DIST"
-    assert table.on_page() == table.text(answers), f"docs/validator.md is out of date; `{command}` writes it anew"
+    assert table.on_page() == table.text(answers), f"docs/validator.md is out of date; `{command}` updates it"

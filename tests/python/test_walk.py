@@ -16,7 +16,7 @@ def ask(motor_fmu, *arguments):
     return json.loads(done.stdout)
 
 
-def test_a_walk_is_told_with_its_end(motor_fmu, tmp_path):
+def test_the_end_of_a_walk_is_reported(motor_fmu, tmp_path):
     plot = tmp_path / "walk.svg"
     cold = ask(motor_fmu, "--plot", plot)
     assert cold["forever"] is None and 600.0 < cold["time_to_limit"] < 1200.0
@@ -27,11 +27,11 @@ def test_a_walk_is_told_with_its_end(motor_fmu, tmp_path):
     assert cold["continuous"]["at"]["winding_temperature"] == pytest.approx(cold["limit"], abs=0.05)
 
 
-def test_cooling_and_less_torque_walk_for_ever(motor_fmu):
+def test_cooling_or_less_torque_makes_walking_continuous(motor_fmu):
     fan = ask(motor_fmu, "--set", "fan_command=1", "--set", "gait.support=0.8")
     assert fan["time_to_limit"] is None
     assert fan["forever"]["winding_temperature"] < fan["limit"]
-    # Half of the supply's power at most becomes heat that the joint does not see; the books of the means.
+    # Half of the supply's power at most becomes heat instead of joint power; energy balance of the means.
     assert 0.0 < fan["forever"]["power_joint"] < fan["forever"]["power_electrical"]
     cold = ask(motor_fmu, "--set", "fan_command=1", "--set", "gait.support=0.8", "--set", "ambient_temperature=273.15")
     assert cold["forever"]["winding_temperature"] < fan["forever"]["winding_temperature"] - 10.0

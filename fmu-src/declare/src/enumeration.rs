@@ -1,13 +1,13 @@
-//! Choices with a name: drive mode, cooling mode and the like.
+//! Enumerations, for example drive mode and cooling mode.
 
-/// One choice of an [`Enumeration`].
+/// An item of an [`Enumeration`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
     /// Name as in presets and on the command line.
     pub name: &'static str,
     /// Value at the FMI interface, from 1.
     pub value: i32,
-    /// What the choice means, one sentence.
+    /// Meaning, one sentence.
     pub doc: &'static str,
 }
 
@@ -16,9 +16,9 @@ pub struct Item {
 pub struct Enumeration {
     /// Name of the type.
     pub name: &'static str,
-    /// What is chosen.
+    /// Meaning of the enumeration.
     pub doc: &'static str,
-    /// The choices, values ascending from 1.
+    /// The items, values ascending from 1.
     pub items: &'static [Item],
 }
 

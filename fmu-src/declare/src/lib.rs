@@ -1,10 +1,10 @@
-//! How a variable is declared: the vocabulary of every table in the project.
+//! Declaration of variables.
 //!
-//! A component states each of its variables once, in a [`variables!`] block. The block becomes a plain struct
-//! for the physics, and a table ([`Group::TABLE`]) for everyone else: the C interface, both model
-//! descriptions, the parameter list, `--set`, presets and the tests over the whole table.
+//! A component declares each variable once, in a [`variables!`] block. The block generates a struct for the physics and
+//! a table ([`Group::TABLE`]) for the C interface, both model descriptions, the parameter list, `--set`, presets and
+//! the tests over the whole table.
 //!
-//! This crate depends on nothing and decides nothing.
+//! This crate has no dependencies and no logic.
 
 mod enumeration;
 mod state;

@@ -1,20 +1,20 @@
-//! Continuous states: each a variable, with the variable that is its rate of change.
+//! Continuous states, each with its derivative.
 
 use crate::{Unit, Variable};
 
-/// How many states one row stands for.
+/// Number of states of one declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Elements {
-    /// One, without an index.
+    /// One scalar.
     One,
-    /// So many, always.
+    /// A constant number.
     Fixed(u32),
-    /// As many as the parameter of this name says, and no more than the number.
+    /// The value of the parameter with this name, at most the number.
     UpTo(u32, &'static str),
 }
 
 impl Elements {
-    /// The most that there may be.
+    /// The largest number of elements.
     pub const fn most(self) -> u32 {
         match self {
             Elements::One => 1,
@@ -23,21 +23,21 @@ impl Elements {
     }
 }
 
-/// A continuous state, or a row of them, and its derivative with respect to time.
+/// A continuous state or an array of states, with its derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
-    /// The state; with several elements, the first of them.
+    /// The state; the first element of an array.
     pub value: Variable,
-    /// Its derivative; the value references of several elements follow one another.
+    /// Its derivative; the elements of an array have consecutive value references.
     pub rate: Variable,
-    /// How many there are.
+    /// Number of elements.
     pub elements: Elements,
-    /// Whether an array of them is an output, where arrays are variables (FMI 3); single elements never are.
+    /// Whether the array is an output in FMI 3; single elements never are.
     pub shown: bool,
 }
 
 impl State {
-    /// A state with the value references of itself and of its derivative.
+    /// A state with its value reference and that of its derivative.
     pub const fn new(value_reference: u32, rate_reference: u32, unit: Unit) -> State {
         State {
             value: Variable::local(value_reference, unit),
@@ -47,26 +47,26 @@ impl State {
         }
     }
 
-    /// With a typical size, which is that of its change in a second, too.
+    /// With a nominal value, also for the change in one second.
     pub const fn nominal(mut self, nominal: f64) -> State {
         self.value = self.value.nominal(nominal);
         self.rate = self.rate.nominal(nominal);
         self
     }
 
-    /// A difference of temperatures.
+    /// A temperature difference.
     pub const fn difference(mut self) -> State {
         self.value = self.value.difference();
         self
     }
 
-    /// Several states.
+    /// An array of states.
     pub const fn elements(mut self, elements: Elements) -> State {
         self.elements = elements;
         self
     }
 
-    /// Several states, which an importer that knows arrays sees as an output.
+    /// An array of states that is an output in FMI 3.
     pub const fn shown(mut self) -> State {
         self.shown = true;
         self
@@ -81,12 +81,12 @@ impl State {
     }
 }
 
-/// Declares the continuous states of a model, a line each; name, unit and description of the derivatives follow.
+/// Declares the continuous states of a model; name, unit and description of the derivatives are derived.
 ///
 /// ```
 /// use declare::{State, Unit, states};
 /// states! {
-///     /// What is integrated.
+///     /// The states.
 ///     pub const STATES = {
 ///         /// Angle of the shaft
 ///         "state.angle" = State::new(1, 101, Unit::Radian),

@@ -1,6 +1,6 @@
-//! The units of the interface. Inside, everything is SI; a unit here is a name with its dimension.
+//! The units of the interface. All values are SI; a unit is a name with its dimension.
 
-/// Exponents of the SI base units (with the radian, which FMI counts among them).
+/// Exponents of the SI base units and the radian, as in FMI.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[allow(missing_docs, non_snake_case)] // the field names are the units' own symbols
 pub struct BaseUnits {
@@ -14,12 +14,12 @@ pub struct BaseUnits {
     pub rad: i8,
 }
 
-/// A unit that tools show instead of the SI unit: `shown = factor * value + offset`.
+/// Display unit: `displayed value = factor * value + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Display {
-    /// Name of the shown unit, for example `degC`.
+    /// Name of the display unit, for example `degC`.
     pub name: &'static str,
-    /// Multiplies the SI value.
+    /// Factor on the SI value.
     pub factor: f64,
     /// Added after the factor.
     pub offset: f64,
@@ -36,13 +36,12 @@ macro_rules! units {
             /// All units, in the order of their declaration.
             pub const ALL: &'static [Unit] = &[$(Unit::$unit),*];
 
-            /// The unit's name as FMI tools show it.
+            /// The name of the unit in FMI.
             pub const fn name(self) -> &'static str {
                 match self { $(Unit::$unit => $name),* }
             }
 
-            /// The unit's dimension, where its exponents are whole numbers. Every declared unit is coherent SI:
-            /// its factor is 1.
+            /// The dimension, if its exponents are integers. Every unit is coherent SI: its factor is 1.
             pub const fn base(self) -> Option<BaseUnits> {
                 let none = BaseUnits { kg: 0, m: 0, s: 0, A: 0, K: 0, mol: 0, cd: 0, rad: 0 };
                 $($(if matches!(self, Unit::$unit) {
@@ -52,7 +51,7 @@ macro_rules! units {
                 None
             }
 
-            /// The unit shown to people in place of the SI unit, if they expect another one.
+            /// The display unit, if it differs from the SI unit.
             pub const fn display(self) -> Option<Display> {
                 match self {
                     $($(Unit::$unit => Some(Display { name: $shown, factor: $factor, offset: $offset }),)?)*
@@ -65,10 +64,10 @@ macro_rules! units {
 }
 
 impl Unit {
-    /// The unit of this unit's rate of change.
+    /// The unit of the derivative with respect to time.
     ///
     /// # Panics
-    /// Where no continuous state has this unit, at compile time.
+    /// If no continuous state has this unit, at compile time.
     pub const fn rate(self) -> Unit {
         match self {
             Unit::Ampere => Unit::AmperePerSecond,
@@ -85,7 +84,7 @@ impl Unit {
 }
 
 units! {
-    /// A pure number.
+    /// Dimensionless.
     One = "1" {};
     /// Time.
     Second = "s" { s: 1 };
@@ -93,23 +92,23 @@ units! {
     Hertz = "Hz" { s: -1 };
     /// Electric potential.
     Volt = "V" { kg: 1, m: 2, s: -3, A: -1 };
-    /// Rate of a voltage.
+    /// Time derivative of a voltage.
     VoltPerSecond = "V/s" { kg: 1, m: 2, s: -4, A: -1 };
     /// Electric current.
     Ampere = "A" { A: 1 };
-    /// Rate of a current.
+    /// Time derivative of a current.
     AmperePerSecond = "A/s" { A: 1, s: -1 };
     /// Electric resistance.
     Ohm = "Ohm" { kg: 1, m: 2, s: -3, A: -2 };
     /// Inductance.
     Henry = "H" { kg: 1, m: 2, s: -2, A: -2 };
-    /// Temperature, shown in degrees Celsius.
+    /// Temperature, displayed in degrees Celsius.
     Kelvin = "K" { K: 1 } shown as "degC", 1.0, -273.15;
     /// Temperature coefficient.
     PerKelvin = "1/K" { K: -1 };
     /// Angle.
     Radian = "rad" { rad: 1 };
-    /// Angular speed, shown in revolutions per minute.
+    /// Angular velocity, displayed in revolutions per minute.
     RadianPerSecond = "rad/s" { rad: 1, s: -1 } shown as "rpm", 30.0 / std::f64::consts::PI, 0.0;
     /// Angular acceleration.
     RadianPerSquareSecond = "rad/s2" { rad: 1, s: -2 };
@@ -117,13 +116,13 @@ units! {
     NewtonMetre = "N.m" { kg: 1, m: 2, s: -2 };
     /// Torque constant, equal to the back-EMF constant in V.s/rad.
     NewtonMetrePerAmpere = "N.m/A" { kg: 1, m: 2, s: -2, A: -1 };
-    /// Rate of a torque.
+    /// Time derivative of a torque.
     NewtonMetrePerSecond = "N.m/s" { kg: 1, m: 2, s: -3 };
     /// Stiffness of a rotary spring.
     NewtonMetrePerRadian = "N.m/rad" { kg: 1, m: 2, s: -2, rad: -1 };
     /// Coefficient of a torque proportional to speed.
     NewtonMetreSecond = "N.m.s/rad" { kg: 1, m: 2, s: -1, rad: -1 };
-    /// Coefficient of a torque proportional to the square root of speed; no unit of whole exponents.
+    /// Coefficient of a torque proportional to the square root of speed; its exponents are not integers.
     NewtonMetreRootSecond = "N.m.s0.5/rad0.5";
     /// Coefficient of a torque proportional to the square of speed.
     NewtonMetreSquareSecond = "N.m.s2/rad2" { kg: 1, m: 2, rad: -2 };
@@ -141,23 +140,23 @@ units! {
     WattPerKelvin = "W/K" { kg: 1, m: 2, s: -3, K: -1 };
     /// Coefficient of thermal radiation.
     WattPerKelvin4 = "W/K4" { kg: 1, m: 2, s: -3, K: -4 };
-    /// Rate of a temperature.
+    /// Time derivative of a temperature.
     KelvinPerSecond = "K/s" { K: 1, s: -1 };
     /// Thermal resistance.
     KelvinPerWatt = "K/W" { kg: -1, m: -2, s: 3, K: 1 };
     /// Heat capacity.
     JoulePerKelvin = "J/K" { kg: 1, m: 2, s: -2, K: -1 };
-    /// Specific heat.
+    /// Specific heat capacity.
     JoulePerKilogramKelvin = "J/(kg.K)" { m: 2, s: -2, K: -1 };
     /// Thermal conductivity.
     WattPerMetreKelvin = "W/(m.K)" { kg: 1, m: 1, s: -3, K: -1 };
-    /// Coefficient of heat transfer.
+    /// Heat transfer coefficient.
     WattPerSquareMetreKelvin = "W/(m2.K)" { kg: 1, s: -3, K: -1 };
     /// Length.
     Metre = "m" { m: 1 };
     /// Area.
     SquareMetre = "m2" { m: 2 };
-    /// Volume flow.
+    /// Volume flow rate.
     CubicMetrePerSecond = "m3/s" { m: 3, s: -1 };
     /// Pressure.
     Pascal = "Pa" { kg: 1, m: -1, s: -2 };

@@ -1,24 +1,24 @@
-//! A row of a table, and what a group of rows can do.
+//! A declared variable, and the trait of a group of variables.
 
 use crate::{Enumeration, Unit};
 
-/// The role of a variable, in FMI's words.
+/// Causality as in FMI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
-    /// Set by the user before or during a run.
+    /// Set by the user before or during a simulation.
     Parameter,
     /// Set by the importer at every communication point.
     Input,
     /// Computed by the model.
     Output,
-    /// Computed by the model, and of use to those who integrate it: states, their derivatives, event indicators.
+    /// Computed by the model, for Model Exchange importers: states, derivatives, event indicators.
     Local,
 }
 
-/// When a variable may change, in FMI's words.
+/// Variability as in FMI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variability {
-    /// Never after initialization.
+    /// Constant after initialization.
     Fixed,
     /// At any communication point.
     Tunable,
@@ -28,12 +28,12 @@ pub enum Variability {
     Continuous,
 }
 
-/// How a fit should step through the range of a parameter.
+/// Scale of a parameter in a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// By differences.
+    /// Linear.
     Linear,
-    /// By ratios; the lower limit is positive.
+    /// Logarithmic; the lower limit is positive.
     Log,
 }
 
@@ -42,21 +42,21 @@ pub enum Scale {
 pub enum Kind {
     /// 64-bit floating point.
     Real,
-    /// A whole number.
+    /// Integer.
     Integer,
     /// True or false.
     Boolean,
-    /// One of named choices.
+    /// Enumeration.
     Enumeration(&'static Enumeration),
 }
 
-/// A value that a table can hold. All values pass through tables as `f64`, which represents each kind exactly.
+/// A value of a variable. All values are transferred as `f64`, which represents each kind exactly.
 pub trait Scalar: Copy {
     /// The kind of the type.
     const KIND: Kind;
     /// The value as a number: Booleans 0 or 1, enumerations their FMI value.
     fn to_f64(self) -> f64;
-    /// The value of a number, or `None` where the type has no such value.
+    /// The value of a number, or `None` if the type has no such value.
     fn from_f64(value: f64) -> Option<Self>;
 }
 
@@ -78,7 +78,7 @@ impl Scalar for i32 {
         f64::from(self)
     }
     fn from_f64(value: f64) -> Option<i32> {
-        // The cast saturates and drops fractions and NaN; what comes back unchanged was a whole number that fits.
+        // The cast saturates and drops fractions and NaN; an unchanged value was an integer in range.
         (f64::from(value as i32) == value).then_some(value as i32)
     }
 }
@@ -97,34 +97,34 @@ impl Scalar for bool {
     }
 }
 
-/// The declaration of one variable: a row of [`Group::TABLE`].
+/// The declaration of one variable: an element of [`Group::TABLE`].
 #[derive(Clone, Copy, Debug)]
 pub struct Variable {
-    /// Name within its group; the model puts the group's prefix before it.
+    /// Name in its group; the model adds the prefix of the group.
     pub name: &'static str,
-    /// Value reference within its group; the model adds the group's base. Never re-used.
+    /// Value reference in its group; the model adds the base of the group. Never reused.
     pub value_reference: u32,
-    /// Role.
+    /// Causality.
     pub causality: Causality,
-    /// When it may change.
+    /// Variability.
     pub variability: Variability,
     /// Type.
     pub kind: Kind,
     /// Unit of the value.
     pub unit: Unit,
-    /// Value at the start; `NaN` where the model computes it.
+    /// Start value; `NaN` for a computed variable.
     pub start: f64,
-    /// Least value allowed.
+    /// Lower limit.
     pub min: f64,
-    /// Greatest value allowed.
+    /// Upper limit.
     pub max: f64,
-    /// Typical size, positive.
+    /// Nominal value, positive.
     pub nominal: f64,
-    /// How a fit steps through the range.
+    /// Scale in a fit.
     pub scale: Scale,
-    /// True for a difference of temperatures: no offset when shown in degrees Celsius.
+    /// True for a temperature difference: no offset in degrees Celsius.
     pub relative: bool,
-    /// Description: what it is and how its sign counts.
+    /// Description with sign convention.
     pub doc: &'static str,
     /// Where the start value comes from; empty where it is 0, a mode, or computed.
     pub source: &'static str,
@@ -158,14 +158,14 @@ impl Variable {
         }
     }
 
-    /// A parameter that may be changed between steps. Its nominal value is its start, or 1 where that is 0.
+    /// A tunable parameter. Its nominal value is its start value, or 1 if that is 0.
     pub const fn tunable(value_reference: u32, start: f64, unit: Unit, min: f64, max: f64) -> Variable {
         let row =
             Variable::new(value_reference, Causality::Parameter, Variability::Tunable, unit, start, min, max);
         row.nominal(if start == 0.0 { 1.0 } else { start.abs() })
     }
 
-    /// A choice that holds for the whole run; `start` is the FMI value of the item.
+    /// A fixed enumeration; `start` is the FMI value of the item.
     pub const fn choice(value_reference: u32, start: i32) -> Variable {
         Variable::new(
             value_reference,
@@ -178,24 +178,24 @@ impl Variable {
         )
     }
 
-    /// A whole number that holds for the whole run.
+    /// A fixed integer.
     pub const fn count(value_reference: u32, start: i32, min: i32, max: i32) -> Variable {
         let mut row = Variable::tunable_count(value_reference, start, min, max);
         row.variability = Variability::Fixed;
         row
     }
 
-    /// A whole number that may be changed between steps.
+    /// A tunable integer.
     pub const fn tunable_count(value_reference: u32, start: i32, min: i32, max: i32) -> Variable {
         Variable::tunable(value_reference, start as f64, Unit::One, min as f64, max as f64)
     }
 
-    /// An input, continuous between communication points where the importer gives slopes.
+    /// An input; linear between communication points if the importer sets input derivatives.
     pub const fn input(value_reference: u32, start: f64, unit: Unit, min: f64, max: f64) -> Variable {
         Variable::new(value_reference, Causality::Input, Variability::Continuous, unit, start, min, max)
     }
 
-    /// An output that changes continuously.
+    /// A continuous output.
     pub const fn output(value_reference: u32, unit: Unit) -> Variable {
         Variable::new(
             value_reference,
@@ -208,21 +208,21 @@ impl Variable {
         )
     }
 
-    /// An output that changes at events only.
+    /// A discrete output.
     pub const fn flag(value_reference: u32) -> Variable {
         let mut row = Variable::output(value_reference, Unit::One);
         row.variability = Variability::Discrete;
         row
     }
 
-    /// A variable that shows the inside of the model and changes continuously.
+    /// A continuous local variable.
     pub const fn local(value_reference: u32, unit: Unit) -> Variable {
         let mut row = Variable::output(value_reference, unit);
         row.causality = Causality::Local;
         row
     }
 
-    /// With a typical size.
+    /// With a nominal value.
     pub const fn nominal(mut self, nominal: f64) -> Variable {
         self.nominal = nominal;
         self
@@ -234,19 +234,19 @@ impl Variable {
         self
     }
 
-    /// With a fit that steps by ratios.
+    /// With a logarithmic scale in a fit.
     pub const fn log(mut self) -> Variable {
         self.scale = Scale::Log;
         self
     }
 
-    /// A difference of temperatures.
+    /// A temperature difference.
     pub const fn difference(mut self) -> Variable {
         self.relative = true;
         self
     }
 
-    /// Used by [`variables!`](crate::variables): adds what the field itself says.
+    /// Used by [`variables!`](crate::variables): adds name, description and type of the field.
     #[doc(hidden)]
     pub const fn named(mut self, name: &'static str, doc: &'static str, kind: Kind) -> Variable {
         self.name = name;
@@ -258,17 +258,17 @@ impl Variable {
 
 /// A struct of variables with its table. Implemented by [`variables!`](crate::variables).
 pub trait Group {
-    /// One row a field, in the order of the fields.
+    /// One element per field, in the order of the fields.
     const TABLE: &'static [Variable];
-    /// The value of row `index`.
+    /// The value of element `index`.
     ///
     /// # Panics
-    /// Where the table has no such row.
+    /// If the table has no such element.
     fn get(&self, index: usize) -> f64;
-    /// Sets the value of row `index`; false, and nothing changed, where its type has no such value.
+    /// Sets the value of element `index`; false, without a change, if its type has no such value.
     ///
     /// # Panics
-    /// Where the table has no such row.
+    /// If the table has no such element.
     fn set(&mut self, index: usize, value: f64) -> bool;
 }
 
@@ -277,7 +277,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_whole_number_takes_whole_numbers_only() {
+    fn an_integer_accepts_integers_only() {
         assert_eq!(i32::from_f64(7.0), Some(7));
         assert_eq!(i32::from_f64(-3.0), Some(-3));
         for no in [0.5, f64::NAN, f64::INFINITY, 3e9] {

@@ -1,11 +1,11 @@
-//! The macro that makes a struct and its table from one text.
+//! The macro that generates a struct and its table.
 
 /// Declares a struct of variables: each field is one row of its [`Group::TABLE`](crate::Group::TABLE).
 ///
 /// ```
 /// use declare::{variables, Group, Unit, Variable};
 /// variables! {
-///     /// What a resistor is.
+///     /// A resistor.
 ///     pub struct Resistor {
 ///         /// Resistance
 ///         R: f64 = Variable::tunable(1, 10.0, Unit::Ohm, 0.0, 1e6),
@@ -54,7 +54,7 @@ macro_rules! variables {
             }
 
             impl Default for $name {
-                /// The start values; zero where the model computes them.
+                /// The start values; zero for computed variables.
                 fn default() -> Self {
                     let start = |row: Row| {
                         let start = <$name as $crate::Group>::TABLE[row as usize].start;

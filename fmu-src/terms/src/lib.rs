@@ -1,19 +1,18 @@
-//! The file `resources/effects.json`: terms that an FMU carries as data ([`physics::terms`]).
+//! Reader and writer of `resources/effects.json`: generic terms of an FMU ([`physics::terms`]).
 //!
 //! ```json
 //! {"format": "motor-fmu effects 1",
 //!  "terms": [
 //!    {"name": "seal", "port": "drag_torque", "coefficient": 1.2e-3, "unit": "N.m",
 //!     "drivers": [{"driver": "speed", "reference": 100.0, "offset": 0.0, "exponent": 0.75}]},
-//!    {"name": "draught", "port": "winding_heat",
+//!    {"name": "air flow", "port": "winding_heat",
 //!     "table": {"driver": "winding_temperature", "x": [300.0, 350.0, 400.0], "y": [0.0, -0.4, -1.5]}}]}
 //! ```
-//! Left out: a name (the term is called by its number), the unit (that of the port), the drivers of a constant,
-//! the offset (0) and the exponent (1). What a term does at its port is said in
-//! `physics/src/effects/generic_term.rs`.
+//! Optional: the name (default: number of the term), the unit (that of the port), the drivers (none: a constant), the
+//! offset (0) and the exponent (1). `physics/src/effects/generic_term.rs` documents the action of a term at each port.
 //!
-//! The FMU reads the file when an instance is made, the tools check it before they put it into an archive: both
-//! through here, so that no archive holds a file that its own FMU refuses. This crate does no more than that.
+//! The FMU reads the file when an instance is created; the tools check it before they write it into an archive. Both use
+//! this crate, so an FMU accepts the file of its own archive.
 
 use physics::terms::{
     Driver, Factor, GREATEST_EXPONENT, GenericTerm, Law, MOST_DRIVERS, MOST_POINTS, MOST_TERMS, Port,
@@ -22,21 +21,21 @@ use physics::terms::{
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Name of the file within an archive's resources.
+/// Name of the file in the resources of an archive.
 pub const FILE_NAME: &str = "effects.json";
-/// What the file says of itself.
+/// Format identifier of the file.
 pub const FORMAT: &str = "motor-fmu effects 1";
-/// Greatest size of a coefficient, a table's value, a driver's offset.
+/// Largest amount of a coefficient, a value of a table, an offset of a driver.
 const GREATEST: f64 = 1e6;
-/// Limits of a driver's reference.
+/// Limits of the reference value of a driver.
 const REFERENCE: (f64, f64) = (1e-9, 1e9);
 
-/// Why a file is refused: one sentence that names it.
+/// An error in a file: one sentence with its name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct TermsError(String);
 
-/// The file as it is written.
+/// The content of the file.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TermsFile {
@@ -46,41 +45,41 @@ pub struct TermsFile {
     pub terms: Vec<TermText>,
 }
 
-/// A term as it is written: a coefficient with drivers, or a table.
+/// A term in the file: a coefficient with drivers, or a table.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TermText {
-    /// What people call it.
+    /// Name for reports.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Name of a [`Port`].
     pub port: String,
-    /// The value where every driver is at its reference.
+    /// The value with every driver at its reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
-    /// Unit of the coefficient or of the table's values; that of the port.
+    /// Unit of the coefficient or of the values of the table; must be that of the port.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     /// Drivers of the coefficient.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drivers: Vec<DriverText>,
-    /// In place of a coefficient.
+    /// Table instead of a coefficient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<TableText>,
 }
 
-/// A driver as it is written.
+/// A driver in the file.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriverText {
     /// Name of a [`Driver`].
     pub driver: String,
-    /// Divides the driver.
+    /// Divisor of the driver.
     pub reference: f64,
-    /// Subtracted from it first.
+    /// Subtracted from the driver before the division.
     #[serde(default)]
     pub offset: f64,
-    /// The power.
+    /// Exponent.
     #[serde(default = "one")]
     pub exponent: f64,
 }
@@ -89,7 +88,7 @@ fn one() -> f64 {
     1.0
 }
 
-/// A table as it is written.
+/// A table in the file.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableText {
@@ -110,7 +109,7 @@ impl TermsFile {
     /// The file in a text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<TermsFile, TermsError> {
         let found: TermsFile = serde_json::from_str(text).map_err(|error| {
-            // serde_json ends its sentence with the place; ours begins with it.
+            // The message of serde_json ends with the place; this one begins with it.
             let sentence = error.to_string();
             let reason = sentence.split(" at line ").next().unwrap_or(&sentence);
             TermsError(format!("{file}:{}: {reason}", error.line()))
@@ -129,11 +128,11 @@ impl TermsFile {
     /// The terms, checked.
     pub fn terms(&self) -> Result<Vec<GenericTerm>, TermsError> {
         if self.format != FORMAT {
-            return Err(TermsError(format!("the format is \"{}\" and not \"{FORMAT}\"", self.format)));
+            return Err(TermsError(format!("the format is \"{}\", not \"{FORMAT}\"", self.format)));
         }
         if self.terms.len() > MOST_TERMS {
             let n = self.terms.len();
-            return Err(TermsError(format!("there are {n} terms; a model carries at most {MOST_TERMS}")));
+            return Err(TermsError(format!("the file has {n} terms; the limit is {MOST_TERMS}")));
         }
         let term = |(k, text): (usize, &TermText)| {
             let name = if text.name.is_empty() { format!("{}", k + 1) } else { format!("\"{}\"", text.name) };
@@ -150,14 +149,14 @@ impl TermsFile {
     }
 }
 
-/// The terms in a folder of resources; none where it has no such file.
+/// The terms in a resource folder; none if the file does not exist.
 pub fn of_resources(folder: &Path) -> Result<Vec<GenericTerm>, TermsError> {
     let path = folder.join(FILE_NAME);
     if path.try_exists().unwrap_or(true) { TermsFile::load(&path)?.terms() } else { Ok(Vec::new()) }
 }
 
 impl TermText {
-    /// The text of a term.
+    /// A term as text.
     pub fn of(name: &str, term: &GenericTerm) -> TermText {
         let text = TermText {
             name: name.to_string(),
@@ -193,15 +192,15 @@ impl TermText {
         let port = named("port", &self.port, Port::by_name, Port::ALL.iter().map(|p| p.name()))?;
         let unit = port.unit().name();
         if let Some(given) = self.unit.as_ref().filter(|given| *given != unit) {
-            return Err(format!("unit = \"{given}\"; at the port {} it is \"{unit}\"", port.name()));
+            return Err(format!("unit = \"{given}\"; the unit of port {} is \"{unit}\"", port.name()));
         }
         let law = match (self.coefficient, &self.table) {
             (Some(coefficient), None) => Law::Product(self.product(coefficient)?),
             (None, Some(_)) if !self.drivers.is_empty() => {
-                return Err("a table has a driver of its own and takes no drivers".to_string());
+                return Err("a table has its own driver; drivers is not allowed".to_string());
             }
             (None, Some(table)) => Law::Table(table.table()?),
-            _ => return Err("it must have either a coefficient or a table".to_string()),
+            _ => return Err("expected either a coefficient or a table".to_string()),
         };
         Ok(GenericTerm { port, law })
     }
@@ -210,7 +209,7 @@ impl TermText {
         within("coefficient", coefficient, -GREATEST, GREATEST)?;
         let n = self.drivers.len();
         if n > MOST_DRIVERS {
-            return Err(format!("drivers has {n} entries; a term has at most {MOST_DRIVERS}"));
+            return Err(format!("drivers has {n} entries; the limit is {MOST_DRIVERS}"));
         }
         let mut factors = [None; MOST_DRIVERS];
         for (place, text) in factors.iter_mut().zip(&self.drivers) {
@@ -230,10 +229,10 @@ impl TableText {
         let driver = driver(&self.driver)?;
         let (nx, ny) = (self.x.len(), self.y.len());
         if nx != ny {
-            return Err(format!("table has {nx} values of x and {ny} of y"));
+            return Err(format!("the table has {nx} values of x and {ny} of y"));
         }
         if !(2..=MOST_POINTS).contains(&nx) {
-            return Err(format!("table has {nx} points; it must have 2 ... {MOST_POINTS}"));
+            return Err(format!("the table has {nx} points; the limits are 2 ... {MOST_POINTS}"));
         }
         for (k, y) in self.y.iter().enumerate() {
             within(&format!("table.y[{k}]"), *y, -GREATEST, GREATEST)?;
@@ -242,9 +241,10 @@ impl TableText {
             self.x.windows(2).position(|pair| pair[0].partial_cmp(&pair[1]) != Some(std::cmp::Ordering::Less))
         {
             let (before, after) = (self.x[k], self.x[k + 1]);
-            return Err(format!("table.x[{}] = {after} is not above table.x[{k}] = {before}", k + 1));
+            return Err(format!("table.x[{}] = {after} is not larger than table.x[{k}] = {before}", k + 1));
         }
-        Table::new(driver, &self.x, &self.y).ok_or_else(|| "table has a value that is not finite".to_string())
+        Table::new(driver, &self.x, &self.y)
+            .ok_or_else(|| "the table has a value that is not finite".to_string())
     }
 }
 
@@ -252,7 +252,7 @@ fn driver(name: &str) -> Result<Driver, String> {
     named("driver", name, Driver::by_name, Driver::ALL.iter().map(|d| d.name()))
 }
 
-/// The item of a name, or the names that there are.
+/// The item with this name, or an error with the valid names.
 fn named<T>(
     field: &str,
     name: &str,
@@ -260,7 +260,7 @@ fn named<T>(
     all: impl Iterator<Item = &'static str>,
 ) -> Result<T, String> {
     by_name(name)
-        .ok_or_else(|| format!("{field} = \"{name}\" is none of {}", all.collect::<Vec<_>>().join(", ")))
+        .ok_or_else(|| format!("{field} = \"{name}\" is not one of {}", all.collect::<Vec<_>>().join(", ")))
 }
 
 fn within(field: &str, value: f64, min: f64, max: f64) -> Result<(), String> {
@@ -276,21 +276,21 @@ mod tests {
     use super::*;
     use physics::terms::Drivers;
 
-    const GOOD: &str = r#"{"format": "motor-fmu effects 1", "terms": [
+    const VALID: &str = r#"{"format": "motor-fmu effects 1", "terms": [
         {"name": "seal", "port": "drag_torque", "coefficient": 1.2e-3, "unit": "N.m",
          "drivers": [{"driver": "speed", "reference": 100.0, "offset": 0.0, "exponent": 0.5}]},
         {"port": "winding_heat", "table": {"driver": "winding_temperature", "x": [300, 400], "y": [0, 2]}}]}"#;
 
-    fn refusal(text: &str) -> String {
+    fn error_of(text: &str) -> String {
         let sentence = TermsFile::parse(text, "x.json").unwrap_err().to_string();
         assert!(!sentence.contains('\n') && sentence.starts_with("x.json"), "{sentence}");
         sentence
     }
 
-    /// A law that was found leads back to itself through the file.
+    /// A law is the same after writing and reading.
     #[test]
     fn a_term_becomes_text_and_a_term_again() {
-        let terms = TermsFile::parse(GOOD, "x.json").unwrap().terms().unwrap();
+        let terms = TermsFile::parse(VALID, "x.json").unwrap().terms().unwrap();
         let texts = terms.iter().map(|term| TermText::of("seal", term)).collect();
         let again = TermsFile::parse(&TermsFile::new(texts).text(), "y.json").unwrap();
         assert_eq!(again.terms().unwrap(), terms);
@@ -299,16 +299,16 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        let file = TermsFile::parse(GOOD, "x.json").unwrap();
+        let file = TermsFile::parse(VALID, "x.json").unwrap();
         let terms = file.terms().unwrap();
         let at = Drivers { speed: 400.0, winding_temperature: 350.0, ..Drivers::default() };
         assert_eq!((terms[0].port, terms[0].value(&at)), (Port::DragTorque, 2.4e-3));
         assert_eq!((terms[1].port, terms[1].value(&at)), (Port::WindingHeat, 1.0));
-        assert_eq!(TermsFile::parse(&file.text(), "y.json").unwrap(), file, "and written again");
+        assert_eq!(TermsFile::parse(&file.text(), "y.json").unwrap(), file, "after writing");
         assert!(TermsFile::parse(&TermsFile::new(Vec::new()).text(), "z.json").is_ok());
     }
 
-    /// A good text with one place changed: the sentence names term, field, value and limits, or the line.
+    /// A valid text with one change: the message names term, field, value and limits, or the line.
     #[test]
     fn errors_name_what_is_wrong() {
         for (old, new, words) in [
@@ -333,21 +333,21 @@ mod tests {
             ("\"port\": \"winding_heat\", ", "", &["x.json:4:", "missing field `port`"]),
             ("]}}]}", "", &["x.json:4:", "EOF"]),
         ] {
-            assert_eq!(GOOD.matches(old).count(), 1, "{old}");
-            let sentence = refusal(&GOOD.replace(old, new));
+            assert_eq!(VALID.matches(old).count(), 1, "{old}");
+            let sentence = error_of(&VALID.replace(old, new));
             assert!(words.iter().all(|w| sentence.contains(w)), "{words:?} in {sentence}");
         }
         let four = TermsFile::new(vec![TermText::default(); 4]).text();
-        assert!(refusal(&four).contains("4 terms; a model carries at most 3"));
+        assert!(error_of(&four).contains("4 terms; the limit is 3"));
     }
 
     #[test]
     fn a_folder_without_the_file_has_no_terms() {
         let folder = std::env::temp_dir().join(format!("motor-fmu-terms-{}", std::process::id()));
-        assert_eq!(of_resources(&folder), Ok(Vec::new()), "nor one that is not there");
+        assert_eq!(of_resources(&folder), Ok(Vec::new()), "nor a missing folder");
         std::fs::create_dir_all(&folder).unwrap();
         assert_eq!(of_resources(&folder), Ok(Vec::new()));
-        std::fs::write(folder.join(FILE_NAME), GOOD).unwrap();
+        std::fs::write(folder.join(FILE_NAME), VALID).unwrap();
         let two = of_resources(&folder).map(|terms| terms.len());
         std::fs::write(folder.join(FILE_NAME), "{").unwrap();
         let broken = of_resources(&folder);

@@ -1,4 +1,4 @@
-//! Other people's Rust importers, each told the same drive: `importers NAME ARCHIVE DRIVE.json ROWS.json`.
+//! Rust importers of other projects, each with the same inputs: `importers NAME ARCHIVE DRIVE.json ROWS.json`.
 //!
 //! The files are those of `tests/python/importers`, and so is what a drive means. The importers' own API is used and no
 //! function of the FMU is called past them.
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What an FMU is told.
+/// Parameters and inputs of an FMU.
 #[derive(serde::Deserialize)]
 struct Drive {
     /// The communication step.

@@ -18,7 +18,7 @@ pub struct Fmi {
     _import: Fmi2Import,
 }
 
-fn told<T, E: Debug>(call: &str, result: Result<T, E>) -> Outcome<()> {
+fn checked<T, E: Debug>(call: &str, result: Result<T, E>) -> Outcome<()> {
     result.map(drop).map_err(|e| format!("{call}: {e:?}"))
 }
 
@@ -34,7 +34,7 @@ pub fn open(archive: &Path) -> Outcome<Fmi> {
 
 /// Reads an FMI 3.0 archive, without an instance: what it says is in docs/comparison.md.
 pub fn read3(archive: &Path) -> Outcome<()> {
-    told("import", fmi::import::from_path::<Fmi3Import>(archive))
+    checked("import", fmi::import::from_path::<Fmi3Import>(archive))
 }
 
 impl Motor for Fmi {
@@ -43,20 +43,20 @@ impl Motor for Fmi {
     }
 
     fn set(&mut self, references: &[u32], values: &[f64]) -> Outcome<()> {
-        told("set_real", self.instance.set_real(references, values))
+        checked("set_real", self.instance.set_real(references, values))
     }
 
     fn initialize(&mut self) -> Outcome<()> {
-        told("setup_experiment", self.instance.setup_experiment(None, 0.0, None))?;
-        told("enter_initialization_mode", Common::enter_initialization_mode(&mut self.instance))?;
-        told("exit_initialization_mode", Common::exit_initialization_mode(&mut self.instance))
+        checked("setup_experiment", self.instance.setup_experiment(None, 0.0, None))?;
+        checked("enter_initialization_mode", Common::enter_initialization_mode(&mut self.instance))?;
+        checked("exit_initialization_mode", Common::exit_initialization_mode(&mut self.instance))
     }
 
     fn step(&mut self, point: f64, size: f64) -> Outcome<()> {
-        told("do_step", self.instance.do_step(point, size, true))
+        checked("do_step", self.instance.do_step(point, size, true))
     }
 
     fn get(&mut self, references: &[u32], values: &mut [f64]) -> Outcome<()> {
-        told("get_real", self.instance.get_real(references, values))
+        checked("get_real", self.instance.get_real(references, values))
     }
 }

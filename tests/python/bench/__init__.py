@@ -4,6 +4,6 @@
 which bench, `profiles` drives it, `sensors` spoils what is read, `detect` says what can be seen, `write` writes the set, `make` is
 the command: `python -m bench.make --seed 1 --out sets`.
 
-What a program says of sets: `run` asks it about each, `judge` holds one report against its truth, `score` counts against the bars,
+What a program says of sets: `run` runs it on each, `judge` compares one report with the truth, `score` compares rates with criteria,
 `page` writes the table.
 """

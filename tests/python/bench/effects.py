@@ -269,7 +269,7 @@ def conductance_with_housing(x, k):
 
 @effect("housing_ambient_conductance", "ambient_temperature", "k (T_a - 20)", k=(0.004, 0.012), scale={"k": CONDUCTANCE})
 def conductance_with_room(x, k):
-    """A draught from a room control that opens when it is warm."""
+    """An air flow from a room ventilation that opens at high temperature."""
     return k * (x.T_a - ROOM)
 
 

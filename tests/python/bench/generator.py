@@ -7,7 +7,7 @@
     C_h dT_h/dt   = (T_w - T_h) / R_wh + drag w - G (T_h - T_a)
 
 plus what `effects` add at their ports. An imposed voltage drives the current that the first equation asks for; an electrical power
-at standstill heats the winding. *Assumes* that inputs run linearly between rows and that every node starts at the room's
+at standstill heats the winding. *Assumes* that inputs run linearly between rows and that every node starts at the ambient
 true temperature. *Integrates* with the classical Runge-Kutta method, equal substeps between two rows, at most `SUBSTEP` of the
 fastest time constant; laws that switch do so at rows, so that each stretch is smooth.
 *Source*: README of the public bench sets.
@@ -59,7 +59,7 @@ class Instant:
 
 @dataclass
 class Record:
-    """A run as a perfect bench would see it, and its energy books in J: in by terminals and sources, out to the room."""
+    """The true values of a run, and its energies in J: supplied at terminals and sources, released to ambient."""
 
     outputs: dict
     supplied: float
@@ -186,7 +186,7 @@ class Motor:
 
 
 def true_ambient(times, shown, motor: Motor):
-    """The room's temperature behind a sensor that the motor's effects may bend, degC."""
+    """The true ambient temperature; effects at the ambient sensor change the indicated one, degC."""
     return np.array([a + motor.added("ambient_sensor", Instant(t=t, T_a=a)) for t, a in zip(times, shown)])
 
 

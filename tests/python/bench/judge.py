@@ -1,10 +1,10 @@
-"""One report held against its truth: what was said, whether it is right, and how far the numbers hold."""
+"""Comparison of a report with the truth: reported effects, outcome, parameter intervals and errors."""
 
 from dataclasses import dataclass, field
 
 # Outcomes, in the order of the table's columns.
 RIGHT = "right"  # nothing in a null set; the one name for each listed effect; port and driver of one that is in no list
-CLASS_WITH = "class with it"  # listed: the truth is among two or three that the data are said not to tell apart
+CLASS_WITH = "class with it"  # listed: the truth is among two or three that the data cannot distinguish according to the report
 PORT_ONLY = "right port, other driver"  # in no list
 WRONG_PORT = "wrong port"  # in no list
 CLASS_WITHOUT = "class without it"
@@ -12,7 +12,7 @@ WRONG_NAME = "wrong name"
 UNEXPLAINED = "unexplained"  # listed: found but not named
 MISSED = "missed"
 FALSE_ALARM = "false alarm"
-HIDDEN = "cannot be seen"  # the data do not show it, and nothing wrong was said
+HIDDEN = "undetectable"  # the data do not show it, and nothing wrong was said
 NO_REPORT = "no report"
 OUTCOMES = (RIGHT, CLASS_WITH, PORT_ONLY, WRONG_PORT, CLASS_WITHOUT, WRONG_NAME, UNEXPLAINED, MISSED, FALSE_ALARM, HIDDEN, NO_REPORT)
 FINE = (RIGHT, CLASS_WITH, HIDDEN)
@@ -24,7 +24,7 @@ MARGIN = 1.01  # of the refit's error: above it a repair is worse than none
 
 @dataclass
 class Said:
-    """What a report says: single names, classes of names, and port and driver of what has no name."""
+    """Content of a report: single names, classes of names, port and driver of an unlisted effect."""
 
     names: list
     classes: list
@@ -41,7 +41,7 @@ class Said:
 
 @dataclass
 class Judged:
-    """A set with what was said of it."""
+    """A set with its outcome."""
 
     name: str
     kind: str
@@ -60,7 +60,7 @@ class Judged:
 
     @property
     def sentence(self) -> str:
-        return f"{self.name}: {self.outcome}: the truth is {self.truth}, said was {self.said}"
+        return f"{self.name}: {self.outcome}: true effect {self.truth}, reported {self.said}"
 
 
 def said_in(report: dict) -> Said:
@@ -98,7 +98,7 @@ def outcome_of_listed(effect: str, said: Said) -> str:
 
 
 def outcome_of(kind: str, truth: dict, said: Said, named: list) -> str:
-    """One word for a set; the worst that was said counts."""
+    """Outcome of a set; the worst one counts."""
     ids = {e["id"] for e in truth["effects"]}
     if kind == NULL:
         return FALSE_ALARM if said.names or said.classes or said.unexplained else RIGHT

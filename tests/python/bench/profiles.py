@@ -23,7 +23,7 @@ UNEVEN = (0.4, 1.6)  # the same, from the shortest to the longest of an uneven l
 
 @dataclass(frozen=True)
 class Demand:
-    """How hard a run of the public motor is driven: largest A and rad/s, the room's degC, the largest fan command."""
+    """Load level of a run of the public motor: largest A and rad/s, ambient degC, largest fan command."""
 
     current: float
     speed: float

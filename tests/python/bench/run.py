@@ -87,13 +87,13 @@ def ask(folder: Path, program: Path, program_digest: str, limit: float = TIME_LI
 
 
 def report_of(folder: Path):
-    """The report, unless the program said that it could not be done."""
+    """The report, or None if the program could not run."""
     run = read_json(folder / "result" / "run.json")
     return read_json(folder / "result" / "report.json") if run and run["exit_code"] in (0, 1) else None
 
 
 def judged(folder: Path):
-    """What was said of a set, held against its truth. A report that breaks the contract is none."""
+    """The report of a set compared with its truth. A report that violates the contract counts as none."""
     truth, run = read_json(folder / "truth.json"), read_json(folder / "result" / "run.json")
     try:
         return judge(truth, report_of(folder), run)

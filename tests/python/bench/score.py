@@ -1,6 +1,6 @@
-"""Counts what was said of a folder of sets against the bars: `python -m bench.score SETS [--page FILE]`, in `tests/python`.
+"""Evaluates the reports of a folder of sets and compares the rates with their criteria: `python -m bench.score SETS [--page FILE]`, in `tests/python`.
 
-Exit code 1 when a bar is missed. Which sets were wrong is said by name, so that one can be made and run again.
+Exit code 1 if a criterion is not met. Wrong sets are listed by name, so that each can be generated and run again.
 """
 
 import argparse
@@ -18,12 +18,12 @@ SECONDS, MEMORY = 5.0, 500.0  # goals of the median set, and in MB of the worst
 
 @dataclass
 class Rate:
-    """A share with its bar."""
+    """A rate with its criterion."""
 
     what: str
     hits: int
     of: int
-    least: float | None = None  # the bar, either way; None: no bar, for information
+    least: float | None = None  # criterion, at least or at most; None: for information only
     most: float | None = None
 
     @property
@@ -32,7 +32,7 @@ class Rate:
 
     @property
     def met(self) -> bool:
-        """What was never tried is not missed."""
+        """A rate without a case is met."""
         if self.share is None:
             return True
         return (self.least is None or self.share >= self.least) and (self.most is None or self.share <= self.most)
@@ -49,19 +49,19 @@ class Rate:
 
 
 def rates(sets: list) -> list:
-    """The bars of the suite first; a set without a report is right about nothing."""
+    """Rates with a criterion; a set without a report counts as wrong."""
     named = [outcome for s in sets for outcome in s.named]
     with_effect = [s for s in sets if s.kind != j.NULL]
     nulls = [s for s in sets if s.kind == j.NULL]
     unlisted = [s for s in sets if s.port is not None]
     count = named.count
     return [
-        Rate("named right, of listed effects that can be seen", count(j.RIGHT), len(named), least=0.95),
-        Rate("wrong single name, of sets with an effect", sum(s.outcome == j.WRONG_NAME for s in with_effect), len(with_effect), most=0.02),
-        Rate("false alarms, of null sets", sum(s.outcome == j.FALSE_ALARM for s in nulls), len(nulls), most=0.01),
-        Rate("port right, of effects in no list that can be seen", sum(s.port for s in unlisted), len(unlisted), least=0.95),
-        Rate("driver right, of the same", sum(s.driver for s in unlisted), len(unlisted), least=0.8),
-        interval_rate("true parameters inside their 95 % interval", sets, least=0.9),
+        Rate("correctly named, of detectable listed effects", count(j.RIGHT), len(named), least=0.95),
+        Rate("wrong name, of sets with an effect", sum(s.outcome == j.WRONG_NAME for s in with_effect), len(with_effect), most=0.02),
+        Rate("false alarms, of sets without an effect", sum(s.outcome == j.FALSE_ALARM for s in nulls), len(nulls), most=0.01),
+        Rate("correct port, of detectable unlisted effects", sum(s.port for s in unlisted), len(unlisted), least=0.95),
+        Rate("correct driver, of the same", sum(s.driver for s in unlisted), len(unlisted), least=0.8),
+        interval_rate("true parameter values inside their 95 % interval", sets, least=0.9),
         Rate("sets without a report", sum(s.outcome == j.NO_REPORT for s in sets), len(sets), most=0.0),
     ]
 
@@ -71,25 +71,25 @@ def interval_rate(what: str, sets: list, least: float | None = None) -> Rate:
 
 
 def further(sets: list) -> list:
-    """Shares without a bar, that say what the bars hide."""
+    """Rates for information."""
     named = [outcome for s in sets for outcome in s.named]
     repaired = [s for s in sets if s.over_refit is not None]
     hidden = [s for s in sets if s.kind != j.NULL and not s.named and s.port is None]
     return [
-        Rate("named right or in a class with the truth", named.count(j.RIGHT) + named.count(j.CLASS_WITH), len(named)),
-        Rate("in a class with the truth", named.count(j.CLASS_WITH), len(named)),
-        Rate("missed, of listed effects that can be seen", named.count(j.MISSED), len(named)),
-        Rate("effects that cannot be seen, of sets with an effect", len(hidden), sum(s.kind != j.NULL for s in sets)),
-        interval_rate("parameters inside, null sets", [s for s in sets if s.kind == j.NULL]),
-        interval_rate("parameters inside, sets that are right", [s for s in sets if s.outcome == j.RIGHT]),
-        interval_rate("parameters inside, sets that are not", [s for s in sets if s.outcome not in (j.RIGHT, j.HIDDEN)]),
-        Rate("worse than the refit on the test runs", sum(s.over_refit > j.MARGIN for s in repaired), len(repaired)),
+        Rate("correctly named or in a class with the true effect", named.count(j.RIGHT) + named.count(j.CLASS_WITH), len(named)),
+        Rate("in a class with the true effect", named.count(j.CLASS_WITH), len(named)),
+        Rate("missed, of detectable listed effects", named.count(j.MISSED), len(named)),
+        Rate("undetectable effects, of sets with an effect", len(hidden), sum(s.kind != j.NULL for s in sets)),
+        interval_rate("parameters inside, sets without an effect", [s for s in sets if s.kind == j.NULL]),
+        interval_rate("parameters inside, correct sets", [s for s in sets if s.outcome == j.RIGHT]),
+        interval_rate("parameters inside, other sets", [s for s in sets if s.outcome not in (j.RIGHT, j.HIDDEN)]),
+        Rate("larger test error than the refit", sum(s.over_refit > j.MARGIN for s in repaired), len(repaired)),
     ]
 
 
 @dataclass
 class Spread:
-    """Median and worst of a number that each set has."""
+    """Median and largest value of a number of each set."""
 
     what: str
     values: list
@@ -105,47 +105,47 @@ class Spread:
 
 
 def spreads(sets: list) -> list:
-    ratio = "test error after the repair over the floor, worst channel"
+    ratio = "test error after the repair / noise floor, worst channel"
     reported = [s for s in sets if s.over_floor is not None]
     by_kind = [Spread(f"{ratio}, {kind}", [s.over_floor for s in reported if s.kind == kind], goal) for kind, goal in GOALS.items()]
     null = Spread(f"{ratio}, {j.NULL}", [s.over_floor for s in reported if s.kind == j.NULL], GOALS[j.LISTED])
-    seconds = Spread("seconds for a set", [s.seconds for s in reported if s.seconds is not None], SECONDS)
+    seconds = Spread("seconds per set", [s.seconds for s in reported if s.seconds is not None], SECONDS)
     memory = Spread("memory, MB", [s.memory for s in reported if s.memory is not None], MEMORY, of_worst=True)
     return [*by_kind, null, seconds, memory]
 
 
 def sentence_of(folder: Path, one) -> str:
-    """What went wrong with a set."""
+    """What is wrong with a set."""
     return f"{one.sentence} ({why(folder)})" if report_of(folder) is None else one.sentence
 
 
 def main(arguments=None) -> int:
     from .page import write_page  # which needs the counts of this file
 
-    parser = argparse.ArgumentParser(prog="python -m bench.score", description="Counts what was said of sets against the bars.")
+    parser = argparse.ArgumentParser(prog="python -m bench.score", description="Evaluates the reports of sets and compares the rates with their criteria.")
     parser.add_argument("sets", type=Path)
     parser.add_argument("--count", type=int, help="the first sets only")
     parser.add_argument("--page", type=Path, help="write the table there, with a figure beside it")
-    parser.add_argument("--command", default="", help="what makes the page, for the page")
+    parser.add_argument("--command", default="", help="command that generates the page, for the page")
     options = parser.parse_args(arguments)
     asked = [folder for folder in in_order(options.sets)[: options.count] if (folder / "result" / "run.json").exists()]
     if not asked:
-        sys.exit(f"{options.sets} has no set that a program was asked about")
+        sys.exit(f"{options.sets} has no set with a report")
     sets = [judged(folder) for folder in asked]
     wrong = [sentence_of(folder, one) for folder, one in zip(asked, sets) if one.outcome not in j.FINE]
     for sentence in wrong:
         print(sentence)
     every = rates(sets)
     for rate in [*every, *further(sets)]:
-        mark = "" if not rate.bar else "   met" if rate.met else "   MISSED"
-        print(f"{rate.what}: {rate.text}{f', bar {rate.bar}' if rate.bar else ''}{mark}")
+        mark = "" if not rate.bar else "   met" if rate.met else "   NOT MET"
+        print(f"{rate.what}: {rate.text}{f', criterion {rate.bar}' if rate.bar else ''}{mark}")
     for spread in spreads(sets):
         print(f"{spread.what}: {spread.text}")
     if options.page:
         write_page(options.page, sets, wrong, options.command)
     missed = [rate.what for rate in every if not rate.met]
     if missed:
-        print(f"missed: {'; '.join(missed)}")
+        print(f"not met: {'; '.join(missed)}")
     return 1 if missed else 0
 
 

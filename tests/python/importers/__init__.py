@@ -1,4 +1,4 @@
-"""Other people's importers, each behind the same two lines: take an archive and a drive, give back what it read.
+"""Importers of other projects with one interface: an archive and a drive in, output rows out.
 
 A drive is a communication step, parameters, and the inputs at every communication point. Inputs are set before a step and
 held over it; the rows are what the outputs are after initialisation and after each step. Each importer runs in a process of
@@ -12,7 +12,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Drive:
-    """What an FMU is told. `inputs` has a value for each step; `outputs` are the names to read."""
+    """Step, parameters and inputs of a run. `inputs` has a value for each step; `outputs` are the names to read."""
 
     step: float
     parameters: dict[str, float]

@@ -98,7 +98,7 @@ static int get_real(Instance *c, unsigned vr, double *value) {
     case X: *value = fault("output_nan") ? NAN : s->x; break;
     case V: *value = s->v; break;
     case DER_X: *value = s->v; break;
-    case DER_V: *value = acceleration(c, s->x, s->v, s->force) * (fault("derivative_told") ? 1.02 : 1.0); break;
+    case DER_V: *value = acceleration(c, s->x, s->v, s->force) * (fault("derivative_declared") ? 1.02 : 1.0); break;
     case FORCE: *value = s->force; break;
     case POWER: *value = s->force * s->v + (fault("dependency") ? 0.1 * s->x : 0.0); break;
     case MASS: *value = s->mass; break;

@@ -1,10 +1,10 @@
-//! Which output, derivative and event indicator depends on which input, state and parameter, found by moving each.
+//! Dependencies of outputs, derivatives and event indicators on inputs, states and parameters, determined by varying each.
 //!
-//! The structure is asked of the model in every combination of its choices, at points where no effect is
-//! neutral: a dependency that is there in any of them is declared. What importers sort their loops by can thus
-//! not drift away from the equations.
+//! The model is evaluated in every combination of its modes, at points where no effect is neutral. A dependency that
+//! occurs in any of them is declared. The declared dependencies therefore follow the equations.
 //!
-//! What a model has by itself is looked for at many points and kept ([`known`]); for terms that are data fewer do.
+//! The dependencies of a model without generic terms are determined at many points and stored ([`known`]); those that
+//! generic terms add are determined at fewer points.
 
 mod known;
 
@@ -14,10 +14,10 @@ use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
 use rayon::prelude::*;
 
-/// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
+/// Start time, s; late, so that a drift has become large enough to change a Boolean output.
 const START: f64 = 1e5;
 
-/// A variable that the model computes, and what it depends on.
+/// A computed variable and its dependencies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
     /// Index of its entry in the declaration.
@@ -29,7 +29,7 @@ pub struct Unknown {
 }
 
 impl Unknown {
-    /// With what else it depends on.
+    /// The union with other dependencies of the same variable.
     fn and(mut self, other: Unknown) -> Unknown {
         self.on_time |= other.on_time;
         self.on.extend(other.on);
@@ -39,31 +39,31 @@ impl Unknown {
     }
 }
 
-/// While the model runs, and at its start.
+/// Unknowns during the simulation, and at its start.
 type Both = (Vec<Unknown>, Vec<Unknown>);
 
-/// What depends on what, in the order of the declaration.
+/// All dependencies, in the order of the declaration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dependencies {
-    /// Outputs on the inputs, states and the time that move them at once while the model runs.
+    /// Direct dependencies of the outputs on inputs, states and time.
     pub outputs: Vec<Unknown>,
-    /// The same of the derivatives of the states.
+    /// Direct dependencies of the state derivatives.
     pub rates: Vec<Unknown>,
-    /// The same of the event indicators.
+    /// Direct dependencies of the event indicators.
     pub indicators: Vec<Unknown>,
-    /// Outputs, states and derivatives on the inputs and parameters that decide them at the start.
+    /// Dependencies of outputs, states and derivatives on inputs and parameters at the start.
     pub initial: Vec<Unknown>,
 }
 
-/// How a point differs from others with the same choices: the size of the inputs, and whether all effects are there.
+/// A point with given modes: factor on the inputs, and whether all effects are active.
 type Point = (f64, bool);
-/// Inputs of their usual size and a thousand times smaller: what saturates at one moves at the other. Then half of the
-/// effects, because some put a node in place of a direct way.
+/// Inputs of nominal size and a thousand times smaller: a quantity that saturates at one changes at the other. Then half
+/// of the effects, because some replace a direct path by a node.
 const POINTS: [Point; 3] = [(1.0, true), (1e-3, true), (1.0, false)];
-/// How often all of them are taken for what is kept: a point of the fan's curve shows where the air meets it.
+/// Repetitions of all points for the stored dependencies, so that each point of the fan curve has an influence once.
 const TURNS: usize = 4;
 
-/// Something that is moved.
+/// A quantity that is varied.
 #[derive(Clone, Copy, Debug)]
 enum Known {
     Entry(usize),
@@ -73,13 +73,13 @@ enum Known {
 }
 
 impl Dependencies {
-    /// The structure of a model that carries these terms, with as many elements as its start values say.
+    /// The dependencies of a model with these terms; the start values give the number of elements.
     pub fn of(kind: &ModelType, terms: &[GenericTerm], starts: &StartValues) -> Dependencies {
         let declaration = (kind.declaration)();
         let Some(known) = Dependencies::known(declaration, starts) else {
             return Dependencies::found(kind, terms, starts, &POINTS);
         };
-        // Of the start values only counts of elements decide what there is.
+        // Only numbers of elements among the start values change the set of variables.
         let counts = declaration.entries.iter().filter(|entry| declaration.is_dimension(entry));
         let usual = counts.into_iter().all(|entry| starts.of(entry) == entry.row.start);
         match (terms.is_empty(), usual) {
@@ -89,12 +89,12 @@ impl Dependencies {
         }
     }
 
-    /// The structure of a model by itself, looked for at as many points as it takes to be kept.
+    /// The dependencies of a model without terms, determined at all points.
     pub fn of_all(kind: &ModelType) -> Dependencies {
         Dependencies::found(kind, &[], &StartValues::default(), &[POINTS; TURNS].concat())
     }
 
-    /// With what else there is of the same unknowns.
+    /// The union with other dependencies of the same unknowns.
     fn and(self, other: Dependencies) -> Dependencies {
         let both = |own: Vec<Unknown>, other: Vec<Unknown>| -> Vec<Unknown> {
             own.into_iter().zip(other).map(|(own, other)| own.and(other)).collect()
@@ -107,7 +107,7 @@ impl Dependencies {
         }
     }
 
-    /// The structure as it shows at these points with every combination of the choices.
+    /// The dependencies at these points in every combination of the modes.
     fn found(
         kind: &ModelType,
         terms: &[GenericTerm],
@@ -148,18 +148,18 @@ impl Dependencies {
             let mut model = (kind.new)();
             model.set_terms(terms);
             model.hand_over();
-            // The time of an event stays where it is, so that what the event changes can be seen at the start.
+            // The time of an event keeps its value, so that its consequences are visible at the start.
             let absent = if effects { Vec::new() } else { probe.half_of(&effects_of(declaration)) };
             let there = |entry: &Entry| !absent.iter().any(|prefix| entry.name.starts_with(prefix));
             for &k in settable.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
                 let entry = &declaration.entries[k];
-                let share = if entry.row.causality == Causality::Input && entry.row.start == 0.0 {
+                let factor = if entry.row.causality == Causality::Input && entry.row.start == 0.0 {
                     scale
                 } else {
                     1.0
                 };
                 if there(entry) {
-                    model.set(entry.slot, share * probe.generic(entry, starts));
+                    model.set(entry.slot, factor * probe.generic(entry, starts));
                 }
             }
             for &(k, value) in combination {
@@ -170,7 +170,7 @@ impl Dependencies {
                 let note = Note { declaration, unknowns: &at_start, starts };
                 note.add(&mut initial, &decide, &mut probe, point, |m, time| m.start(time).is_ok(), START);
             }
-            // A point away from rest, at which each input moves by itself.
+            // A point away from rest, at which each input is varied alone.
             let mut moving = model.boxed_clone();
             for &k in settable.iter().filter(|&&k| declaration.entries[k].row.unit == Unit::Second) {
                 let entry = &declaration.entries[k];
@@ -216,11 +216,11 @@ fn effects_of(declaration: &Declaration) -> Vec<&'static str> {
         .collect()
 }
 
-/// Combinations that are all tried.
+/// Largest number of combinations that are all evaluated.
 const FEW: usize = 64;
 
-/// Every combination of the items of the model's choices. Where they are many, the choices of effects, which do not
-/// act on one another, take turns: each of their items meets many of the combinations.
+/// Every combination of the items of the model's enumerations. If there are too many, the enumerations of effects, which do
+/// not interact, alternate: each of their items occurs in many combinations.
 fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize, f64)>> {
     let entries = &declaration.entries;
     let items = |k: usize| match entries[k].row.kind {
@@ -237,23 +237,23 @@ fn combinations(declaration: &Declaration, choices: &[usize]) -> Vec<Vec<(usize,
     for (turn, &k) in own.iter().enumerate() {
         let items = items(k);
         for (n, one) in all.iter_mut().enumerate() {
-            // Different strides, so that two such choices do not keep step with each other.
+            // Different periods, so that two such enumerations are not correlated.
             one.push(items[(n / (turn + 1) + turn) % items.len()]);
         }
     }
     all
 }
 
-/// What is looked at while something is moved.
+/// The quantities that are observed while another one is varied.
 struct Note<'a> {
     declaration: &'static Declaration,
-    /// Entries of what may move with it.
+    /// Entries that may change.
     unknowns: &'a [usize],
     starts: &'a StartValues,
 }
 
 impl Note<'_> {
-    /// Adds to `found` every unknown that a move of one of `knowns` moves; `settle` brings the model to a time.
+    /// Adds to `found` every unknown that changes with one of `knowns`; `settle` evaluates the model at a time.
     fn add(
         &self,
         found: &mut [Unknown],
@@ -303,30 +303,30 @@ impl Note<'_> {
         }
     }
 
-    /// The unknowns, bit by bit.
+    /// The unknowns as bit patterns.
     fn read(&self, model: &mut dyn Model) -> Option<Vec<u64>> {
         let mut rates = vec![0.0; self.declaration.states.len()];
         model.derivatives(&mut rates).ok()?;
         let value = |&k: &usize| {
             let slot = self.declaration.entries[k].slot;
-            // A zero that turns its sign has not moved.
+            // A zero that changes its sign has not changed.
             let value = if slot.group == Slot::RATES { rates[slot.row as usize] } else { model.get(slot) };
             (value + 0.0).to_bits()
         };
         Some(self.unknowns.iter().map(value).collect())
     }
 
-    /// Values that a known takes in turn.
+    /// The values of a varied quantity.
     fn moves(&self, known: Known, probe: &mut Probe, model: &mut dyn Model) -> Vec<f64> {
         let entry = match known {
             Known::Entry(k) | Known::State(_, k) => &self.declaration.entries[k],
-            Known::Time => return vec![START + probe.share(), START + 1e3 * probe.share()],
+            Known::Time => return vec![START + probe.fraction(), START + 1e3 * probe.fraction()],
         };
         if let Known::State(..) = known {
             let (value, way) = (model.get(entry.slot), 0.01 * entry.row.nominal);
-            // The last so far that a limit is passed, also by a difference of temperatures.
+            // The last value is far enough to pass a limit, also for a temperature difference.
             let far = if entry.row.relative { 300.0 } else { 60.0 * way };
-            return vec![value + way * probe.share(), value - way * probe.share(), value + far];
+            return vec![value + way * probe.fraction(), value - way * probe.fraction(), value + far];
         }
         match entry.row.kind {
             Kind::Enumeration(t) => t.items.iter().map(|i| f64::from(i.value)).collect(),
@@ -340,17 +340,17 @@ impl Note<'_> {
     }
 }
 
-/// Numbers without pattern, the same at every run.
+/// Pseudo-random numbers, the same in every run.
 struct Probe(u64);
 
 impl Probe {
-    /// Those of one point of one combination, whichever is looked at first.
+    /// The numbers of one point of one combination, independent of the order of evaluation.
     fn new(combination: usize, point: usize) -> Probe {
         Probe((combination as u64) << 40 | (point as u64) << 32)
     }
 
-    /// A share in (0, 1): a counter whose bits are mixed (Steele, Lea, Flood 2014, SplitMix64), so that no two uses keep step.
-    fn share(&mut self) -> f64 {
+    /// A number in (0, 1): SplitMix64 (Steele, Lea, Flood 2014).
+    fn fraction(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -358,35 +358,35 @@ impl Probe {
         ((z ^ (z >> 31)) as f64 / u64::MAX as f64).clamp(0.05, 0.95)
     }
 
-    /// About half of these.
+    /// About half of these, at random.
     fn half_of(&mut self, all: &[&'static str]) -> Vec<&'static str> {
-        all.iter().copied().filter(|_| self.share() < 0.5).collect()
+        all.iter().copied().filter(|_| self.fraction() < 0.5).collect()
     }
 
-    /// Moves every state of a model that has started, by a share of its typical size; false where it has no rates there.
+    /// Changes every state of a started model by a fraction of its nominal value; false if it has no derivatives there.
     fn push(&mut self, model: &mut dyn Model, count: usize) -> bool {
         let declaration = model.declaration();
         let mut states = vec![0.0; count];
         model.read_states(&mut states);
         for (state, [entry, _]) in states.iter_mut().zip(&declaration.states) {
-            *state += 0.1 * self.share() * declaration.entries[*entry].row.nominal;
+            *state += 0.1 * self.fraction() * declaration.entries[*entry].row.nominal;
         }
         model.write_states(&states);
         model.update();
         model.derivatives(&mut states).is_ok()
     }
 
-    /// A value within the limits, of the variable's typical size, and not its start; counts and choices at their start.
+    /// A value within the limits, of nominal size, different from the start value; integers and enumerations at their start.
     fn generic(&mut self, entry: &Entry, starts: &StartValues) -> f64 {
         let row = entry.row;
         match row.kind {
             Kind::Real => {
                 let base = if row.start == 0.0 { row.nominal } else { row.start };
-                let value = base * (0.7 + 0.6 * self.share());
+                let value = base * (0.7 + 0.6 * self.fraction());
                 if (row.min..=row.max).contains(&value) {
                     value
                 } else {
-                    row.min + (row.max - row.min) * self.share()
+                    row.min + (row.max - row.min) * self.fraction()
                 }
             }
             _ => starts.of(entry),

@@ -67,10 +67,10 @@ pub fn model_description(
     })
 }
 
-/// The variables of an archive, counted as FMI 2 does: from 1, which is time.
+/// The variables of an archive, numbered as in FMI 2: from 1, which is time.
 struct Listed {
     declaration: &'static Declaration,
-    /// For each entry its number; 0 for those that are not listed.
+    /// The number of each entry; 0 if it is not listed.
     number: Vec<u64>,
 }
 

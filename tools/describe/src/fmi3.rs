@@ -1,6 +1,7 @@
 //! The FMI 3.0 model description of a model.
 //!
-//! Elements of one row are one array with the reference of the first; the parameter that counts them is structural.
+//! Elements of one declaration are one array with the value reference of the first; the parameter that gives the size is
+//! structural.
 
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
@@ -57,7 +58,7 @@ pub fn model_description(
                 .iter()
                 .map(|[state, _]| *state)
                 .filter(|&k| is_output(&declaration.entries[k]));
-            // An array of states that is an output shows these states and nothing else.
+            // An array of states that is an output depends on these states only.
             let shown = arrays.map(|entry| Unknown { entry, on: vec![entry], on_time: false });
             let outputs: Vec<Unknown> = found.outputs.iter().cloned().chain(shown).collect();
             let lists = [
@@ -80,7 +81,7 @@ pub fn model_description(
     })
 }
 
-/// Whether an entry is a scalar, or the first element and with that the whole array.
+/// Whether an entry is a scalar, or the first element of an array and represents it.
 fn is_first(entry: &Entry) -> bool {
     entry.element.is_none_or(|element| element.index == 1)
 }
@@ -90,12 +91,12 @@ fn is_output(entry: &Entry) -> bool {
     entry.slot.group == Slot::STATES && entry.element.is_some_and(|element| element.shown)
 }
 
-/// The value reference of the variable that an entry is, or is an element of.
+/// The value reference of the variable, or of its array.
 fn reference(entry: &Entry) -> u32 {
     entry.element.map_or(entry.value_reference, |element| entry.value_reference + 1 - element.index)
 }
 
-/// Variables and what they depend on, by value reference: of arrays what any element does.
+/// Variables and their dependencies by value reference; an array has those of all elements.
 fn whole(declaration: &Declaration, starts: &StartValues, unknowns: &[Unknown]) -> Vec<(u32, Vec<u32>)> {
     let entry = |k: usize| &declaration.entries[k];
     let mut all: Vec<(u32, Vec<u32>)> = Vec::new();

@@ -1,4 +1,4 @@
-//! The generated files of `model-description/`: what they should hold, and whether they do.
+//! The generated files of `model-description/`: their text, and a check that they are up to date.
 
 use crate::Dependencies;
 use crate::preset::StartValues;
@@ -7,18 +7,18 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why the files cannot be made.
+/// A reason why the files cannot be generated.
 #[derive(Debug, thiserror::Error)]
 pub enum GenerateError {
-    /// Declarations that break the lock.
+    /// Declarations that contradict the lock.
     #[error(transparent)]
     Lock(#[from] lock::LockError),
-    /// A file that cannot be written.
+    /// A file cannot be written.
     #[error("{path} cannot be written: {source}")]
     Write {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
 }
@@ -43,7 +43,7 @@ pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
     Ok(files)
 }
 
-/// The files that do not hold what they should.
+/// The files that are out of date.
 pub fn stale(folder: &Path) -> Result<Vec<PathBuf>, GenerateError> {
     let differs = |(path, text): &(PathBuf, String)| fs::read_to_string(path).ok().as_ref() != Some(text);
     Ok(files(folder)?.into_iter().filter(differs).map(|(path, _)| path).collect())

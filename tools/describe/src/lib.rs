@@ -1,8 +1,8 @@
-//! What the declarations say, for everyone but the physics: both model descriptions, the parameter list, the
-//! lock of value references, and presets checked against the table.
+//! Files and checks that are generated from the declarations: both model descriptions, the parameter list, the
+//! lock of value references, presets.
 //!
-//! Nothing is stated here a second time: every name, unit, limit and description comes from
-//! [`physics::model::Declaration`], and dependencies are found by asking the model.
+//! Every name, unit, limit and description comes from [`physics::model::Declaration`]; dependencies are determined
+//! numerically from the model.
 
 mod dependencies;
 pub mod fmi2;
@@ -20,11 +20,11 @@ pub use physics::terms::{Driver, GenericTerm, Law, Port};
 pub use physics::{models, start_values};
 pub use preset::{Preset, StartValues};
 
-/// Version of the product, as both model descriptions show it.
+/// Version of the product in both model descriptions.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// Name of the tool that makes the archives.
+/// Name of the generation tool.
 pub const TOOL: &str = concat!("motor-fmu ", env!("CARGO_PKG_VERSION"));
-/// Step that importers are offered, s.
+/// Step size of the default experiment, s.
 pub const DEFAULT_STEP: f64 = 1e-3;
-/// End of the run that importers are offered, s.
+/// Stop time of the default experiment, s.
 pub const DEFAULT_STOP: f64 = 1.0;

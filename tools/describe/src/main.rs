@@ -1,4 +1,4 @@
-//! Writes the files of `model-description/`, or with `--check` says which of them are stale.
+//! Writes the files of `model-description/`; with `--check` lists those that are out of date.
 
 use describe::generated;
 use std::path::Path;
@@ -13,7 +13,10 @@ fn main() -> ExitCode {
         Ok(stale) if stale.is_empty() => ExitCode::SUCCESS,
         Ok(stale) => {
             for path in stale {
-                eprintln!("{} is stale: run `cargo xtask describe` and commit what changes", path.display());
+                eprintln!(
+                    "{} is out of date: run `cargo xtask describe` and commit the changes",
+                    path.display()
+                );
             }
             ExitCode::FAILURE
         }

@@ -1,4 +1,4 @@
-//! The list of a model's variables for people.
+//! The list of a model's variables as Markdown.
 
 use crate::preset::StartValues;
 use crate::xml::description;
@@ -7,18 +7,18 @@ use physics::model::{Entry, ModelType, Slot};
 use std::fmt::Write;
 
 /// Headings of the columns of [`Section::rows`].
-pub const COLUMNS: [&str; 6] = ["name", "unit", "start", "limits", "changes", "description"];
+pub const COLUMNS: [&str; 6] = ["name", "unit", "start", "limits", "variability", "description"];
 
-/// Variables of one role, as cells of text.
+/// Variables of one causality, as cells of text.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// What they are.
+    /// Heading.
     pub title: &'static str,
-    /// One row a variable.
+    /// One row per variable.
     pub rows: Vec<[String; COLUMNS.len()]>,
 }
 
-/// A model's variables by role.
+/// A model's variables by causality.
 pub fn sections(kind: &ModelType, starts: &StartValues) -> Vec<Section> {
     let roles =
         [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)];

@@ -17,7 +17,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The presets that come with the tool: name and text.
+/// The built-in presets: name and text.
 const BUILT_IN: &[(&str, &str)] = &[
     ("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml")),
     ("thesis-rig", include_str!("../../../examples/presets/thesis-rig.toml")),
@@ -35,8 +35,8 @@ impl StartValues {
         self.0.get(&entry.value_reference).copied().unwrap_or(entry.row.start)
     }
 
-    /// Whether a description with these start values lists the variable: of elements that a parameter counts, as many
-    /// as it says.
+    /// Whether a model description with these start values contains the variable: elements up to the number that the
+    /// structural parameter gives.
     pub fn shows(&self, declaration: &Declaration, entry: &Entry) -> bool {
         match entry.element {
             Some(Element { index, of: Elements::UpTo(_, parameter), .. }) => {
@@ -46,11 +46,11 @@ impl StartValues {
         }
     }
 
-    /// The values of a TOML text whose tables belong to several models, in the order of `tables`: name of the table,
-    /// declaration of the model. A table that is not there has no values.
+    /// The values of a TOML text with tables for several models, in the order of `tables` (name of the table, declaration
+    /// of the model). A missing table has no values.
     ///
     /// # Errors
-    /// One sentence with file and line: no TOML, a table of another name, and all that a preset refuses.
+    /// One sentence with file and line: invalid TOML, an unknown table, and all errors of a preset.
     pub fn of_tables(
         text: &str,
         file: &str,
@@ -62,7 +62,7 @@ impl StartValues {
             let place = tables.iter().position(|(name, _)| *name == key.get_ref().as_ref());
             let (Some(place), DeValue::Table(values)) = (place, value.get_ref()) else {
                 let known: Vec<String> = tables.iter().map(|(name, _)| format!("[{name}]")).collect();
-                let message = format!("{} is none of the tables {}", key.get_ref(), known.join(", "));
+                let message = format!("{} is not one of the tables {}", key.get_ref(), known.join(", "));
                 return Err(at(key.span().start, message));
             };
             found[place] = StartValues::of_table(tables[place].1, values, &at)?;
@@ -92,20 +92,20 @@ impl StartValues {
     }
 }
 
-/// A preset that has been read and checked.
+/// A checked preset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
     /// Its name.
     pub name: String,
-    /// The model it is for.
+    /// Its model.
     pub model: String,
-    /// What it describes.
+    /// Its description.
     pub description: String,
     /// The values.
     pub starts: StartValues,
 }
 
-/// Why a preset cannot be used: one sentence with file and line.
+/// An error in a preset: one sentence with file and line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct PresetError(String);
@@ -131,7 +131,7 @@ impl Preset {
             Err(error) => {
                 let names: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
                 Err(PresetError(format!(
-                    "preset {name_or_file} is neither a built-in one ({}) nor a file that can be read ({error})",
+                    "preset {name_or_file} is neither a built-in preset ({}) nor a readable file ({error})",
                     names.join(", ")
                 )))
             }
@@ -150,13 +150,15 @@ impl Preset {
                     words.insert(known, (word.to_string(), value.span().start));
                 }
                 (known @ ("name" | "model" | "description"), _) => {
-                    return Err(at(value.span().start, format!("{known} must be a text")));
+                    return Err(at(value.span().start, format!("{known} must be a string")));
                 }
                 ("start", DeValue::Table(values)) => start = Some(values),
                 (other, _) => {
                     return Err(at(
                         key.span().start,
-                        format!("{other} is no key of a preset; name, model, description and [start] are"),
+                        format!(
+                            "{other} is not a key of a preset; the keys are name, model, description and [start]"
+                        ),
                     ));
                 }
             }
@@ -167,7 +169,7 @@ impl Preset {
         let (model, model_at) = word("model")?;
         let kind = physics::models::by_name(&model).ok_or_else(|| {
             let known: Vec<&str> = physics::models::ALL.iter().map(|m| (m.declaration)().name).collect();
-            at(model_at, format!("{model} is no model; there is {}", known.join(", ")))
+            at(model_at, format!("{model} is not a model; the models are {}", known.join(", ")))
         })?;
         let starts = match start {
             Some(table) => StartValues::of_table((kind.declaration)(), table, &at)?,
@@ -178,7 +180,7 @@ impl Preset {
     }
 }
 
-/// One sentence about a name that a model does not have, with the nearest that it has.
+/// One sentence about an unknown name, with the most similar known one.
 pub fn unknown(declaration: &Declaration, name: &str) -> String {
     let nearest = declaration.entries.iter().min_by_key(|e| distance(&e.name, name));
     let hint = nearest.map(|e| format!("; did you mean {}?", e.name)).unwrap_or_default();
@@ -201,7 +203,7 @@ fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// The number that a preset's value stands for, checked.
+/// The checked number of a value in a preset.
 fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
     let name = &entry.name;
     let unit = entry.row.unit.name();
@@ -209,15 +211,18 @@ fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
         DeValue::Table(table) => {
             for key in table.keys() {
                 if !matches!(key.get_ref().as_ref(), "value" | "unit") {
-                    return Err(format!("{name} has the key {}; value and unit are known", key.get_ref()));
+                    return Err(format!(
+                        "{name} has the unknown key {}; the keys are value and unit",
+                        key.get_ref()
+                    ));
                 }
             }
             match table.get("unit").map(|u| u.get_ref()) {
                 Some(DeValue::String(given)) if given.as_ref() == unit => {}
                 None => {}
                 Some(given) => {
-                    let given = given.as_str().unwrap_or("no text");
-                    return Err(format!("{name} is in \"{unit}\" and not in \"{given}\""));
+                    let given = given.as_str().unwrap_or("not a string");
+                    return Err(format!("{name} has the unit \"{unit}\", not \"{given}\""));
                 }
             }
             table.get("value").ok_or_else(|| format!("{name} has no value"))?.get_ref()
@@ -234,7 +239,7 @@ fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
             let found = t.items.iter().find(|i| i.name == item.as_ref());
             let Some(found) = found else {
                 let names: Vec<&str> = t.items.iter().map(|i| i.name).collect();
-                return Err(format!("{name} = {item} is none of {}", names.join(", ")));
+                return Err(format!("{name} = {item} is not one of {}", names.join(", ")));
             };
             Some(f64::from(found.value))
         }
@@ -257,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn the_built_in_presets_are_right() {
+    fn the_built_in_presets_are_valid() {
         for (name, _) in BUILT_IN {
             let preset = Preset::load(name).unwrap();
             assert_eq!(preset.name, *name);
@@ -265,7 +270,7 @@ mod tests {
         }
     }
 
-    /// The declared values of the gearmotor are its preset's: nothing is left to drift apart.
+    /// The declared values of the gearmotor equal those of its preset.
     #[test]
     fn the_gearmotor_is_declared_as_its_preset() {
         let preset = Preset::load("bdcm-37d").unwrap();
@@ -284,7 +289,7 @@ mod tests {
         let start = |name: &str| preset.starts.of(declaration.by_name(name).unwrap());
         assert!((start("effect.coulomb_friction.tau_c") - 0.0276 * 0.356).abs() < 5e-6);
         assert_eq!(start("thermal.C_h"), 149.4);
-        assert_eq!(start("effect.viscous_friction.k"), 0.0, "what it does not name stays declared");
+        assert_eq!(start("effect.viscous_friction.k"), 0.0, "other values stay as declared");
     }
 
     #[test]
@@ -321,7 +326,7 @@ mod tests {
         let other = Preset::parse("name = \"x\"\nmodel = \"Other\"\n", "x.toml").unwrap_err().to_string();
         assert!(other.contains("x.toml:2") && other.contains("AnnulusCooledMotor"), "{other}");
         let key = Preset::parse("nam = \"x\"\n", "x.toml").unwrap_err().to_string();
-        assert!(key.contains("x.toml:1: nam is no key"), "{key}");
+        assert!(key.contains("x.toml:1: nam is not a key"), "{key}");
         let missing = Preset::load("no-such-preset").unwrap_err().to_string();
         assert!(missing.contains("no-such-preset") && missing.contains("maxon-305015"), "{missing}");
     }

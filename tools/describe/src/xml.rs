@@ -1,4 +1,4 @@
-//! What both model descriptions share: a writer, numbers, units.
+//! Common parts of both model descriptions: writer, numbers, units.
 
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
@@ -6,7 +6,7 @@ use physics::model::{Declaration, Entry, Slot};
 use quick_xml::Writer;
 use std::io;
 
-/// A writer into memory; writing there does not fail.
+/// A writer into memory, which does not fail.
 pub(crate) type Xml = Writer<Vec<u8>>;
 /// Attributes of an element.
 pub(crate) type Attributes = Vec<(&'static str, String)>;
@@ -44,7 +44,7 @@ pub(crate) fn empty(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::R
     Ok(())
 }
 
-/// The attributes of the root: version and token under the names that the standard gives them.
+/// The attributes of the root: version and token, named as in the standard.
 pub(crate) fn root(version: &str, token_name: &'static str, declaration: &Declaration) -> Attributes {
     vec![
         ("fmiVersion", version.to_string()),
@@ -58,7 +58,7 @@ pub(crate) fn root(version: &str, token_name: &'static str, declaration: &Declar
     ]
 }
 
-/// The attributes of an interface that can do `capabilities`.
+/// The attributes of an interface with these capabilities.
 pub(crate) fn interface(declaration: &Declaration, capabilities: &[&'static str]) -> Attributes {
     let identifier = ("modelIdentifier", declaration.name.to_string());
     [identifier].into_iter().chain(capabilities.iter().map(|c| (*c, "true".to_string()))).collect()
@@ -87,7 +87,7 @@ pub(crate) fn type_definitions(
     })
 }
 
-/// Name, reference, description and role of the independent variable.
+/// Name, value reference, description and causality of the independent variable.
 pub(crate) fn time_attributes() -> Attributes {
     vec![
         ("name", "time".to_string()),
@@ -98,12 +98,12 @@ pub(crate) fn time_attributes() -> Attributes {
     ]
 }
 
-/// Name, reference, description and role of a variable of FMI 2, where an element is one by itself.
+/// Name, value reference, description and causality of an FMI 2 variable; an element is a variable of its own.
 pub(crate) fn variable_attributes(entry: &Entry) -> Attributes {
     attributes_of(entry, &entry.name, causality(entry))
 }
 
-/// Name, reference, description and role of a variable that has this name and causality.
+/// Name, value reference, description, causality and variability of a variable.
 pub(crate) fn attributes_of(entry: &Entry, name: &str, causality: &str) -> Attributes {
     let mut attributes = vec![
         ("name", name.to_string()),
@@ -114,7 +114,7 @@ pub(crate) fn attributes_of(entry: &Entry, name: &str, causality: &str) -> Attri
     attributes
 }
 
-/// The start value of a variable that has one, as text.
+/// The start value of a variable, if it has one.
 pub(crate) fn start_attribute(entry: &Entry, starts: &StartValues) -> Option<(&'static str, String)> {
     let start = starts.of(entry);
     let text = match entry.row.kind {
@@ -138,7 +138,7 @@ pub(crate) fn log_categories(xml: &mut Xml) -> io::Result<()> {
     })
 }
 
-/// The run that importers are offered.
+/// The default experiment.
 pub(crate) fn default_experiment(xml: &mut Xml) -> io::Result<()> {
     let attributes = vec![
         ("startTime", "0".to_string()),
@@ -148,7 +148,7 @@ pub(crate) fn default_experiment(xml: &mut Xml) -> io::Result<()> {
     empty(xml, "DefaultExperiment", &attributes)
 }
 
-/// The units that the variables use, with dimension and shown unit; the same text in both standards.
+/// The units of the variables, with base units and display unit; the same text in both standards.
 pub(crate) fn unit_definitions(xml: &mut Xml, declaration: &Declaration) -> io::Result<()> {
     let used =
         |unit: &&Unit| **unit == Unit::Second || declaration.entries.iter().any(|e| e.row.unit == **unit);
@@ -184,12 +184,12 @@ pub(crate) fn unit_definitions(xml: &mut Xml, declaration: &Declaration) -> io::
     })
 }
 
-/// A number that reads back to the same double.
+/// The shortest text that is read as the same double.
 fn number(value: f64) -> String {
     format!("{value}")
 }
 
-/// The attributes of a real value: unit to start, in the order that both standards have them.
+/// The attributes of a real variable, from unit to start, in the order of both standards.
 pub(crate) fn real_attributes(entry: &Entry, starts: &StartValues) -> Attributes {
     let row = entry.row;
     let mut attributes = vec![("unit", row.unit.name().to_string())];
@@ -205,17 +205,17 @@ pub(crate) fn real_attributes(entry: &Entry, starts: &StartValues) -> Attributes
     attributes
 }
 
-/// The entry (by index) of the state that this one is the derivative of.
+/// The index of the state of which this entry is the derivative.
 pub(crate) fn state_of(declaration: &Declaration, entry: &Entry) -> Option<usize> {
     (entry.slot.group == Slot::RATES).then(|| declaration.states[entry.slot.row as usize][0])
 }
 
-/// The attributes of a whole number: limits and start.
+/// The attributes of an integer: limits and start.
 pub(crate) fn integer_attributes(entry: &Entry, starts: &StartValues) -> Attributes {
     limit_attributes(entry).chain(start_attribute(entry, starts)).collect()
 }
 
-/// The limits that there are.
+/// The finite limits.
 fn limit_attributes(entry: &Entry) -> impl Iterator<Item = (&'static str, String)> {
     let limits = [("min", entry.row.min), ("max", entry.row.max)];
     limits.into_iter().filter(|(_, limit)| limit.is_finite()).map(|(name, limit)| (name, number(limit)))
@@ -231,7 +231,7 @@ pub(crate) fn causality(entry: &Entry) -> &'static str {
     }
 }
 
-/// Causality, variability and, where it is to be stated, `initial`.
+/// Causality, variability and, where required, `initial`.
 fn role_attributes(entry: &Entry, causality: &str) -> Attributes {
     let variability = match entry.row.variability {
         Variability::Fixed => "fixed",

@@ -1,4 +1,4 @@
-//! What must hold over the whole table of every model.
+//! Properties of the whole variable table of every model.
 
 use describe::{Dependencies, Entry, StartValues, Unknown, generated, lock, models};
 use describe::{Preset, fmi2, fmi3};
@@ -43,12 +43,12 @@ fn every_variable_is_described_and_within_its_own_limits() {
             );
         }
         if row.scale == Scale::Log {
-            assert!(row.min > 0.0, "{} is fitted by ratios and its least value is {}", e.name, row.min);
+            assert!(row.min > 0.0, "{} has a logarithmic scale and the lower limit {}", e.name, row.min);
         }
     }
 }
 
-/// Every effect is neutral at its declared start: nothing it does depends on being told not to.
+/// Every effect is neutral at its declared start value.
 #[test]
 fn effects_are_off_by_default() {
     for kind in models::ALL {
@@ -87,14 +87,14 @@ fn dependencies_are_the_physics() {
         on(list, name).into_iter().filter(is_input).collect()
     };
     assert_eq!(inputs(&found.outputs, "stator_temperature"), [""; 0], "a state depends on no input at once");
-    // A sensor that the air cools does.
+    // An output with stem loss does.
     assert_eq!(inputs(&found.outputs, "winding_temperature"), ["ambient_temperature"]);
-    // The last by the drive's own heat (effect drive_loss).
+    // The last one because of effect drive_loss.
     let cooled = ["fan_command", "ambient_temperature", "ambient_pressure", "electrical_power"];
     assert_eq!(inputs(&found.outputs, "heat_to_ambient"), cooled);
     assert_eq!(on(&found.outputs, "shaft_speed"), ["imposed_speed", "state.shaft_speed"]);
     assert!(!on(&found.outputs, "loss_friction").contains(&"fan_command"));
-    // A run that starts late starts at what a drifting sensor hides.
+    // The drift of the ambient sensor changes a run that starts late.
     let start = ["ambient_temperature", "effect.ambient_drift.rate"];
     assert_eq!(on(&found.initial, "stator_temperature"), start);
     let shown = [&start[..], &["effect.winding_sensor_offset.offset"]].concat();
@@ -102,7 +102,7 @@ fn dependencies_are_the_physics() {
     let limit = ["ambient_temperature", "thermal.T_w_max", "effect.ambient_drift.rate"];
     assert_eq!(on(&found.initial, "over_temperature"), limit);
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
-    // Rates and indicators, with what only some of the modes have.
+    // Derivatives and indicators, with those of single modes.
     assert_eq!(on(&found.rates, "der(state.shaft_angle)"), ["imposed_speed", "state.shaft_speed"]);
     let sensor = on(&found.rates, "der(state.sensor_temperature)");
     assert!(
@@ -113,13 +113,13 @@ fn dependencies_are_the_physics() {
     assert_eq!((limit[0], limit.len()), ("state.winding_temperature", 4), "and the phases");
     assert_eq!(on(&found.outputs, "over_temperature"), limit);
     assert_eq!(on(&found.indicators, "event.commutation_sector"), ["state.shaft_angle"]);
-    // A drifting sensor of the ambient makes it move with time.
+    // The drift of the ambient sensor makes it time-dependent.
     let drifts =
         |name: &str| found.outputs.iter().any(|u| declaration.entries[u.entry].name == name && u.on_time);
     assert!(drifts("heat_to_ambient") && !drifts("current"));
 }
 
-/// As many segments as the start values say: each with its derivative in FMI 2, as one array with a structural parameter in FMI 3.
+/// The start values give the number of segments: scalars with derivatives in FMI 2, one array with a structural parameter in FMI 3.
 #[test]
 fn segments_are_counted_by_the_start_values() {
     let kind = &models::ALL[0];
@@ -154,7 +154,7 @@ fn segments_are_counted_by_the_start_values() {
     assert_eq!(on.matches(" 721").count(), 1, "{on}");
 }
 
-/// FMI 2 counts variables from 1, FMI 3 names them by reference; each derivative names its own state.
+/// FMI 2 refers to a state by index, FMI 3 by value reference; each derivative refers to its own state.
 #[test]
 fn a_derivative_names_its_state() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
@@ -178,7 +178,7 @@ fn a_derivative_names_its_state() {
     }
 }
 
-/// A term that is data brings its own: a drag that follows the fan makes the torque follow it.
+/// A generic term adds dependencies: a drag torque with driver fan_command makes loss_friction depend on it.
 #[test]
 fn terms_bring_dependencies() {
     let kind = &models::ALL[0];
@@ -192,7 +192,7 @@ fn terms_bring_dependencies() {
     assert!(friction.on.contains(&index("fan_command")));
 }
 
-/// A whole number has limits and a start in both standards, and neither unit nor nominal value.
+/// An integer has limits and a start value in both standards, but neither unit nor nominal value.
 #[test]
 fn a_whole_number_is_an_integer_in_both_standards() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description/AnnulusCooledMotor");
@@ -205,7 +205,7 @@ fn a_whole_number_is_an_integer_in_both_standards() {
 }
 
 #[test]
-fn the_gearmotor_has_no_fan_no_power_input_and_a_bridge_of_its_own() {
+fn the_gearmotor_depends_on_no_effect_of_fan_or_power_input() {
     const IDLE: [&str; 8] = [
         "fan_back_pressure",
         "drive_loss",
@@ -242,7 +242,7 @@ fn the_generated_files_are_up_to_date() {
     assert!(stale.is_empty(), "run `cargo xtask describe`: {stale:?}");
 }
 
-/// What is kept of a model's structure is read as it was written; without it, every archive would look for it anew.
+/// The stored dependencies are read as they were written; otherwise every archive would determine them again.
 #[test]
 fn the_structure_is_read_as_it_is_kept() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");

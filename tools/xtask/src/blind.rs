@@ -1,32 +1,32 @@
-//! `cargo xtask blind`: many synthetic experiments with a known answer, and what the closed loop says of each.
+//! `cargo xtask blind`: the closed loop on many synthetic experiments with known answers.
 //!
-//! The sets are drawn, asked about and judged in Python (`tests/python/bench`), apart from the equations of the
-//! product. Sets and answers stay in the target folder: a run that was stopped goes on, and what the same program has
-//! said of the same set is not asked again.
+//! Python generates and evaluates the sets (`tests/python/bench`), independently of the equations of the product. Sets
+//! and reports stay in the target folder: an interrupted run continues, and a set that the same program has already
+//! evaluated is not run again.
 
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The table that stands in the docs.
+/// The page in the documentation.
 const PAGE: &str = "docs/blind-suite.md";
 const HELP: &str =
     "usage: cargo xtask blind [--seed N] [--count K] [--jobs J] [--program FILE] [--page FILE]";
 
-/// What to do: which sets, how many programs at a time, which program, where the table goes.
+/// Sets, number of parallel processes, program, output page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Options {
     seed: u32,
     count: u32,
     jobs: u32,
-    /// Another program than ours, which is then not built.
+    /// A program to use instead of building `motor-fmu`.
     program: Option<PathBuf>,
     page: PathBuf,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        // The seed is any number; that it stays the same makes two tables comparable.
+        // Any seed; a constant one makes two tables comparable.
         Options { seed: 2026, count: 120, jobs: 2, program: None, page: PAGE.into() }
     }
 }
@@ -42,7 +42,7 @@ impl Options {
             let value = rest.next().ok_or_else(|| format!("{name} needs a value\n{HELP}"))?;
             let number = |least: u32| {
                 value.parse().ok().filter(|n| *n >= least).ok_or_else(|| {
-                    format!("{name} is {value:?}; it must be a whole number from {least} to {}", u32::MAX)
+                    format!("{name} is {value:?}; it must be an integer from {least} to {}", u32::MAX)
                 })
             };
             match name.as_str() {
@@ -56,22 +56,22 @@ impl Options {
         Ok(options)
     }
 
-    /// The command that makes the table again, for a reader. Programs that run side by side take longer each.
+    /// The command that repeats this run, for the page. With parallel processes each takes longer.
     fn spelled(&self) -> String {
         format!("cargo xtask blind --seed {} --count {} --jobs {}", self.seed, self.count, self.jobs)
     }
 }
 
-/// Draws the sets, asks the program about each, and counts; an error when a bar is missed.
+/// Generates the sets, runs the program on each and evaluates the reports; an error if a criterion is not met.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     let options = Options::parse(arguments)?;
-    // First, because a missing Python should not be found out after minutes of compiling.
+    // First: a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace)?;
     let program = match &options.program {
         Some(program) => std::path::absolute(program)
             .map_err(|e| format!("--program {} is no path: {e}", program.display()))?,
         None => {
-            shell::stage("building everything");
+            shell::stage("building");
             product::build(workspace)?;
             workspace.program("motor-fmu")
         }
@@ -84,7 +84,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     Ok(())
 }
 
-/// Each step, with what it is called while it runs.
+/// Each step with its label.
 fn steps(
     workspace: &Workspace,
     python: &Path,
@@ -100,18 +100,18 @@ fn steps(
         command.args(["-m", name]).current_dir(workspace.root.join("tests/python"));
         command
     };
-    let mut draw = module("bench.make");
-    draw.arg("--seed").arg(options.seed.to_string()).arg("--out").arg(sets);
-    draw.args(["--count", &count, "--jobs", &jobs, "--keep"]);
-    let mut ask = module("bench.run");
-    ask.arg(sets).arg("--program").arg(program).args(["--count", &count, "--jobs", &jobs]);
+    let mut generate = module("bench.make");
+    generate.arg("--seed").arg(options.seed.to_string()).arg("--out").arg(sets);
+    generate.args(["--count", &count, "--jobs", &jobs, "--keep"]);
+    let mut run = module("bench.run");
+    run.arg(sets).arg("--program").arg(program).args(["--count", &count, "--jobs", &jobs]);
     let mut score = module("bench.score");
     score.arg(sets).args(["--count", &count]).arg("--page").arg(page);
     score.arg("--command").arg(options.spelled());
     Ok(vec![
-        (format!("drawing {count} sets of seed {} into {}", options.seed, sets.display()), draw),
-        ("asking about each".into(), ask),
-        (format!("counting, into {}", options.page.display()), score),
+        (format!("generating {count} sets of seed {} into {}", options.seed, sets.display()), generate),
+        ("running the program on each set".into(), run),
+        (format!("evaluating, into {}", options.page.display()), score),
     ])
 }
 
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn arguments_replace_what_is_fixed() {
+    fn arguments_replace_defaults() {
         assert_eq!(parsed("").unwrap(), Options::default());
         let options = parsed("--seed 7 --count 3 --jobs 1 --program p --page q.md").unwrap();
         assert_eq!((options.seed, options.count, options.jobs), (7, 3, 1));
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn an_argument_that_is_none_is_named() {
+    fn an_unknown_argument_is_named() {
         for (text, part) in [
             ("--sets 3", "\"--sets\""),
             ("--seed", "--seed needs a value"),
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_on_the_page_makes_the_same_sets() {
+    fn the_command_on_the_page_gives_the_same_options() {
         let options = parsed("--seed 7 --count 3 --jobs 1").unwrap();
         let again = options.spelled();
         assert_eq!(parsed(again.trim_start_matches("cargo xtask blind")).unwrap(), options);

@@ -3,6 +3,7 @@
 mod arrows;
 mod lengths;
 mod modules;
+mod words;
 
 use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
 
@@ -14,6 +15,7 @@ const CHECKS: &[Check] = &[
     ("dependency arrows", arrows::check),
     ("file lengths", lengths::check),
     ("modules of tests", modules::check),
+    ("words", words::check),
     ("lints", |w| {
         shell::run(&mut w.cargo(&[
             "clippy",
