@@ -26,7 +26,6 @@
 //! ```
 
 mod archive;
-mod decimate;
 mod description;
 pub mod elements;
 mod error;

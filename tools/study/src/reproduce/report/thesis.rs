@@ -1,13 +1,14 @@
 //! Figures and tables of the thesis.
 
-use super::{Content, Page, page};
-use crate::figure::{Axis, Figure, escaped};
+use super::{Content, Page, page_of};
 use crate::numeric::linspace;
-use crate::page::{Plate, table};
 use crate::reproduce::significant;
 use crate::reproduce::thesis::measured::{FAN_FLOW, MOTOR_DIAMETER, NARROW, T_25, T_REF, WIDE};
 use crate::reproduce::thesis::published::{self, Annulus, RE_SWITCH};
 use crate::reproduce::thesis::{CASES, Case, Native, Thesis, projection};
+use maud::{Markup, html};
+use present::figure::{Axis, Figure};
+use present::page::{Cell, Plate, table};
 use rayon::prelude::*;
 
 /// Uncertainty of a measured winding temperature, K (audit, T58: 0.9 to 1.2).
@@ -25,9 +26,12 @@ pub fn thesis(found: &Thesis) -> Page {
     plates.push(reynolds());
     plates.push(cases(found));
     plates.push(densities(found));
-    page(Content {
+    page_of(Content {
         name: "thesis",
         title: "A motor with a fan and an annulus: the thesis recomputed",
+        lead: "The thesis heats a maxon EC-4pole 30 (305015) with 10 W at standstill: bare, with a 40 mm fan at three distances, and \
+               in annuli of 40 and 35 mm with pushed and pulled air. Its figures, tables and published numbers are recomputed here \
+               and compared with the native model.",
         conclusion: &found.conclusion,
         absent: found.absent.as_deref(),
         plates,
@@ -49,11 +53,11 @@ fn torque_over_temperature() -> Plate {
     .line("10 W, eq. (6), 0.386 Ω", line(&|t| projection::torque_at_10_w(t, 0.386)))
     .line("10 W, the specimen's resistance", line(&|t| projection::torque_at_10_w(t, specimen)))
     .dashed("5 A", line(&projection::torque_at_5_a))
-    .points("printed torques", CASES.iter().map(|c| (c.t_w, c.torque)).collect());
+    .points("published torques", CASES.iter().map(|c| (c.t_w, c.torque)).collect());
     Plate::new(
         "3",
         figure,
-        "The printed torques lie on two curves: table 1 on eq. (6), the bare motor and the annuli on 5 A.",
+        "The published torques lie on two curves: table 1 on eq. (6), the bare motor and the annuli on 5 A.",
     )
 }
 
@@ -67,13 +71,13 @@ fn step_response(native: &Native) -> Option<Plate> {
         Axis::new("winding resistance in Ω"),
     )
     .line("native model, rig as fitted", minutes)
-    .points("printed steady value", vec![(180.0, CASES[0].resistance)])
+    .points("published steady value", vec![(180.0, CASES[0].resistance)])
     .note(1180.0 / 60.0, "1180 s: the data were recorded up to here");
     Some(Plate::new(
         "5",
         figure,
         format!(
-            "The model settles at {end:.3} Ω; the thesis prints 0.5 Ω, extrapolated from the first 20 minutes."
+            "The model settles at {end:.3} Ω; the thesis gives 0.5 Ω, extrapolated from the first 20 minutes."
         ),
     ))
 }
@@ -88,7 +92,7 @@ fn operating_points() -> Plate {
         Axis::new("flow in L/s"),
         Axis::new("pressure in Pa").from_to(0.0, 75.0),
     )
-    .line("fan, straight between its end points", fan);
+    .line("fan, linear between its end points", fan);
     let mut points = Vec::new();
     for r_star in [0.5, 0.63, 0.75, 0.857] {
         let annulus = Annulus::new(r_star);
@@ -99,7 +103,7 @@ fn operating_points() -> Plate {
     Plate::new(
         "14",
         figure.points("operating points", points),
-        "By eq. (15) with the K_c and K_e rule in steps.",
+        "Pressure drop by eq. (15) with the stepwise K_c and K_e.",
     )
 }
 
@@ -143,7 +147,7 @@ fn temperature_over_radius(native: &Native) -> Vec<Plate> {
             let untuned = native_curve(native, from.max(0.4), to, false);
             let fitted = native_curve(native, from.max(FITTED_FROM), to.min(0.90), true);
             if !untuned.is_empty() {
-                figure = figure.line("native model, nothing fitted", untuned);
+                figure = figure.line("native model, not fitted", untuned);
             }
             if !fitted.is_empty() {
                 figure = figure.line("native model, rig as fitted", fitted);
@@ -154,7 +158,7 @@ fn temperature_over_radius(native: &Native) -> Vec<Plate> {
         };
     let jumps = published::jumps(RE_SWITCH);
     let caption = jumps.map_or(String::new(), |(a, b)| {
-        format!("The published curve jumps at r* = {a:.2} and {b:.2}, where Re passes {RE_SWITCH:.0}; its optimum is that of Re alone. Bars: {UNCERTAINTY} K.")
+        format!("The published curve jumps at r* = {a:.2} and {b:.2}, where Re passes {RE_SWITCH:.0}; its optimum follows from Re alone. Error bars: ±{UNCERTAINTY} K.")
     });
     vec![
         Plate::new(
@@ -165,7 +169,7 @@ fn temperature_over_radius(native: &Native) -> Vec<Plate> {
         Plate::new(
             "17",
             figure("Figure 17: the same, near the tested annuli", (0.70, 0.90), (325.0, 365.0)),
-            "With nothing fitted the model cools too well: the annuli were starved of air, and the data do not say by what.",
+            "Without a fit the model predicts lower temperatures than measured: the annuli received less air than the model assumes. The data do not identify the cause.",
         ),
     ]
 }
@@ -179,10 +183,10 @@ fn reynolds() -> Plate {
         Axis::new("Re on the hydraulic diameter"),
     )
     .line("as published", line.map(|r| (r, Annulus::new(r).reynolds())).collect())
-    .dashed("switch of the law", vec![(published::R_STAR.0, RE_SWITCH), (published::R_STAR.1, RE_SWITCH)])
+    .limit(RE_SWITCH, "laminar to turbulent")
     .points("tested annuli", [WIDE, NARROW].map(|r| (r, Annulus::new(r).reynolds())).to_vec())
     .note(r_star, &format!("r* = {r_star:.3}, Re = {re:.0}"));
-    Plate::new("18", figure, "Laminar, turbulent, laminar: the reason for two jumps.")
+    Plate::new("18", figure, "The flow is laminar, turbulent and laminar again, which causes the two jumps.")
 }
 
 const SHORT: [&str; 8] = ["bare", "fan 5", "fan 15", "fan 30", "40 push", "35 push", "40 pull", "35 pull"];
@@ -200,12 +204,12 @@ fn cases(found: &Thesis) -> Plate {
     )
     .points_with_bars("measured", of(&|k| Some(c[k].T_w_measured_K), 0.0), bars)
     .points("native model, rig as fitted", of(&|k| c[k].T_w_model_K, 0.12))
-    .points("native model, nothing fitted", of(&|k| c[k].T_w_untuned_K, 0.24))
+    .points("native model, not fitted", of(&|k| c[k].T_w_untuned_K, 0.24))
     .points("as published", of(&|k| c[k].T_w_as_published_K, -0.12))
     .categories(&SHORT);
     let left_out = found.leave_one_out.as_ref().map_or(String::new(), |all| {
         let errors: Vec<String> = all.iter().map(|l| format!("{} {:+.1} K", l.case, l.error)).collect();
-        format!("Fitted without the test, the model would miss it by: {}.", errors.join(", "))
+        format!("Leave-one-out prediction errors: {}. Error bars: ±{UNCERTAINTY} K.", errors.join(", "))
     });
     Plate::new("cases", figure, left_out)
 }
@@ -214,63 +218,66 @@ fn densities(found: &Thesis) -> Plate {
     let of = |f: &dyn Fn(usize) -> f64| (0..found.cases.len()).map(|k| (k as f64, f(k))).collect::<Vec<_>>();
     let c = &found.cases;
     let figure = Figure::new(
-        "Torque density, like for like",
+        "Torque density at equal current and at equal winding temperature",
         Axis::new("distance or diameter in mm, direction of flow"),
         Axis::new("torque density in N·m/kg"),
     )
     .points("at 5 A", of(&|k| c[k].torque_density_at_5A))
     .points("continuous, at a winding of 155 °C", of(&|k| c[k].torque_density_at_limit))
-    .points("as printed", of(&|k| CASES[k].density).into_iter().map(|(x, y)| (x + 0.12, y)).collect())
+    .points("as published", of(&|k| CASES[k].density).into_iter().map(|(x, y)| (x + 0.12, y)).collect())
     .categories(&SHORT);
-    Plate::new("density", figure, "Holding the current hides what cooling is for.")
+    Plate::new(
+        "density",
+        figure,
+        "At constant current the effect of cooling on the continuous torque is not visible.",
+    )
 }
 
-/// Tables 1 to 3, with what the model says beside them.
-fn tables(found: &Thesis) -> String {
-    let mut html = String::from("<h2>Tables 1 to 3</h2><div class=\"wide\">");
+/// Tables 1 to 3 with the model's predictions.
+fn tables(found: &Thesis) -> Markup {
     let headers = [
         "case",
-        "where",
-        "#R in Ω",
-        "#T_w in K",
-        "#T_w model",
-        "#T_w untuned",
-        "#T_w as published",
-        "#R_ha in K/W",
-        "#R_ha model",
-        "#torque in N·m",
-        "#mass in kg",
-        "#density",
-        "#density at 5 A",
-        "#torque at 155 °C",
+        "place",
+        "R in Ω",
+        "T_w in K, measured",
+        "model, fitted",
+        "model, not fitted",
+        "as published",
+        "R_ha in K/W",
+        "R_ha, model",
+        "torque in N·m",
+        "mass in kg",
+        "density in N·m/kg",
+        "density at 5 A",
+        "torque at 155 °C",
     ];
+    let number = |v: f64| Cell::Number(significant(v));
+    let with =
+        |digits: usize, v: Option<f64>| Cell::Number(v.map_or("–".to_owned(), |v| format!("{v:.digits$}")));
     let rows = CASES.iter().zip(&found.cases).map(|(case, result)| {
-        let number = |v: f64| format!("#{}", significant(v));
-        let maybe = |v: Option<f64>| format!("#{}", v.map_or("–".to_owned(), |v| format!("{v:.1}")));
-        let cells = vec![
-            case.name.to_owned(),
-            case.location.to_owned(),
+        vec![
+            case.name.into(),
+            case.location.into(),
             number(case.resistance),
-            format!("#{:.1}", case.t_w),
-            maybe(result.T_w_model_K),
-            maybe(result.T_w_untuned_K),
-            maybe(result.T_w_as_published_K),
-            format!("#{:.2}", case.r_ha),
-            format!("#{}", result.R_ha_model.map_or("–".to_owned(), |v| format!("{v:.2}"))),
+            with(1, Some(case.t_w)),
+            with(1, result.T_w_model_K),
+            with(1, result.T_w_untuned_K),
+            with(1, result.T_w_as_published_K),
+            with(2, Some(case.r_ha)),
+            with(2, result.R_ha_model),
             number(case.torque),
             number(case.mass),
             number(case.density),
             number(result.torque_density_at_5A),
             number(result.torque_at_limit),
-        ];
-        ("", cells)
+        ]
     });
-    html.push_str(&table("tables", &headers, rows));
-    html.push_str("</div>");
-    if !found.findings.is_empty() {
-        html.push_str("<h2>What the tests can tell</h2><ul>");
-        html.extend(found.findings.iter().map(|sentence| format!("<li>{}</li>", escaped(sentence))));
-        html.push_str("</ul>");
+    html! {
+        h2 { "Tables 1 to 3" }
+        (table(&headers, rows.collect()))
+        @if !found.findings.is_empty() {
+            h2 { "Identifiability of the fitted parameters" }
+            ul { @for sentence in &found.findings { li { (sentence) } } }
+        }
     }
-    html
 }
