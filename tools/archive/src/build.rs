@@ -12,11 +12,11 @@ pub use terms::{TermText, TermsError, TermsFile};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// Where the gait data in the library come from, and their licences.
+/// Sources and licences of the gait data in the library.
 const GAIT_DATA: &str = concat!(
-    include_str!("../../../fmu-src/physics/data/gait-schwartz2008/SOURCE.md"),
-    "\n",
     include_str!("../../../fmu-src/physics/data/gait-walking-stairs-cc0/SOURCE.md"),
+    "\n",
+    include_str!("../../../fmu-src/physics/data/gait-schwartz2008/SOURCE.md"),
 );
 /// Whose work is compiled into the library, and its licences: written by `cargo xtask licenses`.
 const THIRD_PARTY: &str = include_str!("../assets/third-party.txt");

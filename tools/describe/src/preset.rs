@@ -10,8 +10,9 @@
 //! "drive_mode" = "current"
 //! ```
 
-use physics::declare::{Elements, Kind};
-use physics::model::{Declaration, Element, Entry};
+use physics::declare::{Causality, Elements, Kind};
+use physics::model::{Declaration, Element, Entry, ModelType};
+use physics::models::series_elastic_actuator::MOTOR_DATA;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
@@ -138,6 +139,25 @@ impl Preset {
         }
     }
 
+    /// What this preset says of `model`: itself where it is for that model; for the actuator, where this preset is of its
+    /// motor, the control's motor data that follow from it (`MOTOR_DATA`); else nothing.
+    pub fn for_model(&self, model: &ModelType) -> Option<Preset> {
+        let declaration = (model.declaration)();
+        if self.model == declaration.name {
+            return Some(self.clone());
+        }
+        let motor = physics::models::by_name(MOTOR).filter(|_| self.model == MOTOR)?;
+        let motor = (motor.declaration)();
+        let value = |name: &str| motor.by_name(name).map(|entry| self.starts.of(entry));
+        let starts = motor_data(declaration, value);
+        (!starts.0.is_empty()).then(|| Preset {
+            name: self.name.clone(),
+            model: declaration.name.to_owned(),
+            description: format!("motor data of the control from preset {}", self.name),
+            starts,
+        })
+    }
+
     /// The preset of a text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<Preset, PresetError> {
         let at = |offset: usize, message: String| located(text, file, offset, message);
@@ -177,6 +197,23 @@ impl Preset {
         };
         let description = words.get("description").map(|(text, _)| text.clone()).unwrap_or_default();
         Ok(Preset { name: word("name")?.0, model, description, starts })
+    }
+}
+
+/// The motor of the actuator.
+pub const MOTOR: &str = "AnnulusCooledMotor";
+
+/// The start values that the actuator derives from its motor, where `value` gives the motor's by name; none for another
+/// model.
+pub fn motor_data(declaration: &Declaration, value: impl Fn(&str) -> Option<f64>) -> StartValues {
+    let derived = MOTOR_DATA.iter().filter_map(|(own, of_motor)| {
+        let (own, value) = (declaration.by_name(own)?, value(of_motor)?);
+        let is_given = own.row.causality != Causality::Input || value > 0.0;
+        (is_given && own.check(value, false).is_ok()).then_some((own.value_reference, value))
+    });
+    match declaration.name {
+        "SeriesElasticActuator" => StartValues(derived.collect()),
+        _ => StartValues::default(),
     }
 }
 

@@ -1,18 +1,18 @@
-//! A motor in an actuator on a joint that walks: what its winding does over hours, and what it can walk for ever.
+//! A motor in an actuator on a walking joint: temperature of its winding over hours, and the continuous torque.
 //!
-//! | file | what is there |
+//! | file | content |
 //! |---|---|
 //! | `load.rs` | `gait.toml`: the motor, the actuator and the gait, by name |
-//! | `stride.rs` | the three models coupled, a stride at a time: the map of the temperatures over a stride |
-//! | `cycle.rs` | where that map stands still, and where it leads over hours |
-//! | `answer.rs` | the questions: for ever, for how long, how much torque |
+//! | `stride.rs` | the three models coupled, one stride at a time: the map of the temperatures over a stride |
+//! | `cycle.rs` | fixed point of that map, and its iteration over hours |
+//! | `answer.rs` | periodic steady state, time to the winding's limit, continuous support |
 
 mod answer;
 mod cycle;
 mod load;
 mod stride;
 
-pub use answer::{Forever, Walked, Walks, continuous_support, forever, walk};
+pub use answer::{Continuous, Limit, Objective, Periodic, Walked, continuous_support, periodic, walk};
 pub use cycle::{Envelope, EnvelopePoint};
-pub use load::{Load, MOTOR};
+pub use load::{Derived, Load, MOTOR};
 pub use stride::{Stride, Walker};

@@ -6,11 +6,11 @@
 //! voltage wanted  u = R i + k_t w + v,   limited to the supply's                                                (4)
 //! integral        v' = w_i (R (i - i_m) + u_limited - u)                                                        (5)
 //!
-//! N tau_s'' / k is the motor's acceleration as the spring sees it, so (2) lets the torque's error die as
-//! e'' + 2 z w0 e' + w0^2 e = 0, whatever spring and ratio. w_d is the speed at which the motor moves with joint and
-//! demand. (5) finds what R and k_t have become in a warm motor; at a limit it stops.
-//! *Assumes* that angle, speed and current are measured without noise. *Neglects* sampling beyond that of the importer,
-//! and the joint's acceleration, which (2) leaves to the feedback.
+//! N tau_s'' / k is the motor's acceleration in terms of the spring torque, so the torque error of (2) decays as
+//! e'' + 2 z w0 e' + w0^2 e = 0 for any spring and ratio. w_d is the speed at which the motor follows joint and
+//! demand. (5) compensates the change of R and k_t in a warm motor; at a limit it stops.
+//! *Assumes* that angle, speed and current are measured without noise. *Neglects* sampling beyond the communication step,
+//! and the joint's acceleration, which the feedback of (2) corrects.
 //! *Source*: the law of (2) is computed torque with a linear error equation, as in Robinson et al., Series elastic
 //! actuator development for a biomimetic walking robot, AIM 1999; back-calculation (5): Astrom, Hagglund, PID
 //! Controllers, 2nd ed. 1995, section 3.5.
@@ -20,7 +20,7 @@ use declare::{Unit, Variable, variables};
 use std::f64::consts::TAU;
 
 variables! {
-    /// The control, and what it believes of its motor: the declared values are those of preset maxon-305015.
+    /// The control, with its motor data: the declared values are those of the declared motor.
     pub struct TorqueControl {
         /// Natural frequency of the torque's error
         natural_frequency: f64 = Variable::tunable(0, 40.0, Unit::Hertz, 0.01, 1e4).log()
@@ -28,41 +28,40 @@ variables! {
         /// Damping ratio of the torque's error
         damping_ratio: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 10.0)
             .source("design choice: no overshoot"),
-        /// Time constant of the filter that gives the demand's rate
+        /// Time constant of the filter that differentiates the demand
         filter_time: f64 = Variable::tunable(2, 0.002, Unit::Second, 1e-5, 10.0).log()
             .source("design choice"),
-        /// Greatest current of the drive
+        /// Current limit of the drive
         current_max: f64 = Variable::tunable(3, 30.0, Unit::Ampere, 0.0, 1e4)
             .source("design choice"),
-        /// Bandwidth with which the voltage follows the current's error
+        /// Bandwidth of the current control's integral part
         current_bandwidth: f64 = Variable::tunable(4, 50.0, Unit::Hertz, 0.0, 1e4)
             .source("design choice"),
-        /// Torque constant that the control counts with
+        /// Torque constant of the motor, as known to the control
         k_t: f64 = Variable::tunable(5, 0.0276, Unit::NewtonMetrePerAmpere, 1e-6, 1e3).log()
             .source("maxon datasheet 305015"),
-        /// Resistance that the control counts with
+        /// Terminal resistance of the motor, as known to the control
         R: f64 = Variable::tunable(6, 0.386, Unit::Ohm, 1e-6, 1e4).log()
             .source("maxon datasheet 305015"),
-        /// Moment of inertia of rotor and transmission that the control counts with
+        /// Moment of inertia of rotor and transmission at the motor's shaft, as known to the control
         J: f64 = Variable::tunable(7, 33.3e-7, Unit::KilogramSquareMetre, 1e-12, 1e3).log()
             .source("maxon datasheet 305015: rotor alone"),
-        /// Dry friction of the motor that the control makes up for
-        tau_c: f64 = Variable::tunable(8, 9.83e-3, Unit::NewtonMetre, 0.0, 1e3)
-            .source("maxon datasheet 305015: no-load current 0.356 A times k_t"),
-        /// Speed of the motor below which it makes up for less
+        /// Coulomb friction of the motor, compensated by the control
+        tau_c: f64 = Variable::tunable(8, 0.0, Unit::NewtonMetre, 0.0, 1e3),
+        /// Speed of the motor below which the friction compensation falls to zero
         w_small: f64 = Variable::tunable(9, 5.0, Unit::RadianPerSecond, 1e-6, 1e3).log()
             .source("regularisation width, chosen"),
     }
 }
 
-/// What the control sees of the spring.
+/// Measurements for the control.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     /// Torque demanded of the spring, N.m.
     pub demand: f64,
-    /// Torque that the motor must give for it at rest or on the way, N.m.
+    /// Motor torque for it, friction of the transmission included, N.m.
     pub feed_forward: f64,
-    /// Speed that the motor has on that way, rad/s.
+    /// Speed of the motor that follows joint and demand, rad/s.
     pub way_speed: f64,
     /// Torque in the spring, N.m, and its rate, N.m/s.
     pub torque: [f64; 2],
@@ -74,26 +73,26 @@ pub struct Seen {
     pub supply: f64,
 }
 
-/// The current that the control wants.
+/// The commanded current.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
     /// Before and after the limits, A.
     pub current: [f64; 2],
-    /// Least and greatest current that drive and supply allow, A.
+    /// Lower and upper current limit of drive and supply, A.
     pub limits: [f64; 2],
-    /// Voltage that the speed induces, V, and the most that the supply gives, V.
+    /// Back-EMF, V, and supply voltage, V.
     emf: f64,
     supply: f64,
     /// Rate of the filtered demand, N.m/s.
     demand_rate: f64,
 }
 
-/// What the control does.
+/// Outputs of the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command {
-    /// Current wanted, before and after the limits, A.
+    /// Current command before and after the limits, A.
     pub current: [f64; 2],
-    /// Least and greatest current that drive and supply allow, A.
+    /// Lower and upper current limit of drive and supply, A.
     pub limits: [f64; 2],
     /// Voltage wanted, before and after the limit, V.
     pub voltage: [f64; 2],
@@ -110,7 +109,7 @@ impl Command {
 }
 
 impl Wanted {
-    /// Whether drive or supply allow less current than is wanted.
+    /// Whether drive or supply limit the current command.
     #[inline]
     pub fn is_limited(&self) -> bool {
         self.current[0] != self.current[1]
@@ -118,7 +117,7 @@ impl Wanted {
 }
 
 impl TorqueControl {
-    /// Rate of the demand, N.m/s, that the filter at `filtered` tells.
+    /// Rate of the demand, N.m/s, from the filter state `filtered`.
     #[inline]
     pub fn demand_rate(&self, demand: f64, filtered: f64) -> f64 {
         (demand - filtered) / self.filter_time
@@ -133,11 +132,11 @@ impl TorqueControl {
         let friction = self.tau_c * smooth_sign(seen.way_speed, self.w_small);
         let wanted = (seen.feed_forward + friction + feedback) / self.k_t;
         let emf = self.k_t * seen.motor[0];
-        // A slope may have led the supply below nothing, which is nothing.
+        // Extrapolation along a slope may have given a negative supply voltage.
         let supply = seen.supply.max(0.0);
         let low = (-self.current_max).max((-supply - emf) / self.R);
         let high = self.current_max.min((supply - emf) / self.R);
-        // A motor that overhauls its supply leaves no current that fits; then it brakes with what the drive can.
+        // A motor whose back-EMF exceeds the supply by too much has no feasible current; it brakes at the drive's limit.
         let current = if low <= high {
             wanted.clamp(low, high)
         } else {

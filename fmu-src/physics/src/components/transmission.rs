@@ -19,7 +19,7 @@ use declare::{Unit, Variable, enumeration, variables};
 use std::f64::consts::TAU;
 
 enumeration! {
-    /// What turns the motor's angle into the joint's
+    /// Kind of transmission
     pub enum TransmissionKind {
         /// A gear, belt or capstan: transmission.ratio
         Gear = 1, "gear";
@@ -29,11 +29,11 @@ enumeration! {
 }
 
 enumeration! {
-    /// How the input shaft is coupled to the motor's
+    /// Coupling between motor shaft and input shaft
     pub enum Coupling {
-        /// Rigidly; what turns with the input shaft belongs to the motor's inertia
+        /// Rigid; the inertia of the input shaft belongs to the motor's inertia
         Rigid = 1, "rigid";
-        /// By a coupling or belt that gives, with an inertia behind it
+        /// Elastic coupling or belt, with an inertia on the input shaft
         Elastic = 2, "elastic";
     }
 }
@@ -41,36 +41,36 @@ enumeration! {
 variables! {
     /// The transmission between motor and spring.
     pub struct Transmission {
-        /// What turns the motor's angle into the joint's
+        /// Kind of transmission
         kind: TransmissionKind = Variable::choice(0, 1),
-        /// Turns of the motor for one of the spring's input; of a gear
+        /// Gear ratio, motor angle over spring input angle (kind gear)
         ratio: f64 = Variable::tunable(1, 250.0, Unit::One, 0.1, 1e5).log()
             .source("estimate: docs/walking-study.md"),
-        /// Way of the nut for one turn of the motor; of a ball screw
+        /// Lead of the ball screw: travel of the nut per revolution
         lead: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 1.0).log()
             .source("estimate: catalogue size of ball screws"),
-        /// Length of the lever that the nut pushes; of a ball screw
+        /// Length of the lever that the nut pushes (kind ball_screw)
         lever: f64 = Variable::tunable(3, 0.06, Unit::Metre, 1e-4, 10.0).log()
             .source("estimate: lever of a powered ankle"),
-        /// Angle of the spring's input at which the screw is square to the lever; of a ball screw
+        /// Angle of the spring's input at which the screw is perpendicular to the lever (kind ball_screw)
         neutral_angle: f64 = Variable::tunable(4, 0.0, Unit::Radian, -4.0, 4.0),
-        /// Share of the power that reaches a driven load
+        /// Efficiency when the motor drives the load
         efficiency: f64 = Variable::tunable(5, 0.85, Unit::One, 0.05, 1.0)
             .source("estimate: catalogues of planetary gears and ball screws"),
-        /// Speed of the motor below which the loss falls to zero
+        /// Speed of the motor below which the friction falls to zero
         w_small: f64 = Variable::tunable(6, 1.0, Unit::RadianPerSecond, 1e-6, 1e3).log()
             .source("regularisation width, chosen"),
-        /// Play between transmission and spring, from one side to the other, at the joint
+        /// Backlash between transmission and spring, total, at the joint
         backlash: f64 = Variable::tunable(7, 0.0, Unit::Radian, 0.0, 1.0).nominal(0.01),
-        /// How the input shaft is coupled to the motor's
+        /// Coupling between motor shaft and input shaft
         coupling: Coupling = Variable::choice(8, 1),
-        /// Moment of inertia of what turns with the input shaft; behind an elastic coupling
+        /// Moment of inertia of the input shaft (coupling elastic)
         inertia: f64 = Variable::tunable(9, 1e-6, Unit::KilogramSquareMetre, 1e-12, 1e3).log()
             .source("estimate"),
-        /// Stiffness of an elastic coupling or belt
+        /// Stiffness of the elastic coupling or belt
         coupling_stiffness: f64 = Variable::tunable(10, 1.0, Unit::NewtonMetrePerRadian, 1e-6, 1e6).log()
             .source("estimate"),
-        /// Damping of an elastic coupling or belt
+        /// Damping of the elastic coupling or belt
         coupling_damping: f64 = Variable::tunable(11, 1e-4, Unit::NewtonMetreSecond, 0.0, 1e3)
             .source("estimate"),
     }

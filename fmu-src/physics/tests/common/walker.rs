@@ -42,8 +42,11 @@ pub const GAIT: [(&str, &str); 3] =
 /// Motor to actuator.
 pub const MOTOR: [(&str, &str); 3] =
     [("shaft_angle", "motor_angle"), ("shaft_speed", "motor_speed"), ("current", "motor_current")];
-/// Actuator to motor.
-pub const COMMAND: [(&str, &str); 2] = [("voltage", "voltage"), ("load_torque", "load_torque")];
+/// Actuator to motor; the motor follows one of the first two, as its drive mode says.
+pub const COMMAND: [(&str, &str); 3] =
+    [("voltage", "voltage"), ("current_command", "current_command"), ("load_torque", "load_torque")];
+/// Motor to actuator, after the motor has its command.
+pub const POWER: [(&str, &str); 1] = [("power_electrical", "motor_power")];
 
 impl System {
     /// Started, as an importer does it.
@@ -51,6 +54,8 @@ impl System {
         let mut motor = AnnulusCooledMotor::default();
         motor.parameters.choices.drive_mode = drive;
         let mut s = System { motor, actuator: Default::default(), gait: Default::default() };
+        // The second item: motor_power.
+        set(&mut s.actuator, "drive.power_source", 2.0);
         s.gait.start(0.0).unwrap();
         for (from, to) in GAIT {
             let value = get(&mut s.gait, from);
@@ -74,6 +79,10 @@ impl System {
         for (from, to) in COMMAND {
             let value = get(&mut self.actuator, from);
             set(&mut self.motor, to, value);
+        }
+        for (from, to) in POWER {
+            let value = get(&mut self.motor, from);
+            set(&mut self.actuator, to, value);
         }
     }
 

@@ -1,5 +1,5 @@
-//! The questions: what a walk does to the winding for ever and over hours, and how much of the torque can be given for
-//! ever.
+//! Periodic steady state of a gait, the winding on the way there, and the greatest support that can be given
+//! continuously.
 
 use super::cycle::{Envelope, envelope, steady};
 use super::load::Load;
@@ -10,40 +10,43 @@ use serde::Serialize;
 
 /// Width of the bracket about the support at which the search ends.
 const SUPPORT_TOLERANCE: f64 = 1e-5;
-/// A torque counts as followed while the root mean square of its error is below this share of its greatest value, and so
-/// many N.m.
+/// First support that is tried; doubled while it can be given continuously.
+const FIRST_SUPPORT: f64 = 0.25;
+/// The actuator follows a torque while the rms error is below this fraction of the peak torque, plus so many N.m.
 const FOLLOWED: (f64, f64) = (0.05, 0.5);
-/// Kelvins that a newton metre of error too many counts in the search.
+/// Weight of a tracking error beyond that, K/(N.m), in the search.
 const KELVINS: f64 = 100.0;
-/// The share of the biological torque that is asked for.
+/// How near its limit a temperature counts as limiting, K.
+const NEAR: f64 = 0.5;
+/// The fraction of the biological torque that is demanded.
 const SUPPORT: &str = "gait.support";
 
-/// What a sweep of walks looks for.
+/// Objective of a sweep under a gait.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Walks {
-    /// Greatest torque of the joint in a gait that can be walked for ever, N.m.
+pub enum Objective {
+    /// Peak torque of the joint at the greatest continuous support, N.m.
     ContinuousTorque,
     /// The same per mass of motor, fan and tube, N.m/kg.
     TorqueDensity,
-    /// The share of the biological torque that can be given for ever.
+    /// The greatest fraction of the biological torque that can be given continuously.
     ContinuousSupport,
-    /// The winding's greatest temperature in the periodic steady state, K.
+    /// Greatest temperature of the winding in the periodic steady state, K.
     WindingTemperature,
     /// Mean power from the supply in the periodic steady state, W.
     SupplyPower,
-    /// Root mean square of the torque's error, N.m.
+    /// Rms error of the torque, N.m.
     TorqueError,
-    /// Time until the winding passes its limit, s; so many hours where it does not.
+    /// Time until the winding reaches its limit, s; the duration of the walk where it does not.
     TimeToLimit {
-        /// How long is walked at most.
+        /// Duration of the walk, h.
         hours: f64,
     },
 }
 
-impl Walks {
-    /// What there is, for a walk of `hours` at most.
-    fn all(hours: f64) -> [Walks; 7] {
-        use Walks::*;
+impl Objective {
+    /// All, for a walk of `hours` at most.
+    fn all(hours: f64) -> [Objective; 7] {
+        use Objective::*;
         [
             ContinuousTorque,
             TorqueDensity,
@@ -58,57 +61,57 @@ impl Walks {
     /// From its name.
     ///
     /// # Errors
-    /// One sentence with the names that there are.
-    pub fn named(name: &str, hours: f64) -> Result<Walks, StudyError> {
-        Walks::all(hours).into_iter().find(|w| w.describe().0 == name).ok_or_else(|| {
-            let known: Vec<&str> = Walks::all(hours).iter().map(|w| w.describe().0).collect();
-            StudyError::new(format!("--objective {name}: of a walk there is {}", known.join(", ")))
+    /// One sentence with the known names.
+    pub fn named(name: &str, hours: f64) -> Result<Objective, StudyError> {
+        Objective::all(hours).into_iter().find(|o| o.describe().0 == name).ok_or_else(|| {
+            let known: Vec<&str> = Objective::all(hours).iter().map(|o| o.describe().0).collect();
+            StudyError::new(format!("--objective {name}: with --load the objectives are {}", known.join(", ")))
         })
     }
 
-    /// Name, unit, and whether the least is the best.
+    /// Name, unit, and whether the least value is the best.
     pub fn describe(&self) -> (&'static str, &'static str, bool) {
         match self {
-            Walks::ContinuousTorque => ("continuous_torque", "N.m", false),
-            Walks::TorqueDensity => ("torque_density", "N.m/kg", false),
-            Walks::ContinuousSupport => ("continuous_support", "1", false),
-            Walks::WindingTemperature => ("winding_temperature", "K", true),
-            Walks::SupplyPower => ("supply_power", "W", true),
-            Walks::TorqueError => ("torque_error", "N.m", true),
-            Walks::TimeToLimit { .. } => ("time_to_limit", "s", false),
+            Objective::ContinuousTorque => ("continuous_torque", "N.m", false),
+            Objective::TorqueDensity => ("torque_density", "N.m/kg", false),
+            Objective::ContinuousSupport => ("continuous_support", "1", false),
+            Objective::WindingTemperature => ("winding_temperature", "K", true),
+            Objective::SupplyPower => ("supply_power", "W", true),
+            Objective::TorqueError => ("torque_error", "N.m", true),
+            Objective::TimeToLimit { .. } => ("time_to_limit", "s", false),
         }
     }
 }
 
-/// A walk in its periodic steady state.
+/// Means and peaks over one stride.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Forever {
-    /// Greatest temperature of the winding within a stride, K.
+pub struct Periodic {
+    /// Greatest temperature of the winding within the stride, K.
     pub winding_temperature: f64,
     /// Mean temperature of the winding, K.
     pub winding_temperature_mean: f64,
-    /// Root mean square of the current, A.
+    /// Rms current, A.
     pub current_rms: f64,
-    /// Greatest current, A.
+    /// Peak current, A.
     pub current_peak: f64,
-    /// Greatest torque at the joint, N.m.
+    /// Peak torque at the joint, N.m.
     pub joint_torque_peak: f64,
-    /// Root mean square of the torque's error, N.m.
+    /// Rms error of the torque, N.m.
     pub torque_error_rms: f64,
-    /// Mean power into the motor's terminals, W.
+    /// Mean electrical power of the motor, W.
     pub power_electrical: f64,
-    /// Mean power to the joint, W.
+    /// Mean mechanical power at the joint, W.
     pub power_joint: f64,
     /// Mean power from the supply, W.
     pub power_supply: f64,
-    /// Strides that were walked to find it.
+    /// Strides that were computed to find it.
     pub strides_walked: u32,
 }
 
-impl Forever {
-    fn of(stride: &Stride, strides_walked: u32) -> Forever {
+impl Periodic {
+    fn of(stride: &Stride, strides_walked: u32) -> Periodic {
         let [electrical, joint, supply] = stride.power;
-        Forever {
+        Periodic {
             winding_temperature: stride.winding[0],
             winding_temperature_mean: stride.winding[1],
             current_rms: stride.current[0],
@@ -121,68 +124,123 @@ impl Forever {
             strides_walked,
         }
     }
+
+    /// How far the torque error is above what counts as followed, N.m; negative where it is below.
+    fn lag(&self) -> f64 {
+        self.torque_error_rms - FOLLOWED.0 * self.joint_torque_peak - FOLLOWED.1
+    }
 }
 
-/// A walk: for ever, or until the winding has had enough.
+/// A walk: its periodic steady state and the way there from a cold start.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Walked {
     /// Time of a stride, s.
     pub stride_time: f64,
     /// The winding's limit, K.
     pub limit: f64,
-    /// The steady state; absent where the winding runs away.
-    pub forever: Option<Forever>,
+    /// The periodic steady state; absent with thermal runaway.
+    pub forever: Option<Periodic>,
+    /// The stride in which the winding reaches its limit, where it does.
+    pub at_limit: Option<Periodic>,
     /// The way there from a cold start.
     pub envelope: Envelope,
 }
 
-/// Walks for `hours`: the steady state, and the winding on the way.
+/// Walks for `hours`: the periodic steady state, and the winding on the way.
 ///
 /// # Errors
 /// A load that does not start, or equations that have no solution.
 pub fn walk(load: &Load, hours: f64) -> Result<Walked, StudyError> {
     if !(hours > 0.0 && hours.is_finite()) {
-        return Err(StudyError::new(format!(
-            "a walk of {hours} hours is none; hours are positive and finite"
-        )));
+        return Err(StudyError::new(format!("--hours {hours}: the duration must be positive and finite, in h")));
     }
     let walker = load.walker()?;
     let limit = load.get("thermal.T_w_max")?;
     let forever = match steady(&walker) {
-        Ok((_, stride, walked)) => Some(Forever::of(&stride, walked)),
+        Ok((_, stride, walked)) => Some(Periodic::of(&stride, walked)),
         Err(StudyError::Unsettled(_)) => None,
         Err(other) => return Err(other),
     };
     let envelope = envelope(&walker, hours * 3600.0, limit)?;
-    Ok(Walked { stride_time: walker.stride_time(), limit, forever, envelope })
+    let at_limit = envelope.at_limit.map(|stride| Periodic::of(&stride, envelope.strides_walked));
+    Ok(Walked { stride_time: walker.stride_time(), limit, forever, at_limit, envelope })
 }
 
-/// The steady state of a walk, without the way there.
+/// The periodic steady state of a walk, without the way there.
 ///
 /// # Errors
-/// The winding runs away, or the load does not start.
-pub fn forever(load: &Load) -> Result<Forever, StudyError> {
+/// Thermal runaway, or a load that does not start.
+pub fn periodic(load: &Load) -> Result<Periodic, StudyError> {
     let (_, stride, walked) = steady(&load.walker()?)?;
-    Ok(Forever::of(&stride, walked))
+    Ok(Periodic::of(&stride, walked))
 }
 
-/// The greatest share of the biological torque that the actuator can follow and the motor give for ever, and the steady
-/// state there.
+/// What limits the continuous support.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// The winding is at its limit.
+    WindingTemperature,
+    /// With more support the losses grow faster than the heat flow: no steady state.
+    ThermalRunaway,
+    /// The actuator no longer follows the torque, for its limits of current and supply voltage.
+    TorqueError,
+    /// The greatest value that gait.support takes.
+    SupportMaximum,
+}
+
+impl Limit {
+    /// In words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Limit::WindingTemperature => "winding temperature",
+            Limit::ThermalRunaway => "thermal runaway",
+            Limit::TorqueError => "torque error (current or supply voltage limit)",
+            Limit::SupportMaximum => "greatest value of gait.support",
+        }
+    }
+}
+
+/// The greatest support that can be given continuously.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Continuous {
+    /// Fraction of the biological torque.
+    pub support: f64,
+    /// The periodic steady state there.
+    pub at: Periodic,
+    /// What limits it.
+    pub limited_by: Limit,
+}
+
+/// The greatest fraction of the biological torque that the actuator follows and the motor gives continuously.
 ///
 /// # Errors
 /// A winding that is too hot without any torque, or a load that does not start.
-pub fn continuous_support(load: &Load) -> Result<(f64, Forever), StudyError> {
+pub fn continuous_support(load: &Load) -> Result<Continuous, StudyError> {
     let limit = load.get("thermal.T_w_max")?;
     let most = load.owner(SUPPORT)?.entry(SUPPORT)?.row.max;
-    let mut found = None;
+    let mut found: Option<(f64, Periodic)> = None;
+    // The temperatures of the last steady state are near those of the next.
+    let mut warm: Option<Vec<f64>> = None;
     let mut excess = |support: f64| -> Result<f64, StudyError> {
         let mut load = load.clone();
         load.set_text(SUPPORT, &support.to_string())?;
-        match forever(&load) {
-            Ok(f) => {
-                found = Some(f);
-                let lag = f.torque_error_rms - FOLLOWED.0 * f.joint_torque_peak - FOLLOWED.1;
-                Ok((f.winding_temperature - limit).max(KELVINS * lag))
+        let cold = load.walker()?;
+        let from_warm = warm.as_ref().and_then(|temperatures| {
+            let mut walker = cold.clone();
+            walker.put_temperatures(temperatures);
+            steady(&walker).ok()
+        });
+        match from_warm.map_or_else(|| steady(&cold), Ok) {
+            Ok((walker, stride, walked)) => {
+                warm = Some(walker.temperatures());
+                let at = Periodic::of(&stride, walked);
+                let excess = (at.winding_temperature - limit).max(KELVINS * at.lag());
+                // The greatest support with a steady state within the limits, to the search's tolerance.
+                if excess <= NEAR && found.is_none_or(|(best, _)| support > best) {
+                    found = Some((support, at));
+                }
+                Ok(excess)
             }
             Err(StudyError::Unsettled(_)) => Ok(f64::INFINITY),
             Err(other) => Err(other),
@@ -191,22 +249,31 @@ pub fn continuous_support(load: &Load) -> Result<(f64, Forever), StudyError> {
     let idle = excess(0.0)?;
     if idle >= 0.0 {
         return Err(StudyError::new(format!(
-            "no torque can be given for ever: already when the actuator only follows the joint, the winding passes its limit \
-             of {limit} K or the motor cannot keep up (the excess is worth {idle:.1} K)"
+            "no continuous torque: at gait.support = 0 the winding exceeds its limit of {limit} K or the actuator does not \
+             follow the joint (excess {idle:.1} K, {KELVINS} K for each N.m of torque error)"
         )));
     }
-    let support = if excess(most)? < 0.0 {
-        most
-    } else {
-        try_root(&mut excess, 0.0, most, SUPPORT_TOLERANCE)?.unwrap_or(0.0)
-    };
-    excess(support)?;
-    match found {
-        Some(f) => Ok((support, f)),
-        None => Err(StudyError::new(format!(
-            "no share of the torque up to {most} keeps the winding at {limit} K"
-        ))),
+    let (mut low, mut high) = (0.0, FIRST_SUPPORT.min(most));
+    let mut above = excess(high)?;
+    while above < 0.0 && high < most {
+        (low, high) = (high, (2.0 * high).min(most));
+        above = excess(high)?;
     }
+    let at_maximum = above < 0.0;
+    if !at_maximum {
+        try_root(&mut excess, low, high, SUPPORT_TOLERANCE)?;
+    }
+    let (support, at) = found.ok_or_else(|| StudyError::new("no support has a steady state".to_owned()))?;
+    let limited_by = if at_maximum {
+        Limit::SupportMaximum
+    } else if at.winding_temperature > limit - NEAR {
+        Limit::WindingTemperature
+    } else if KELVINS * at.lag() > -NEAR {
+        Limit::TorqueError
+    } else {
+        Limit::ThermalRunaway
+    };
+    Ok(Continuous { support, at, limited_by })
 }
 
 #[cfg(test)]
@@ -226,7 +293,7 @@ mod tests {
     /// The fixed point against the long way: stride by stride until nothing moves, in both drives and two ways of cooling.
     /// A housing of little capacity gets there in minutes; where it gets does not depend on that.
     #[test]
-    fn for_ever_is_where_a_long_walk_ends() {
+    fn the_periodic_steady_state_is_where_a_long_walk_ends() {
         for (text, sets) in [
             (WALK, &[("thermal.C_h", "15"), ("fan_command", "0.5")][..]),
             (WALK, &[("thermal.C_h", "15"), ("drive_mode", "voltage"), ("fan_command", "1")]),
@@ -242,7 +309,7 @@ mod tests {
         ] {
             let load = load(text, sets);
             let begun = Instant::now();
-            let found = forever(&load).unwrap();
+            let found = periodic(&load).unwrap();
             let seconds = begun.elapsed().as_secs_f64();
             let mut walker = load.walker().unwrap();
             let mut last = 0.0;
@@ -293,11 +360,85 @@ mod tests {
     #[test]
     fn cooling_buys_support() {
         let support = |sets: &[(&str, &str)]| continuous_support(&load(WALK, sets)).unwrap();
-        let (still, f) = support(&[]);
-        assert!((f.winding_temperature - 428.15).abs() < 0.05, "{f:?}");
-        let (fan, _) = support(&[("fan_command", "1")]);
-        println!("support {still} in still air, {fan} with a fan");
-        assert!(fan > 1.3 * still);
+        let still = support(&[]);
+        assert!((still.at.winding_temperature - 428.15).abs() < 0.5, "{still:?}");
+        assert_eq!(still.limited_by, Limit::WindingTemperature);
+        let fan = support(&[("fan_command", "1")]);
+        println!("support {} in still air, {} with a fan", still.support, fan.support);
+        assert!(fan.support > 1.3 * still.support);
+    }
+
+    /// A supply of 12 V limits the speed before the winding is warm, and is named.
+    #[test]
+    fn the_limit_is_named() {
+        let found = continuous_support(&load(WALK, &[("fan_command", "1"), ("supply_voltage", "14")])).unwrap();
+        assert_eq!(found.limited_by, Limit::TorqueError, "{found:?}");
+        assert!(found.at.winding_temperature < 420.0);
+    }
+
+    /// Mean power from the supply is the motor's electrical power plus the losses of the drive, in both drive modes and
+    /// at the current limit, where the voltage that the actuator commands is not the motor's.
+    #[test]
+    fn the_supply_gives_the_electrical_power() {
+        for drive in ["current", "voltage"] {
+            let sets = [("drive_mode", drive), ("fan_command", "1"), ("conductance.G_forced", "0.35")];
+            let found = periodic(&load("", &sets)).unwrap();
+            println!("{drive}: {} W from the supply, {} W electrical", found.power_supply, found.power_electrical);
+            assert!((found.power_supply / found.power_electrical - 1.0).abs() < 1e-3, "{drive} {found:?}");
+        }
+        let sets = [("drive.standby_power", "7"), ("conductance.G_forced", "0.35"), ("fan_command", "1")];
+        let found = periodic(&load(WALK, &sets)).unwrap();
+        assert!((found.power_supply - found.power_electrical - 7.0).abs() < 0.05, "{found:?}");
+    }
+
+    /// Every preset's motor data reach the control; what the file sets wins, and a change of the motor is followed.
+    #[test]
+    fn the_control_follows_the_motor() {
+        const OTHER: &str = "name = \"other\"\nmodel = \"AnnulusCooledMotor\"\n[start]\n\"motor.R_ref\" = 1.1\n\
+             \"motor.k_t\" = 0.0535\n\"motor.J\" = 1.2e-5\n\"effect.coulomb_friction.tau_c\" = 0.012\nvoltage = 24\n";
+        let preset = Preset::parse(OTHER, "other.toml").unwrap();
+        let load = |text: &str| Load::parse(text, "gait.toml", Some(&preset), &[]).unwrap();
+        let get = |load: &Load, name: &str| load.get(name).unwrap();
+        let other = load(WALK);
+        let values = [
+            ("control.R", 1.1),
+            ("control.k_t", 0.0535),
+            ("control.J", 1.2e-5),
+            ("control.tau_c", 0.012),
+            ("supply_voltage", 24.0),
+        ];
+        for (name, value) in values {
+            assert_eq!(get(&other, name), value, "{name}");
+        }
+        let derived: Vec<&str> = other.derived().unwrap().iter().map(|d| d.name).collect();
+        assert_eq!(derived.len(), values.len(), "{derived:?}");
+        let explicit = load(&format!("{WALK}[actuator]\n\"control.k_t\" = 0.03\n"));
+        assert_eq!(get(&explicit, "control.k_t"), 0.03);
+        assert!(explicit.derived().unwrap().iter().all(|d| d.name != "control.k_t"));
+        let mut varied = other.clone();
+        varied.set_text("motor.k_t", "0.06").unwrap();
+        assert_eq!(get(&varied, "control.k_t"), 0.06);
+        // The control of this motor follows the gait, with that of another it does not as well.
+        let error = |load: &Load| {
+            let mut load = load.clone();
+            for (name, value) in [("fan_command", "1"), ("gait.support", "0.3"), ("supply_voltage", "48")] {
+                load.set_text(name, value).unwrap();
+            }
+            periodic(&load).unwrap().torque_error_rms
+        };
+        let foreign = load(&format!(
+            "{WALK}[actuator]\n\"control.k_t\" = 0.0276\n\"control.J\" = 33.3e-7\n\"control.tau_c\" = 0\n"
+        ));
+        assert!(error(&other) < 0.7 * error(&foreign), "{} {}", error(&other), error(&foreign));
+    }
+
+    /// The data source is that of the activity, from its declaration.
+    #[test]
+    fn the_source_follows_the_activity() {
+        let source = |activity: &str| load(WALK, &[("gait.activity", activity)]).source().unwrap();
+        assert!(source("walk").contains("adults") && source("walk").contains("Grimmer"));
+        assert!(source("child_walk").contains("children") && source("child_walk").contains("Schwartz"));
+        assert!(source("stairs_up").contains("Boehme"));
     }
 
     #[test]

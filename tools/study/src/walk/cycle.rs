@@ -1,4 +1,4 @@
-//! The map of the temperatures over a stride: where it stands still, and where it leads over hours.
+//! The map of the temperatures over a stride: its fixed point, and its iteration over hours.
 //!
 //! Phi(y) are the temperatures after a stride that began at y.
 //! slope        Phi' = S = exp(A T), A the slopes of the heat flows, T the stride; then Broyden's updates      (1)
@@ -19,22 +19,22 @@ use nalgebra::{DMatrix, DVector};
 const STEADY: f64 = 2e-3;
 /// Strides that the search may take.
 const MOST_STRIDES: u32 = 60;
-/// Longest step of the search, K: a slope that was found in the cold does not tell of what is a hundred kelvin warmer.
+/// Longest step of the search, K: derivatives of a cold winding do not hold 100 K above.
 const LONGEST: f64 = 30.0;
-/// How far a steady state is moved, along what dies out last, to see whether it comes back, K.
+/// Disturbance of a steady state, along the slowest mode, for the stability test, K.
 const NUDGE: f64 = 1.0;
-/// A temperature that no motor has, K.
+/// Temperature that counts as thermal runaway, K.
 const RUNAWAY: f64 = 1000.0;
-/// How often the map is doubled until what dies out last is left: strides of seconds against hours.
+/// Doublings of the map until only the slowest mode is left: strides of seconds against time constants of hours.
 const DOUBLINGS: usize = 24;
 /// Strides at the start until motion and current repeat.
 const SETTLING: u32 = 2;
 /// Error of a jump that is taken, K.
 const JUMP_ERROR: f64 = 0.05;
 
-/// What a stride makes of the temperatures.
+/// Change of the temperatures over a stride.
 struct Change {
-    /// What they gain, K.
+    /// Increase, K.
     gain: DVector<f64>,
     /// The stride.
     stride: Stride,
@@ -70,7 +70,8 @@ pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
     let mut walked = SETTLING + 1;
     let runaway = || {
         StudyError::Unsettled(
-            "walking on and on has no steady state: every kelvin of the winding brings more heat than it drives out"
+            "thermal runaway: no periodic steady state, since the losses grow faster with the winding's temperature than \
+             the heat flow"
                 .to_owned(),
         )
     };
@@ -126,18 +127,21 @@ pub struct EnvelopePoint {
     pub winding_temperature: f64,
 }
 
-/// What the winding does over hours.
+/// Temperature of the winding over hours.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Envelope {
     /// Its points, in order of time.
     pub points: Vec<EnvelopePoint>,
     /// Strides that were walked to find them.
     pub strides_walked: u32,
-    /// Time at which the winding passes the limit, s, where it does.
+    /// Time at which the winding reaches the limit, s, where it does.
     pub time_to_limit: Option<f64>,
+    /// The stride in which it does.
+    #[serde(skip)]
+    pub at_limit: Option<Stride>,
 }
 
-/// Follows the winding for `duration`, s, or until it passes `limit`, K: eq. (3).
+/// Follows the winding for `duration`, s, or until it reaches `limit`, K: eq. (3).
 ///
 /// # Errors
 /// Equations that have no solution.
@@ -156,6 +160,7 @@ pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, 
         let earlier = found.points.last().copied();
         found.points.push(at);
         if at.winding_temperature > limit {
+            found.at_limit = Some(stride);
             found.time_to_limit = Some(match earlier {
                 Some(p) if p.winding_temperature < limit => {
                     let share =

@@ -1,4 +1,5 @@
-//! A load file: start values of the three models that walk together.
+//! A load file: start values of motor, actuator and gait. The control of the actuator derives its motor data from the
+//! motor (`MOTOR_DATA` of the actuator) unless the file or a setting gives them.
 //!
 //! ```toml
 //! [gait]
@@ -13,26 +14,50 @@
 use super::stride::Walker;
 use crate::StudyError;
 use crate::bench::Bench;
-use describe::{Preset, StartValues, models};
+pub use describe::preset::MOTOR;
+use describe::preset::motor_data;
+use describe::{Kind, Preset, StartValues, models};
+use physics::models::series_elastic_actuator::MOTOR_DATA;
+use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The motor that walks.
-pub const MOTOR: &str = "AnnulusCooledMotor";
 const ACTUATOR: &str = "SeriesElasticActuator";
 const GAIT: &str = "GaitLoad";
 /// Tables of the file, and the models that they belong to.
 const TABLES: [(&str, &str); 3] = [("motor", MOTOR), ("actuator", ACTUATOR), ("gait", GAIT)];
-/// What every walk begins with: the shaft is the actuator's.
-const ALWAYS: (&str, &str) = ("mechanical_mode", "free_shaft");
+/// The motor's shaft turns freely in the actuator.
+const FREE_SHAFT: (&str, &str) = ("mechanical_mode", "free_shaft");
+/// The actuator's supply power is that of the connected motor.
+const POWER_SOURCE: (&str, &str) = ("drive.power_source", "motor_power");
+/// The gait's activity.
+const ACTIVITY: &str = "gait.activity";
+/// Index of the actuator among the three models.
+const THE_ACTUATOR: usize = 1;
 
-/// The three models before they start.
+/// Motor, actuator and gait before they start.
 #[derive(Clone)]
 pub struct Load {
     benches: [Bench; 3],
+    /// Variables of the actuator that were set explicitly.
+    explicit: BTreeSet<String>,
+}
+
+/// A value of the actuator that follows from its motor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Derived {
+    /// Variable of the actuator.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Variable of the motor.
+    pub from: &'static str,
 }
 
 impl Load {
-    /// From a file; the motor starts from `preset`, and `sets` count last. A name in `sets` belongs to the first of motor,
+    /// From a file; the motor starts from `preset`, and `sets` override both. A name in `sets` belongs to the first of motor,
     /// actuator and gait that has it.
     ///
     /// # Errors
@@ -62,11 +87,16 @@ impl Load {
         }
         let values = StartValues::of_tables(text, file, &tables)?;
         let mut benches = [Bench::new(MOTOR, preset)?, Bench::new(ACTUATOR, None)?, Bench::new(GAIT, None)?];
-        benches[0].set_text(ALWAYS.0, ALWAYS.1)?;
+        benches[0].set_text(FREE_SHAFT.0, FREE_SHAFT.1)?;
+        benches[THE_ACTUATOR].set_text(POWER_SOURCE.0, POWER_SOURCE.1)?;
         for (bench, values) in benches.iter_mut().zip(&values) {
             bench.set_all(values)?;
         }
-        let mut load = Load { benches };
+        let declaration = benches[THE_ACTUATOR].declaration();
+        let given = values[THE_ACTUATOR].entries();
+        let names = given.iter().filter_map(|(reference, _)| declaration.by_reference(*reference));
+        let explicit = names.map(|entry| entry.name.clone()).collect();
+        let mut load = Load { benches, explicit };
         for (name, text) in sets {
             load.set_text(name, text)?;
         }
@@ -91,7 +121,53 @@ impl Load {
     /// No such variable, or a value that it does not take.
     pub fn set_text(&mut self, name: &str, text: &str) -> Result<(), StudyError> {
         let place = self.benches.iter().position(|b| b.knows(name, None)).unwrap_or(0);
-        self.benches[place].set_text(name, text)
+        self.benches[place].set_text(name, text)?;
+        if place == THE_ACTUATOR {
+            self.explicit.insert(name.to_owned());
+        }
+        Ok(())
+    }
+
+    /// The values of the actuator that follow from its motor.
+    ///
+    /// # Errors
+    /// None with declared names.
+    pub fn derived(&self) -> Result<Vec<Derived>, StudyError> {
+        let motor = &self.benches[0];
+        let actuator = self.benches[THE_ACTUATOR].declaration();
+        let starts = motor_data(actuator, |name| motor.clone().get(name).ok());
+        let mut found = Vec::new();
+        for (reference, value) in starts.entries() {
+            let Some(entry) = actuator.by_reference(reference) else { continue };
+            let row = MOTOR_DATA.iter().find(|(own, _)| *own == entry.name);
+            if let Some(&(name, from)) = row.filter(|_| !self.explicit.contains(&entry.name)) {
+                found.push(Derived { name, value, unit: entry.row.unit.name(), from });
+            }
+        }
+        Ok(found)
+    }
+
+    /// The three models with the derived values.
+    fn prepared(&self) -> Result<[Bench; 3], StudyError> {
+        let mut benches = self.benches.clone();
+        for derived in self.derived()? {
+            benches[THE_ACTUATOR].set(derived.name, derived.value)?;
+        }
+        Ok(benches)
+    }
+
+    /// Subjects and publication of the gait's data, from the declaration of its activity.
+    ///
+    /// # Errors
+    /// None with declared activities.
+    pub fn source(&self) -> Result<String, StudyError> {
+        let value = self.get(ACTIVITY)?;
+        match self.owner(ACTIVITY)?.entry(ACTIVITY)?.row.kind {
+            Kind::Enumeration(t) => t.items.iter().find(|i| f64::from(i.value) == value),
+            _ => None,
+        }
+        .map(|item| item.doc.trim().to_owned())
+        .ok_or_else(|| StudyError::new(format!("{ACTIVITY} = {value} has no description")))
     }
 
     /// The value of a parameter, of the first model that has it.
@@ -99,7 +175,10 @@ impl Load {
     /// # Errors
     /// No such variable.
     pub fn get(&self, name: &str) -> Result<f64, StudyError> {
-        self.owner(name)?.clone().get(name)
+        let owner = self.owner(name)?.declaration().name;
+        let benches = self.prepared()?;
+        let mut bench = benches.into_iter().find(|b| b.declaration().name == owner);
+        bench.as_mut().map_or_else(|| Err(StudyError::new(format!("no variable {name}"))), |b| b.get(name))
     }
 
     /// Motor, actuator and gait, started together.
@@ -107,7 +186,7 @@ impl Load {
     /// # Errors
     /// Parameters that do not go together, a drive that does not follow an actuator, a gait that never repeats.
     pub fn walker(&self) -> Result<Walker, StudyError> {
-        let [motor, actuator, gait] = self.benches.clone();
+        let [motor, actuator, gait] = self.prepared()?;
         Walker::start(motor, actuator, gait)
     }
 

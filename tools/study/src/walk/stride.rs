@@ -1,5 +1,5 @@
-//! Motor, actuator and gait coupled natively, as a master couples their FMUs: Jacobi steps of a millisecond, inputs on
-//! the line through their last two values.
+//! Motor, actuator and gait coupled natively, as a master couples their FMUs: Jacobi steps of 1 ms, inputs extrapolated
+//! linearly from their last two values.
 
 use crate::StudyError;
 use crate::bench::Bench;
@@ -7,9 +7,11 @@ use physics::model::{Model, Slot};
 
 /// Longest step, s.
 const STEP: f64 = 1e-3;
-/// Instants of a stride at which slopes are looked at, and the difference that they are taken over, K.
+/// Instants of a stride at which the derivatives are evaluated, and their temperature difference, K.
 const INSTANTS: u32 = 16;
 const DIFFERENCE: f64 = 1e-2;
+/// From the motor to the actuator, after the motor has its inputs.
+const POWER: (usize, &str, &str) = (MOTOR, "power_electrical", "motor_power");
 /// From the gait, and from the motor, to the actuator.
 const TO_ACTUATOR: [(usize, &str, &str); 6] = [
     (GAIT, "joint_angle", "joint_angle"),
@@ -51,7 +53,7 @@ fn is_looked_at(step: u32, steps: u32) -> bool {
     step * INSTANTS % steps < INSTANTS
 }
 
-/// The three models on their way.
+/// The three coupled models.
 pub struct Walker {
     models: [Box<dyn Model>; 3],
     links: Vec<Link>,
@@ -72,7 +74,7 @@ impl Clone for Walker {
     }
 }
 
-/// What a stride shows.
+/// Peaks and means over a stride.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stride {
     /// Greatest temperature of the winding, K, and its mean.
@@ -83,22 +85,22 @@ pub struct Stride {
     pub joint_torque: f64,
     /// Root mean square of the torque's error, N.m.
     pub torque_error: f64,
-    /// Mean powers, W: into the motor's terminals, to the joint, from the supply.
+    /// Mean powers, W: electrical power of the motor, at the joint, from the supply.
     pub power: [f64; 3],
 }
 
 impl Walker {
-    /// Starts the three together, the actuator from what the gait asks.
+    /// Starts the three models, the actuator with the gait's demand.
     pub(super) fn start(motor: Bench, actuator: Bench, gait: Bench) -> Result<Walker, StudyError> {
         let slot = |bench: &Bench, name: &str| Ok::<Slot, StudyError>(bench.entry(name)?.slot);
         let benches = [&motor, &actuator, &gait];
         let mode = motor.clone().get("drive_mode")?;
         let drive = DRIVES.iter().find(|d| d.0 == mode).ok_or_else(|| {
-            StudyError::new("a motor that walks has drive_mode voltage or current, which follow the actuator")
+            StudyError::new("drive_mode must be voltage or current: these follow the actuator")
         })?;
         if gait.clone().get("gait.variation")? != 0.0 {
             return Err(StudyError::new(
-                "gait.variation must be 0 for a steady state: strides that differ have none",
+                "gait.variation must be 0: varying strides have no periodic steady state",
             ));
         }
         let to_motor = [(ACTUATOR, drive.1, drive.2), (ACTUATOR, "load_torque", "load_torque")];
@@ -111,6 +113,7 @@ impl Walker {
         };
         let links: Vec<Link> = (TO_ACTUATOR.iter().map(|l| link(ACTUATOR, l)))
             .chain(to_motor.iter().map(|l| link(MOTOR, l)))
+            .chain(std::iter::once(link(ACTUATOR, &POWER)))
             .collect::<Result<_, StudyError>>()?;
         let read = Read {
             winding: slot(&motor, "winding_temperature")?,
@@ -140,7 +143,7 @@ impl Walker {
         f64::from(self.steps) * self.h
     }
 
-    /// Hands on what `from` shows.
+    /// Copies the outputs of `from` to the connected inputs.
     fn pass(&mut self, from: usize) {
         for link in self.links.iter().filter(|l| l.from.0 == from) {
             let value = self.models[from].get(link.from.1);
@@ -148,7 +151,7 @@ impl Walker {
         }
     }
 
-    /// Hands every output on, with its slope.
+    /// Copies every output to its input, with its slope.
     fn exchange(&mut self) {
         for link in &mut self.links {
             let value = self.models[link.from.0].get(link.from.1);
@@ -203,7 +206,7 @@ impl Walker {
         states.split_off(self.first_temperature)
     }
 
-    /// Puts them, and leaves current and motion as they are.
+    /// Sets them; current and motion stay.
     pub fn put_temperatures(&mut self, temperatures: &[f64]) {
         let motor = &mut self.models[MOTOR];
         let mut states = Vec::new();
@@ -213,8 +216,8 @@ impl Walker {
         motor.set_states(time, &states);
     }
 
-    /// Walks a stride, and looks at several instants of it how the rates of the temperatures change with them: the mean
-    /// derivatives, 1/s, a row for each rate.
+    /// Walks a stride and evaluates at several instants the derivatives of the temperatures' rates with respect to the
+    /// temperatures: their means, 1/s, a row for each rate.
     ///
     /// # Errors
     /// Equations that have no solution.

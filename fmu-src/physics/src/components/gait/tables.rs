@@ -1,21 +1,24 @@
 //! The measured strides, as splines over the phase.
 //!
-//! *Level walking*: normative means of typically developing children at five speeds, Schwartz, Rozumalski, Trost,
-//! J. Biomech. 41 (2008) 1639; the stride times are those with which moment times speed is the measured power
-//! (`data/gait-schwartz2008/SOURCE.md`). The means of many walkers do not close exactly (0.2 degrees at free speed); the
-//! gap is spread over the stride.
-//! *Stairs*: the power of hip, knee and ankle of adults, Boehme 2022, digitised
-//! (`data/gait-walking-stairs-cc0/SOURCE.md`). Torque and speed were not published with it, so the power is shared out:
+//! *Level walking, adults*: torque and angular velocity, Grimmer and Seyfarth 2014, digitised
+//! (`data/gait-walking-stairs-cc0/SOURCE.md`). The angle is the integral of the velocity, with zero mean; what the
+//! velocity's mean leaves over a stride (1.5 deg/s at the knee) is subtracted.
+//! *Level walking, children*: normative means of typically developing children at five speeds, Schwartz, Rozumalski,
+//! Trost, J. Biomech. 41 (2008) 1639; the stride times are those with which torque times speed is the measured power
+//! (`data/gait-schwartz2008/SOURCE.md`). The means do not close exactly (0.2 degrees at self-selected speed); the gap is
+//! spread over the stride.
+//! *Stairs, adults*: the power of hip, knee and ankle, Boehme 2022, digitised (`data/gait-walking-stairs-cc0/SOURCE.md`).
+//! Torque and speed were not published with it and are estimated:
 //!
 //! torque = sign z^(1/2) (p^2 + p_0^2)^(1/4),   speed = p / torque                                         (1)
 //!
-//! with z such that the greatest torque is the published one ([`PEAK_TORQUE`]), and p_0 a fiftieth of the greatest power,
+//! with z such that the greatest torque is the published one ([`Peak`]), and p_0 a fiftieth of the greatest power,
 //! so that both are smooth where the power changes its sign. The sign is positive at the greatest power, and negative in
-//! one part of the stride, in which the joint is drawn the other way: the part that best brings it back to where the stride began
-//! and whose ends lie where there is little power. What is then left of the way is taken back where there is little
-//! power. Work, peak power and peak torque are thus measured; speed and angle are an estimate, and have less range than a
-//! leg that swings back freely. What is left of the power's curve differs from the measured one by a tenth (root mean
-//! square), at the knee on the way down by a fifth: `power_is_kept`.
+//! one part of the stride, in which the joint moves back: the part that best closes the angle over the stride
+//! and whose ends lie where there is little power. The rest of the gap is spread over the phases of little power.
+//! Work, peak power and peak torque are thus measured; speed and angle are an estimate, with less range than a
+//! leg that swings freely. The power of the estimate differs from the measured one by 10 % (root mean
+//! square), by 20 % at the knee on stairs down: `power_is_kept`.
 
 use super::spline::{Along, Spline};
 use super::{Activity, Joint};
@@ -41,8 +44,24 @@ impl Cycle {
     }
 }
 
-const LEVEL: &str = include_str!("../../../data/gait-schwartz2008/schwartz2008_joint_angle_moment_power.csv");
-const STRIDES: &str = include_str!("../../../data/gait-schwartz2008/stride_time_inferred_s.csv");
+const CHILDREN: &str =
+    include_str!("../../../data/gait-schwartz2008/schwartz2008_joint_angle_moment_power.csv");
+const CHILDREN_STRIDES: &str = include_str!("../../../data/gait-schwartz2008/stride_time_inferred_s.csv");
+/// Level walking of adults: torque and angular velocity of hip, knee and ankle.
+const ADULT: [[&str; 2]; 3] = [
+    [
+        include_str!("../../../data/gait-walking-stairs-cc0/walking_hip_torque.csv"),
+        include_str!("../../../data/gait-walking-stairs-cc0/walking_hip_angle_velocity.csv"),
+    ],
+    [
+        include_str!("../../../data/gait-walking-stairs-cc0/walking_knee_torque.csv"),
+        include_str!("../../../data/gait-walking-stairs-cc0/walking_knee_angle_velocity.csv"),
+    ],
+    [
+        include_str!("../../../data/gait-walking-stairs-cc0/walking_ankle_torque.csv"),
+        include_str!("../../../data/gait-walking-stairs-cc0/walking_ankle_angle_velocity.csv"),
+    ],
+];
 /// Stairs up and down, each hip, knee and ankle.
 const STAIRS: [[&str; 3]; 2] = [
     [
@@ -56,29 +75,48 @@ const STAIRS: [[&str; 3]; 2] = [
         include_str!("../../../data/gait-walking-stairs-cc0/stairs_down_p_mech_ankle_marked.csv"),
     ],
 ];
-/// Time of a stride on stairs, s.
-const STAIRS_STRIDE: f64 = 1.11;
-/// Points of a stride on stairs.
-const STAIRS_POINTS: usize = 100;
-/// Greatest torque on stairs up and down at hip, knee and ankle, N.m/kg. Up: knee, and the hip's "similar", Costigan,
+/// Stride times of the adults.
+const ADULT_STRIDES: &str = include_str!("../../../data/gait-walking-stairs-cc0/stride_time_s.csv");
+/// Equidistant points of a digitised stride.
+const POINTS: usize = 100;
+
+/// Greatest torque of a joint on stairs.
+#[derive(Clone, Copy, Debug)]
+enum Peak {
+    /// Published, N.m/kg.
+    Published(f64),
+    /// That of the same joint in level walking of adults.
+    LevelWalking,
+}
+
+/// Greatest torque on stairs up and down at hip, knee and ankle. Up: knee, and the hip's "similar", Costigan,
 /// Deluzio, Wyss, Gait Posture 16 (2002) 31. Down: knee, Reid et al., Med. Sci. Sports Exerc. 39 (2007) 2005; hip, 0.25
 /// less than up, Protopapadaki et al., Clin. Biomech. 22 (2007) 203. The ankle's is that of level walking, which it does not
 /// reach on the way down (Beaulieu, Pelland, Robertson, Gait Posture 27 (2008) 564).
-const PEAK_TORQUE: [[f64; 3]; 2] = [[1.16, 1.16, 1.23], [0.91, 1.05, 1.23]];
-/// Names of the speeds in the table, in the order of [`Activity`].
-const SPEEDS: [&str; 5] = ["VerySlow", "Slow", "Free", "Fast", "VeryFast"];
+const PEAK_TORQUE: [[Peak; 3]; 2] = [
+    [Peak::Published(1.16), Peak::Published(1.16), Peak::LevelWalking],
+    [Peak::Published(0.91), Peak::Published(1.05), Peak::LevelWalking],
+];
 /// Names of the joints in the table, in the order of [`Joint`].
 const JOINTS: [&str; 3] = ["hip", "knee", "ankle"];
+/// Activities.
+const ACTIVITIES: usize = 8;
 
-/// The stride of an activity at a joint, made when it is first asked for.
+/// The stride of an activity at a joint, computed at its first use.
 #[inline]
 pub fn cycle(activity: Activity, joint: Joint) -> &'static Cycle {
-    static ALL: [OnceLock<Cycle>; (SPEEDS.len() + STAIRS.len()) * JOINTS.len()] =
-        [const { OnceLock::new() }; (SPEEDS.len() + STAIRS.len()) * JOINTS.len()];
-    let (activity, joint) = (activity as usize - 1, joint as usize - 1);
-    ALL[activity * JOINTS.len() + joint].get_or_init(|| match activity.checked_sub(SPEEDS.len()) {
-        None => level(activity, joint),
-        Some(way) => stairs(STAIRS[way][joint], PEAK_TORQUE[way][joint]),
+    static ALL: [OnceLock<Cycle>; ACTIVITIES * JOINTS.len()] =
+        [const { OnceLock::new() }; ACTIVITIES * JOINTS.len()];
+    let joint = joint as usize - 1;
+    ALL[(activity as usize - 1) * JOINTS.len() + joint].get_or_init(|| match activity {
+        Activity::Walk => adult(joint),
+        Activity::StairsUp => stairs(0, joint),
+        Activity::StairsDown => stairs(1, joint),
+        Activity::ChildWalkVerySlow => child("VerySlow", joint),
+        Activity::ChildWalkSlow => child("Slow", joint),
+        Activity::ChildWalk => child("Free", joint),
+        Activity::ChildWalkFast => child("Fast", joint),
+        Activity::ChildWalkVeryFast => child("VeryFast", joint),
     })
 }
 
@@ -94,11 +132,11 @@ fn column(text: &str, name: &str, row: impl Fn(&str) -> bool) -> Vec<f64> {
     lines.filter(|line| row(line)).map(|line| cell(line).expect("a number")).collect()
 }
 
-/// Level walking at a speed.
-fn level(speed: usize, joint: usize) -> Cycle {
-    let of_speed = |line: &str| line.split(',').next() == Some(SPEEDS[speed]);
+/// Level walking of children at one of the table's speeds.
+fn child(speed: &str, joint: usize) -> Cycle {
+    let of_speed = |line: &str| line.split(',').next() == Some(speed);
     let closed = |name: String| {
-        let values = column(LEVEL, &name, of_speed);
+        let values = column(CHILDREN, &name, of_speed);
         let last = values.len() - 1;
         let gap = values[last] - values[0];
         let value = |k: usize| values[k] - gap * (k as f64 / last as f64 - 0.5);
@@ -108,31 +146,62 @@ fn level(speed: usize, joint: usize) -> Cycle {
     // The table counts angles in flexion, moments in extension.
     let angle: Vec<f64> = angle.iter().map(|degrees| -degrees.to_radians()).collect();
     let torque = closed(format!("{}_moment_mean", JOINTS[joint]));
-    Cycle::new(column(STRIDES, "stride_time_s", of_speed)[0], &angle, &torque)
+    Cycle::new(column(CHILDREN_STRIDES, "stride_time_s", of_speed)[0], &angle, &torque)
 }
 
-/// A power over the cycle at equidistant phases, W/kg.
-fn power(text: &str) -> Vec<f64> {
+/// Level walking of adults.
+fn adult(joint: usize) -> Cycle {
+    let [torque, velocity] = ADULT[joint].map(equidistant);
+    let mean = velocity.iter().sum::<f64>() / POINTS as f64;
+    let speed: Vec<f64> = velocity.iter().map(|v| (v - mean).to_radians()).collect();
+    let stride_time = adult_stride_time("walk");
+    Cycle::new(stride_time, &angle(&speed, stride_time), &torque)
+}
+
+/// Stride time of an activity of adults, s.
+fn adult_stride_time(activity: &str) -> f64 {
+    column(ADULT_STRIDES, "stride_time_s", |line| line.split(',').next() == Some(activity))[0]
+}
+
+/// The angle at equidistant points of a closed stride, rad, with zero mean: the trapezoidal integral of the speed, rad/s.
+fn angle(speed: &[f64], stride_time: f64) -> Vec<f64> {
+    let step = stride_time / speed.len() as f64;
+    let mut angle = vec![0.0; speed.len()];
+    for k in 1..speed.len() {
+        angle[k] = angle[k - 1] + 0.5 * step * (speed[k - 1] + speed[k]);
+    }
+    let mean = angle.iter().sum::<f64>() / speed.len() as f64;
+    angle.iter_mut().for_each(|a| *a -= mean);
+    angle
+}
+
+/// A digitised curve over the stride, linearly interpolated to equidistant phases.
+fn equidistant(text: &str) -> Vec<f64> {
     let phases: Vec<f64> = column(text, "pct_cycle", |_| true).iter().map(|pct| pct / 100.0).collect();
-    let powers = column(text, "value", |_| true);
+    let values = column(text, "value", |_| true);
     let count = phases.len();
     // The digitised points go from near 0 to near 1; the neighbours of the ends are the other ends, a period away.
     let around = |k: isize| {
         let turns = k.div_euclid(count as isize);
         let k = k.rem_euclid(count as isize) as usize;
-        (phases[k] + turns as f64, powers[k])
+        (phases[k] + turns as f64, values[k])
     };
     let at = |phase: f64| {
         let next = phases.partition_point(|&p| p <= phase) as isize;
         let ((p0, y0), (p1, y1)) = (around(next - 1), around(next));
         y0 + (y1 - y0) * (phase - p0) / (p1 - p0)
     };
-    (0..STAIRS_POINTS).map(|k| at(k as f64 / STAIRS_POINTS as f64)).collect()
+    (0..POINTS).map(|k| at(k as f64 / POINTS as f64)).collect()
 }
 
-/// A stride on stairs: eq. (1) for the power of a joint and its greatest torque, N.m/kg.
-fn stairs(text: &str, peak: f64) -> Cycle {
-    let power = power(text);
+/// A stride on stairs, up (0) or down (1): eq. (1) for the power of a joint and its greatest torque.
+fn stairs(way: usize, joint: usize) -> Cycle {
+    let power = equidistant(STAIRS[way][joint]);
+    let peak = match PEAK_TORQUE[way][joint] {
+        Peak::Published(torque) => torque,
+        Peak::LevelWalking => equidistant(ADULT[joint][0]).iter().fold(0.0, |most, torque| torque.max(most)),
+    };
+    let stride_time = adult_stride_time(["stairs_up", "stairs_down"][way]);
     let most = power.iter().fold(0.0f64, |most, p| most.max(p.abs()));
     let size: Vec<f64> = power.iter().map(|p| peak * (p.hypot(0.02 * most) / most).sqrt()).collect();
     let speed: Vec<f64> = power.iter().zip(&size).map(|(p, m)| p / m).collect();
@@ -141,34 +210,26 @@ fn stairs(text: &str, peak: f64) -> Cycle {
     let speed: Vec<f64> = speed.iter().zip(&sign).map(|(w, s)| w * s).collect();
     let idle: Vec<f64> = power.iter().map(|p| 1.0 / (1.0 + (p / (0.1 * most)).powi(4))).collect();
     let back = speed.iter().sum::<f64>() / idle.iter().sum::<f64>();
-    let speed: Vec<f64> = speed.iter().zip(&idle).map(|(w, share)| w - back * share).collect();
-    // The angle is the way from one point to the next, about its mean.
-    let step = STAIRS_STRIDE / STAIRS_POINTS as f64;
-    let mut angle = vec![0.0; STAIRS_POINTS];
-    for k in 1..STAIRS_POINTS {
-        angle[k] = angle[k - 1] + 0.5 * step * (speed[k - 1] + speed[k]);
-    }
-    let mean = angle.iter().sum::<f64>() / STAIRS_POINTS as f64;
-    angle.iter_mut().for_each(|a| *a -= mean);
-    Cycle::new(STAIRS_STRIDE, &angle, &torque)
+    let speed: Vec<f64> = speed.iter().zip(&idle).map(|(w, weight)| w - back * weight).collect();
+    Cycle::new(stride_time, &angle(&speed, stride_time), &torque)
 }
 
 /// The sign of eq. (1) over the stride, -1 in the best part, with a smooth way of a few points at its ends.
 fn signs(power: &[f64], speed: &[f64], most: f64) -> Vec<f64> {
     const SMOOTH: f64 = 1.5;
     let whole: f64 = speed.iter().map(|w| w.abs()).sum();
-    let greatest = (0..STAIRS_POINTS).find(|&k| power[k].abs() == most).unwrap_or(0);
+    let greatest = (0..POINTS).find(|&k| power[k].abs() == most).unwrap_or(0);
     let sign = |k: usize, from: usize, to: usize| {
         let inside = |at: usize| ((k as f64 - at as f64) / SMOOTH).tanh();
         1.0 - (inside(from) - inside(to))
     };
-    let all = |from: usize, to: usize| (0..STAIRS_POINTS).map(move |k| sign(k, from, to));
+    let all = |from: usize, to: usize| (0..POINTS).map(move |k| sign(k, from, to));
     let cost = |&(from, to): &(usize, usize)| {
         let way: f64 = all(from, to).zip(speed).map(|(s, w)| s * w).sum();
         way.abs() / whole + (power[from].abs() + power[to].abs()) / most
     };
     // Away from heel strike, so that the sign closes over the stride.
-    let ends = 5..STAIRS_POINTS - 5;
+    let ends = 5..POINTS - 5;
     let parts =
         ends.clone().flat_map(|from| ends.clone().filter(move |&to| to >= from).map(move |to| (from, to)));
     let parts = parts.filter(|&(from, to)| !(from..=to).contains(&greatest));
@@ -184,15 +245,16 @@ mod tests {
     fn the_points_of_the_table_are_met() {
         let of_free = |line: &str| line.starts_with("Free,");
         let (angle, moment) =
-            (column(LEVEL, "knee_angles_mean", of_free), column(LEVEL, "knee_moment_mean", of_free));
-        let cycle = cycle(Activity::Walk, Joint::Knee);
+            (column(CHILDREN, "knee_angles_mean", of_free), column(CHILDREN, "knee_moment_mean", of_free));
+        let cycle = cycle(Activity::ChildWalk, Joint::Knee);
         for k in 0..50 {
             let phase = k as f64 / 50.0;
             // Within the gap that is spread over the stride.
             assert!((cycle.angle.at(phase).0 + angle[k].to_radians()).abs() < 0.01);
             assert!((cycle.torque.at(phase).0 - moment[k]).abs() < 0.02);
         }
-        let times: Vec<f64> = (0..SPEEDS.len()).map(|speed| level(speed, 2).stride_time).collect();
+        let speeds = ["VerySlow", "Slow", "Free", "Fast", "VeryFast"];
+        let times: Vec<f64> = speeds.iter().map(|speed| child(speed, 2).stride_time).collect();
         assert!(times.windows(2).all(|w| w[0] > w[1]) && times[0] == 1.58);
     }
 
@@ -201,17 +263,17 @@ mod tests {
     fn power_is_kept() {
         for (way, texts) in STAIRS.iter().enumerate() {
             for (joint, text) in texts.iter().enumerate() {
-                let cycle = stairs(text, PEAK_TORQUE[way][joint]);
-                let measured = power(text);
-                let made: Vec<f64> = (0..STAIRS_POINTS)
-                    .map(|k| k as f64 / STAIRS_POINTS as f64)
+                let cycle = stairs(way, joint);
+                let measured = equidistant(text);
+                let made: Vec<f64> = (0..POINTS)
+                    .map(|k| k as f64 / POINTS as f64)
                     .map(|phase| cycle.torque.at(phase).0 * cycle.angle.at(phase).1 / cycle.stride_time)
                     .collect();
                 let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
                 let difference: Vec<f64> = made.iter().zip(&measured).map(|(a, b)| a - b).collect();
-                let share = norm(&difference) / norm(&measured);
-                println!("{way} {} differs by {share:.3}", JOINTS[joint]);
-                assert!(share < 0.22, "{way} {} {share}", JOINTS[joint]);
+                let ratio = norm(&difference) / norm(&measured);
+                println!("{way} {} differs by {ratio:.3}", JOINTS[joint]);
+                assert!(ratio < 0.22, "{way} {} {ratio}", JOINTS[joint]);
             }
         }
     }

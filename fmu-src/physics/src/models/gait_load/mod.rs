@@ -1,6 +1,6 @@
-//! A person's joint as a load: what an actuator has to give over the stride, from measured gait.
+//! The joint of a walking person as a load: angle, speed and demanded torque over the stride, from measured gait.
 //!
-//! `components/gait.rs` holds the equations and their data; this file says what goes in and out.
+//! `components/gait.rs` has the equations and their data; this file has inputs, outputs and states.
 
 mod variables;
 
@@ -21,11 +21,11 @@ pub type GaitLoad = Explicit<Walker, STATES, 0>;
 /// Inputs and states at one instant.
 pub type At<'a> = Now<'a, Inputs, STATES, 0>;
 
-/// Place of the stride's coordinate among the states, and of the energy asked for.
+/// Index of the stride coordinate among the states, and of the demanded energy.
 const STRIDE: usize = 0;
 const ENERGY: usize = 1;
 
-/// Who walks.
+/// The walking person.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Walker {
     /// Body, activity, joint.
@@ -57,7 +57,7 @@ impl Law<STATES, 0> for Walker {
             Declaration::new(
                 "GaitLoad",
                 "Joint of a person who walks or climbs stairs: angle, speed and torque over the stride from measured \
-                 gait, with variation from stride to stride, start and stop",
+                 gait of adults or children, with variation between strides, start and stop",
                 GaitLoad::groups(),
                 LIST,
             )
@@ -68,7 +68,7 @@ impl Law<STATES, 0> for Walker {
         let gait = &self.gait;
         if gait.stop_time < gait.start_time + gait.ramp_time {
             return Err(Fault(format!(
-                "gait.stop_time = {} s is before the end of setting out, gait.start_time + gait.ramp_time = {} s.",
+                "gait.stop_time = {} s is before the end of the start ramp, gait.start_time + gait.ramp_time = {} s.",
                 gait.stop_time,
                 gait.start_time + gait.ramp_time
             )));
@@ -106,7 +106,7 @@ impl Law<STATES, 0> for Walker {
         Indicators { heel_strike: (PI * now.states[STRIDE]).sin() }
     }
 
-    /// Strides that are all alike are known in advance, with their work.
+    /// Identical strides have closed-form integrals of stride and work.
     #[inline]
     fn one(
         &self,

@@ -7,17 +7,20 @@
 //! spring         d = angle_in - joint_angle,  d' = w / N - joint_speed; components/springs.rs               (3)
 //! joint          joint_torque = tau_s + tau_p                                                              (4)
 //! motor          load_torque = tau_in (1), tau_c (2)                                                       (5)
-//! control        components/torque_control.rs, for the demand less what the parallel spring gives
-//! supply         components/supply.rs, for voltage times motor_current                                     (6)
+//! control        components/torque_control.rs, for the demand minus the parallel spring's torque
+//! supply         components/supply.rs, for motor_power, or for voltage times motor_current as an estimate   (6)
 //!
 //! *Sign*: joint_torque > 0 pushes the joint in the positive direction, load_torque > 0 brakes a motor that turns
-//! forwards. The motor gives angle and speed and gets a torque, the joint the same: no algebraic loop with either. An elastic
-//! coupling of stiffness k_c asks for steps between the FMUs well below sqrt(J_motor / k_c).
-//! *Neglects* the mass of springs, lever and nut (add it to the inertia), and what the motor's own FMU says of
-//! its temperature, which the current control finds out.
+//! forwards. Motor and joint have angle and speed as outputs and torque as input: no algebraic loop with either. An elastic
+//! coupling of stiffness k_c requires communication steps well below sqrt(J_motor / k_c).
+//! The estimate of (6) holds for a motor that follows `voltage`. A motor that follows `current_command` has another
+//! voltage at its terminals, so its power must come through `motor_power`, as the systems and studies of this project do.
+//! *Neglects* the mass of springs, lever and nut (add it to the inertia), and the temperature of the motor, for which the
+//! integral part of the current control compensates.
 
 use super::{Actuator, At, Inputs, LIST, OPENING, Outputs, STATES};
 use crate::components::springs::Deflected;
+use crate::components::supply::PowerSource;
 use crate::components::torque_control::{Command, Seen, Wanted};
 use crate::components::transmission::Coupling;
 use crate::explicit::{Line, sizes};
@@ -25,7 +28,7 @@ use crate::ledger::{Account, Ledger};
 use crate::solver::explicit::{Tried, share_of};
 use crate::solver::lobatto::{AT, POINTS, integral, integrals};
 
-/// Places of the states.
+/// Indices of the states.
 pub(super) const DEMAND: usize = 0;
 const VOLTAGE: usize = 1;
 const TWIST: usize = 2;
@@ -56,47 +59,47 @@ pub struct Mechanics {
     pub spring: Deflected,
     /// Torque of the parallel spring, N.m, and its energy, J.
     beside: [f64; 2],
-    /// Torque that the actuator gives to the joint, N.m.
+    /// Torque at the joint, N.m.
     pub joint_torque: f64,
-    /// Torque that it takes from the motor's shaft, N.m.
+    /// Load torque at the motor's shaft, N.m.
     pub load_torque: f64,
     /// Heat of friction, coupling and spring, W.
     pub loss: f64,
-    /// Torque that the series spring shall give, N.m.
+    /// Torque demanded of the series spring, N.m.
     demand: f64,
 }
 
-/// All that rates and outputs need to know of one instant.
+/// Quantities at one instant, for rates and outputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Transmission and springs.
     pub mechanics: Mechanics,
-    /// What the control does.
+    /// Commands of the control.
     pub command: Command,
     /// Power taken from the supply, W.
     pub supply_power: f64,
-    /// Power at the motor's terminals, W.
+    /// Electrical power of the motor, W.
     pub motor_power: f64,
     /// Derivatives of the states.
     pub rates: [f64; STATES],
 }
 
-/// The books at one instant.
+/// The energy balance at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Books {
     /// Energy in springs, coupling and inertia, J.
     pub stored: f64,
-    /// Power that is unaccounted for, W.
+    /// Power balance residual, W.
     pub error: f64,
 }
 
 impl Actuator {
-    /// Whether the coupling gives.
+    /// Whether the coupling is elastic.
     pub(super) fn is_elastic(&self) -> bool {
         self.transmission.coupling == Coupling::Elastic
     }
 
-    /// What holds at one instant.
+    /// Evaluates the equations at one instant.
     pub fn at(&self, now: &At<'_>) -> Point {
         let (u, x) = (now.inputs, now.states);
         let shaft = if self.is_elastic() { [x[TWIST], x[INPUT_SPEED]] } else { [0.0, u.motor_speed] };
@@ -167,7 +170,7 @@ impl Actuator {
         m.ratio * u.joint_speed + m.ratio / self.spring.stiffness * demand_rate
     }
 
-    /// The current that the control wants, for the rate of the demand, N.m/s.
+    /// The commanded current, for the rate of the demand, N.m/s.
     #[inline(always)]
     fn wanted(&self, u: &Inputs, m: &Mechanics, demand_rate: f64) -> Wanted {
         let turns_per_torque = m.ratio / self.spring.stiffness;
@@ -184,10 +187,13 @@ impl Actuator {
         self.control.wanted(&seen, demand_rate)
     }
 
-    /// Powers at the motor's terminals and from the supply, W.
+    /// Electrical power of the motor and power from the supply, W: eq. (6).
     #[inline(always)]
     fn powers(&self, u: &Inputs, command: &Command) -> [f64; 2] {
-        let motor = command.voltage[1] * u.motor_current;
+        let motor = match self.drive.power_source {
+            PowerSource::VoltageCommand => command.voltage[1] * u.motor_current,
+            PowerSource::MotorPower => u.motor_power,
+        };
         [motor, self.drive.power(motor)]
     }
 
@@ -242,7 +248,7 @@ impl Actuator {
         {
             return None;
         }
-        // What the first point has said already, and what the others say.
+        // The first point is known; the others are evaluated.
         let all = |first: f64, f: &dyn Fn(usize) -> f64| -> [f64; POINTS] { [first, f(0), f(1), f(2), f(3)] };
         let winding =
             all(first.command.rates[1], &|k| self.control.winding_up(&seen[k].1, on[k].motor_current));
@@ -285,7 +291,7 @@ impl Actuator {
             | u8::from(self.parallel.is_one_sided() && joint_angle > self.parallel.neutral_angle) << 6
     }
 
-    /// The books: the shaft's power goes on to the joint, into springs and inertia, and into heat.
+    /// The energy balance: power of the shaft, to the joint, into springs and inertia, and dissipated.
     pub fn books(&self, now: &At<'_>, p: &Point) -> Books {
         use Account::{Ambient, Joint, Kinetic, Shaft, Spring};
         let (u, transmission, elastic) = (now.inputs, &self.transmission, self.is_elastic());
@@ -298,7 +304,7 @@ impl Actuator {
         ledger.transfer(Kinetic, Spring, twisting + m.spring.torque * w / m.ratio);
         ledger.transfer(Spring, Ambient, m.spring.loss);
         ledger.transfer(Spring, Joint, m.joint_torque * u.joint_speed);
-        // What the stores gain by their own derivatives.
+        // Rates of stored energy from the states' derivatives.
         let stretching = m.spring.torque * m.rate - m.spring.loss;
         let into_springs = stretching + twisting - beside * u.joint_speed;
         let into_inertia = if elastic { w * (m.load_torque - m.tau_in) } else { 0.0 };

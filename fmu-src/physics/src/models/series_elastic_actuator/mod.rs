@@ -1,7 +1,8 @@
 //! A series elastic actuator between a motor and a joint: transmission, springs, torque control, supply.
 //!
-//! `variables.rs` says what goes in and out, `equations.rs` what holds between them. The declared values are those of
-//! an ankle with the motor of preset maxon-305015. Nothing here is stiff, so `explicit.rs` makes a model of it.
+//! `variables.rs` has inputs, outputs and states, `equations.rs` the equations. The declared values are those of an ankle
+//! prosthesis with the declared motor; [`MOTOR_DATA`] derives the control's motor data from any other preset. The equations
+//! are not stiff, so `explicit.rs` makes a model of them.
 
 mod equations;
 mod variables;
@@ -20,28 +21,38 @@ use crate::model::{Declaration, Declared, Fault, ModelType};
 use crate::solver::explicit::Tried;
 use declare::State;
 
+/// What the control of an actuator takes from its motor: parameter or input of the actuator, variable of the motor. Every
+/// tool that pairs the two with a preset of the motor derives these start values; values set explicitly count more.
+pub const MOTOR_DATA: [(&str, &str); 5] = [
+    ("control.k_t", "motor.k_t"),
+    ("control.R", "motor.R_ref"),
+    ("control.J", "motor.J"),
+    ("control.tau_c", "effect.coulomb_friction.tau_c"),
+    // A motor's preset that names its nominal voltage; 0, as declared, says nothing of the supply.
+    ("supply_voltage", "voltage"),
+];
+
 /// States of the actuator.
 pub const STATES: usize = LIST.len();
-/// Numbers that the start fixes: the turn of the transmission's input where the motor shows 0, rad, and the energy that
-/// is stored, J.
+/// Numbers fixed at the start: angle of the transmission's input at motor angle 0, rad, and stored energy, J.
 pub const OPENING: usize = 2;
 /// The actuator as a model.
 pub type SeriesElasticActuator = Explicit<Actuator, STATES, OPENING>;
 /// Inputs and states at one instant.
 pub type At<'a> = Now<'a, Inputs, STATES, OPENING>;
 
-/// What the actuator is made of.
+/// Components of the actuator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Actuator {
     /// Gear or ball screw.
     pub transmission: Transmission,
     /// The spring in series with it.
     pub spring: SeriesSpring,
-    /// The spring beside it.
+    /// The spring parallel to both.
     pub parallel: ParallelSpring,
     /// Torque and current control.
     pub control: TorqueControl,
-    /// The drive as the supply sees it.
+    /// Power of the drive at its supply.
     pub drive: Supply,
 }
 
@@ -74,7 +85,7 @@ impl Law<STATES, OPENING> for Actuator {
         DECLARED.get_or_init(|| {
             Declaration::new(
                 "SeriesElasticActuator",
-                "Series elastic actuator between a motor and a joint: gear or ball screw with friction and play, series \
+                "Series elastic actuator between a motor and a joint: gear or ball screw with friction and backlash, series \
                  and parallel spring, torque and current control within the limits of current and supply",
                 SeriesElasticActuator::groups(),
                 LIST,
@@ -82,8 +93,8 @@ impl Law<STATES, OPENING> for Actuator {
         })
     }
 
-    /// The spring carries the torque that is demanded, so that a gait does not begin with a jerk; the motor's speed is
-    /// the input shaft's.
+    /// The spring starts with the demanded torque, so that a gait starts without a step; the input shaft starts with the
+    /// motor's speed.
     fn start(&self, _time: f64, inputs: &Inputs) -> Result<([f64; STATES], [f64; OPENING]), Fault> {
         let (beside, _) = self.parallel.at(inputs.joint_angle);
         let carried = inputs.torque_demand - beside;
@@ -145,9 +156,26 @@ impl Law<STATES, OPENING> for Actuator {
         }
     }
 
-    /// A parameter that changes on the way changes what springs and inertia hold; the books start anew from there.
+    /// A tunable parameter that changes the energy of springs and inertia does not count in the energy balance.
     fn retuned(&self, before: &Self, now: &At<'_>) -> [f64; OPENING] {
         let [turn, stored] = *now.opening;
         [turn, stored + self.stored(now) - before.stored(now)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::by_name;
+
+    /// The declared control belongs to the declared motor.
+    #[test]
+    fn the_declared_motor_data_are_the_motors() {
+        let motor = (by_name("AnnulusCooledMotor").unwrap().declaration)();
+        for (own, of_motor) in MOTOR_DATA {
+            let value = motor.by_name(of_motor).unwrap().row.start;
+            let own = Actuator::declaration().by_name(own).unwrap();
+            assert!(own.row.start == value || of_motor == "voltage", "{} {} {value}", own.name, own.row.start);
+        }
     }
 }

@@ -3,7 +3,7 @@
 use declare::{Group, State, Unit, Variable, states, variables};
 
 variables! {
-    /// What the importer sets at every communication point.
+    /// Inputs.
     pub struct Inputs {
         /// Angle of the motor's shaft
         motor_angle: f64 = Variable::input(1, 0.0, Unit::Radian, -1e9, 1e9).nominal(100.0),
@@ -15,75 +15,77 @@ variables! {
         joint_angle: f64 = Variable::input(4, 0.0, Unit::Radian, -1e3, 1e3),
         /// Speed of the joint
         joint_speed: f64 = Variable::input(5, 0.0, Unit::RadianPerSecond, -1e4, 1e4),
-        /// Torque that the actuator shall give to the joint
+        /// Torque demanded at the joint
         torque_demand: f64 = Variable::input(6, 0.0, Unit::NewtonMetre, -1e6, 1e6).nominal(100.0),
-        /// Voltage of the supply in front of the drive
+        /// Supply voltage of the drive
         supply_voltage: f64 = Variable::input(7, 48.0, Unit::Volt, 0.0, 1e4).nominal(48.0)
             .source("maxon datasheet 305015: nominal voltage"),
+        /// Electrical power of the motor; used with drive.power_source motor_power
+        motor_power: f64 = Variable::input(8, 0.0, Unit::Watt, -1e6, 1e6).nominal(100.0),
     }
 }
 
-/// Value reference of the first of the outputs that the books show.
-const BOOKS: u32 = 34;
+/// Value reference of the first output of the energy balance.
+const BALANCE: u32 = 34;
 
 variables! {
-    /// What the model computes.
+    /// Outputs.
     pub struct Outputs {
-        /// Voltage for the motor, within the supply's
+        /// Voltage commanded to the motor, limited to the supply voltage
         voltage: f64 = Variable::output(20, Unit::Volt).nominal(48.0),
-        /// Current that the control wants of the motor, within the limits
+        /// Current commanded to the motor, within the limits of current and supply
         current_command: f64 = Variable::output(21, Unit::Ampere).nominal(10.0),
         /// Torque that the transmission takes from the motor's shaft
         load_torque: f64 = Variable::output(22, Unit::NewtonMetre),
-        /// Torque that the actuator gives to the joint, parallel spring included
+        /// Torque at the joint, parallel spring included
         joint_torque: f64 = Variable::output(23, Unit::NewtonMetre).nominal(100.0),
-        /// Angle of the series spring's input less that of the joint, play included
+        /// Angle of the series spring's input minus joint angle, backlash included
         spring_deflection: f64 = Variable::output(24, Unit::Radian),
-        /// Power taken from the supply
+        /// Power taken from the supply: electrical power of the motor (drive.power_source) plus losses of the drive
         supply_power: f64 = Variable::output(25, Unit::Watt).nominal(100.0),
-        /// Torque of the joint less the one demanded
+        /// Torque at the joint minus torque demanded
         torque_error: f64 = Variable::output(26, Unit::NewtonMetre),
-        /// Power given to the joint
+        /// Mechanical power at the joint
         joint_power: f64 = Variable::output(27, Unit::Watt).nominal(100.0),
-        /// Power that friction of the transmission and damping of coupling and spring turn into heat
+        /// Friction loss of the transmission and damping loss of coupling and spring
         loss_transmission: f64 = Variable::output(28, Unit::Watt),
-        /// Power lost between supply and motor
+        /// Power loss of the drive between supply and motor
         loss_drive: f64 = Variable::output(29, Unit::Watt),
         /// Energy taken from the motor's shaft since the start
         energy_shaft: f64 = Variable::output(30, Unit::Joule).nominal(1000.0),
-        /// Energy given to the joint since the start
+        /// Mechanical work at the joint since the start
         energy_joint: f64 = Variable::output(31, Unit::Joule).nominal(1000.0),
-        /// Heat of transmission and springs since the start
+        /// Energy dissipated in transmission and springs since the start
         energy_transmission: f64 = Variable::output(32, Unit::Joule).nominal(1000.0),
         /// Energy taken from the supply since the start
         energy_supply: f64 = Variable::output(33, Unit::Joule).nominal(1000.0),
-        /// Power that the books miss at this instant; zero but for rounding
-        power_balance_error: f64 = Variable::output(BOOKS, Unit::Watt),
-        /// Energy taken in, less given out, less stored, since the start; zero but for rounding where the angles
-        /// that come in move with the speeds that come in
+        /// Power balance residual
+        power_balance_error: f64 = Variable::output(BALANCE, Unit::Watt),
+        /// Energy balance residual since the start; zero to rounding where the input speeds are the derivatives of
+        /// the input angles
         energy_balance_error: f64 = Variable::output(35, Unit::Joule),
     }
 }
 
-/// The first of the outputs that the books show: they come last, and are not asked for at every step.
+/// Index of the first output of the energy balance: they come last and are computed on request only.
 pub const LATE: usize = {
     let mut row = 0;
-    while !matches!(<Outputs as Group>::TABLE[row].value_reference, BOOKS) {
+    while !matches!(<Outputs as Group>::TABLE[row].value_reference, BALANCE) {
         row += 1;
     }
     row
 };
 
 variables! {
-    /// Residuals that pass through zero at an event, for those who integrate the model themselves.
+    /// Event indicators of Model Exchange: residuals that pass through zero at an event.
     pub struct Indicators {
-        /// How far the current wanted is above the greatest that is allowed
+        /// Unlimited current command minus upper current limit
         current_above: f64 = Variable::local(901, Unit::Ampere).nominal(10.0),
-        /// How far the current wanted is above the least that is allowed
+        /// Unlimited current command minus lower current limit
         current_below: f64 = Variable::local(902, Unit::Ampere).nominal(10.0),
-        /// Deflection of the series spring beyond half of the play
+        /// Deflection of the series spring minus half of the backlash
         contact_above: f64 = Variable::local(903, Unit::Radian),
-        /// Deflection of the series spring above the other half of the play
+        /// Deflection of the series spring plus half of the backlash
         contact_below: f64 = Variable::local(904, Unit::Radian),
     }
 }
@@ -91,19 +93,19 @@ variables! {
 states! {
     /// The states, in the order of the rates.
     pub const LIST = {
-        /// Demand on the spring, filtered
+        /// Filtered torque demand on the spring
         "state.demand" = State::new(701, 801, Unit::NewtonMetre).nominal(100.0),
-        /// Voltage that the control adds until the current is the one wanted
+        /// Integral part of the current control
         "state.voltage" = State::new(702, 802, Unit::Volt).nominal(10.0),
-        /// Turn of the transmission's input shaft against the motor's, where the coupling gives
+        /// Twist of the transmission's input shaft against the motor's, with an elastic coupling
         "state.coupling_twist" = State::new(703, 803, Unit::Radian),
-        /// Speed of the transmission's input shaft, where the coupling gives
+        /// Speed of the transmission's input shaft, with an elastic coupling
         "state.input_speed" = State::new(704, 804, Unit::RadianPerSecond).nominal(100.0),
         /// Energy taken from the motor's shaft since the start
         "state.energy_shaft" = State::new(705, 805, Unit::Joule).nominal(1000.0),
-        /// Energy given to the joint since the start
+        /// Mechanical work at the joint since the start
         "state.energy_joint" = State::new(706, 806, Unit::Joule).nominal(1000.0),
-        /// Heat of transmission and springs since the start
+        /// Energy dissipated in transmission and springs since the start
         "state.energy_transmission" = State::new(707, 807, Unit::Joule).nominal(1000.0),
         /// Energy taken from the supply since the start
         "state.energy_supply" = State::new(708, 808, Unit::Joule).nominal(1000.0),

@@ -32,23 +32,33 @@ pub fn torques(native: &Native<'_>) -> Option<Captioned> {
         (joint.to_string(), points.unwrap_or_default())
     };
     let caption = format!(
-        "Level walking at self-selected speed, body mass {} kg, support {}. Positive is extension, plantarflexion at the ankle; the \
-         stride begins at heel strike.",
+        "{}. Body mass {} kg, support {}. Positive is extension, plantarflexion at the ankle; the stride begins \
+         at heel strike.",
+        source(native, "walk")?,
         native.starts.of(native.entry("gait.body_mass")?),
         native.starts.of(native.entry("gait.support")?)
     );
     figure("Torque over a stride", "stride in %", "torque in N·m", joints.iter().map(line).collect(), caption)
 }
 
-/// The power of the ankle in every activity.
+/// Subjects and publication of an activity, from its declaration.
+fn source(native: &Native<'_>, activity: &str) -> Option<&'static str> {
+    match native.entry("gait.activity")?.row.kind {
+        Kind::Enumeration(t) => t.items.iter().find(|i| i.name == activity).map(|i| i.doc.trim()),
+        _ => None,
+    }
+}
+
+/// The power of the ankle in several activities.
 pub fn powers(native: &Native<'_>) -> Option<Captioned> {
-    let activities = ["walk_slow", "walk", "walk_fast", "stairs_up", "stairs_down"];
+    let activities = ["walk", "stairs_up", "stairs_down", "child_walk"];
     let line = |activity: &&str| {
         let points = stride(native, "power_demand", &[("gait.joint", "ankle"), ("gait.activity", activity)]);
         (activity.replace('_', " "), points.unwrap_or_default())
     };
-    let caption = "The ankle in five activities. Positive is power into the leg. On stairs the power is measured; its split into \
-                   torque and speed is an estimate."
-        .to_string();
+    let label = |a: &str| a.replace('_', " ");
+    let sources: Option<Vec<String>> =
+        activities.iter().map(|a| source(native, a).map(|text| format!("{}: {text}", label(a)))).collect();
+    let caption = format!("Positive is power into the leg. {}.", sources?.join(". "));
     figure("Power of the ankle", "stride in %", "power in W", activities.iter().map(line).collect(), caption)
 }
