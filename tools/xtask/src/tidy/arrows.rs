@@ -19,6 +19,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("archive", &["describe", "cosim", "terms"]),
     ("study", &["physics", "describe"]),
     ("cli", &["calibrate", "cosim", "archive", "study", "describe"]),
+    // Benches alone: their needs are those of tests.
+    ("bench", &[]),
     ("xtask", &[]),
 ];
 
