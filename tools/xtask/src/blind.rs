@@ -1,32 +1,31 @@
-//! `cargo xtask blind`: many synthetic experiments with a known answer, and what the closed loop says of each.
+//! `cargo xtask blind`: many synthetic experiments with a known cause, and the verdict of `close-loop` on each.
 //!
-//! The sets are drawn, asked about and judged in Python (`tests/python/bench`), apart from the equations of the
-//! product. Sets and answers stay in the target folder: a run that was stopped goes on, and what the same program has
-//! said of the same set is not asked again.
+//! Python generates, runs and scores the sets (`tests/python/bench`), independently of the product's equations. Sets and
+//! reports stay in the target folder, so an interrupted run continues and no set is run twice with the same program.
 
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The table that stands in the docs.
+/// The page with the table of results.
 const PAGE: &str = "docs/blind-suite.md";
 const HELP: &str =
     "usage: cargo xtask blind [--seed N] [--count K] [--jobs J] [--program FILE] [--page FILE]";
 
-/// What to do: which sets, how many programs at a time, which program, where the table goes.
+/// Which sets, how many processes, which program, which page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Options {
     seed: u32,
     count: u32,
     jobs: u32,
-    /// Another program than ours, which is then not built.
+    /// A program to test in place of the one that is built here.
     program: Option<PathBuf>,
     page: PathBuf,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        // The seed is any number; that it stays the same makes two tables comparable.
+        // A fixed seed makes two tables comparable.
         Options { seed: 2026, count: 120, jobs: 2, program: None, page: PAGE.into() }
     }
 }
@@ -56,16 +55,16 @@ impl Options {
         Ok(options)
     }
 
-    /// The command that makes the table again, for a reader. Programs that run side by side take longer each.
+    /// The command that repeats the run, for the page. The number of jobs belongs to it: it changes the times.
     fn spelled(&self) -> String {
         format!("cargo xtask blind --seed {} --count {} --jobs {}", self.seed, self.count, self.jobs)
     }
 }
 
-/// Draws the sets, asks the program about each, and counts; an error when a bar is missed.
+/// Generates the sets, runs the program on each, and scores; an error when a required rate is missed.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     let options = Options::parse(arguments)?;
-    // First, because a missing Python should not be found out after minutes of compiling.
+    // First, so that a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace)?;
     let program = match &options.program {
         Some(program) => std::path::absolute(program)
@@ -84,7 +83,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     Ok(())
 }
 
-/// Each step, with what it is called while it runs.
+/// Each step with its title.
 fn steps(
     workspace: &Workspace,
     python: &Path,

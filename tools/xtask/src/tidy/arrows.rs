@@ -1,4 +1,4 @@
-//! Which crate may need which. The order keeps the physics free of FMI and files, and cosim an honest client.
+//! Which crate may depend on which: physics know neither FMI nor files, and cosim knows no other crate of the workspace.
 
 use crate::{
     Outcome,
