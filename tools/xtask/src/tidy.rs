@@ -1,4 +1,4 @@
-//! `cargo xtask tidy`: what a reader relies on without looking.
+//! `cargo xtask tidy`: format, lints, dependencies between crates, lengths of files, generated files, licences.
 
 mod arrows;
 mod lengths;
@@ -7,7 +7,7 @@ mod words;
 
 use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
 
-/// A check: what it is called while it runs, and the check.
+/// A check with its name.
 type Check = (&'static str, fn(&Workspace) -> Outcome);
 
 const CHECKS: &[Check] = &[
@@ -31,7 +31,7 @@ const CHECKS: &[Check] = &[
     ("licences", licenses::check),
 ];
 
-/// Takes as long as the tests of `describe`, which do the same.
+/// The tests of `describe` do the same, so `cargo xtask test` need not.
 const GENERATED: Check = ("generated files", describe::check);
 
 /// Runs every check, failed or not. Takes no arguments.

@@ -1,4 +1,4 @@
-//! A file is one thing, and one thing is seldom long.
+//! Limits on the length of a source file.
 
 use crate::{Outcome, shell, workspace::Workspace};
 use std::path::{Path, PathBuf};
