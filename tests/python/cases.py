@@ -12,7 +12,7 @@ FRICTION = {"effect.coulomb_friction.tau_c": 9.83e-3, "effect.viscous_friction.k
 
 @dataclass(frozen=True)
 class Knot:
-    """Inputs at an instant; between two knots they run along lines."""
+    """Inputs at an instant; they are linear between two knots."""
 
     time: float
     inputs: Inputs
@@ -38,7 +38,7 @@ class Case:
         return {"drive_mode": self.drive, "mechanical_mode": self.shaft, **FRICTION, **vars(self.knots[0].inputs)}
 
     def stretches(self):
-        """Each stretch between two knots: inputs at its start, their slopes, the number of steps in it."""
+        """Each interval between two knots: inputs at its start, input derivatives, number of steps."""
         for a, b in zip(self.knots, self.knots[1:]):
             span = b.time - a.time
             slopes = {n: (getattr(b.inputs, n) - v) / span for n, v in vars(a.inputs).items()}
@@ -46,7 +46,7 @@ class Case:
 
 
 def constant(name, drive, shaft, step, stop, **inputs):
-    """A case whose inputs never change: steps and held inputs are the same thing there."""
+    """A case with constant inputs."""
     return Case(name, drive, shaft, step, (Knot(0.0, Inputs(**inputs)), Knot(stop, Inputs(**inputs))))
 
 

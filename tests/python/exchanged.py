@@ -1,4 +1,4 @@
-"""One Model Exchange instance of an FMI 2.0 or 3.0 archive, addressed by variable name: what a solver sees of it."""
+"""One Model Exchange instance of an FMI 2.0 or 3.0 archive, with access by variable name."""
 
 from ctypes import c_double
 from math import prod
@@ -14,12 +14,12 @@ def width(variable) -> int:
 
 
 def elements(variables):
-    """Each variable with the places of its elements, in their order."""
+    """Each variable with the indices of its elements."""
     return [(variable, k) for variable in variables for k in range(width(variable))]
 
 
 class Exchanged:
-    """An instance in continuous-time mode, or in event mode where `event` says so. Both standards look alike."""
+    """An instance in continuous-time mode, or in event mode if `event` is set. The interface is the same for both standards."""
 
     def __init__(self, archive: Archive, start: dict | None = None, event: bool = False):
         description = archive.description
@@ -47,7 +47,7 @@ class Exchanged:
         self.model.freeInstance()
 
     def update(self):
-        """What an event brings: whether states changed, whether a next event is known, and when."""
+        """The result of an event update: states changed, next event known, its time."""
         found = self.model.newDiscreteStates() if self.two else self.model.updateDiscreteStates()
         return tuple(found)[3:]
 
@@ -62,20 +62,20 @@ class Exchanged:
             getattr(self.model, f"set{kind or self.archive.variable(name).type}")([self.reference(name)], [value])
 
     def get(self, names) -> list[float]:
-        """Real values by name; the elements of an array follow one another."""
+        """Real values by name; the elements of an array are consecutive."""
         references = [self.reference(name) for name in names]
         if self.two:
             return self.model.getReal(references)
         return self.model.getFloat64(references, nValues=sum(width(self.archive.variable(name)) for name in names))
 
     def derivative(self, unknowns, known, element: int = 0) -> list[float]:
-        """The derivatives of variables by name over one, or over one element of an array."""
+        """Partial derivatives of variables by name with respect to one variable or one element of an array."""
         seed = [0.0] * width(self.archive.variable(known))
         seed[element] = 1.0
         return self.along(unknowns, [known], seed)
 
     def along(self, unknowns, knowns, seed) -> list[float]:
-        """The derivatives of variables by name where others move together, each element by its seed."""
+        """Directional derivatives of variables by name, with one seed per element."""
         references = [self.reference(name) for name in unknowns], [self.reference(name) for name in knowns]
         more = {} if self.two else {"nSensitivity": sum(width(self.archive.variable(name)) for name in unknowns)}
         return self.model.getDirectionalDerivative(*references, seed, **more)
@@ -87,7 +87,7 @@ class Exchanged:
         return list(x)
 
     def put(self, states, time: float | None = None):
-        """Puts the states, and the time where it is given."""
+        """Sets the states, and the time if given."""
         if time is not None:
             self.model.setTime(time)
         self.model.setContinuousStates((c_double * self.count)(*states), self.count)

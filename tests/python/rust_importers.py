@@ -1,6 +1,6 @@
-"""The Rust importers of tests/importers over the drives of test_importers.py: run by `cargo xtask importers`.
+"""The Rust importers of tests/importers with the drives of test_importers.py; run by `cargo xtask importers`.
 
-Not part of the everyday tests, because two hundred crates have to be compiled for it.
+Not part of the everyday tests, because two hundred crates have to be compiled.
 """
 
 import json
@@ -41,7 +41,7 @@ def test_an_importer_reads_the_same_bits(importer, model, drives, natively, tmp_
 
 @pytest.mark.parametrize("model", MODELS)
 def test_what_the_docs_say_of_fmi_and_fmi_3(model, tmp_path):
-    """docs/comparison.md says that the crate `fmi` cannot read our FMI 3 archives, and why; when it can, the gate grows."""
+    """docs/comparison.md states that the crate `fmi` cannot read FMI 3 archives, and why; if a later version can, this test fails."""
     done, _ = run("fmi-reads-3", paths.archive(model, 3), tmp_path)
     assert done.returncode == 1 and "UnknownField" in done.stderr
     assert done.stderr.strip() in (paths.ROOT / "docs" / "comparison.md").read_text()

@@ -1,4 +1,4 @@
-"""The series elastic actuator: laws on their own, then in a loop with the FMU."""
+"""The series elastic actuator: single laws, then in a loop with the FMU."""
 
 import math
 
@@ -75,7 +75,7 @@ def test_supply_is_enough(run):
 
 
 def test_energy_account_of_the_actuator(run):
-    """The FMU's own shaft work = joint work + transmission loss + spring energy."""
+    """Shaft work of the FMU = joint work + transmission loss + spring energy."""
     found = results(run)
     assert abs(found["energy_account_error_percent"]) < 0.2
     assert transmission_loss(run) > 0.05 * abs(found["energy_joint_J"])
@@ -84,14 +84,14 @@ def test_energy_account_of_the_actuator(run):
 
 
 def test_shaft_work_is_what_the_load_took(run):
-    """The load is held over a step, so load times way is the exact work of a step."""
+    """The load torque is constant over a step, so load torque times angle is the exact work of a step."""
     load, angle = run.motor["load_torque"][:-1], run.motor["shaft_angle"]
     work = float(np.sum(load * np.diff(angle)))
     assert run.motor["energy_mechanical"][-1] == pytest.approx(work, rel=1e-6)
 
 
 def test_drives_agree_on_the_heat(archive_paths):
-    """Where the current loop is, inside the FMU or before it, changes the heating by little."""
+    """A current loop inside or outside the FMU gives nearly the same heat."""
     ends = [
         walk(archive_paths[2], GAIT, Design(), SECONDS, drive).motor["winding_temperature"][-1]
         for drive in ("current", "voltage")
@@ -102,7 +102,7 @@ def test_drives_agree_on_the_heat(archive_paths):
 
 
 def test_standards_walk_alike(archive_paths):
-    """The master's direct calls of both standards give the same bits."""
+    """Both standards give the same bits with the master's direct calls."""
     two, three = (walk(archive_paths[fmi], GAIT, Design(), 2.5) for fmi in (2, 3))
     for name, values in two.motor.items():
         assert values.tobytes() == three.motor[name].tobytes(), name

@@ -1,4 +1,4 @@
-"""The FMU against the same equations in SciPy's Radau at a tolerance of 1e-10."""
+"""The FMU compared with the same equations in SciPy's Radau at a tolerance of 1e-10."""
 
 import numpy as np
 import pytest
@@ -53,8 +53,7 @@ def test_drive_cycle_with_linear_ramps(make):
 
 @pytest.fixture(scope="session")
 def held_reference(archives):
-    """The drive cycle with inputs that jump every step. Radau starts a thousand times, so it is run once for both
-    standards, which a fixture of the module would not be."""
+    """The drive cycle with inputs that jump at every step. Radau starts a thousand times; the result is cached for both standards."""
     case = DRIVE_CYCLE
     with archives[2].instance() as fmu:
         twin = Motor.like(fmu.initialise(case.start), case.drive, case.shaft)
@@ -78,7 +77,7 @@ def test_drive_cycle_with_held_inputs(make, held_reference):
 
 
 def test_slopes_hold_for_one_step_only(archives):
-    """Two steps, slope set before the first: in the second the input keeps the value the ramp has reached."""
+    """Two steps, input derivative set before the first: in the second the input keeps the value reached."""
     with archives[2].instance() as fmu:
         fmu.initialise({"drive_mode": "current", "mechanical_mode": "imposed_speed"})
         fmu.slopes({"current_command": 1000.0})

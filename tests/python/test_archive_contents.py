@@ -1,4 +1,4 @@
-"""What lies in an archive beside the description and the library: a page, licences, an icon, terminals, reference results."""
+"""Contents of an archive besides description and library: page, licences, icon, terminals, reference results."""
 
 import csv
 import io
@@ -128,7 +128,7 @@ def test_the_manifest_names_files_that_are_there(packed):
 
 
 def test_the_library_gives_the_reference_results(packed, motor_fmu, tmp_path):
-    """The inputs of the archive, played to the archive's library: what the native model wrote when it was packed, bit for bit."""
+    """The reference inputs of the archive with its library give the stored results of the native model, bit for bit."""
     model, _, path, files = packed
     inputs, out = tmp_path / "inputs.csv", tmp_path / "out.csv"
     inputs.write_bytes(files[f"{REFERENCE}/{model}_in.csv"])
@@ -144,7 +144,7 @@ def test_the_library_gives_the_reference_results(packed, motor_fmu, tmp_path):
 
 
 def table(text):
-    """Rows by name; true and false as numbers. An importer's own column of time may be rounded in another way."""
+    """Rows by name; true and false as numbers. The importer's own time column may be rounded differently."""
     number = {"true": 1.0, "false": 0.0}
     rows = csv.DictReader(io.StringIO(text))
     return [{name: number[cell] if cell in number else float(cell) for name, cell in row.items() if name != "time"} for row in rows]

@@ -1,4 +1,4 @@
-"""The two archives are valid, and both say the same, bit for bit, as each other and as the native master."""
+"""Both archives are valid and give the same results, bit for bit, also with the native master."""
 
 import csv
 
@@ -72,7 +72,7 @@ def test_the_native_master_agrees_bit_for_bit(archives, archive_paths, outputs, 
 
 
 def test_the_binary_starts_at_what_its_description_says(archive):
-    """Nothing is set: a preset's values must be in the library too."""
+    """Without any set call: the values of a preset are in the library, too."""
     with archive.instance() as fmu:
         fmu.initialise()
         started = [v for v in archive.variables.values() if v.causality in ("parameter", "input")]

@@ -1,4 +1,4 @@
-"""FMI 3 arrays: the segments of the housing are one variable, as long as a structural parameter says, and FMI 2's elements bit for bit."""
+"""FMI 3 arrays: the housing segments are one variable with a structural size, equal to the elements of FMI 2 bit for bit."""
 
 import csv
 
@@ -20,7 +20,7 @@ def three():
 
 
 def housing(archive, start):
-    """The temperatures of the segments over a run, a row a step."""
+    """Segment temperatures over a run, one row per step."""
     with archive.instance() as fmu:
         fmu.initialise({**PUSHED, **start})
         count = start.get("air_segments", 8)

@@ -1,4 +1,4 @@
-"""Bad input through the FMI functions: refused with a sentence, and nothing has changed."""
+"""Invalid input through the FMI functions: rejected with a message, without any change."""
 
 import math
 
@@ -12,7 +12,7 @@ INPUTS = ("voltage", "load_torque", "fan_command", "ambient_temperature")
 
 @pytest.fixture
 def pair(make):
-    """Two equal instances on their way: one to be disturbed, one to compare with."""
+    """Two equal running instances: one for the invalid call, one for comparison."""
     two = make(**DRIVE), make(**DRIVE)
     for fmu in two:
         for _ in range(20):
@@ -26,7 +26,7 @@ def outputs(fmu):
 
 
 def refused(pair, action, *words):
-    """The action is refused with these words in the log, and the instance goes on as if nothing had been."""
+    """The call is rejected with these words in the log, and the instance continues unchanged."""
     disturbed, other = pair
     before = outputs(disturbed)
     with pytest.raises(FmuError) as caught:
@@ -52,7 +52,7 @@ def test_input_that_is_no_number(pair, name, value, word):
 
 
 class FmuErrorInLowerCase:
-    """NaN and inf are spelt in several ways: compares the log in lower case."""
+    """NaN and inf have several spellings: compares the log in lower case."""
 
     def __init__(self, fmu):
         self.fmu = fmu

@@ -1,4 +1,4 @@
-"""The generator of bench experiments and the FMU, made apart, must be the same motor: in every layout, also of another size."""
+"""The generator of bench experiments and the FMU, written independently, agree in every layout and size of motor."""
 
 import numpy as np
 import pytest

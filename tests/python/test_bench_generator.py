@@ -220,7 +220,7 @@ def test_floor_of_a_drawn_set_is_its_noise(short_runs):
 
 
 def test_refit_hides_what_parameters_can_mimic(short_runs):
-    """A constant conductance in all fitted runs is a parameter, a drag ~ w is not. A dead sensor sees nothing."""
+    """A constant conductance in all fit runs can be expressed by a parameter, a drag torque ~ w cannot. A dead sensor shows nothing."""
     drawn = make.draw_set(11, 0, "forced_convection", PUBLIC_RIG)
     drawn.faults.clear()
     fitted = [k for k, run in enumerate(drawn.runs) if "fit" in run.roles]
@@ -250,7 +250,7 @@ def test_catalogue_is_large_enough():
 
 
 def in_layout(drive, count=2, chosen=make.NONE):
-    """A short set with neither faults nor effects, unless one is chosen."""
+    """A short set without faults; without effects unless one is given."""
     drawn = make.draw_set(12, 0, chosen, Rig(LAYOUTS[drive]), count)
     drawn.faults.clear()
     for k, run in enumerate(drawn.runs):
@@ -271,7 +271,7 @@ def test_imposed_voltage_drives_the_current_that_asks_for_it(specimen, name):
 
 
 def test_power_at_standstill_heats_as_copper_does(specimen):
-    """Without a temperature coefficient the copper heat of a current is a power; a drive that loses a share is a smaller one."""
+    """Without a temperature coefficient the copper heat of a current is a power; a drive loss reduces it."""
     cold = specimen | {"motor.alpha": 0.0}
     times = np.arange(0.0, 600.0, 1.0)
     inputs = dict(zip(INPUTS, (np.interp(times, [10.0, 20.0], [0.0, 4.0]), 0.0 * times, 0.0 * times, 25.0 + 0.0 * times)))
@@ -313,7 +313,7 @@ def test_two_runs_are_cut_into_three_roles(short_runs, tmp_path):
 
 
 def test_other_motors_run_at_the_temperatures_of_the_public_one(specimen):
-    """By similarity; friction does not scale quite the same, so it is switched off."""
+    """By similarity; friction does not scale exactly and is switched off."""
     rng = np.random.default_rng(9)
     times = np.arange(0.0, 9000.0, 5.0)
     for _ in range(3):
@@ -338,7 +338,7 @@ def test_another_motor_is_driven_as_hard():
 
 
 def test_noise_of_each_input_spreads_to_the_outputs_it_drives(specimen):
-    """Of a motor that heat does not change."""
+    """For a motor whose parameters do not depend on temperature."""
     same, times = specimen | {"motor.alpha": 0.0, "motor.alpha_mag": 0.0}, np.arange(0.0, 2000.0, 2.0)
     for drive, column, size in (("current", "current_A", 0.05), ("voltage", "voltage_V", 0.05), ("voltage", "speed_rad_per_s", 2.0)):
         rig = Rig(LAYOUTS[drive])
@@ -353,7 +353,7 @@ def test_noise_of_each_input_spreads_to_the_outputs_it_drives(specimen):
 
 
 def test_sizes_go_with_the_motor():
-    """A drag or a drop is the same share of its motor's torque or voltage, on any rig."""
+    """A drag torque or voltage drop is the same fraction of the motor's torque or voltage on each rig."""
     rig = Rig(units=draw_units(np.random.default_rng(1)))
     for name, k in (("iron_loss", 0.5), ("windage", 2.0)):
         here, there = (CATALOGUE[name].draw(np.random.default_rng(4), r).parameters["k"] for r in (PUBLIC_RIG, rig))
@@ -380,7 +380,7 @@ def test_second_effects_are_few_and_elsewhere():
 
 
 def test_each_of_two_effects_is_seen_beside_the_other(short_runs):
-    """A conductance in all runs hides behind a parameter also beside an effect that shows."""
+    """A conductance in all runs is hidden by a parameter, also together with a visible effect."""
     drawn = in_layout("current", 4, "viscous_friction")
     drag = drawn.effects[0]
     hidden = CATALOGUE["forced_convection"].typical()

@@ -1,4 +1,4 @@
-"""The measured rig's preparation: clocks aligned, logs merged, oddities named; and its experiments fit what it writes."""
+"""Preparation of the measured rig: clocks aligned, logs merged, irregularities reported; its experiments match the written files."""
 
 import csv
 import json
@@ -24,7 +24,7 @@ ROOM = 21.0
 
 @pytest.fixture(scope="module")
 def prepared(tmp_path_factory):
-    """Folder and report of the rig's own logs."""
+    """Folder and report of the rig's logs."""
     folder = tmp_path_factory.mktemp("rig")
     return folder, prepare.prepare(RAW, folder)
 
@@ -144,7 +144,7 @@ def test_bad_logs_are_named_with_file_and_line(tmp_path, change, parts):
 
 
 def test_the_report_is_the_stored_one(prepared):
-    """Shifts to 0.02 s: what the answer may move with the arithmetic of another machine."""
+    """Shifts within 0.02 s, the effect of different arithmetic on other machines."""
     _, report = prepared
     stored = json.loads((RAW / "prepared.json").read_text())
     assert list(report) == list(stored)
@@ -183,7 +183,7 @@ def test_the_facts_of_the_source_are_in_the_tables(prepared):
 
 
 def test_the_winding_cools_when_the_power_goes(prepared):
-    """The other end of the runs that show it, which the alignment has not seen: the reading falls within a lag or two."""
+    """The end of the power, which the alignment does not use: the reading falls within one or two time constants."""
     folder, report = prepared
     for run in ("run-3.csv", "run-5.csv"):
         table = table_of(folder / run)
@@ -225,7 +225,7 @@ def test_the_fan_run_is_fitted_in_its_first_60_percent_alone(prepared):
 
 
 def test_the_logs_themselves_tell_what_the_fit_does_not_use(prepared):
-    """Two temperatures cannot tell less heat from a cooled thermocouple; the rest of the logs has a say."""
+    """Two temperatures cannot distinguish less heat from a cooled thermocouple; other columns of the logs can."""
     _, report = prepared
     rise = {run: facts.first_rise(RAW, run, report[f"run-{run}.csv"]["shift_s"]) for run in (1, 3, 4, 5)}
     still = np.mean([rise[run]["K_per_kJ"] for run in (1, 3, 5)])
@@ -254,8 +254,9 @@ def test_the_noise_of_the_experiments_is_what_the_rig_does_not_repeat(prepared):
 
 
 def test_the_first_rise_counts_the_energy_of_its_own_time(tmp_path):
-    """A power that ramps up over the rise. Of the kJ for 20 K the winding keeps 8, some 1.8 go on to the body, and 0.8 come while
-    the reading lags."""
+    """A power that ramps up during the rise. Of the kJ for 20 K the winding stores 8; about 1.8 flow to the body, and 0.8 arrive during the
+    lag of the reading.
+    """
     for name, log in zip(("run7_daq.csv", "run7_esc.csv"), logs(12.0, ramp=30.0)):
         rows = "\n".join(",".join(f"{cell:.5f}" for cell in row) for row in zip(*log.values()))
         (tmp_path / name).write_text(",".join(log) + "\n" + rows + "\n")
@@ -273,7 +274,9 @@ def test_trembling_is_that_of_the_reading(tmp_path):
 
 
 def test_a_cooled_thermocouple_hides_a_hotter_winding():
-    """A sensor that always loses a quarter reads 170 over 20: 200 K of rise; with another fifth lost, 250 K; and copper at that."""
+    """A sensor that always loses a quarter indicates 170 at 20 ambient: 200 K of rise; with another fifth lost, 250 K; and the copper at
+    that temperature.
+    """
     hidden = facts.two_readings_of_one_number(170.0, 20.0, 0.25, 0.2)
     assert hidden["less_heat_degC"] == pytest.approx(220.0)
     assert hidden["cooled_thermocouple_degC"] == pytest.approx(270.0)

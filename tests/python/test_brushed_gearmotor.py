@@ -22,7 +22,7 @@ PAPER_DUTY = (0.2, 0.4, 0.6, 0.8, 1.0)
 
 @pytest.fixture(scope="module", params=STANDARDS, ids=lambda fmi: f"fmi{fmi}")
 def archive(request):
-    """One unzipped archive of the gearmotor; `make` of conftest takes its instances from it."""
+    """One unzipped archive of the gearmotor; the fixture `make` uses it."""
     with Archive(paths.archive(MODEL, request.param)) as opened:
         yield opened
 
@@ -117,7 +117,7 @@ def test_step_response(make, duty, load, decay):
 @pytest.mark.parametrize("decay", ["slow", "fast"])
 @pytest.mark.parametrize("duty", [0.3, 0.9])
 def test_the_switched_circuit_runs_up_as_the_average_does(make, duty, decay):
-    """Every cycle switched, at a constant temperature; the average may be off by what moves within one cycle."""
+    """Every PWM period switched, at constant temperature; the average may differ by the change within one period."""
     fmu = make({"drive.decay": decay, "motor.alpha": 0.0}, duty=duty)
     p, supply = parameters(fmu), fmu.get("supply_voltage")[0]
     r, k, inertia = p["motor_R_ref"], p["motor_k_t"] * p["gear_ratio"], p["motor_J"] * p["gear_ratio"] ** 2
@@ -184,6 +184,6 @@ def test_slopes_over_the_duty(make):
 
 
 def test_the_archive_starts_at_the_papers_motor(make):
-    """Also where the archives were built with the preset of another model."""
+    """Also if the archives were built with the preset of another model."""
     fmu = make()
     assert fmu.get("motor.R_ref", "gear.ratio", "drive.drop", "supply_voltage") == [9.2, 131.0, 2.2124, 12.0]

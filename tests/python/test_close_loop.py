@@ -1,6 +1,7 @@
-"""`motor-fmu close-loop`: what it writes, and that the exported FMUs show the error that its report gives.
+"""`motor-fmu close-loop`: files, and agreement of the exported FMUs with the errors of the report.
 
-The second half is how an importer repeats a bench run: with fmpy alone, from the run's own CSV file."""
+The second half shows how an importer repeats a bench run with fmpy alone, from the run's CSV file.
+"""
 
 import json
 import re
@@ -33,7 +34,7 @@ KELVIN = 273.15
 
 @pytest.fixture(scope="module")
 def closed(program, tmp_path_factory):
-    """The folder that the command has written, and what it has printed."""
+    """The output folder of the command, and its printed text."""
     out = tmp_path_factory.mktemp("closed")
     command = [program, "close-loop", str(FOLDER / "experiment.toml"), "--out", str(out), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
@@ -99,7 +100,7 @@ def test_the_preset_holds_what_was_fitted(closed, report):
 
 
 def test_preset_and_terms_make_the_same_archives_again(closed, motor_fmu, tmp_path):
-    """No compiler, and nothing that is not in the two files."""
+    """Without a compiler, from these two files only."""
     out = closed[0]
     effects = out / "effects.json"
     further = ["--effects", effects] if effects.exists() else []
@@ -124,7 +125,7 @@ IDLE = {"voltage": 0.0, "duty": 0.0, "load_torque": 0.0, "electrical_power": 0.0
 
 
 def simulated(path, run, **further):
-    """Outputs by column, from fmpy's own master: one communication step from row to row, with the inputs' slopes."""
+    """Outputs by column, from fmpy's own master: one communication step per row, with input derivatives."""
     time = run["time_s"]
     columns = {**{name: run[column] for column, name in INPUTS.items()}, **{name: 0.0 * time + x for name, x in IDLE.items()}}
     signals = np.array(list(zip(time - EARLIER, *columns.values())), dtype=[("time", float), *((name, float) for name in columns)])
@@ -152,8 +153,9 @@ HELD = (0.5 - 1.0 / 12.0**0.5, 0.5 + 1.0 / 12.0**0.5)
 
 
 def test_fmpy_shows_the_error_of_the_report_with_fmi_3(closed, report, run):
-    """FMI 3 has no function for slopes. Held at two places of each pair of parts, an input keeps its mean and that of
-    its square, so that far fewer parts do; outputs are read with the inputs of their row."""
+    """FMI 3 has no input derivatives. Two constant values per pair of steps keep the mean of an input and of its square, so few steps are
+    sufficient; outputs are read with the inputs of their row.
+    """
     time = run["time_s"]
     inputs = np.array([run[column] for column in INPUTS]).T
     with Archive(closed[0] / "fmi3" / f"{MODEL}.fmu") as archive, archive.instance() as motor:
@@ -176,7 +178,7 @@ def test_fmpy_shows_the_error_of_the_report_with_fmi_3(closed, report, run):
 
 
 def test_an_fmu_that_was_not_calibrated_shows_another_error(archive_paths, report, run):
-    """The comparison can fail: the archive as built has other start values (and needs its modes: current, imposed_speed)."""
+    """The comparison can fail: the default archive has other start values (and needs the modes current, imposed_speed)."""
     modes = {"drive_mode": 3, "mechanical_mode": 2}
     shown = simulated(archive_paths[2], run, start_values=modes)
     with pytest.raises(AssertionError, match="and not"):
@@ -184,7 +186,7 @@ def test_an_fmu_that_was_not_calibrated_shows_another_error(archive_paths, repor
 
 
 def test_the_page_of_the_docs_has_commands_that_exist(program):
-    """Each command line of docs/close-the-loop.md with its options, and an experiment that reads as TOML."""
+    """Each command line of docs/close-the-loop.md with its options; its experiment is valid TOML."""
     page = (ROOT / "docs" / "close-the-loop.md").read_text()
     blocks = re.findall(r"```(\w+)\n(.*?)```", page, re.DOTALL)
     lines = [line.split() for kind, text in blocks if kind == "sh" for line in text.splitlines() if line]

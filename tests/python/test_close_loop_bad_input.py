@@ -1,4 +1,4 @@
-"""Bad input to `motor-fmu close-loop`: exit code 2 and one sentence with file and line; what is odd is noted."""
+"""Invalid input to `motor-fmu close-loop`: exit code 2 and one sentence with file and line; irregular data are noted."""
 
 import json
 
@@ -28,7 +28,7 @@ HEADER = "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,wi
 
 
 def rows(count=60, step=2.0):
-    """A motor that warms: 3 A, then 5 A, at 200 rad/s."""
+    """A motor that heats up: 3 A, then 5 A, at 200 rad/s."""
     for k in range(count):
         current = 3.0 if k < count // 2 else 5.0
         yield [k * step, current, 200.0, 21.0, round(0.4 * current + 0.0275 * 200.0 + 0.001 * (k % 3), 4), 21.0 + 0.1 * k]
@@ -52,7 +52,7 @@ def close_loop(motor_fmu, tmp_path):
 
 
 def with_cell(line, column, text):
-    """A table with another text in one cell; lines count from 1, the header is the first."""
+    """A table with another text in one cell; lines count from 1, the header is line 1."""
 
     def change(lines):
         cells = lines[line - 1].split(",")
@@ -132,7 +132,7 @@ def test_experiment_that_cannot_be(close_loop, tmp_path, experiment, words):
 
 
 def test_window_without_rows(close_loop):
-    """It lies beyond the run: nothing would be counted."""
+    """The window is outside the run: no row would count."""
     one_sentence(close_loop(experiment=("[10.0, 90.0]", "[1000.0, 2000.0]")), CANNOT, "experiment.toml:14:", "1000", "run-2.csv")
 
 
@@ -151,7 +151,7 @@ def test_preset_of_a_file_beside_the_experiment(close_loop, tmp_path):
 
 
 def test_dead_sensor_and_gap_are_noted(close_loop, tmp_path):
-    """An open thermocouple reads -40 degC: set aside, not fitted. A pause in the rows: simulated across."""
+    """An open thermocouple reads -40 degC: set aside, not fitted. A gap in the rows: simulated across."""
 
     def change(lines):
         dead = [",".join([*line.split(",")[:5], "-40.0"]) for line in lines[1:]]

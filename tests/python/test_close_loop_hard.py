@@ -1,4 +1,4 @@
-"""Sets of the blind suite that were wrong once, each for a reason of its own: drawn again, asked about, and judged."""
+"""Sets of the blind suite that were wrong once, each for another reason: generated, run and evaluated again."""
 
 import json
 import subprocess

@@ -40,7 +40,7 @@ def still(p, t_s):
 
 
 def blown(p, t_s, natural):
-    """Coefficient on the part of the cylinder that lies in the jet, W/(m2.K), and that part's length, m."""
+    """Coefficient on the part of the cylinder in the jet, W/(m2.K), and the length of that part, m."""
     rho, mu, k, pr = air(0.5 * (t_s + T_A), PRESSURE)
     d, x, tan = p["housing_diameter"], p["fan_distance"], p["fan_tan_spread"]
     outer, inner = p["fan_bore"] / 2 + x * tan, max(0.0, p["fan_hub"] / 2 - x * tan)
@@ -83,7 +83,7 @@ def parameters(fmu):
 
 
 def show(fmu, name):
-    """The value of one variable."""
+    """Reads one variable."""
     (value,) = fmu.get(name)
     return value
 
@@ -98,14 +98,14 @@ def settled(make, mode, step=20.0, **further):
 
 @pytest.mark.parametrize("mode", ["bare", "fan_crossflow"])
 def test_steady_state_is_that_of_the_equations(make, mode):
-    """One housing temperature here, eight segments there: they differ by what the jet's edge makes of it."""
+    """One housing temperature here, eight segments in the FMU; the difference comes from the edge of the jet."""
     fmu = settled(make, mode)
     assert show(fmu, "winding_temperature") == pytest.approx(steady(parameters(fmu), mode), abs=0.15)
 
 
 @pytest.mark.parametrize("mode", MODES)
 def test_the_studies_agree_with_the_archive(make, motor_fmu, mode):
-    """`motor-fmu steady` finds what a long run of the FMU comes to, within 0.01 K."""
+    """`motor-fmu steady` and a long run of the FMU agree within 0.01 K."""
     sets = [f"--set={name}={value}" for name, value in {**TEST, "drive_mode": "power", "mechanical_mode": "imposed_speed"}.items()]
     preset = ("--preset", "maxon-305015", f"--set=cooling_mode={mode}")
     found = json.loads(motor_fmu("steady", *preset, *sets, "--json").stdout)["steady"]["winding_temperature"]

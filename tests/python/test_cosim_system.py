@@ -1,4 +1,4 @@
-"""Motor, actuator and gait as one system: a minute of walking by the native master, from TOML and from the SSP made of it."""
+"""Motor, actuator and gait as one system: a minute of walking with the native master, from TOML and from its SSP."""
 
 import csv
 import json
@@ -87,7 +87,7 @@ def test_energy_closes_over_the_connections(cosim, toml):
 
 
 def test_held_inputs_lose_what_slopes_keep(cosim, toml):
-    """Errors of the coupling fall with the step, twice as fast with slopes; a tenth of a promille is out of reach without."""
+    """Coupling residuals decrease with the step, with twice the order for input derivatives; 0.01 % is out of reach without."""
 
     def joint(step, *further):
         bonds = cosim(toml, "--stop", "8", "--step", str(step), *further)["energy"]
@@ -126,7 +126,7 @@ def test_the_archive_is_valid_and_whole(ssp):
 
 
 def test_fmpy_s_own_master_runs_it(cosim, ssp, tmp_path):
-    """Its master passes values on once per step, and knows no slopes: first order, and the same within that."""
+    """The master of fmpy transfers values once per step without input derivatives: first order, and the same within that."""
     out = tmp_path / "held.csv"
 
     def apart(step):
@@ -155,7 +155,7 @@ def test_a_variable_step_walks_as_well(cosim, toml):
 
 
 def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
-    """FMI 3 has no slopes of inputs: the same bits as FMI 2 with inputs held. Standards mix."""
+    """FMI 3 has no input derivatives: the same bits as FMI 2 with constant inputs. Standards can be mixed."""
     held, three, mixed = (tmp_path / f"{name}.csv" for name in ("held", "three", "mixed"))
     cosim(toml, "--stop", "3", "--no-slopes", "--output", held)
     fmi3 = tmp_path / "fmi3.toml"
@@ -169,7 +169,7 @@ def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
 
 
 def shared(file, columns_of):
-    """The cells, as they are written, of the columns that another file has too: FMI 3 shows the housing's segments as an output."""
+    """The cells as text of the columns of both files; FMI 3 has the housing segments as an output."""
     with columns_of.open(newline="") as other:
         names = next(csv.reader(other))
     with file.open(newline="") as rows:

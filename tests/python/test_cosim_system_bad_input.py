@@ -1,4 +1,4 @@
-"""Bad systems through the `motor-fmu` program: exit code 2 and one sentence. `tools/cosim/tests/system_faults.rs` has all of them."""
+"""Invalid systems through the `motor-fmu` program: exit code 2 and one sentence. All cases: `tools/cosim/tests/system_faults.rs`."""
 
 import pytest
 from clients import paths

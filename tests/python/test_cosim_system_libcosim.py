@@ -1,7 +1,7 @@
-"""libcosim opens the SSP that we make and runs it: the same bits where our master does what libcosim does.
+"""libcosim opens the SSP files of this project and gives the same bits as the native master with the same algorithm.
 
-It reads outputs once after each step and holds inputs: `--algorithm jacobi-delayed --no-slopes`. It counts whole nanoseconds, so the
-step is a power of two that is a whole number of them.
+libcosim reads outputs once after each step and keeps inputs constant: `--algorithm jacobi-delayed --no-slopes`. It counts whole
+nanoseconds, so the step is a power of two that is a whole number of nanoseconds.
 """
 
 import csv

@@ -1,4 +1,4 @@
-"""Directional and adjoint derivatives equal the differences that an importer takes itself, in every interface."""
+"""Directional and adjoint derivatives equal finite differences by the importer, in every interface."""
 
 from ctypes import c_double, c_int, c_uint
 
@@ -91,7 +91,7 @@ def inputs(archive):
 
 
 def tunable(archive, start):
-    """Parameters of the motor, and of the effects that are on."""
+    """Parameters of the motor, and of the active effects."""
     on = {name.rsplit(".", 1)[0] for name in start if name.startswith("effect.")}
     keep = lambda v: v.variability == "tunable" and v.min != v.start != v.max and (
         v.name.rsplit(".", 1)[0] in on if v.name.startswith("effect.") else True
@@ -100,8 +100,9 @@ def tunable(archive, start):
 
 
 def difference(read, move, at, size, sizes):
-    """The derivative of `read()` where `move` moves one variable, by differences and one extrapolation; with what rounding leaves:
-    that of the unknowns, and what two differences disagree by where large terms cancel on the way to them."""
+    """The derivative of `read()` with respect to the variable that `move` changes: differences with one extrapolation. Also the rounding
+    error: of the unknowns, and the disagreement of two differences where large terms cancel.
+    """
     found, noise = [], None
     for way in (size, size / 2.0):
         move(at + way)
@@ -116,7 +117,7 @@ def difference(read, move, at, size, sizes):
 
 
 def nominals(archive, unknowns):
-    """The typical size of each element."""
+    """The nominal value of each element."""
     return np.array([float(v.nominal or 1.0) for v, _ in elements([archive.variable(name) for name in unknowns])])
 
 
@@ -132,12 +133,12 @@ def states_of(archive):
 
 
 def flat(values):
-    """Values of which some are lists, one after the other."""
+    """Values, with lists flattened."""
     return np.array([x for value in values for x in (value if isinstance(value, list) else [value])])
 
 
 def compare(derivatives, found, noise, known, unknowns):
-    """Each derivative within a millionth of the difference, beside what rounding leaves of that."""
+    """Each derivative within 1e-6 of the difference plus its rounding error."""
     derivatives = np.array(derivatives)
     off = np.abs(derivatives - found) - RELATIVE * np.abs(found) - 2.0 * noise
     worst = int(np.argmax(off))
@@ -146,7 +147,7 @@ def compare(derivatives, found, noise, known, unknowns):
 
 
 def way(variable, at):
-    """How far an importer moves a variable: little enough for the curvature, far enough for rounding."""
+    """Step of the differences: small enough for the curvature, large enough for rounding."""
     return 2e-5 * max(abs(at), 0.1 * float(variable.nominal or 1.0))
 
 
@@ -188,7 +189,7 @@ def test_model_exchange(case, both):
 
 
 def derivative(instance, unknowns, known):
-    """As an importer of Co-Simulation asks for it."""
+    """As in Co-Simulation."""
     references = [instance.reference(name) for name in unknowns], [instance.reference(known)]
     more = {} if instance.archive.version == "2.0" else {"nSensitivity": len(labels(instance.archive, unknowns))}
     return instance.slave.getDirectionalDerivative(*references, [1.0], **more)
@@ -196,7 +197,7 @@ def derivative(instance, unknowns, known):
 
 @pytest.mark.parametrize("case", CASES)
 def test_before_initialization_ends(case, both):
-    """Every output and state over what decides the start, by differences of initializations."""
+    """Every output and state with respect to everything that determines the start, by differences of initializations."""
     model, start = CASES[case]
     archive = both[model]
     with archive.instance() as instance:
@@ -288,8 +289,9 @@ def test_what_has_no_derivative_is_refused(both):
 
 @pytest.mark.parametrize("case", ("voltage", "push", "gearmotor"))
 def test_derivatives_of_outputs_are_their_slopes(case, both):
-    """Against steps of a microsecond from a saved state, with the inputs held: short beside the winding's L/R of 0.2 ms, so that
-    what the steps before have left of their error in the current falls as the derivative says, and exact apart from rounding."""
+    """Compared with steps of 1 us from a saved state with constant inputs. These are short relative to L/R = 0.2 ms of the winding, so the
+    remaining error of the current decays as the derivative predicts; otherwise exact apart from rounding.
+    """
     model, start = CASES[case]
     archive = both[model]
     with archive.instance() as instance:

@@ -1,4 +1,4 @@
-"""Terms that are data: `motor-fmu build --effects FILE`, and what the FMU makes of the file."""
+"""Generic terms as data: `motor-fmu build --effects FILE`, and the FMU with this file."""
 
 import json
 import zipfile

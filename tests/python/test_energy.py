@@ -38,7 +38,7 @@ def test_energy_balance_from_the_outputs_closes(make):
 
 
 def test_heat_flows_from_warm_to_cold(make):
-    """A warm motor at rest in a cold room cools, and the winding never falls below the housing."""
+    """A warm motor at rest in cold ambient air cools, and the winding is never colder than the housing."""
     fmu = make(drive_mode="current", mechanical_mode="imposed_speed", current_command=10.0)
     for _ in range(100):
         fmu.step(1.0)

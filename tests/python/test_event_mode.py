@@ -1,4 +1,4 @@
-"""FMI 3 Co-Simulation with an importer that takes part: fmpy's master handles events, lets steps end early and looks into them."""
+"""FMI 3 Co-Simulation with fmpy's master: events, early return, intermediate update."""
 
 import math
 
@@ -77,7 +77,7 @@ def test_magnets_lose_strength_at_their_time():
 
 
 class Looking:
-    """An instance of the motor that is looked into at its quarters."""
+    """An instance of the motor whose outputs are read at the intermediate updates."""
 
     def __init__(self, archive, early=False, until=None):
         self.archive, self.until, self.seen = archive, until, []

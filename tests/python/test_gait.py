@@ -1,4 +1,4 @@
-"""The gait load: smooth, periodic, and right in sign and size."""
+"""The gait load: smooth, periodic, with correct signs and sizes."""
 
 import csv
 
@@ -35,9 +35,8 @@ def test_derivatives_belong_to_the_angle(speed, joint):
 
 @pytest.mark.parametrize("speed, joint", CELLS)
 def test_power_is_that_of_the_source(speed, joint):
-    """The table has the power as its own, measured column; torque times speed must follow it.
-
-    Not exactly: the product of two mean curves is not the mean of the products.
+    """The source has the power as a measured column; torque times speed must agree approximately, because the product of two mean curves is
+    not the mean of the products.
     """
     g = Gait(75.0, speed, joint)
     with gait.CYCLES.open(newline="") as file:

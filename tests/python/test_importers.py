@@ -1,7 +1,7 @@
-"""Our archives in other people's importers: the same bits as `motor-fmu simulate`, whoever asks.
+"""The archives in importers of other projects: the same bits as `motor-fmu simulate`.
 
-Values are compared, and not exit codes: an importer that ignores what it cannot read goes on with zeros.
-The step is a power of two, because some importers add steps up and some count nanoseconds, and then all times are the same.
+Values are compared, not exit codes: an importer that ignores errors continues with zeros. The step is a power of two, because some
+importers add steps up and some count nanoseconds; all times are then the same.
 """
 
 import csv
@@ -112,7 +112,7 @@ def drives():
 
 @pytest.fixture(scope="session")
 def natively(drives, program, tmp_path_factory):
-    """What the native master reads, by model and standard; each is run once."""
+    """Outputs of the native master by model and standard; each is run once."""
     folder, known = tmp_path_factory.mktemp("natively"), {}
 
     def rows(model, fmi):
@@ -172,7 +172,7 @@ def test_both_standards_hear_the_drive_alike(model, natively):
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("fmi", STANDARDS)
 def test_fmutool_finds_nothing(fmi, model):
-    """Schema and semantics as fmu-manipulation-toolbox reads them; its exit code is 0 whatever it finds."""
+    """Schema and semantics by fmu-manipulation-toolbox; its exit code is always 0."""
     program = Path(sys.executable).with_name("fmutool")
     command = [program, "-input", paths.archive(model, fmi), "-check"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)

@@ -1,7 +1,7 @@
-"""The powered ankle through masters that are not ours: what they give, and that it is what our master gives when it does the same.
+"""The powered ankle with masters of other projects.
 
-The plain master of `examples/09_plain_master.py` gives the same bits. ecos opens the SSP and runs it; it differs in the last bits of the first
-step, which the friction of a reversing motor makes a ten millionth of the speed after half a second.
+The plain master of `examples/09_plain_master.py` gives the same bits as the native one. ecos opens the SSP and runs it; its first step
+differs in the last bits, and the friction of a reversing motor amplifies this to 1e-7 of the speed after half a second.
 """
 
 import csv

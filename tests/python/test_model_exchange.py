@@ -1,4 +1,4 @@
-"""Model Exchange: fmpy integrates the very equations that the FMU steps through in Co-Simulation, and events are events."""
+"""Model Exchange: fmpy integrates the equations of Co-Simulation and handles the events."""
 
 import numpy as np
 import pytest
@@ -114,7 +114,7 @@ def run(model, fmi, kind, stop, interval, start, **options):
 
 
 def disagreement(one, other, description):
-    """Largest difference of each output, relative to its size."""
+    """Largest difference of each output, relative to its nominal value."""
     variables = {v.name: v for v in description.modelVariables}
     errors = {}
     for name in one.dtype.names:
@@ -198,7 +198,7 @@ def test_block_commutation_turns_by_sectors(fmi):
 
 @pytest.mark.parametrize("fmi", STANDARDS)
 def test_the_bridge_turns_with_the_duty(fmi):
-    """A duty that jumps from forward to reverse is an event of the input, at which the bridge turns."""
+    """A duty cycle that jumps from forward to reverse is an event of the input, at which the bridge reverses."""
     signals = np.array([(0.0, 0.6), (0.3, 0.6), (0.3, -0.6), (0.6, -0.6)], dtype=[("time", "f8"), ("duty", "f8")])
     stepped, description = run(GEARMOTOR, fmi, "CoSimulation", 0.6, 1e-3, {}, input=signals)
     integrated, _ = run(GEARMOTOR, fmi, "ModelExchange", 0.6, 1e-3, {}, input=signals)

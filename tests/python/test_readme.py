@@ -1,11 +1,13 @@
-"""The first result of README.md: its commands run as they are written, and print the lines that stand below them."""
+"""README.md: the commands of its first result print the lines below them; its caption has the numbers of the stored example."""
 
+import json
 import os
 import re
 import subprocess
 from pathlib import Path
 
 import pytest
+from clients.paths import EXPECTED
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 # The README shows rounded numbers; a model of other numbers differs by more.
@@ -15,7 +17,7 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 def blocks(heading):
     """The fenced blocks below a heading: (language, text)."""
-    section = README.read_text().split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    section = README.read_text(encoding="utf-8").split(f"\n## {heading}\n")[1].split("\n## ")[0]
     return re.findall(r"```(\w+)\n(.*?)```", section, flags=re.DOTALL)
 
 
@@ -41,3 +43,11 @@ def test_the_first_result_is_what_its_commands_print(program, tmp_path):
         close = [got for got in same if got == pytest.approx(numbers, rel=RELATIVE)]
         assert close, f"README.md shows {words!r} with {numbers}; the commands print {same or 'no such line'}"
     assert (tmp_path / "run.svg").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(("cooling", "run"), [("Without fan", "still air"), ("With fan", "fan at full speed")])
+def test_the_caption_has_the_numbers_of_the_walking_example(cooling, run):
+    temperature, minutes = re.search(rf"{cooling}: (\d+) °C after ([\d.]+)\s+min", README.read_text(encoding="utf-8")).groups()
+    stored = json.loads((EXPECTED / "02_walking.json").read_text())[run]
+    assert float(temperature) == pytest.approx(stored["winding_temperature_end_degC"], abs=0.51)
+    assert float(minutes) == pytest.approx(stored["minutes_walked"], abs=0.051)

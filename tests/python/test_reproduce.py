@@ -46,7 +46,7 @@ def test_cases(thesis):
 
 
 def test_fit_repeats_the_preset(thesis):
-    """The preset's six fitted values come out again, from the declared values on."""
+    """The fit from the declared values gives the preset's six fitted values again."""
     start = tomllib.loads((EXAMPLES / "presets" / "thesis-rig.toml").read_text())["start"]
     fitted = thesis[0]["identifiability"]["parameters"]
     assert len(fitted) == 6
@@ -56,7 +56,9 @@ def test_fit_repeats_the_preset(thesis):
 
 
 def test_left_out_cases(thesis):
-    """All but the bare motor are predicted within 2.5 K; its emissivity is known from itself alone, and that is said."""
+    """All cases except the bare motor are predicted within 2.5 K; the emissivity is known from the bare motor alone, and the output states
+    this.
+    """
     left_out = {case["case"]: case for case in thesis[0]["leave_one_out"]}
     assert left_out.keys() == AUDIT.keys()
     bare = left_out.pop("bare")

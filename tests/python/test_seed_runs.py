@@ -1,4 +1,4 @@
-"""The runs of the seeds' experiments are what `motor-fmu reproduce` knows of the seeds, and nothing else."""
+"""The runs of the examples from the publications contain the numbers of `motor-fmu reproduce` and nothing else."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What a master may do between two steps: change the step, go back, keep several instances, start again."""
+"""Actions of a master between two steps: other step sizes, rollback, several instances, reset."""
 
 import pytest
 from reference import STATES
@@ -13,7 +13,7 @@ def run(fmu, steps, size=1e-3):
 
 
 def test_variable_communication_step(make):
-    """Constant inputs: the same end, however the way there is cut."""
+    """Constant inputs: the end does not depend on the step sizes."""
     even, uneven = make(**DRIVE), make(**DRIVE)
     run(even, 400)
     for size in [1e-5] * 50 + [3e-4] * 5 + [0.098] + [0.02] * 5 + [2e-3] * 99 + [1e-3] * 2:

@@ -1,4 +1,4 @@
-"""The two-node thermal network against its closed form, the matrix exponential."""
+"""The two-node thermal network compared with its closed form, the matrix exponential."""
 
 import numpy as np
 import pytest

@@ -1,7 +1,7 @@
-"""Faults seeded into our archives and into a foreign one: `motor-fmu validate` finds each, and none where there is none.
+"""Seeded faults in archives of this project and in a foreign FMU: `motor-fmu validate` finds each, and nothing in archives without a fault.
 
-The foreign FMU is an oscillator that is compiled here from its own C source (`validator/`). What two other free checkers find is in
-docs/validator.md, which this test compares with their answers.
+The foreign FMU is an oscillator that is compiled from its own C source (`validator/`). docs/validator.md has the answers of two other
+checkers; this test compares the page with the answers.
 """
 
 import os
@@ -15,7 +15,7 @@ BASES = [*faults.OURS.values(), *faults.FOREIGN.values()]
 
 @pytest.fixture(scope="module")
 def answers(program, tmp_path_factory):
-    """What the checkers say of each fault, two at a time."""
+    """The findings of the checkers for each fault."""
     out = tmp_path_factory.mktemp("faults")
     return table.judge_all(program, paths.dist(), out, workers=min(4, os.cpu_count() or 2))
 

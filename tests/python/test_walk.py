@@ -1,4 +1,4 @@
-"""`motor-fmu steady --load` and `sweep --load`: a motor that walks, through the command."""
+"""`motor-fmu steady --load` and `sweep --load`: the motor under gait, through the command."""
 
 import json
 

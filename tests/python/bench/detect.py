@@ -1,4 +1,4 @@
-"""How well an effect can be seen: what it changes over the noise, as it stands and after the parameters bent to hide it."""
+"""Detectability of an effect: its change of the outputs relative to the noise, before and after a refit of the parameters."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ CHI_SQUARE = 40.0  # that a refit must leave in all channels together, where rea
 
 @dataclass
 class Finding:
-    """What the data show of effects, per output over its noise, and the sum of squares over all that was read to fit."""
+    """Signal of effects per output relative to its noise, and the sum of squares over all fit readings."""
 
     plain: dict
     refit: dict
@@ -27,18 +27,18 @@ class Finding:
 
 
 def rms(values) -> float:
-    """Over the rows that were measured."""
+    """Over the measured rows."""
     return float(np.sqrt(np.nanmean(np.square(values))))
 
 
 def alive(s) -> list:
-    """The outputs of a set whose sensor is not dead."""
+    """The outputs with a working sensor."""
     dead = {fault.channel for fault in s.faults if fault.kind == "dead"}
     return [channel for channel in s.rig.layout.outputs if channel not in dead]
 
 
 class Seen:
-    """What of a set's runs counts in some roles: readings that are there, of sensors that live, over their noise."""
+    """The readings of some roles that count: present, with a working sensor, relative to their noise."""
 
     def __init__(self, s, roles):
         self.s, self.channels = s, alive(s)
@@ -71,15 +71,14 @@ class Seen:
 
 
 def signal_to_noise(s) -> dict:
-    """Per output, all runs: rms change when the effects are taken away, nothing refitted, over the noise."""
+    """Per output over all runs: rms change without the effects, nothing refitted, relative to the noise."""
     seen = Seen(s, ("fit", "validate", "test"))
     return seen.per_channel(seen.whitened([run.truth for run in s.runs], [run.without for run in s.runs]))
 
 
 def left(s, without: list, others=()):
-    """Change in the runs to fit, per channel, after the best linear change of all parameters within their priors.
-
-    `without` has the outputs of those runs without the effect in question, `others` are the effects that stay; their sizes are free.
+    """Change in the fit runs, per channel, after the best linear change of all parameters within their priors. `without` has the outputs of
+    those runs without the effect in question, `others` are the remaining effects; their sizes are free.
     """
     seen = Seen(s, ("fit",))
     change = seen.whitened([s.runs[k].truth for k in seen.runs], without)
@@ -103,13 +102,13 @@ def left(s, without: list, others=()):
 
 
 def signal_to_noise_refit(s) -> dict:
-    """The same as `signal_to_noise` in the runs to fit, after that best change."""
+    """The same as `signal_to_noise` in the fit runs, after that best change."""
     seen, blocks = left(s, [run.without for run in s.runs if "fit" in run.roles])
     return seen.per_channel(blocks)
 
 
 def findings(s):
-    """What the data show of all effects together, and of each beside the others."""
+    """Signal of all effects together, and of each one with the others present."""
     plain = signal_to_noise(s)
 
     def finding(without, others=()):

@@ -38,7 +38,7 @@ CONDUCTANCE = {"conductance": 1}
 
 
 def power(w, exponent):
-    """w^exponent with the sign of w."""
+    """|w|^exponent with the sign of w."""
     return copysign(abs(w) ** exponent, w)
 
 
@@ -62,7 +62,7 @@ def windage(x, k):
 
 @known("drag_torque", "load_torque", "mu |shaft torque|", mu=(0.03, 0.12))
 def load_dependent_friction(x, mu):
-    """The shaft gives what this friction leaves: s = t - mu |s| tanh(w/w_small), solved for s."""
+    """Shaft torque after this friction: s = t - mu |s| tanh(w/w_small), solved for s."""
     share = mu * tanh(x.w / W_SMALL)
     return share * abs(x.torque) / (1.0 + copysign(share, x.torque))
 
@@ -74,7 +74,7 @@ def contact_drop(x, V_b):
 
 @known("housing_ambient_conductance", "housing_temperature", "k (T_h^4 - T_a^4)", k=(4e-10, 1e-9), scale={"k": CONDUCTANCE})
 def housing_radiation(x, k):
-    """The heat over its temperature difference, so that it is smooth where they meet."""
+    """The heat divided by its temperature difference, so that it is smooth at zero difference."""
     h, a = x.T_h + KELVIN, x.T_a + KELVIN
     return k * (h * h + a * a) * (h + a)
 
@@ -89,7 +89,7 @@ def housing_radiation(x, k):
     scale={"G": CONDUCTANCE},
 )
 def forced_convection(x, G):
-    """Constant: in all runs it would be the conductance itself. In some it is a window that somebody opened."""
+    """Constant. In all runs it would be the conductance itself; in some runs it is, for example, an open window."""
     return G
 
 
@@ -112,7 +112,7 @@ def interface_temperature(x, beta):
     scale={"R_sh": {"conductance": -1}, "C_s": {"capacity": 1}},
 )
 def stator_node(x, R_sh, C_s):
-    """Nothing to add: the generator has the node."""
+    """No term: the generator has the node."""
     return 0.0
 
 
@@ -134,7 +134,7 @@ def ambient_drift(x, rate):
 
 
 def lagged(times, readings, tau):
-    """First-order lag of a reading that runs linearly between its rows; starts at the node's temperature. Exact."""
+    """First-order lag of a reading that is linear between rows; starts at the temperature of the node. Exact."""
     shown = [readings[0]]
     for h, before, now in zip(np.diff(times), readings, readings[1:]):
         slope = (now - before) / h
@@ -169,7 +169,7 @@ def housing_sensor_stem_loss(x, k):
 
 @known("winding_heat", "history", "(1 - share) P into the winding", share=(0.05, 0.25), some_runs=True, drive="power")
 def drive_loss(x, share):
-    """In some runs, behind another drive: in all of them it would be capacities, conductances and resistances of another size."""
+    """In some runs, with another drive: in all runs it would be equivalent to other capacities, conductances and resistances."""
     return -share * x.drive
 
 
@@ -188,7 +188,7 @@ def drag_power_13(x, k):
 
 @effect("drag_torque", "winding_temperature", "k (T_w - 25) tanh(w / 5 rad/s)", k=(4e-5, 1.5e-4), scale={"k": TORQUE})
 def drag_rising_with_winding(x, k):
-    """A seal that swells; the magnets drag more when the winding is hot."""
+    """A swelling seal: the drag torque rises with winding temperature."""
     return k * (x.T_w - T_REF) * tanh(x.w / W_SMALL)
 
 
@@ -212,7 +212,7 @@ def drag_with_current(x, k):
     scale={"tau": TORQUE},
 )
 def latched_drag(x, tau, T_on):
-    """A bearing that loses its preload and does not find it again in this run."""
+    """A bearing that loses its preload for the rest of the run."""
     return tau * tanh(x.w / W_SMALL)
 
 
@@ -231,7 +231,7 @@ def thermostat(x, G, T_on):
 
 @effect("torque_constant", "current", "k_t (1 - k i^2)", k=(1e-3, 4e-3), scale={"k": {"current": -2}}, drive="current")
 def saturation(x, k):
-    """Under an imposed voltage a fast motor would have two currents to choose from."""
+    """With imposed voltage a fast motor would have two solutions for the current."""
     return -k * x.i * x.i
 
 
@@ -252,13 +252,13 @@ def drop_with_root_of_current(x, k):
 
 @effect("housing_heat", "fan_command", "P n", P=(1.5, 4.0), scale={"P": POWER})
 def fan_heat(x, P):
-    """The fan's own loss, blown over the housing."""
+    """The loss of the fan, blown over the housing."""
     return P * x.n
 
 
 @effect("housing_heat", "history", "P (1 - cos(2 pi t / period)) / 2", P=(1.5, 4.0), period=(600.0, 1800.0), scale={"P": POWER})
 def periodic_heat(x, P, period):
-    """A neighbour on the bench that comes and goes."""
+    """A neighbouring device on the bench that switches on and off."""
     return P * (1.0 - cos(2.0 * pi * x.t / period)) / 2.0
 
 

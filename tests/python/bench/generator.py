@@ -44,7 +44,9 @@ SAME_CURRENT = 1e-9  # A, where the search for a current ends; relative, too
 
 @dataclass(slots=True)
 class Instant:
-    """What a law may look at: time s, what drives (A, V or W), speed rad/s, fan command 1, temperatures degC, current A, torque N m."""
+    """Quantities that a law may use: time s, imposed quantity (A, V or W), speed rad/s, fan command 1, temperatures degC, current A, torque
+    N m.
+    """
 
     t: float = 0.0
     drive: float = 0.0
@@ -108,7 +110,7 @@ class Motor:
         return sum(e.law.add(x, **e.parameters) for e in self.effects if e.law.port == port)
 
     def terms(self, x: Instant):
-        """What the laws add at their ports, the friction N m and the torque constant N m/A before them."""
+        """The contributions of the laws at their ports, the friction N m and the torque constant N m/A before them."""
         add = NOTHING.copy() if self.inside else NOTHING
         k_t = self.k_t_ref * (1.0 + self.alpha_mag * (x.T_h - self.T_ref))
         friction = self.tau_c * tanh(x.w / self.w_small)
@@ -131,7 +133,7 @@ class Motor:
         return R * i + k_t * x.w + drop
 
     def current_at(self, x: Instant) -> float:
-        """The current that the imposed voltage drives, A: Newton's steps, halved intervals where they leave the bracket."""
+        """The current at the imposed voltage, A: Newton's method, with bisection outside the bracket."""
         x.i = 0.0
         R, drop, _, k_t, _ = self.terminals(x)
         at_zero = k_t * x.w + drop
@@ -156,7 +158,7 @@ class Motor:
         return i
 
     def settle(self, x: Instant):
-        """Lets the current follow from what drives."""
+        """Computes the current from the imposed quantity."""
         if self.drive == "voltage":
             x.i = self.current_at(x)
         else:

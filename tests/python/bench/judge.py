@@ -64,7 +64,9 @@ class Judged:
 
 
 def said_in(report: dict) -> Said:
-    """A class is an effect with its alternatives, or else all effects of a report with that verdict; its single ones are names."""
+    """A class is an effect with its alternatives, or else all effects of a report with that verdict; an effect without alternatives is a
+    name.
+    """
     verdict, effects = report["verdict"], [e for e in report.get("effects", []) if e["id"] != GENERIC]
     names, classes = [], []
     if verdict == "class":
@@ -125,7 +127,9 @@ def held(interval, value) -> bool:
 
 
 def intervals(truth: dict, report: dict):
-    """Whether each true value is inside: declared parameters, and sizes of effects that were found. One without interval is not."""
+    """Whether each true value is inside its interval: declared parameters, and sizes of effects that were found. A missing interval counts
+    as outside.
+    """
     for name, value in truth["parameters"].items():
         yield held(report["parameters"].get(name, {}).get("ci95"), value)
     found = {e["id"]: e.get("parameters", {}) for e in report.get("effects", [])}
@@ -137,7 +141,9 @@ def intervals(truth: dict, report: dict):
 
 
 def error_ratios(truth: dict, report: dict):
-    """Test error after the repair: over the true floor in the worst channel, and over the refit's in all. Dead sensors do not count."""
+    """Test error after the repair: relative to the true floor in the worst channel, and relative to the refit's over all. Dead sensors do
+    not count.
+    """
     dead = {fault["channel"] for fault in truth["sensors"] if fault["kind"] == "dead"}
     floors = {channel: by["floor"] for channel, by in truth["rmse"]["test"].items() if channel not in dead}
     after, refit = ([report["error"]["test"][c][model] / floor for c, floor in floors.items()] for model in ("after", "refit"))
@@ -145,7 +151,7 @@ def error_ratios(truth: dict, report: dict):
 
 
 def judge(truth: dict, report: dict | None, run: dict | None = None) -> Judged:
-    """`report` is None where the program gave none; `run` has its `seconds` and `memory_MB`."""
+    """`report` is None if the program gave none; `run` has its `seconds` and `memory_MB`."""
     kind, label = row(truth)
     visible = [e["id"] for e in truth["effects"] if e.get("detectable", truth["detectable"])]
     other = truth["unexplained"]

@@ -1,4 +1,4 @@
-"""What an effect is: a law with its port, driver and plausible sizes, in a catalogue; and a law of one specimen's size."""
+"""An effect: a law with port, driver and plausible sizes, in a catalogue; and a law with the size of one specimen."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -11,7 +11,7 @@ KELVIN = 273.15  # K at 0 degC
 
 @dataclass(frozen=True)
 class Law:
-    """An entry of the catalogue: where it acts, what drives it, how large it may be."""
+    """An entry of the catalogue: port, driver, range of sizes."""
 
     id: str
     port: str
@@ -29,7 +29,7 @@ class Law:
     filter: Callable | None = None  # (times, readings, **parameters) -> readings of a sensor with a memory
 
     def draw(self, rng, rig) -> "Effect":
-        """A specimen's own size, on this rig."""
+        """A random size for a specimen on this rig."""
         sign = rng.choice([-1.0, 1.0]) if self.signed else 1.0
         sizes = {name: float(np.exp(rng.uniform(*np.log(limits)))) for name, limits in self.ranges.items()}
         sizes = {name: rig.scaled(size, self.scale.get(name, {})) for name, size in sizes.items()}
@@ -37,7 +37,7 @@ class Law:
         return Effect(self, sizes | {first: sign * sizes[first]})
 
     def typical(self) -> "Effect":
-        """Of the size in the middle of the ranges, with a positive sign."""
+        """The size in the middle of the ranges, with a positive sign."""
         return Effect(self, {name: sqrt(low * high) for name, (low, high) in self.ranges.items()})
 
 
@@ -63,7 +63,7 @@ CATALOGUE: dict[str, Law] = {}
 
 
 def effect(port, driver, text, listed=False, **options):
-    """Enters the function below into the catalogue under its own name; pairs among the options are its parameters' ranges."""
+    """Adds the function to the catalogue under its own name; pairs among the options are the ranges of its parameters."""
     ranges = {name: value for name, value in options.items() if isinstance(value, tuple) and name != "fixed"}
     rest = {name: value for name, value in options.items() if name not in ranges}
 
@@ -75,5 +75,5 @@ def effect(port, driver, text, listed=False, **options):
 
 
 def known(*arguments, **options):
-    """An effect that the design lists."""
+    """A listed effect."""
     return effect(*arguments, listed=True, **options)

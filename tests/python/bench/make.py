@@ -35,13 +35,13 @@ STAMP = "generator.stamp"  # names the generator that a folder of sets is of
 
 
 def drawn_kind(seed: int, number: int) -> str:
-    """Each ten sets in a row have the shares of `KINDS`, in an order of their own."""
+    """Each ten consecutive sets have the fractions of `KINDS`, in random order."""
     order = np.random.default_rng([seed, number // len(KINDS)]).permutation(len(KINDS))
     return KINDS[order[number % len(KINDS)]]
 
 
 def draw_laws(rng, kind: str, chosen: str | None) -> list:
-    """The laws of a set. A second one is listed, and at a port of its own, so that it is a second thing to find."""
+    """The laws of a set. A second one is listed and has another port, so that it has to be found separately."""
     if chosen == NONE or (chosen is None and kind == "null"):
         return []
     names = [name for name, law in CATALOGUE.items() if law.listed == (kind == "listed")]
@@ -62,7 +62,7 @@ def draw_rig(rng, laws) -> Rig:
 
 
 def draw_roles(rng, laws) -> tuple:
-    """How many runs, and what each is for. What acts in some runs only needs two that are fitted."""
+    """The number of runs and their roles. An effect in some runs only needs two fit runs."""
     counts = [count for count in RUNS if count >= 4 or not any(law.some_runs for law in laws)]
     shares = np.array([RUNS[count] for count in counts])
     return ROLES[int(rng.choice(counts, p=shares / shares.sum()))]
@@ -78,7 +78,7 @@ def draw_effect(rng, law, rig: Rig, roles):
 
 
 def imposed(specimen: dict, times, inputs: dict, rig: Rig) -> dict:
-    """A bench that imposes a voltage imposes the one that gives the demanded current in a motor without the effects."""
+    """Imposed voltage: the one that gives the demanded current in a motor without the effects."""
     if rig.layout.drive != "voltage":
         return inputs
     current = Rig(LAYOUTS["current"], rig.units)
@@ -120,14 +120,14 @@ def draw_set(seed: int, number: int, chosen: str | None = None, rig: Rig | None 
 
 
 def fingerprint() -> str:
-    """Of the generator's own sources: sets of another generator are other sets."""
+    """Hash of the generator's sources: sets of another generator are other sets."""
     sources = sorted(Path(__file__).parent.glob("*.py"))
     parts = [f.name.encode() + f.read_bytes() for f in sources if f.stem not in JUDGES]
     return hashlib.sha256(b"".join(parts)).hexdigest()
 
 
 def make_one(options, number: int) -> str:
-    """Writes a set, unless it is there whole; the truth is written last."""
+    """Writes a set unless it is complete; the truth is written last."""
     folder = options.out / f"bench-{options.seed}-{number}"
     if not (options.keep and (folder / "truth.json").exists()):
         write_set(draw_set(options.seed, number, options.effect), folder)

@@ -1,7 +1,7 @@
-"""Drive cycles: what a bench operator imposes on current, speed, fan and room in one run.
+"""Drive cycles: imposed current, speed, fan command and ambient temperature of one run.
 
-Every input runs linearly between the rows, so a cycle is just its values at the rows, also across a gap. A run starts and ends
-at rest (no current, no speed). Units are those of the columns: s, A, rad/s, 1, degC.
+Every input is linear between the rows, so a cycle is defined by its values at the rows, also across a gap. A run starts and ends at rest
+(no current, no speed). Units are those of the columns: s, A, rad/s, 1, degC.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ DEMANDS = {
 
 
 def clock(rng, start: float) -> np.ndarray:
-    """Times of the rows: equidistant, or with jitter, or as a logger that writes when it has time; at times with up to three gaps."""
+    """Times of the rows: equidistant, with jitter, or irregular as from a busy logger; sometimes with up to three gaps."""
     step = rng.choice(SAMPLING)
     times = np.arange(0.0, np.exp(rng.uniform(*np.log(DURATION))), step)
     kind = rng.random()
@@ -56,7 +56,7 @@ def clock(rng, start: float) -> np.ndarray:
 
 
 def steps(rng, times, largest: float, ramp=(2.0, 20.0), hold=(60.0, 300.0), idle=0.15) -> np.ndarray:
-    """Levels held for a while, joined by ramps; a share of them is zero."""
+    """Constant levels joined by ramps; a fraction of them is zero."""
     at, values, t = [times[0]], [0.0], times[0]
     while t < times[-1]:
         level = 0.0 if rng.random() < idle else rng.uniform(0.1, 1.0) * largest
@@ -81,7 +81,7 @@ def gait(rng, times, largest: float) -> np.ndarray:
 
 
 def staircase(rng, times, largest: float) -> np.ndarray:
-    """Up in equal stairs to the largest and down again, minutes on each, at times more than once."""
+    """Equal steps up to the maximum and down again, minutes on each, sometimes repeated."""
     stairs = rng.integers(3, 6)
     levels = np.concatenate([np.arange(stairs), np.arange(stairs, 0, -1)]) * largest / stairs
     hold = rng.uniform(120.0, 300.0)
@@ -92,7 +92,7 @@ def staircase(rng, times, largest: float) -> np.ndarray:
 
 
 def long_rests(rng, times, largest: float) -> np.ndarray:
-    """Work at levels, with rests in between in which the motor cools down."""
+    """Levels with pauses in which the motor cools."""
     return steps(rng, times, largest, hold=(200.0, 700.0), idle=0.45)
 
 
@@ -100,13 +100,13 @@ SHAPES = (steps, steps, ramps, gait, staircase, long_rests)
 
 
 def rest(rng, times) -> np.ndarray:
-    """1 while the motor is driven, 0 in the rests at both ends, with short ramps."""
+    """1 while the motor is driven, 0 in the pauses at both ends, with short ramps."""
     begin, end = times[0] + rng.uniform(*REST_BEFORE), times[-1] - rng.uniform(*REST_AFTER)
     return np.interp(times, [begin, begin + 5.0, end - 5.0, end], [0.0, 1.0, 1.0, 0.0])
 
 
 def fan_schedule(rng, times, largest: float) -> np.ndarray:
-    """Off and on at levels, minutes at a time."""
+    """On and off at levels, for minutes at a time."""
     return np.clip(steps(rng, times, largest, ramp=(2.0, 6.0), hold=(200.0, 700.0), idle=0.35), 0.0, 1.0)
 
 

@@ -60,13 +60,13 @@ DIGITS = 4  # of a nominal value, as a data sheet has them
 
 @dataclass(frozen=True)
 class Layout:
-    """What drives the motor, and so which columns are imposed and which are read."""
+    """What drives the motor, and which columns are imposed and measured."""
 
     drive: str
 
     @property
     def inputs(self) -> tuple:
-        """At standstill nothing turns, and the speed is no column."""
+        """At standstill the speed is not a column."""
         return (COLUMNS[self.drive], *(() if self.drive == "power" else (SPEED,)), FAN, AMBIENT)
 
     @property
@@ -75,7 +75,7 @@ class Layout:
         return (*answer[self.drive], WINDING, HOUSING)
 
     def allows(self, law) -> bool:
-        """Whether an effect can act at all: at standstill only what is thermal, and only there the drive's own loss."""
+        """Whether an effect can act: at standstill only thermal effects, and drive loss only there."""
         if self.drive != "power":
             return law.drive in (None, self.drive)
         electric = law.port in ("drag_torque", "terminal_voltage", "winding_resistance", "torque_constant")
@@ -93,7 +93,7 @@ class Rig:
     units: dict = field(default_factory=dict)  # of this rig, in those of the public one; what is missing is 1
 
     def scaled(self, value: float, exponents: dict) -> float:
-        """A quantity of the public rig, carried over to this one."""
+        """A quantity of the public rig, scaled to this one."""
         for unit, exponent in exponents.items():
             value *= self.units.get(unit, 1.0) ** exponent
         return value
@@ -106,7 +106,7 @@ class Rig:
 
     @property
     def prior(self) -> dict:
-        """At standstill nothing shows the electric and mechanical parameters."""
+        """At standstill the electrical and mechanical parameters are not observable."""
         thermal = ("thermal.", "conductance.")
         return {name: sigma for name, sigma in PRIOR.items() if self.layout.drive != "power" or name.startswith(thermal)}
 
@@ -115,7 +115,7 @@ PUBLIC = Rig()
 
 
 def draw_units(rng) -> dict:
-    """A smaller or larger motor, with its own number of turns."""
+    """A smaller or larger motor, with a random number of turns."""
     size, winding = (float(np.exp(rng.uniform(*np.log(limits)))) for limits in (SIZE, WINDING_FACTOR))
     conductance, resistance = size ** (2 / 3), winding**2 / size ** (5 / 3)
     current = (conductance / resistance) ** 0.5

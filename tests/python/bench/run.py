@@ -1,7 +1,7 @@
-"""Asks the program about each set: `python -m bench.run SETS --program motor-fmu [--jobs J]`, in `tests/python`.
+"""Runs the program on each set: `python -m bench.run SETS --program motor-fmu [--jobs J]`, in `tests/python`.
 
-Each set gets a folder `result` with what the program wrote, without the FMUs, and `run.json`: exit code, seconds, memory, and of which
-program and set they are. What the same program has said of the same set before is kept.
+Each set gets a folder `result` with the output of the program, without the FMUs, and `run.json`: exit code, seconds, memory, and hashes
+of program and set. A result of the same program and set is kept.
 """
 
 import argparse
@@ -27,7 +27,7 @@ def digest(*files: Path) -> str:
 
 
 def digest_of_program(program: Path) -> str:
-    """With the libraries beside it, which are part of the answer."""
+    """With the libraries beside it, which influence the result."""
     return digest(program, *sorted(f for f in program.parent.iterdir() if f.suffix in LIBRARIES))
 
 
@@ -42,7 +42,7 @@ def in_order(folder: Path) -> list:
 
 
 def read_json(file: Path):
-    """None where there is none, or half of one."""
+    """None if the file is missing or incomplete."""
     try:
         return json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):

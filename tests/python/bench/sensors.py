@@ -1,6 +1,6 @@
-"""What the bench's sensors make of the truth: white noise on every channel but the fan command, and one fault at times.
+"""Sensor model: white noise on every channel except the fan command, and sometimes one fault.
 
-A sensor that is read less often than the others is no fault; it leaves blanks between its readings.
+A sensor with a lower sampling rate is not a fault; it leaves blanks between its readings.
 """
 
 from dataclasses import asdict, dataclass
@@ -32,7 +32,7 @@ SLOW = (3, 5, 10)  # rows from one reading of a slow sensor to the next
 
 @dataclass(frozen=True)
 class Fault:
-    """A sensor's flaw; `size` in the channel's unit, a share for blanks; drift is a wave over the set's clock."""
+    """A sensor fault; `size` in the channel's unit, a fraction for blanks; drift is a wave over the time of the set."""
 
     kind: str
     channel: str
@@ -42,12 +42,12 @@ class Fault:
 
 
 def drift(rng, times, values, fault):
-    """A slow wave over hours, that goes on from file to file."""
+    """A slow wave over hours, continuous across files."""
     return values + fault.size * np.sin(2.0 * np.pi * times / fault.period + fault.phase)
 
 
 def blanks(rng, times, values, fault):
-    """Single rows and one stretch of a few per cent, not measured."""
+    """Single rows and one interval of a few per cent, not measured."""
     lost = rng.random(len(values)) < fault.size
     begin = rng.integers(len(values))
     lost[begin : begin + len(values) // 30] = True
@@ -55,7 +55,7 @@ def blanks(rng, times, values, fault):
 
 
 def slow(rng, times, values, fault):
-    """Read at every few rows only."""
+    """Sampled every few rows only."""
     return np.where(np.arange(len(values)) % int(fault.size) == 0, values, np.nan)
 
 
@@ -78,7 +78,7 @@ def draw_noise(rng, rig: Rig = PUBLIC) -> dict:
 
 
 def draw_faults(rng, noise: dict, spared=(), rig: Rig = PUBLIC) -> list:
-    """One kind of flaw: a bias hides in the noise, thermocouples drift together, a dead one is none of the `spared`."""
+    """One kind of fault: a bias within the noise, thermocouples that drift together, or a dead sensor (not one of `spared`)."""
     kind = str(rng.choice([kind for kind in COMMON if kind != "clipped" or TORQUE in rig.layout.outputs]))
     if kind == "drift":
         return [Fault(kind, channel, *map(float, rng.uniform(*DRIFT))) for channel in THERMOCOUPLES]
@@ -98,7 +98,7 @@ def draw_slow(rng, rig: Rig) -> Fault:
 
 
 def measure(rng, times, truth: dict, noise: dict, faults=(), rig: Rig = PUBLIC) -> dict:
-    """Readings by column. The first row's ambient is exact: after a long soak it is read with care."""
+    """Readings by column. The ambient temperature of the first row is exact: it is measured carefully after a long soak."""
     readings = {}
     for channel in (*rig.layout.inputs, *rig.layout.outputs):
         values = truth[channel] + noise.get(channel, 0.0) * rng.standard_normal(len(times))
@@ -112,7 +112,7 @@ def measure(rng, times, truth: dict, noise: dict, faults=(), rig: Rig = PUBLIC) 
 
 
 def spread(noise: dict, faults, specimen: dict, rig: Rig) -> dict:
-    """rms of what stands between a reading and the model that the measured inputs drive, by output; of a motor at 25 degC."""
+    """rms difference between a reading and the model with the measured inputs, by output; for a motor at 25 degC."""
     p = rig.nominal | specimen
     R, k_t = p["motor.R_ref"], p["motor.k_t"]
     i, v, w = (noise.get(c, 0.0) for c in (COLUMNS["current"], COLUMNS["voltage"], SPEED))

@@ -24,9 +24,8 @@ DIGITS = 5  # of a reading; times have all of theirs
 
 @dataclass
 class Run:
-    """One file: what was imposed, what was read, what a perfect bench would have read without the effects.
-
-    `roles` has a window in s for each role, or None where all rows count.
+    """One file: imposed quantities, readings, and the readings of an ideal bench without the effects. `roles` has a window in s for each
+    role, or None if all rows count.
     """
 
     roles: dict
@@ -36,7 +35,7 @@ class Run:
     without: dict
 
     def rows(self, role: str) -> np.ndarray:
-        """Which rows count in a role."""
+        """The rows that count in a role."""
         if role not in self.roles:
             return np.zeros(len(self.times), bool)
         begin, end = self.roles[role] or (-np.inf, np.inf)
@@ -93,7 +92,7 @@ def experiment(s: Set) -> str:
 
 
 def csv(run: Run) -> str:
-    """The text of a run's file; a reading that is missing is blank."""
+    """The text of a run file; a missing reading is blank."""
     lines = [",".join(["time_s", *run.readings])]
     for t, *values in zip(run.times, *run.readings.values()):
         lines.append(",".join([f"{t:.10g}", *("" if np.isnan(v) else f"{v:.{DIGITS}g}" for v in values)]))
@@ -119,7 +118,7 @@ def errors(s: Set) -> dict:
 
 
 def acting(s: Set, effect) -> dict:
-    """Where, driven by what, and in which files an effect acts."""
+    """Port, driver and files of an effect."""
     files = [file_name(k) for k in range(len(s.runs)) if effect.acts_in(k)]
     return {"port": effect.law.port, "driver": effect.law.driver, "law": effect.law.text, "runs": files}
 
@@ -129,7 +128,7 @@ def rounded(values: dict) -> dict:
 
 
 def truth(s: Set) -> dict:
-    """The content of `truth.json`; `unexplained` is the effect that is in no list, `shape` its name in the generator."""
+    """The content of `truth.json`; `unexplained` is the unlisted effect, `shape` its name in the generator."""
     found, each = findings(s)
     listed = [(e, one) for e, one in zip(s.effects, each) if e.law.listed]
     others = [(e, one) for e, one in zip(s.effects, each) if not e.law.listed]
@@ -153,7 +152,7 @@ def truth(s: Set) -> dict:
 
 
 def write_set(s: Set, folder: Path):
-    """Writes the set's files into `folder`, which is made; the truth is there when all is."""
+    """Writes the files of the set into `folder`, which is created; the truth is written last."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "experiment.toml").write_text(experiment(s), encoding="utf-8")
     for k, run in enumerate(s.runs):

@@ -1,4 +1,4 @@
-"""`python -m importers NAME ARCHIVE DRIVE.json ROWS.json`: runs one importer and writes its rows, every bit of them."""
+"""`python -m importers NAME ARCHIVE DRIVE.json ROWS.json`: runs one importer and writes its rows with all digits."""
 
 import importlib
 import json

@@ -1,4 +1,4 @@
-"""A container FMU that fmu-manipulation-toolbox packs around ours, run by fmpy: an FMU imported by an FMU."""
+"""A container FMU by fmu-manipulation-toolbox around one of the FMUs, run by fmpy."""
 
 import subprocess
 import sys
@@ -18,8 +18,7 @@ def record(path: Path, drive: Drive) -> list[list[float]]:
 
 
 def pack(path: Path, folder: Path, step: float, outputs: list[str]) -> Path:
-    """The container with one FMU in it, of the same standard. It takes no array whose length a structural parameter says, so that
-    its outputs are named one by one."""
+    """The container with one FMU of the same standard. It does not support arrays with a structural size, so the outputs are listed."""
     with Archive(path) as archive:
         version = archive.version[0]
     shown = "".join(f"OUTPUT;{path.name};{name};;{name}\n" for name in outputs)

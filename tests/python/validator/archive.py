@@ -1,4 +1,4 @@
-"""An FMU's files in memory, and what can be done to them."""
+"""The files of an FMU in memory, and changes to them."""
 
 import struct
 import zipfile
@@ -21,7 +21,7 @@ class Files:
         return Files(self.entries)
 
     def replace(self, old, new, name=DESCRIPTION):
-        """Replaces a text that must be there, once."""
+        """Replaces one existing text."""
         old, new = (text.encode() if isinstance(text, str) else text for text in (old, new))
         content = self.entries[name]
         assert old in content, f"{name} has no {old!r}"
@@ -42,7 +42,7 @@ def library(files):
 
 
 def lie_about_size(path):
-    """Makes the first entry promise one byte more than it has, in both of its headers."""
+    """Declares one byte more than the first entry has, in both of its headers."""
     content = bytearray(path.read_bytes())
     for mark, offset in ((b"PK\x03\x04", 22), (b"PK\x01\x02", 24)):
         at = content.index(mark) + offset

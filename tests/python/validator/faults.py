@@ -1,4 +1,4 @@
-"""The seeded faults: each with the code that must be found, the archive it is seeded into, and how."""
+"""The seeded faults: expected finding code, archive, change."""
 
 import re
 import zipfile
@@ -15,7 +15,7 @@ FOREIGN = {2: "foreign 2", 3: "foreign 3"}
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault. `change` takes the files of the base and gives the changed ones; `write` writes them in a way of its own."""
+    """One fault. `change` modifies the files of the base; `write` writes the archive in a special way."""
 
     code: str
     what: str
@@ -27,7 +27,7 @@ class Fault:
 
 
 def edit(pattern, replacement, name=DESCRIPTION):
-    """A regular expression that must match, replaced once."""
+    """Replaces the first match of a regular expression, which must match."""
 
     def change(files):
         text, count = re.subn(pattern, replacement, files.entries[name].decode(), count=1, flags=re.S)
@@ -95,7 +95,7 @@ def in_library(old, new):
 
 
 def also(*extra):
-    """Writes further entries, which no dictionary could hold."""
+    """Writes additional entries with names that a dictionary cannot hold."""
     return lambda files, path: files.write(path, extra)
 
 

@@ -1,4 +1,4 @@
-"""A small FMU that has nothing to do with this project: an oscillator, compiled from the C source in this folder."""
+"""A small FMU that is independent of this project: an oscillator, compiled from the C source in this folder."""
 
 import math
 import platform

@@ -1,4 +1,4 @@
-"""Asks the checkers about every fault, and writes the answers into docs/validator.md: `python -m validator.table PROGRAM DIST`."""
+"""Runs the checkers on every fault and writes the results into docs/validator.md: `python -m validator.table PROGRAM DIST`."""
 
 import sys
 import tempfile
@@ -31,7 +31,7 @@ def seed(fault, files, path):
 
 
 def judge(number, program, bases, out):
-    """What the three checkers say of one fault: exit code, findings, fmpy, fmutool."""
+    """The results of the three checkers for one fault: exit code, findings, fmpy, fmutool."""
     fault = faults.ALL[number]
     path = seed(fault, bases[fault.base], Path(out) / f"fault-{number}.fmu")
     code, findings = checkers.ours(program, path)
@@ -41,7 +41,7 @@ def judge(number, program, bases, out):
 
 
 def judge_all(program, dist, out, workers=2):
-    """The answers for all faults, in their order."""
+    """The results for all faults, in their order."""
     work = partial(judge, program=program, bases=bases(dist, out), out=out)
     with ProcessPoolExecutor(workers) as pool:
         return list(pool.map(work, range(len(faults.ALL))))
