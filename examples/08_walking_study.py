@@ -1,18 +1,21 @@
-"""What does cooling buy under gait, and which transmission and spring make the most of it?
+"""What does cooling buy under gait, and which transmission and spring give the highest continuous torque?
 
-The thesis asked at standstill; here the motor walks, in a series elastic actuator on an ankle (`loads/walk.toml`). For each arrangement
-of cooling: how long a person can walk, climb stairs or carry 10 kg before the winding reaches its limit, and what share of a healthy
-ankle's torque the motor can give for ever. Then transmission ratio, spring and annulus are swept, and the continuous torque stands
-against the mass. Run it after `cargo xtask demo`, with `motor-fmu` on the path; `--out FOLDER` also writes the page and its figure.
+The thesis asked at standstill; here the motor drives a series elastic actuator on an ankle (`loads/walk.toml`). For each cooling
+arrangement and each activity: time until the winding reaches its limit with the whole biological torque, and the continuous support, the
+fraction of that torque that can be given continuously. Then transmission ratio and spring are swept on level ground and on stairs, so that
+a design that is best in one activity and fails in another is found. Every sentence of the page follows from the results.
+
+Run it after `cargo xtask demo`, with `motor-fmu` on the path; `--out FOLDER` also writes the page and its figure. Progress goes to
+standard error.
 """
 
 import argparse
-import csv
 import json
+import sys
 import textwrap
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from clients.paths import EXAMPLES
 from clients.program import motor_fmu
@@ -35,15 +38,41 @@ ARRANGEMENTS = {
     for name, (diameter, mass) in ANNULI.items()
 }
 SHOWN = ("bare", "fan at 5 mm", "40 mm annulus")
+REFERENCE = "bare"
+# Body masses and activities; the data source of each is what the program says of gait.activity.
+LEVEL = "level walking"
 ACTIVITIES = {
-    "walking": {"gait.activity": "walk"},
-    "walking fast": {"gait.activity": "walk_fast"},
-    "walking with 10 kg": {"gait.activity": "walk", "gait.body_mass": 85},
+    LEVEL: {"gait.activity": "walk"},
+    "level walking, 60 kg": {"gait.activity": "walk", "gait.body_mass": 60},
+    "level walking, 75 kg + 10 kg": {"gait.activity": "walk", "gait.body_mass": 85},
+    "level walking, 100 kg": {"gait.activity": "walk", "gait.body_mass": 100},
     "stairs up": {"gait.activity": "stairs_up"},
     "stairs down": {"gait.activity": "stairs_down"},
+    "slow walking, children's gait": {"gait.activity": "child_walk_slow"},
+    "fast walking, children's gait": {"gait.activity": "child_walk_fast"},
 }
-GRID = ("transmission.ratio=150:450:5", "spring.stiffness=100:400:4")
+# Activities in which ratio and spring are swept; the other arrangements are swept on level ground alone.
+DESIGNED_FOR = (LEVEL, "stairs up", "stairs down")
+RATIO, SPRING = "transmission.ratio", "spring.stiffness"
+GRID = (f"{RATIO}=150:450:5", f"{SPRING}=100:400:4")
 HOURS = 4
+LIMITS = {
+    "winding_temperature": "winding temperature",
+    "thermal_runaway": "thermal runaway",
+    "torque_error": "limits of current and supply voltage",
+    "support_maximum": "greatest value of gait.support",
+}
+
+
+class Progress:
+    """Finished jobs, with the time since the start, on standard error."""
+
+    def __init__(self, jobs: int):
+        self.jobs, self.done, self.start = jobs, 0, time.monotonic()
+
+    def __call__(self, what: str):
+        self.done += 1
+        print(f"[{self.done}/{self.jobs}] {time.monotonic() - self.start:.0f} s  {what}", file=sys.stderr, flush=True)
 
 
 def options(*settings: dict) -> list[str]:
@@ -51,51 +80,104 @@ def options(*settings: dict) -> list[str]:
     return [part for name, value in together.items() for part in ("--set", f"{name}={value}")]
 
 
-def walked(job) -> dict:
-    """An activity with an arrangement: minutes to the limit (null where it is not reached), and what can be given for ever."""
-    arrangement, activity = job
-    sets = options(ARRANGEMENTS[arrangement], ACTIVITIES[activity])
+def walked(arrangement: str, activity: str, design: dict) -> dict:
+    """An activity with an arrangement: minutes to the limit (null where it is not reached), and the continuous support."""
+    sets = options(ARRANGEMENTS[arrangement], ACTIVITIES[activity], design)
     found = json.loads(motor_fmu("steady", "--preset", PRESET, "--load", LOAD, "--hours", str(HOURS), *sets, "--json"))
     continuous = found["continuous"]
     return {
         "minutes_to_limit": found["time_to_limit"] and found["time_to_limit"] / 60.0,
-        "support_for_ever": continuous["support"],
-        "torque_for_ever_Nm": continuous["at"]["joint_torque_peak"],
+        "support_for_ever": continuous["support"] if continuous else 0.0,
+        "torque_for_ever_Nm": continuous["at"]["joint_torque_peak"] if continuous else 0.0,
+        "limited_by": LIMITS[continuous["limited_by"]] if continuous else found["no_continuous_torque"],
         "mass_kg": found["mass"],
+        "gait": found["gait"],
     }
 
 
-def swept(arrangement: str) -> list[dict]:
-    """Continuous torque over ratio and stiffness; designs that cannot follow the gait at all are left out."""
-    with TemporaryDirectory() as folder:
-        table = Path(folder) / "sweep.csv"
-        vary = [part for grid in GRID for part in ("--vary", grid)]
-        sets = options(ARRANGEMENTS[arrangement])
-        motor_fmu("sweep", "--preset", PRESET, "--load", LOAD, *sets, *vary, "--output", str(table), "--json")
-        with table.open(newline="") as file:
-            rows = [row for row in csv.DictReader(file) if row["continuous_torque"]]
-    names = {"transmission.ratio": "ratio", "spring.stiffness": "stiffness_Nm_per_rad", "continuous_torque": "torque_Nm"}
-    return [{short: float(row[name]) for name, short in names.items()} for row in rows]
+def swept(arrangement: str, activity: str) -> dict:
+    """Continuous support over ratio and stiffness; an infeasible design has its reason in place of a support."""
+    vary = [part for grid in GRID for part in ("--vary", grid)]
+    sets = options(ARRANGEMENTS[arrangement], ACTIVITIES[activity])
+    objective = ("--objective", "continuous_support", "--json")
+    found = json.loads(motor_fmu("sweep", "--preset", PRESET, "--load", LOAD, *sets, *vary, *objective))
+    names = dict(zip(found["varied"], ("ratio", "stiffness_Nm_per_rad")))
+    point = lambda p: dict(zip(names.values(), p["values"])) | {"support": p["objective"], "infeasible": p["failure"]}  # noqa: E731
+    return {
+        "best": point(found["best"]),
+        "edges": [f"{names[edge['name']]} {edge['end']}" for edge in found["best_at_edge"]],
+        "points": [point(p) for p in found["points"]],
+    }
+
+
+def place(point: dict) -> tuple:
+    return point["ratio"], point["stiffness_Nm_per_rad"]
+
+
+def settings(point: dict) -> dict:
+    return dict(zip((RATIO, SPRING), place(point)))
 
 
 def study() -> dict:
-    jobs = [(arrangement, activity) for arrangement in SHOWN for activity in ACTIVITIES]
+    sweeps = [(a, activity) for a in ARRANGEMENTS for activity in (DESIGNED_FOR if a in SHOWN else (LEVEL,))]
+    jobs = [(a, activity) for a in ARRANGEMENTS for activity in (ACTIVITIES if a in SHOWN else (LEVEL,))]
+    progress = Progress(len(jobs) + len(sweeps) + len(ARRANGEMENTS))
+
+    def declared(job):
+        answer = walked(*job, {})
+        progress(", ".join(job))
+        return answer
+
     with ThreadPoolExecutor(2) as pool:
-        answers = dict(zip(jobs, pool.map(walked, jobs)))
-    table = {a: {activity: answers[a, activity] for activity in ACTIVITIES} for a in SHOWN}
+        answers = dict(zip(jobs, pool.map(declared, jobs)))
+    grids = {}
+    for job in sweeps:
+        grids[job] = swept(*job)
+        progress(f"ratio and spring: {', '.join(job)}")
     designs = {}
     for arrangement in ARRANGEMENTS:
-        points = swept(arrangement)
-        best = max(points, key=lambda point: point["torque_Nm"])
-        declared = walked((arrangement, "walking")) if arrangement not in SHOWN else table[arrangement]["walking"]
-        designs[arrangement] = {"mass_kg": declared["mass_kg"], "best": best, "points": points}
-    lightest_first = sorted(designs.items(), key=lambda item: item[1]["mass_kg"])
-    best_so_far, front = 0.0, []
-    for name, design in lightest_first:
-        if design["best"]["torque_Nm"] > best_so_far:
-            best_so_far = design["best"]["torque_Nm"]
-            front.append(name)
-    return {"activities": table, "designs": designs, "pareto_front": front}
+        level = grids[arrangement, LEVEL]
+        designs[arrangement] = {
+            "mass_kg": answers[arrangement, LEVEL]["mass_kg"],
+            "declared": answers[arrangement, LEVEL]["support_for_ever"],
+            "best": level["best"] | walked(arrangement, LEVEL, settings(level["best"])),
+            "edges": level["edges"],
+            "points": level["points"],
+        }
+        progress(f"best design, {arrangement}")
+    return {
+        "activities": {a: {activity: answers[a, activity] for activity in ACTIVITIES} for a in SHOWN},
+        "designs": designs,
+        "across_activities": {a: across(a, grids) for a in SHOWN},
+        "pareto_front": front(designs),
+    }
+
+
+def across(arrangement: str, grids: dict) -> dict:
+    """Support in each activity of the designs that are best in one of them, and of the one whose least support is greatest."""
+    supports: dict = {}
+    for activity in DESIGNED_FOR:
+        for point in grids[arrangement, activity]["points"]:
+            supports.setdefault(place(point), {})[activity] = (point["support"] or 0.0, point["infeasible"])
+    row = lambda key: {  # noqa: E731
+        "ratio": key[0],
+        "stiffness_Nm_per_rad": key[1],
+        "support": {activity: supports[key][activity][0] for activity in DESIGNED_FOR},
+        "infeasible": {activity: supports[key][activity][1] for activity in DESIGNED_FOR if supports[key][activity][1]},
+    }
+    least = lambda key: min(support for support, _ in supports[key].values())  # noqa: E731
+    chosen = {f"best for {activity}": row(max(supports, key=lambda key: supports[key][activity][0])) for activity in DESIGNED_FOR}
+    return chosen | {"best in the worst activity": row(max(supports, key=least))}
+
+
+def front(designs: dict) -> list[str]:
+    """The arrangements that no lighter one exceeds in continuous torque."""
+    best, found = 0.0, []
+    for name, design in sorted(designs.items(), key=lambda item: item[1]["mass_kg"]):
+        if design["best"]["torque_for_ever_Nm"] > best:
+            best = design["best"]["torque_for_ever_Nm"]
+            found.append(name)
+    return found
 
 
 def figure(answer: dict, path: Path):
@@ -105,58 +187,147 @@ def figure(answer: dict, path: Path):
     with plt.rc_context(STYLE):
         canvas, panel = plt.subplots(figsize=(8.0, 4.6), layout="constrained")
         for color, (name, design) in zip((GREY, *CURVES), answer["designs"].items()):
-            mass = 1000.0 * design["mass_kg"]
-            torques = [point["torque_Nm"] for point in design["points"]]
+            mass, best = 1000.0 * design["mass_kg"], design["best"]
+            whole = best["torque_for_ever_Nm"] / best["support"]
+            torques = [whole * point["support"] for point in design["points"] if point["support"] is not None]
             panel.plot([mass] * len(torques), torques, "o", ms=3, alpha=0.35, color=color, mew=0)
-            best = design["best"]
-            panel.plot(mass, best["torque_Nm"], "o", ms=8, color=color, label=f"{name}: {best['ratio']:.0f} : 1, {best['stiffness_Nm_per_rad']:.0f} N·m/rad")
-        front = [answer["designs"][name] for name in answer["pareto_front"]]
-        panel.plot([1000.0 * d["mass_kg"] for d in front], [d["best"]["torque_Nm"] for d in front], color=GREY, lw=1.0, zorder=0)
+            label = f"{name}: {best['ratio']:.0f} : 1, {best['stiffness_Nm_per_rad']:.0f} N·m/rad"
+            panel.plot(mass, best["torque_for_ever_Nm"], "o", ms=8, color=color, label=label)
+        line = [answer["designs"][name] for name in answer["pareto_front"]]
+        panel.plot([1000.0 * d["mass_kg"] for d in line], [d["best"]["torque_for_ever_Nm"] for d in line], color=GREY, lw=1.0, zorder=0)
         panel.set(
-            title="Torque at the ankle that can be walked for ever",
+            title=f"Continuous torque at the ankle\n{answer['activities'][REFERENCE][LEVEL]['gait']}",
             xlabel="motor, fan and annulus, g",
-            ylabel="greatest joint torque of the stride, N·m",
+            ylabel="peak joint torque of the stride, N·m",
             ylim=(0, None),
         )
-        panel.legend(title="best ratio and spring", loc="lower right")
+        panel.legend(title="best ratio and spring on level ground", loc="lower right")
         canvas.savefig(path, metadata={"Date": None})
         plt.close(canvas)
 
 
+def percent(support: float) -> str:
+    return f"{100.0 * support:.0f} %"
+
+
+def listed(parts) -> str:
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def at(point: dict) -> str:
+    return f"{point['ratio']:.0f} : 1 and {point['stiffness_Nm_per_rad']:.0f} N.m/rad"
+
+
+def ended(cell: dict) -> str:
+    return f"below its limit for {HOURS} h" if cell["minutes_to_limit"] is None else f"at its limit after {cell['minutes_to_limit']:.0f} min"
+
+
+def declared_design(answer: dict) -> str:
+    """Level walking with the declared ratio and spring."""
+    cells = {name: answer["activities"][name][LEVEL] for name in SHOWN}
+    times = listed([f"{name} {ended(cell)}" for name, cell in cells.items()])
+    supports = listed([f"{name} {percent(cell['support_for_ever'])}" for name, cell in cells.items()])
+    reference = cells[REFERENCE]
+    gains = [
+        f"{name} {cell['torque_for_ever_Nm'] / reference['torque_for_ever_Nm']:.2f} times the continuous torque of {REFERENCE} for "
+        f"{100.0 * (cell['mass_kg'] / reference['mass_kg'] - 1.0):.0f} % more mass of motor and fan"
+        for name, cell in cells.items()
+        if name != REFERENCE
+    ]
+    return f"""With the declared ratio and spring and the whole biological torque of a person of 75 kg, the winding is: {times}. Continuous
+    support: {supports}. Cooling gives: {listed(gains)}."""
+
+
+def best_designs(answer: dict) -> str:
+    """The best ratio and spring of each arrangement, with the gain against its declared ones, and edges of the grid."""
+    designs = answer["designs"]
+    gain = lambda d: f"{100.0 * (d['best']['support'] / d['declared'] - 1.0):+.0f} %"  # noqa: E731
+    best = [f"{name} {d['best']['torque_for_ever_Nm']:.0f} N.m at {at(d['best'])} ({gain(d)})" for name, d in designs.items()]
+    text = f"""Continuous torque on level ground with the best ratio and spring of the grid, and its change against the declared ones of
+    the same arrangement: {"; ".join(best)}."""
+    edges: dict = {}
+    for name, design in designs.items():
+        for edge in design["edges"]:
+            edges.setdefault(edge, []).append(name)
+    for edge, names in edges.items():
+        variable, end = edge.split()
+        text += f" The best {variable.split('_')[0]} is at the {end} end of the grid for {listed(names)}: the optimum may lie outside."
+    bends = {name: d["best"]["torque_for_ever_Nm"] / d["best"]["stiffness_Nm_per_rad"] for name, d in designs.items()}
+    low, high = min(bends.values()), max(bends.values())
+    text += f" The best springs deflect by {low:.2f} to {high:.2f} rad at the peak torque."
+    infeasible = {name: [p for p in d["points"] if p["infeasible"]] for name, d in designs.items()}
+    counts = [f"{name} {len(points)} of {len(designs[name]['points'])}" for name, points in infeasible.items() if points]
+    text += f" Infeasible designs on level ground: {listed(counts)}." if counts else " Every design of the grid is feasible on level ground."
+    return text
+
+
+def robust_designs(answer: dict) -> str:
+    """What the design that is best on level ground does on stairs, and the design with the best worst activity."""
+    sentences = []
+    for name, rows in answer["across_activities"].items():
+        level, robust = rows[f"best for {LEVEL}"], rows["best in the worst activity"]
+        declared = {activity: answer["activities"][name][activity]["support_for_ever"] for activity in DESIGNED_FOR}
+        worse = [
+            f"{activity} {percent(level['support'][activity])} instead of {percent(declared[activity])}"
+            + (f" (infeasible: {level['infeasible'][activity]})" if activity in level["infeasible"] else "")
+            for activity in DESIGNED_FOR
+            if level["support"][activity] < declared[activity]
+        ]
+        first = f"{name[0].upper()}{name[1:]}: the best design on level ground, {at(level)},"
+        verdict = f"gives less support than the declared design in {listed(worse)}" if worse else "gives at least the support of the declared design in every activity"
+        sentences.append(f"{first} {verdict}.")
+        supports = listed([f"{activity} {percent(robust['support'][activity])}" for activity in DESIGNED_FOR])
+        sentences.append(f"The greatest support in the worst activity is at {at(robust)}: {supports}.")
+    return " ".join(sentences)
+
+
+def front_sentence(answer: dict) -> str:
+    members = answer["pareto_front"]
+    others = [name for name in answer["designs"] if name not in members]
+    text = f"On the Pareto front of continuous torque over mass: {listed(members)}."
+    heavier = [
+        f"{name} is heavier and gives {answer['designs'][name]['best']['torque_for_ever_Nm']:.0f} N.m" for name in others
+    ]
+    return text + (f" Not on it: {listed(heavier)}." if heavier else "")
+
+
 def markdown(answer: dict) -> str:
-    """The answer with its numbers."""
-    table, designs = answer["activities"], answer["designs"]
-    bare, fan, annulus = (table[name]["walking"] for name in SHOWN)
-    best = {name: design["best"]["torque_Nm"] for name, design in designs.items()}
-    better = lambda name: f"{100 * (best[name] / table[name]['walking']['torque_for_ever_Nm'] - 1):+.0f} %"  # noqa: E731
-    minutes = lambda cell: "for ever" if cell["minutes_to_limit"] is None else f"{cell['minutes_to_limit']:.0f} min"  # noqa: E731
+    """The page. Every number and every conclusion is of `answer`."""
+    table = answer["activities"]
     paragraphs = [
         "Made by `examples/08_walking_study.py`; the tests run it and compare this page.",
-        f"""A person of 75 kg walks on a powered ankle that gives all of a healthy ankle's torque: the thesis's motor behind 250 : 1 and a
-        spring of 250 N.m/rad. Bare, the winding reaches 155 °C after {minutes(bare)}; with the fan after {minutes(fan)}, with the
-        40 mm annulus after {minutes(annulus)}. For ever the bare motor can give {100 * bare["support_for_ever"]:.0f} % of the torque, with
-        the fan {100 * fan["support_for_ever"]:.0f} %, with the annulus {100 * annulus["support_for_ever"]:.0f} %.""",
-        f"""So under gait cooling buys {fan["torque_for_ever_Nm"] / bare["torque_for_ever_Nm"]:.2f} times the torque for
-        {100 * (fan["mass_kg"] / bare["mass_kg"] - 1):.0f} % more mass of motor and fan. Transmission and spring buy more for no mass at
-        all: with ratio and spring chosen for each arrangement the bare motor gives {best["bare"]:.0f} N.m for ever
-        ({better("bare")}), the one with the fan {best["fan at 5 mm"]:.0f} N.m ({better("fan at 5 mm")}), the one with the 40 mm annulus
-        {best["40 mm annulus"]:.0f} N.m ({better("40 mm annulus")}). On the front of torque over mass lie: {", ".join(answer["pareto_front"])}.
-        On this rig, whose annulus leaks, the fan alone stays the better buy under gait, too. The softest spring of the grid is the
-        best: it stores most of what the ankle gives back, as a tendon does. Softer ones would bend by more than a radian.""",
+        f"Motor: preset `{PRESET}`; actuator and load: `examples/loads/walk.toml`. Gait of level walking: {table[REFERENCE][LEVEL]['gait']}.",
+        declared_design(answer),
+        best_designs(answer),
+        robust_designs(answer),
+        front_sentence(answer),
     ]
     fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128)  # noqa: E731
     text = "# What cooling buys under gait\n\n" + "\n\n".join(map(fill, paragraphs)) + "\n"
-    text += "\n| activity | " + " | ".join(SHOWN) + " |\n" + "|---" * (1 + len(SHOWN)) + "|\n"
+    text += "\n## Activities, declared ratio and spring\n"
+    text += "\n| activity | " + " | ".join(SHOWN) + " | gait data |\n" + "|---" * (2 + len(SHOWN)) + "|\n"
     for activity in ACTIVITIES:
-        cells = [f"{minutes(table[a][activity])}, {100 * table[a][activity]['support_for_ever']:.0f} %" for a in SHOWN]
-        text += f"| {activity} | " + " | ".join(cells) + " |\n"
-    text += "\nTime to the limit with all of the torque, and the share of it that can be given for ever (and followed to 5 %). On stairs\n"
-    text += "torque and speed share a measured power by an estimate (`fmu-src/physics/src/components/gait/tables.rs`).\n"
+        cells = []
+        for arrangement in SHOWN:
+            cell = table[arrangement][activity]
+            end = f"> {HOURS} h" if cell["minutes_to_limit"] is None else f"{cell['minutes_to_limit']:.0f} min"
+            cells.append(f"{end}; {percent(cell['support_for_ever'])}, {cell['limited_by']}")
+        text += f"| {activity} | {' | '.join(cells)} | {table[REFERENCE][activity]['gait']} |\n"
+    text += "\nEach cell: time to the winding's limit with the whole biological torque; continuous support (followed within 5 % of the peak\n"
+    text += "torque) and what limits it. Where not stated, the body mass is 75 kg.\n"
+    text += "\n## Designs across activities\n"
+    text += "\n| arrangement | design | ratio | spring N.m/rad | " + " | ".join(DESIGNED_FOR) + " |\n" + "|---" * (4 + len(DESIGNED_FOR)) + "|\n"
+    for arrangement, rows in answer["across_activities"].items():
+        for name, row in rows.items():
+            cells = ["infeasible" if activity in row["infeasible"] else percent(row["support"][activity]) for activity in DESIGNED_FOR]
+            text += f"| {arrangement} | {name} | {row['ratio']:.0f} | {row['stiffness_Nm_per_rad']:.0f} | {' | '.join(cells)} |\n"
     text += f"\n![Continuous torque over mass]({FIGURE})\n"
-    text += "\n| arrangement | mass g | best ratio | best spring N.m/rad | torque for ever N.m |\n|---|---|---|---|---|\n"
-    for name, design in designs.items():
+    text += "\n| arrangement | mass g | best ratio | best spring N.m/rad | continuous torque N.m | at the edge of the grid |\n|---|---|---|---|---|---|\n"
+    for name, design in answer["designs"].items():
         b = design["best"]
-        text += f"| {name} | {1000 * design['mass_kg']:.0f} | {b['ratio']:.0f} | {b['stiffness_Nm_per_rad']:.0f} | {b['torque_Nm']:.1f} |\n"
+        edges = ", ".join(edge.replace("stiffness_Nm_per_rad", "spring") for edge in design["edges"]) or "no"
+        text += f"| {name} | {1000 * design['mass_kg']:.0f} | {b['ratio']:.0f} | {b['stiffness_Nm_per_rad']:.0f} | {b['torque_for_ever_Nm']:.1f} | {edges} |\n"
     return text
 
 

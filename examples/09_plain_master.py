@@ -1,6 +1,6 @@
-"""Motor, actuator and gait coupled by a plain master: fmpy alone, to be copied.
+"""Motor, actuator and gait coupled by a plain master in fmpy alone: a starting point for own scripts.
 
-Every step: read all outputs, hand them on, step all FMUs (Jacobi, inputs held). `motor-fmu cosim examples/systems/actuator-gait.toml
+Every step: read all outputs, set the connected inputs, step all FMUs (Jacobi, constant inputs). `motor-fmu cosim examples/systems/actuator-gait.toml
 --algorithm jacobi-delayed --no-slopes` gives the same bits, and without these two options a more accurate result in a fraction of the time.
 """
 
@@ -13,8 +13,10 @@ from fmpy.fmi2 import FMU2Slave
 
 STEP, STOP = 1e-3, 10.0
 FMUS = {"gait": "GaitLoad", "motor": "AnnulusCooledMotor", "actuator": "SeriesElasticActuator"}
-PRESETS = {"AnnulusCooledMotor": "maxon-305015"}  # adds the motor's friction; the others run as declared
+# The motor's friction, and the actuator's control that compensates for it.
+PRESETS = {"AnnulusCooledMotor": "maxon-305015", "SeriesElasticActuator": "maxon-305015"}
 SET = {"motor": {"fan_command": 1.0}}
+CHOOSE = {"actuator": {"drive.power_source": 2}}  # motor_power
 CONNECT = (
     ("gait.joint_angle", "actuator.joint_angle"),
     ("gait.joint_speed", "actuator.joint_speed"),
@@ -24,6 +26,7 @@ CONNECT = (
     ("motor.current", "actuator.motor_current"),
     ("actuator.voltage", "motor.voltage"),
     ("actuator.load_torque", "motor.load_torque"),
+    ("motor.power_electrical", "actuator.motor_power"),
     ("actuator.joint_torque", "gait.joint_torque"),
 )
 RECORD = ("gait.torque_demand", "actuator.joint_torque", "motor.current", "motor.winding_temperature")
@@ -59,7 +62,10 @@ def run(stop=STOP, step=STEP, record=RECORD, path=lambda model: archive(model, 2
     for component, values in SET.items():
         for name, value in values.items():
             put(f"{component}.{name}", value)
-    for _ in CONNECT:  # until what passes through an FMU has arrived everywhere
+    for component, choices in CHOOSE.items():
+        for name, item in choices.items():
+            slaves[component].setInteger([reference[f"{component}.{name}"]], [item])
+    for _ in CONNECT:  # until values that pass through several FMUs have arrived
         exchange()
     for slave in slaves.values():
         slave.exitInitializationMode()

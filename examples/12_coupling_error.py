@@ -20,8 +20,12 @@ SYSTEM = EXAMPLES / "systems" / "actuator-gait.toml"
 SOLUTION = ROOT / "tests" / "reference" / "coupled-ankle" / "joined.csv"
 FIGURE = "coupling-error.svg"
 STEPS = (1e-3, 5e-4, 2.5e-4, 1.25e-4)
-# The joined equations are those of the declared values: a motor without the friction of the preset, and no fan.
-DECLARED = ("--set", "motor.effect.coulomb_friction.tau_c=0", "--set", "motor.fan_command=0")
+# The joined equations are those of the declared values: no friction of the preset, no compensation for it, and no fan.
+DECLARED = [
+    part
+    for value in ("motor.effect.coulomb_friction.tau_c=0", "actuator.control.tau_c=0", "motor.fan_command=0")
+    for part in ("--set", value)
+]
 MASTERS = {
     "jacobi, held": ("--algorithm", "jacobi", "--no-slopes"),
     "jacobi, slopes": ("--algorithm", "jacobi"),

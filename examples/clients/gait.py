@@ -1,25 +1,40 @@
 """Level walking as a load: joint angle, speed and torque over the stride, smooth and periodic.
 
-Source: normative gait at five speeds, [Schwartz2008] (fmu-src/physics/data/gait-schwartz2008/SOURCE.md), 51 points per stride.
+Source: that of the activity, `Gait.source`. Adults: torque and angular velocity [Grimmer2014] (fmu-src/physics/data/gait-walking-stairs-cc0);
+the angle is the integral of the velocity, with zero mean. Children: normative gait at five speeds [Schwartz2008]
+(fmu-src/physics/data/gait-schwartz2008), 51 points per stride.
 *Assumes* that every stride is the same, and that torque scales with body mass.
 *Sign*: angle and torque are positive in extension (plantarflexion at the ankle), so that torque * speed > 0 is
-power from the actuator into the leg. The table has flexion positive in angle and extension positive in moment.
+power from the actuator into the leg. The children's table has flexion positive in angle and extension positive in moment.
 """
 
 import csv
+import xml.etree.ElementTree as xml
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from clients.paths import DATA
+from clients.paths import DATA, ROOT
 
-FOLDER = DATA / "gait-schwartz2008"
-CYCLES = FOLDER / "schwartz2008_joint_angle_moment_power.csv"
-STRIDES = FOLDER / "stride_time_inferred_s.csv"
+ADULTS = DATA / "gait-walking-stairs-cc0"
+CHILDREN = DATA / "gait-schwartz2008"
+CHILDREN_CYCLES = CHILDREN / "schwartz2008_joint_angle_moment_power.csv"
+DESCRIPTION = ROOT / "model-description" / "GaitLoad" / "fmi3.xml"
+# Activities as GaitLoad names them; of children with the name of the speed in the table.
+ADULT_WALK = "walk"
+CHILDREN_SPEEDS = {
+    "child_walk_very_slow": "VerySlow",
+    "child_walk_slow": "Slow",
+    "child_walk": "Free",
+    "child_walk_fast": "Fast",
+    "child_walk_very_fast": "VeryFast",
+}
+ACTIVITIES = (ADULT_WALK, *CHILDREN_SPEEDS)
 JOINTS = ("hip", "knee", "ankle")
 BODY_MASS_MIN, BODY_MASS_MAX = 20.0, 200.0
 SUPPORT_MAX = 2.0
+POINTS = 100  # equidistant points of the adults' stride
 
 
 @dataclass(frozen=True)
@@ -35,25 +50,30 @@ class Motion:
 
 
 class Gait:
-    """A joint in level walking. `support` is the share of the biological torque that the actuator gives."""
+    """A joint in level walking. `support` is the fraction of the biological torque that the actuator gives."""
 
-    def __init__(self, body_mass: float, speed: str = "Free", joint: str = "ankle", support: float = 1.0):
+    def __init__(self, body_mass: float, activity: str = ADULT_WALK, joint: str = "ankle", support: float = 1.0):
         if not BODY_MASS_MIN <= body_mass <= BODY_MASS_MAX:
             raise ValueError(f"body_mass = {body_mass} kg; it must lie in {BODY_MASS_MIN:g} to {BODY_MASS_MAX:g} kg")
         if not 0.0 <= support <= SUPPORT_MAX:
             raise ValueError(f"support = {support}; it must lie in 0 to {SUPPORT_MAX:g}")
         if joint not in JOINTS:
             raise ValueError(f"joint = {joint!r}; it takes {', '.join(JOINTS)}")
-        strides = stride_times()
-        if speed not in strides:
-            raise ValueError(f"speed = {speed!r}; it takes {', '.join(strides)}")
-        self.stride_time = strides[speed]
-        phase, angle, moment = cycle(speed, joint)
+        if activity not in ACTIVITIES:
+            raise ValueError(f"activity = {activity!r}; it takes {', '.join(ACTIVITIES)}")
+        self.activity = activity
+        self.stride_time = stride_time(activity)
+        phase, angle, moment = cycle(activity, joint)
         self._angle = self._spline(phase, angle)
         self._torque = self._spline(phase, moment * body_mass * support)
 
     def _spline(self, phase, values):
         return CubicSpline(phase * self.stride_time, _closed(phase, values), bc_type="periodic")
+
+    @property
+    def source(self) -> str:
+        """Subjects and publication of the data."""
+        return source(self.activity)
 
     def at(self, time) -> Motion:
         """Motion and demand at given times; derivatives are those of the splines, not differences."""
@@ -62,30 +82,59 @@ class Gait:
         return Motion(*angle, *torque)
 
     def phase(self, time):
-        """Share of the stride, 0 to 1, that is over."""
+        """Gait phase, 0 to 1."""
         return np.mod(time, self.stride_time) / self.stride_time
 
 
-def stride_times() -> dict[str, float]:
-    """Seconds per stride for each speed class of the table."""
-    with STRIDES.open(newline="") as file:
-        return {row[""]: float(row["stride_time_s"]) for row in csv.DictReader(file)}
+def source(activity: str) -> str:
+    """Subjects and publication of an activity's data, as GaitLoad declares them."""
+    items = xml.parse(DESCRIPTION).iterfind(".//EnumerationType[@name='Activity']/Item")
+    return next(item.get("description") for item in items if item.get("name") == activity)
 
 
-def cycle(speed: str, joint: str):
-    """Phase (0 to 1), angle (rad, extension positive) and moment (N.m/kg) as the table has them."""
-    with CYCLES.open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["speed"] == speed]
-    column = lambda name: np.array([float(row[name]) for row in rows])
-    phase = column("gait_pct") / 100.0
-    return phase, -np.radians(column(f"{joint}_angles_mean")), column(f"{joint}_moment_mean")
+def _rows(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def stride_time(activity: str) -> float:
+    """Seconds per stride."""
+    if activity == ADULT_WALK:
+        rows = {row["activity"]: row for row in _rows(ADULTS / "stride_time_s.csv")}
+        return float(rows["walk"]["stride_time_s"])
+    rows = {row[""]: row for row in _rows(CHILDREN / "stride_time_inferred_s.csv")}
+    return float(rows[CHILDREN_SPEEDS[activity]]["stride_time_s"])
+
+
+def cycle(activity: str, joint: str):
+    """Phase (0 to 1), angle (rad, extension positive) and moment (N.m/kg)."""
+    return _adult_cycle(joint) if activity == ADULT_WALK else _child_cycle(CHILDREN_SPEEDS[activity], joint)
+
+
+def _adult_cycle(joint: str):
+    phase = np.arange(POINTS + 1) / POINTS
+
+    def curve(quantity):
+        percent, values = np.array([[float(cell) for cell in row.values()] for row in _rows(ADULTS / f"walking_{joint}_{quantity}.csv")]).T
+        return np.interp(phase, percent / 100.0, values, period=1.0)
+
+    speed = np.radians(curve("angle_velocity"))
+    speed -= speed[:-1].mean()
+    angle = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]) * stride_time(ADULT_WALK) / POINTS
+    return phase, angle - angle[:-1].mean(), curve("torque")
+
+
+def _child_cycle(speed: str, joint: str):
+    rows = [row for row in _rows(CHILDREN_CYCLES) if row["speed"] == speed]
+    column = lambda name: np.array([float(row[name]) for row in rows])  # noqa: E731
+    return column("gait_pct") / 100.0, -np.radians(column(f"{joint}_angles_mean")), column(f"{joint}_moment_mean")
 
 
 def _closed(phase, values):
     """The curve with its end made equal to its start.
 
-    The means of 76 to 82 walkers do not close exactly (0.2 degrees at free speed); the gap is spread over the
-    stride, so that there is no step in speed where one stride ends and the next begins.
+    The means of 76 to 82 children do not close exactly (0.2 degrees at self-selected speed); the gap is spread over the
+    stride, so that the speed is continuous from one stride to the next.
     """
     closed = values - (values[-1] - values[0]) * (phase - 0.5)
     closed[-1] = closed[0]

@@ -61,13 +61,26 @@ def test_a_minute_of_walking(cosim, toml, tmp_path):
     walk = rows(tmp_path / "walk.csv")
     assert list(walk[0])[:2] == ["time", "gait.joint_angle"] and float(walk[-1]["time"]) == 60.0
     judged = [row for row in walk if float(row["time"]) > GETTING_IN_STEP]
-    # An ankle of 75 kg: more than 80 N.m, followed within a few percent.
+    # An adult's ankle, 75 kg: 103 N.m, followed within a few percent.
     peak = max(float(row["gait.torque_demand"]) for row in judged)
-    assert 80.0 < peak < 150.0
+    assert 101.0 < peak < 105.0
     assert max(abs(float(row["actuator.torque_error"])) for row in judged) < 0.05 * peak
     assert result["final"]["motor.winding_temperature"] > 305.0
     assert 50 < result["final"]["gait.strides"] < 60
     assert (tmp_path / "walk.svg").read_text().startswith("<svg")
+
+
+@pytest.mark.parametrize("drive", ["voltage", "current"])
+def test_the_supply_gives_the_electrical_power(drive, cosim, description, tmp_path):
+    """Energy from the supply is the motor's electrical energy in either drive mode, within the coupling error."""
+    command = {"voltage": "actuator.voltage -> motor.voltage", "current": "actuator.current_command -> motor.current_command"}
+    text = description.replace(command["voltage"], command[drive])
+    text = text.replace("fan_command = 1.0", f'fan_command = 1.0\ndrive_mode = "{drive}"')
+    path = tmp_path / "drive.toml"
+    path.write_text(text)
+    final = cosim(path)["final"]
+    assert final["motor.energy_electrical"] > 500.0
+    assert final["actuator.energy_supply"] == pytest.approx(final["motor.energy_electrical"], rel=2e-3)
 
 
 def test_energy_closes_over_the_connections(cosim, toml):
@@ -114,7 +127,7 @@ def test_the_archive_is_valid_and_whole(ssp):
     # read_ssd validates it with the standard's schema.
     system = read_ssd(str(ssp), validate=True).system
     assert [component.name for component in system.elements] == ["gait", "motor", "actuator"]
-    assert len(system.connections) == 9
+    assert len(system.connections) == 10
     with zipfile.ZipFile(ssp) as archive:
         assert archive.namelist() == [
             "SystemStructure.ssd",

@@ -30,7 +30,8 @@ pub struct Args {
     /// Version of the standard.
     #[arg(long, value_enum, default_value = "both")]
     fmi: Which,
-    /// Start values for the preset's model: a built-in preset's name or a TOML file.
+    /// Start values for the preset's model: a built-in preset's name or a TOML file. SeriesElasticActuator derives the motor
+    /// data of its control from a preset of the motor.
     #[arg(long, value_name = "NAME|FILE")]
     preset: Option<String>,
     /// Terms found in data, to be carried as resources/effects.json.
@@ -57,18 +58,34 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let libraries = libraries(&args.platform)?;
     let mut paths = Vec::new();
     for kind in chosen(&args.models)? {
-        // A preset belongs to its model, and not every model takes terms. Where all are built, the others are built
-        // without; where one is named that they are not for, they are refused.
+        // A preset belongs to its model; the actuator derives its control's motor data from its motor's. Not every model takes
+        // terms. Where all are built, the others are built without; where one is named that they are not for, they are refused.
         let named = !args.models.is_empty();
-        let fits = |p: &&Preset| named || p.model == (kind.declaration)().name;
+        let own = preset.as_ref().and_then(|p| p.for_model(kind));
         let takes = |f: &&TermsFile| named || f.terms().map_or(true, |terms| (kind.new)().set_terms(&terms));
-        let contents =
-            Contents { preset: preset.as_ref().filter(fits), effects: effects.as_ref().filter(takes) };
+        let contents = Contents {
+            preset: own.as_ref().or(preset.as_ref().filter(|_| named)),
+            effects: effects.as_ref().filter(takes),
+        };
+        if let (Some(given), Some(own)) = (&preset, &own) {
+            if given.model != own.model {
+                crate::say(&derived(kind, own));
+            }
+        }
         paths.extend(build_for(kind, standards, contents, &libraries, &args.out)?);
     }
     let needs: Vec<String> = libraries.iter().map(Library::needs).collect();
     crate::say(&format!("libraries for {}\n", needs.join(", ")));
     crate::validate::report(&paths, false)
+}
+
+/// The start values that a model derives from a preset of another, as a line.
+fn derived(kind: &ModelType, preset: &Preset) -> String {
+    let declaration = (kind.declaration)();
+    let entries = declaration.entries.iter().filter(|e| preset.starts.names(e));
+    let values: Vec<String> =
+        entries.map(|e| format!("{} = {} {}", e.name, preset.starts.of(e), e.row.unit.name())).collect();
+    format!("{}, {}: {}\n", declaration.name, preset.description, values.join(", "))
 }
 
 /// The libraries for the platforms that are named, each once; for none that of this program.

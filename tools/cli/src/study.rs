@@ -3,8 +3,8 @@
 use crate::Failure;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
-use ::study::sweep::{Case, Held, Sweep, Vary, Walking, sweep};
-use ::study::walk::{Load, Walks};
+use ::study::sweep::{Case, ConstantInputs, Sweep, Vary, Walking, sweep};
+use ::study::walk::{Load, Objective};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;
@@ -28,20 +28,20 @@ pub struct Start {
 /// A gait as the load.
 #[derive(clap::Args)]
 pub struct LoadArgs {
-    /// Walk: a TOML file with the tables [motor], [actuator] and [gait]
+    /// Gait as periodic load: a TOML file with the tables [motor], [actuator] and [gait]
     #[arg(long, value_name = "gait.toml")]
     pub load: Option<PathBuf>,
-    /// Hours that are walked at most, with --load
+    /// Longest duration of the walk in hours, with --load
     #[arg(long, value_name = "H", default_value_t = 2.0)]
     pub hours: f64,
 }
 
 impl Start {
-    /// What walks: the motor with its preset, and what is set.
+    /// Motor with its preset, actuator and gait, and the settings.
     pub fn load(&self, file: &Path) -> Result<Load, Failure> {
         if self.model != ::study::walk::MOTOR {
             return Err(Failure::new(format!(
-                "--load walks with {}, and not with {}",
+                "--load takes the motor {}, not {}",
                 ::study::walk::MOTOR,
                 self.model
             )));
@@ -56,21 +56,22 @@ impl Start {
     }
 }
 
-/// Thermal steady state, and the torque that can be held for ever at the winding's limit.
+/// Thermal steady state, and the continuous torque at the winding's temperature limit.
 ///
 /// Modes that are not set follow from the inputs: electrical_power means drive_mode power, current_command
 /// current, voltage voltage, duty pwm. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
 ///
-/// With --load the motor walks, in an actuator on a joint: the periodic steady state, the way there from a cold start, and
-/// the torque that can be walked for ever. Of what is set each name belongs to the first of motor, actuator and
-/// gait that has it.
+/// With --load the motor drives an actuator on a walking joint: periodic steady state, time to the winding's limit from a
+/// cold start, and the continuous support, the fraction of the biological torque that can be given continuously. The
+/// control's motor data follow from the motor unless they are set. A name in --set belongs to the first of motor, actuator
+/// and gait that has it.
 #[derive(clap::Args)]
 pub struct SteadyArgs {
     #[command(flatten)]
     pub start: Start,
     #[command(flatten)]
     pub load: LoadArgs,
-    /// With --load: draw the winding over the walk, as SVG
+    /// With --load: plot the winding temperature over the walk, as SVG
     #[arg(long, value_name = "F.svg", requires = "load")]
     pub plot: Option<PathBuf>,
     /// Print everything as JSON
@@ -150,7 +151,7 @@ pub struct SweepArgs {
     /// Write all points as CSV with 17 digits
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
-    /// Draw the objective over the first variable, a line for each value of the second, as SVG
+    /// Plot the objective over the first variable, a line for each value of the second, as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
     /// Print everything as JSON
@@ -167,9 +168,9 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let case: Box<dyn Case> = match &args.load.load {
         Some(file) => Box::new(Walking {
             load: args.start.load(file)?,
-            objective: Walks::named(&args.objective, args.load.hours)?,
+            objective: Objective::named(&args.objective, args.load.hours)?,
         }),
-        None => Box::new(Held { setup: args.start.setup()?, objective: args.objective.clone() }),
+        None => Box::new(ConstantInputs { setup: args.start.setup()?, objective: args.objective.clone() }),
     };
     let found = sweep(case.as_ref(), &vary, done);
     bar.finish_and_clear();
@@ -191,8 +192,11 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
 fn summary(found: &Sweep) -> String {
     let failed: Vec<&String> = found.points.iter().filter_map(|p| p.failure.as_ref()).collect();
     let mut text = format!("{} points\n", found.points.len());
+    if let Some(source) = &found.source {
+        text += &format!("gait data: {source}\n");
+    }
     if let Some(reason) = failed.first() {
-        text += &format!("{} without a result: {reason}\n", failed.len());
+        text += &format!("{} infeasible, the first: {reason}\n", failed.len());
     }
     if let Some(best) = &found.best {
         let at = |k: usize| {
@@ -202,6 +206,13 @@ fn summary(found: &Sweep) -> String {
         let value = best.objective.map_or(String::new(), significant);
         let places = places.iter().map(|p| p.trim_end()).collect::<Vec<_>>().join(", ");
         text += &format!("best {} = {value} {} at {places}\n", found.objective, plain(found.objective_unit));
+    }
+    for edge in &found.best_at_edge {
+        let value = significant(edge.value);
+        text += &format!(
+            "{} = {value} is the {} end of its range: the optimum may lie outside\n",
+            edge.name, edge.end
+        );
     }
     text
 }

@@ -1,9 +1,9 @@
-//! `motor-fmu steady --load`: a motor that walks.
+//! `motor-fmu steady --load`: a motor under the periodic load of a gait.
 
 use crate::Failure;
 use crate::study::{SteadyArgs, rounded, write};
 use ::study::reproduce::significant;
-use ::study::walk::{Forever, Walked, continuous_support, walk};
+use ::study::walk::{Periodic, Walked, continuous_support, walk};
 use present::figure::{Axis, Figure};
 use serde_json::json;
 use std::path::Path;
@@ -15,38 +15,53 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     let walked = walk(&load, args.load.hours)?;
     let continuous = continuous_support(&load);
     if let Some(path) = &args.plot {
-        write(path, &figure(&walked).svg())?;
+        write(path, &figure(&walked, &load.source()?).svg())?;
     }
+    let (source, derived) = (load.source()?, load.derived()?);
     if args.json {
         let result = json!({
+            "gait": source,
+            "derived": derived,
             "stride_time": walked.stride_time,
             "limit": walked.limit,
             "forever": walked.forever,
+            "at_limit": walked.at_limit,
             "time_to_limit": walked.envelope.time_to_limit,
             "envelope": walked.envelope.points,
-            "continuous": continuous.as_ref().ok().map(|(support, at)| json!({"support": support, "at": at})),
+            "continuous": continuous.as_ref().ok(),
             "no_continuous_torque": continuous.as_ref().err().map(ToString::to_string),
             "mass": load.mass()?,
         });
         crate::say(&format!("{}\n", serde_json::to_string_pretty(&result)?));
         return Ok(ExitCode::SUCCESS);
     }
-    let mut text = match &walked.forever {
-        Some(forever) => {
-            format!("walking for ever, strides of {:.3} s\n{}", walked.stride_time, lines(forever))
+    let mut text = format!("gait data: {source}\n");
+    if !derived.is_empty() {
+        let values = derived.iter().map(|d| format!("{} = {} {}", d.name, significant(d.value), d.unit));
+        text += &format!("derived from the motor: {}\n", values.collect::<Vec<_>>().join(", "));
+    }
+    let limit = format!("{:.2} K ({:.2} degC)", walked.limit, walked.limit - 273.15);
+    text += &match (&walked.forever, &walked.at_limit) {
+        (Some(periodic), _) => {
+            format!("periodic steady state, stride {:.3} s\n{}", walked.stride_time, lines(periodic))
         }
-        None => "walking on and on, the winding runs away\n".to_owned(),
+        (None, Some(at)) => format!(
+            "thermal runaway: no periodic steady state; stride of {:.3} s at the winding's limit\n{}",
+            walked.stride_time,
+            lines(at)
+        ),
+        (None, None) => "thermal runaway: no periodic steady state\n".to_owned(),
     };
-    let limit = format!("its limit of {:.2} K ({:.2} degC)", walked.limit, walked.limit - 273.15);
     text += &match walked.envelope.time_to_limit {
-        Some(time) => format!("the winding passes {limit} after {:.1} min\n", time / 60.0),
-        None => format!("in {} h the winding does not pass {limit}\n", args.load.hours),
+        Some(time) => format!("time to the winding's limit of {limit}: {:.1} min\n", time / 60.0),
+        None => format!("the winding stays below its limit of {limit} for {} h\n", args.load.hours),
     };
     text += &match continuous {
-        Ok((support, at)) => format!(
-            "for ever {} of the biological torque can be given, {} N.m at the joint\n",
-            significant(support),
-            significant(at.joint_torque_peak)
+        Ok(c) => format!(
+            "continuous support {} of the biological torque, peak {} N.m at the joint; limited by {}\n",
+            significant(c.support),
+            significant(c.at.joint_torque_peak),
+            c.limited_by.text()
         ),
         Err(reason) => format!("{reason}\n"),
     };
@@ -54,30 +69,30 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn lines(f: &Forever) -> String {
+fn lines(p: &Periodic) -> String {
     let celsius = |kelvin: f64| format!("K  ({:.2} degC)", kelvin - 273.15);
     let rows = [
-        ("winding_temperature", f.winding_temperature, celsius(f.winding_temperature)),
-        ("winding_temperature, mean", f.winding_temperature_mean, celsius(f.winding_temperature_mean)),
-        ("current, rms", f.current_rms, "A".into()),
-        ("current, peak", f.current_peak, "A".into()),
-        ("joint_torque, peak", f.joint_torque_peak, "N.m".into()),
-        ("torque_error, rms", f.torque_error_rms, "N.m".into()),
-        ("power_electrical, mean", f.power_electrical, "W".into()),
-        ("joint_power, mean", f.power_joint, "W".into()),
-        ("supply_power, mean", f.power_supply, "W".into()),
+        ("winding_temperature, peak", p.winding_temperature, celsius(p.winding_temperature)),
+        ("winding_temperature, mean", p.winding_temperature_mean, celsius(p.winding_temperature_mean)),
+        ("current, rms", p.current_rms, "A".into()),
+        ("current, peak", p.current_peak, "A".into()),
+        ("joint_torque, peak", p.joint_torque_peak, "N.m".into()),
+        ("torque_error, rms", p.torque_error_rms, "N.m".into()),
+        ("power_electrical, mean", p.power_electrical, "W".into()),
+        ("joint_power, mean", p.power_joint, "W".into()),
+        ("supply_power, mean", p.power_supply, "W".into()),
     ];
     rows.iter().map(|(name, value, unit)| format!("  {name:30} {:>12} {unit}\n", rounded(*value))).collect()
 }
 
-fn figure(walked: &Walked) -> Figure {
+fn figure(walked: &Walked, source: &str) -> Figure {
     let points: Vec<(f64, f64)> =
         walked.envelope.points.iter().map(|p| (p.time / 60.0, p.winding_temperature - 273.15)).collect();
     let limit = walked.limit - 273.15;
     Figure::new(
-        "Winding temperature while walking",
+        &format!("Winding temperature. {source}"),
         Axis::new("time in min"),
-        Axis::new("greatest temperature of a stride in °C"),
+        Axis::new("peak winding temperature of a stride in °C"),
     )
     .line("winding", points)
     .limit(limit, "limit")

@@ -87,6 +87,11 @@ impl StartValues {
         Ok(starts)
     }
 
+    /// Whether a start value of the variable is given.
+    pub fn names(&self, entry: &Entry) -> bool {
+        self.0.contains_key(&entry.value_reference)
+    }
+
     /// Value references and values, ascending.
     pub fn entries(&self) -> Vec<(u32, f64)> {
         self.0.iter().map(|(k, v)| (*k, *v)).collect()
@@ -327,6 +332,26 @@ mod tests {
         assert!((start("effect.coulomb_friction.tau_c") - 0.0276 * 0.356).abs() < 5e-6);
         assert_eq!(start("thermal.C_h"), 149.4);
         assert_eq!(start("effect.viscous_friction.k"), 0.0, "other values stay as declared");
+    }
+
+    /// The actuator's control gets the motor's data, from any preset of the motor; no other model does.
+    #[test]
+    fn the_actuator_follows_the_motors_preset() {
+        let text = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\n\"motor.R_ref\" = 1.1\n\
+                    \"motor.k_t\" = 0.0535\nvoltage = 24\n";
+        let preset = Preset::parse(text, "x.toml").unwrap();
+        let by_name = |name: &str| physics::models::by_name(name).unwrap();
+        let derived = preset.for_model(by_name("SeriesElasticActuator")).unwrap();
+        let declaration = (by_name(&derived.model).declaration)();
+        let start = |name: &str| derived.starts.of(declaration.by_name(name).unwrap());
+        assert_eq!([start("control.R"), start("control.k_t"), start("supply_voltage")], [1.1, 0.0535, 24.0]);
+        assert_eq!(start("control.J"), 33.3e-7, "what the preset does not name is the declared motor's");
+        let plain =
+            Preset::load("maxon-305015").unwrap().for_model(by_name("SeriesElasticActuator")).unwrap();
+        assert!((plain.starts.of(declaration.by_name("control.tau_c").unwrap()) - 9.83e-3).abs() < 1e-12);
+        assert!(preset.for_model(by_name("GaitLoad")).is_none());
+        assert!(preset.for_model(by_name("AnnulusCooledMotor")).is_some());
+        assert!(Preset::load("bdcm-37d").unwrap().for_model(by_name("SeriesElasticActuator")).is_none());
     }
 
     #[test]

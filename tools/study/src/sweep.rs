@@ -4,7 +4,7 @@ use crate::StudyError;
 use crate::bench::Bench;
 use crate::numeric::linspace;
 use crate::steady::{Setup, continuous_torque, steady};
-use crate::walk::{Load, Walks, continuous_support, forever, walk};
+use crate::walk::{Load, Objective, continuous_support, periodic, walk};
 use physics::declare::Kind;
 use physics::model::Entry;
 use present::figure::{Axis, Figure};
@@ -51,55 +51,62 @@ impl Vary {
     }
 }
 
-/// What is looked for at every point.
+/// The objective of a sweep.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sought {
+pub struct Target {
     /// Its name.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// Whether the least is the best, as of a temperature.
+    /// Whether the least value is the best, as of a temperature.
     pub least_is_best: bool,
 }
 
-/// Something that can be varied and asked.
+/// A model whose variables can be varied and whose objective can be evaluated.
 pub trait Case: Sync {
-    /// What is looked for.
+    /// The objective.
     ///
     /// # Errors
-    /// The case has no such thing.
-    fn sought(&self) -> Result<Sought, StudyError>;
+    /// The case has no such objective.
+    fn target(&self) -> Result<Target, StudyError>;
     /// The variable of this name.
     ///
     /// # Errors
     /// There is none.
     fn entry(&self, name: &str) -> Result<&'static Entry, StudyError>;
-    /// The answer with these values set last.
+    /// The objective with these values, set last.
     ///
     /// # Errors
-    /// A value that is not taken, or no answer.
+    /// A value that is refused, or no steady state.
     fn at(&self, sets: &[(&str, f64)]) -> Result<f64, StudyError>;
     /// Whether a value is taken.
     ///
     /// # Errors
     /// One sentence why not.
     fn takes(&self, name: &str, value: f64) -> Result<(), StudyError>;
+    /// Source of the measured data that the case uses, if any.
+    ///
+    /// # Errors
+    /// A case that does not know its data.
+    fn source(&self) -> Result<Option<String>, StudyError> {
+        Ok(None)
+    }
 }
 
 /// A motor at constant inputs.
 ///
-/// The objective is `continuous_torque`, torque without end, N.m; `torque_density`, the same per total mass, N.m/kg;
+/// The objective is `continuous_torque`, N.m; `torque_density`, the same per total mass, N.m/kg;
 /// or an output in steady state.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct ConstantInputs {
     /// The motor and its inputs.
     pub setup: Setup,
-    /// What is looked for.
+    /// The objective's name.
     pub objective: String,
 }
 
-impl Case for Held {
-    fn sought(&self) -> Result<Sought, StudyError> {
+impl Case for ConstantInputs {
+    fn target(&self) -> Result<Target, StudyError> {
         let bench = self.setup.bench()?;
         let output = match self.objective.as_str() {
             "continuous_torque" => "shaft_torque",
@@ -110,7 +117,7 @@ impl Case for Held {
             return Err(StudyError::new(format!("--objective {output} is no output of the model")));
         }
         let unit = entry.row.unit.name();
-        Ok(Sought { name: self.objective.clone(), unit, least_is_best: unit == "K" && !entry.row.relative })
+        Ok(Target { name: self.objective.clone(), unit, least_is_best: unit == "K" && !entry.row.relative })
     }
 
     fn entry(&self, name: &str) -> Result<&'static Entry, StudyError> {
@@ -136,19 +143,19 @@ impl Case for Held {
     }
 }
 
-/// A motor in an actuator on a joint that walks.
+/// A motor in an actuator on a walking joint.
 #[derive(Clone)]
 pub struct Walking {
     /// Motor, actuator and gait.
     pub load: Load,
-    /// What is looked for.
-    pub objective: Walks,
+    /// The objective.
+    pub objective: Objective,
 }
 
 impl Case for Walking {
-    fn sought(&self) -> Result<Sought, StudyError> {
+    fn target(&self) -> Result<Target, StudyError> {
         let (name, unit, least_is_best) = self.objective.describe();
-        Ok(Sought { name: name.to_owned(), unit, least_is_best })
+        Ok(Target { name: name.to_owned(), unit, least_is_best })
     }
 
     fn entry(&self, name: &str) -> Result<&'static Entry, StudyError> {
@@ -161,13 +168,13 @@ impl Case for Walking {
             load.set_text(name, &value.to_string())?;
         }
         match self.objective {
-            Walks::ContinuousTorque => Ok(continuous_support(&load)?.1.joint_torque_peak),
-            Walks::TorqueDensity => Ok(continuous_support(&load)?.1.joint_torque_peak / load.mass()?),
-            Walks::ContinuousSupport => Ok(continuous_support(&load)?.0),
-            Walks::WindingTemperature => Ok(forever(&load)?.winding_temperature),
-            Walks::SupplyPower => Ok(forever(&load)?.power_supply),
-            Walks::TorqueError => Ok(forever(&load)?.torque_error_rms),
-            Walks::TimeToLimit { hours } => {
+            Objective::ContinuousTorque => Ok(continuous_support(&load)?.at.joint_torque_peak),
+            Objective::TorqueDensity => Ok(continuous_support(&load)?.at.joint_torque_peak / load.mass()?),
+            Objective::ContinuousSupport => Ok(continuous_support(&load)?.support),
+            Objective::WindingTemperature => Ok(periodic(&load)?.winding_temperature),
+            Objective::SupplyPower => Ok(periodic(&load)?.power_supply),
+            Objective::TorqueError => Ok(periodic(&load)?.torque_error_rms),
+            Objective::TimeToLimit { hours } => {
                 Ok(walk(&load, hours)?.envelope.time_to_limit.unwrap_or(hours * 3600.0))
             }
         }
@@ -175,6 +182,10 @@ impl Case for Walking {
 
     fn takes(&self, name: &str, value: f64) -> Result<(), StudyError> {
         self.load.clone().set_text(name, &value.to_string())
+    }
+
+    fn source(&self) -> Result<Option<String>, StudyError> {
+        self.load.source().map(Some)
     }
 }
 
@@ -187,6 +198,17 @@ pub struct Point {
     pub objective: Option<f64>,
     /// Why it has none.
     pub failure: Option<String>,
+}
+
+/// A variable whose best value is the first or the last of its range: the optimum may lie outside.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Edge {
+    /// The variable.
+    pub name: String,
+    /// Its value at the best point.
+    pub value: f64,
+    /// Whether that is the lower or the upper end of the range.
+    pub end: &'static str,
 }
 
 /// A finished sweep.
@@ -204,14 +226,20 @@ pub struct Sweep {
     pub points: Vec<Point>,
     /// The best point.
     pub best: Option<Point>,
+    /// The variables whose best value is at an end of the range.
+    pub best_at_edge: Vec<Edge>,
+    /// Number of points without a result; each names its reason.
+    pub infeasible: usize,
+    /// Source of the measured data, for a gait.
+    pub source: Option<String>,
 }
 
-/// Runs the sweep; `progress` hears how many points are done, from several threads.
+/// Runs the sweep; `progress` is called with the number of finished points, from several threads.
 ///
 /// # Errors
 /// No grid, a variable or a value that the model does not take, or no point with a result.
 pub fn sweep(case: &dyn Case, vary: &[Vary], progress: impl Fn(usize) + Sync) -> Result<Sweep, StudyError> {
-    let sought = case.sought()?;
+    let target = case.target()?;
     let count = vary.iter().map(|v| v.values.len()).fold(1usize, usize::saturating_mul);
     if vary.is_empty() || count > MAX_POINTS {
         return Err(StudyError::new(format!("--vary makes {count} points; 1 ... {MAX_POINTS} are possible")));
@@ -230,7 +258,7 @@ pub fn sweep(case: &dyn Case, vary: &[Vary], progress: impl Fn(usize) + Sync) ->
             Point { values, objective: found.ok(), failure }
         })
         .collect();
-    let better = |a: &f64, b: &f64| if sought.least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
+    let better = |a: &f64, b: &f64| if target.least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
     let best = points
         .iter()
         .filter_map(|p| p.objective.map(|o| (o, p)))
@@ -246,14 +274,33 @@ pub fn sweep(case: &dyn Case, vary: &[Vary], progress: impl Fn(usize) + Sync) ->
             .iter()
             .map(|v| case.entry(&v.name).map(|e| e.row.unit.name()))
             .collect::<Result<_, _>>()?,
-        objective: sought.name,
-        objective_unit: sought.unit,
+        objective: target.name,
+        objective_unit: target.unit,
+        best_at_edge: best.as_ref().map_or(Vec::new(), |point| edges(vary, &point.values)),
+        infeasible: points.iter().filter(|p| p.objective.is_none()).count(),
+        source: case.source()?,
         points,
         best,
     })
 }
 
-/// Both ends of every range are taken by the model, before anything runs.
+/// The variables that are at an end of their range.
+fn edges(vary: &[Vary], at: &[f64]) -> Vec<Edge> {
+    let edge = |(v, &value): (&Vary, &f64)| {
+        let (least, most) =
+            v.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), x| (l.min(*x), m.max(*x)));
+        let end = match value {
+            _ if least == most => return None,
+            value if value == least => "lower",
+            value if value == most => "upper",
+            _ => return None,
+        };
+        Some(Edge { name: v.name.clone(), value, end })
+    };
+    vary.iter().zip(at).filter_map(edge).collect()
+}
+
+/// Both ends of every range are valid values, checked before anything runs.
 fn check(case: &dyn Case, vary: &[Vary]) -> Result<(), StudyError> {
     for (k, v) in vary.iter().enumerate() {
         if vary[..k].iter().any(|other| other.name == v.name) {
@@ -350,9 +397,9 @@ fn in_unit(unit: &str) -> String {
 mod tests {
     use super::*;
 
-    fn held(sets: &[(&str, &str)], objective: &str) -> Held {
+    fn constant(sets: &[(&str, &str)], objective: &str) -> ConstantInputs {
         let sets = sets.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
-        Held {
+        ConstantInputs {
             setup: Setup { model: "AnnulusCooledMotor".into(), preset: None, sets },
             objective: objective.into(),
         }
@@ -366,7 +413,7 @@ mod tests {
     #[test]
     fn a_grid_of_two() {
         let grid = vary(&["ambient_temperature=290:300:2", "fan_command=0:1:3"]);
-        let case = held(&[("electrical_power", "10")], "winding_temperature");
+        let case = constant(&[("electrical_power", "10")], "winding_temperature");
         let found = sweep(&case, &grid, |_| {}).unwrap();
         assert_eq!(found.points.len(), 6);
         assert_eq!(found.points[1].values, [290.0, 0.5]);
@@ -376,15 +423,22 @@ mod tests {
             assert!((point.objective.unwrap() - by_hand).abs() < 1e-3, "{point:?} instead of {by_hand}");
         }
         assert_eq!(found.best.as_ref().unwrap().values, [290.0, 1.0]);
+        let edge = |name: &str, value, end| Edge { name: name.into(), value, end };
+        let edges = [edge("ambient_temperature", 290.0, "lower"), edge("fan_command", 1.0, "upper")];
+        assert_eq!(found.best_at_edge, edges);
         assert_eq!(found.csv().lines().count(), 7);
         assert!(found.figure().unwrap().svg().contains("fan_command"));
     }
 
     #[test]
-    fn runaway_leaves_a_gap_and_not_the_sweep() {
-        let fixed = held(&[("drive_mode", "current")], "winding_temperature");
+    fn an_infeasible_point_has_its_reason_and_the_sweep_goes_on() {
+        let fixed = constant(&[("drive_mode", "current")], "winding_temperature");
         let found = sweep(&fixed, &vary(&["current_command=1:20:2"]), |_| {}).unwrap();
         assert!(found.points[1].objective.is_none() && found.points[1].failure.is_some());
+        assert_eq!((found.infeasible, found.best_at_edge.len()), (1, 1));
+        // An optimum between the ends is at no edge, nor is a range of one value.
+        let inside = sweep(&constant(&[], "power_electrical"), &vary(&["voltage=1:1:1"]), |_| {}).unwrap();
+        assert!(inside.best_at_edge.is_empty());
         assert_eq!(found.best.as_ref().unwrap().values, [1.0]);
         assert!(found.csv().ends_with(",\n"));
     }
@@ -403,7 +457,7 @@ mod tests {
             assert!(error.contains(word) && error.contains("--vary"), "{error}");
         }
         let refused = |grid: &[&str], objective: &str| {
-            sweep(&held(&[], objective), &vary(grid), |_| {}).unwrap_err().to_string()
+            sweep(&constant(&[], objective), &vary(grid), |_| {}).unwrap_err().to_string()
         };
         assert!(
             refused(&["fan_command=0:2:3"], "current")

@@ -4,20 +4,21 @@ use crate::{Outcome, shell, workspace::Workspace};
 use std::path::Path;
 use std::process::Command;
 
-/// The motor that walks in the examples: the declared motor with the friction that the preset adds.
-const WALKING: (&str, &str) = ("AnnulusCooledMotor", "maxon-305015");
+/// Motor and actuator of the walking examples: the declared ones with the friction that the preset adds, and the control
+/// that compensates for it.
+const WALKING: ([&str; 2], &str) = (["AnnulusCooledMotor", "SeriesElasticActuator"], "maxon-305015");
 
 /// Builds everything, in the one profile that all commands share.
 pub fn build(workspace: &Workspace) -> Outcome {
     shell::run(&mut workspace.cargo(&["build", "--release", "--workspace"]))
 }
 
-/// Builds the archives into dist/ with the declared start values, and the motor that walks into dist/presets/PRESET/.
+/// Builds the archives into dist/ with the declared start values, and those of the walking examples into dist/presets/PRESET/.
 pub fn archives(workspace: &Workspace) -> Outcome {
     shell::run(motor_fmu(workspace).args(["build", "--out"]).arg(workspace.dist()))?;
-    let (model, preset) = WALKING;
+    let (models, preset) = WALKING;
     let out = workspace.dist().join("presets").join(preset);
-    shell::run(motor_fmu(workspace).args(["build", model, "--preset", preset, "--out"]).arg(out))
+    shell::run(motor_fmu(workspace).arg("build").args(models).args(["--preset", preset, "--out"]).arg(out))
 }
 
 /// Validates every archive in dist/; an empty folder is an error.

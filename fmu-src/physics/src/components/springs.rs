@@ -13,10 +13,10 @@ use declare::{Unit, Variable, enumeration, variables};
 variables! {
     /// The spring between transmission and joint.
     pub struct SeriesSpring {
-        /// Torque for each radian of deflection
+        /// Stiffness of the series spring, at the joint
         stiffness: f64 = Variable::tunable(0, 250.0, Unit::NewtonMetrePerRadian, 1e-3, 1e7).log()
             .source("estimate: series springs of powered ankles"),
-        /// Torque for each rad/s of deflection's rate
+        /// Viscous damping of the series spring, at the joint
         damping: f64 = Variable::tunable(1, 0.0, Unit::NewtonMetreSecond, 0.0, 1e5),
     }
 }
@@ -26,22 +26,22 @@ variables! {
 pub struct Deflected {
     /// Torque on the joint, N.m.
     pub torque: f64,
-    /// Power that its damping turns into heat, W.
+    /// Damping loss, W.
     pub loss: f64,
-    /// Rate of its torque that the two speeds make, without damping, N.m/s.
+    /// Rate of the elastic torque, N.m/s.
     pub rate: f64,
-    /// Energy in it, J.
+    /// Stored energy, J.
     pub energy: f64,
 }
 
-/// The part of a deflection beyond the play, on either side of it.
+/// The part of a deflection outside the backlash.
 #[inline]
 pub fn beyond(deflection: f64, play: f64) -> f64 {
     deflection - deflection.clamp(-0.5 * play, 0.5 * play)
 }
 
 impl SeriesSpring {
-    /// Eqs. (1) and (2): the deflection, rad, its rate, rad/s, and the play from side to side, rad.
+    /// Eqs. (1) and (2): the deflection, rad, its rate, rad/s, and the total backlash, rad.
     #[inline]
     pub fn deflected(&self, deflection: f64, rate: f64, play: f64) -> Deflected {
         let p = beyond(deflection, play);
@@ -56,7 +56,7 @@ impl SeriesSpring {
         }
     }
 
-    /// The deflection, rad, at which it stands still with the torque `torque`, N.m.
+    /// The deflection, rad, at rest with the torque `torque`, N.m.
     pub fn deflection_of(&self, torque: f64, play: f64) -> f64 {
         let side = if torque == 0.0 { 0.0 } else { 0.5 * play * torque.signum() };
         torque / self.stiffness + side
@@ -64,25 +64,25 @@ impl SeriesSpring {
 }
 
 enumeration! {
-    /// On which side of its neutral angle a parallel spring acts
+    /// Side of the neutral angle on which the parallel spring acts
     pub enum Engagement {
-        /// On both
+        /// Both sides
         Both = 1, "both";
-        /// Where the joint's angle is above it, as a stop that softens
+        /// Joint angles above the neutral angle, as a soft stop
         Above = 2, "above";
-        /// Where the joint's angle is below it
+        /// Joint angles below the neutral angle
         Below = 3, "below";
     }
 }
 
 variables! {
-    /// The spring beside the actuator, between the joint's two segments.
+    /// The spring parallel to the actuator, between the joint's two segments.
     pub struct ParallelSpring {
-        /// Torque for each radian that the joint is off the neutral angle; 0 for none
+        /// Stiffness of the parallel spring, at the joint; 0 for none
         stiffness: f64 = Variable::tunable(0, 0.0, Unit::NewtonMetrePerRadian, 0.0, 1e7),
-        /// Angle of the joint without torque
+        /// Joint angle at which the parallel spring is relaxed
         neutral_angle: f64 = Variable::tunable(1, 0.0, Unit::Radian, -4.0, 4.0),
-        /// On which side of its neutral angle it acts
+        /// Side of the neutral angle on which the parallel spring acts
         engagement: Engagement = Variable::choice(2, 1),
     }
 }
@@ -100,7 +100,7 @@ impl ParallelSpring {
         (self.stiffness * off, 0.5 * self.stiffness * off * off)
     }
 
-    /// Whether it takes hold at its neutral angle.
+    /// Whether it acts on one side only.
     #[inline]
     pub fn is_one_sided(&self) -> bool {
         self.engagement != Engagement::Both && self.stiffness != 0.0

@@ -65,7 +65,10 @@ impl Objective {
     pub fn named(name: &str, hours: f64) -> Result<Objective, StudyError> {
         Objective::all(hours).into_iter().find(|o| o.describe().0 == name).ok_or_else(|| {
             let known: Vec<&str> = Objective::all(hours).iter().map(|o| o.describe().0).collect();
-            StudyError::new(format!("--objective {name}: with --load the objectives are {}", known.join(", ")))
+            StudyError::new(format!(
+                "--objective {name}: with --load the objectives are {}",
+                known.join(", ")
+            ))
         })
     }
 
@@ -152,7 +155,9 @@ pub struct Walked {
 /// A load that does not start, or equations that have no solution.
 pub fn walk(load: &Load, hours: f64) -> Result<Walked, StudyError> {
     if !(hours > 0.0 && hours.is_finite()) {
-        return Err(StudyError::new(format!("--hours {hours}: the duration must be positive and finite, in h")));
+        return Err(StudyError::new(format!(
+            "--hours {hours}: the duration must be positive and finite, in h"
+        )));
     }
     let walker = load.walker()?;
     let limit = load.get("thermal.T_w_max")?;
@@ -371,7 +376,8 @@ mod tests {
     /// A supply of 12 V limits the speed before the winding is warm, and is named.
     #[test]
     fn the_limit_is_named() {
-        let found = continuous_support(&load(WALK, &[("fan_command", "1"), ("supply_voltage", "14")])).unwrap();
+        let found =
+            continuous_support(&load(WALK, &[("fan_command", "1"), ("supply_voltage", "14")])).unwrap();
         assert_eq!(found.limited_by, Limit::TorqueError, "{found:?}");
         assert!(found.at.winding_temperature < 420.0);
     }
@@ -383,7 +389,10 @@ mod tests {
         for drive in ["current", "voltage"] {
             let sets = [("drive_mode", drive), ("fan_command", "1"), ("conductance.G_forced", "0.35")];
             let found = periodic(&load("", &sets)).unwrap();
-            println!("{drive}: {} W from the supply, {} W electrical", found.power_supply, found.power_electrical);
+            println!(
+                "{drive}: {} W from the supply, {} W electrical",
+                found.power_supply, found.power_electrical
+            );
             assert!((found.power_supply / found.power_electrical - 1.0).abs() < 1e-3, "{drive} {found:?}");
         }
         let sets = [("drive.standby_power", "7"), ("conductance.G_forced", "0.35"), ("fan_command", "1")];

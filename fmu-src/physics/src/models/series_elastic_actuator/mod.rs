@@ -175,7 +175,12 @@ mod tests {
         for (own, of_motor) in MOTOR_DATA {
             let value = motor.by_name(of_motor).unwrap().row.start;
             let own = Actuator::declaration().by_name(own).unwrap();
-            assert!(own.row.start == value || of_motor == "voltage", "{} {} {value}", own.name, own.row.start);
+            assert!(
+                own.row.start == value || of_motor == "voltage",
+                "{} {} {value}",
+                own.name,
+                own.row.start
+            );
         }
     }
 }
