@@ -15,7 +15,7 @@ use physics::terms::GenericTerm;
 use rayon::prelude::*;
 
 /// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
-const START: f64 = 1e5;
+pub(crate) const START: f64 = 1e5;
 
 /// A variable that the model computes, and what it depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -341,16 +341,16 @@ impl Note<'_> {
 }
 
 /// Numbers without pattern, the same at every run.
-struct Probe(u64);
+pub(crate) struct Probe(u64);
 
 impl Probe {
     /// Those of one point of one combination, whichever is looked at first.
-    fn new(combination: usize, point: usize) -> Probe {
+    pub(crate) fn new(combination: usize, point: usize) -> Probe {
         Probe((combination as u64) << 40 | (point as u64) << 32)
     }
 
     /// A share in (0, 1): a counter whose bits are mixed (Steele, Lea, Flood 2014, SplitMix64), so that no two uses keep step.
-    fn share(&mut self) -> f64 {
+    pub(crate) fn share(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -364,7 +364,7 @@ impl Probe {
     }
 
     /// Moves every state of a model that has started, by a share of its typical size; false where it has no rates there.
-    fn push(&mut self, model: &mut dyn Model, count: usize) -> bool {
+    pub(crate) fn push(&mut self, model: &mut dyn Model, count: usize) -> bool {
         let declaration = model.declaration();
         let mut states = vec![0.0; count];
         model.read_states(&mut states);
@@ -377,7 +377,7 @@ impl Probe {
     }
 
     /// A value within the limits, of the variable's typical size, and not its start; counts and choices at their start.
-    fn generic(&mut self, entry: &Entry, starts: &StartValues) -> f64 {
+    pub(crate) fn generic(&mut self, entry: &Entry, starts: &StartValues) -> f64 {
         let row = entry.row;
         match row.kind {
             Kind::Real => {

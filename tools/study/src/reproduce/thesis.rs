@@ -40,7 +40,7 @@ pub struct CaseResult {
     pub T_w_model_K: Option<f64>,
     /// Winding temperature of the native model with nothing fitted, K.
     pub T_w_untuned_K: Option<f64>,
-    /// Housing to ambient of the calibrated native model, K/W.
+    /// Housing to ambient by the calibrated native model's winding temperature, as the measured one is computed, K/W.
     pub R_ha_model: Option<f64>,
     /// 5 A times the torque constant at the measured temperature, per total mass, N.m/kg.
     pub torque_density_at_5A: f64,
@@ -136,7 +136,10 @@ fn result(case: &Case, native: &Native) -> Result<CaseResult, StudyError> {
         T_w_as_published_K: case.r_star.map(|r| Annulus::new(r).winding_temperature()),
         T_w_model_K: model.as_ref().and_then(|m| m.get("winding_temperature")),
         T_w_untuned_K: native.steady(case, false)?.and_then(|m| m.get("winding_temperature")),
-        R_ha_model: model.and_then(|m| m.r_ha),
+        // As the thesis computes the measured one: all heat through R_wh and R_ha, none through the leads.
+        R_ha_model: model
+            .and_then(|m| m.get("winding_temperature"))
+            .map(|t_w| (t_w - case.ambient()) / measured::POWER - measured::R_WH),
         torque_density_at_5A: projection::torque_at_5_a(case.t_w) / case.mass,
         torque_at_limit,
         torque_density_at_limit: torque_at_limit / case.mass,
