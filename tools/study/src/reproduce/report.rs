@@ -59,13 +59,13 @@ fn page(content: Content) -> Page {
 /// The table of rows with its filter.
 fn all_rows(rows: &[Row]) -> String {
     let mut html = String::from(
-        "<h2>Every printed number</h2><p><label>Verdict <select id=\"verdict\"><option value=\"\">all",
+        "<h2>Every published number</h2><p><label>Verdict <select id=\"verdict\"><option value=\"\">all",
     );
     let _ = write!(html, " ({})</option>", rows.len());
     for verdict in Verdict::ALL {
         let count = rows.iter().filter(|r| r.verdict == verdict).count();
         if count > 0 {
-            let words = verdict.words();
+            let words = verdict.text();
             let _ = write!(html, "<option value=\"{words}\">{words} ({count})</option>");
         }
     }
@@ -74,9 +74,11 @@ fn all_rows(rows: &[Row]) -> String {
         "id",
         "where",
         "quantity",
-        "#printed",
-        "#as published",
+        "#published",
+        "#recomputed",
         "#corrected",
+        "#leave-one-out",
+        "#untuned",
         "#measured",
         "unit",
         "verdict",
@@ -84,6 +86,10 @@ fn all_rows(rows: &[Row]) -> String {
     ];
     let body = rows.iter().map(|row| {
         let number = |v: Option<f64>| format!("#{}", v.map_or(String::new(), significant));
+        let basis = |row: &Row| {
+            let basis = row.basis.map_or(String::new(), |basis| format!(" ({})", basis.text()));
+            format!("#{}{basis}", row.corrected.map_or(String::new(), significant))
+        };
         let printed = match &row.printed {
             Printed::Number(value) => format!("#{}", significant(*value)),
             Printed::Text(text) => (*text).to_owned(),
@@ -94,13 +100,15 @@ fn all_rows(rows: &[Row]) -> String {
             row.quantity.clone(),
             printed,
             number(row.as_published),
-            number(row.corrected),
+            basis(row),
+            number(row.leave_one_out),
+            number(row.untuned),
             number(row.measured),
             row.unit.to_owned(),
-            row.verdict.words().to_owned(),
+            row.verdict.text().to_owned(),
             row.note.clone(),
         ];
-        (row.verdict.words(), cells)
+        (row.verdict.text(), cells)
     });
     html.push_str(&table("rows", &headers, body));
     html.push_str("</div>");
