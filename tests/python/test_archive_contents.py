@@ -73,11 +73,11 @@ def test_the_page_shows_every_variable_with_its_unit(packed):
         unit = "" if real is None else real.get("unit")
         # The page lists the elements of an array, which in FMI 2 are variables of their own.
         name = variable.get("name") + ("" if variable.find("Dimension") is None else "[1]")
-        assert f"<td>{name}</td><td>{unit}</td>" in page, name
+        assert re.search(f"<code>{re.escape(name)}</code></td><td[^>]*>{re.escape(unit or '')}</td>", page), name
 
 
 def test_the_page_s_script_runs(packed, monkeypatch, tmp_path):
-    """The lines of `How to start` as a reader copies them."""
+    """The lines of `First simulation` as a reader copies them."""
     model, _, path, files = packed
     script = re.search(r"<pre>(.*?)</pre>", files["documentation/index.html"].decode(), re.S)[1].replace("&quot;", '"')
     shown = []

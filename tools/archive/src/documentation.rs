@@ -1,64 +1,91 @@
-//! The page inside the archive: what the model is, what it can do, how to start, and what its variables mean.
-//! One file that opens without a network.
+//! The page inside the archive: the model's behaviour in figures, a first script, terminals, and all variables.
 
-mod chart;
 mod figures;
 
 use crate::native::Native;
 use crate::{reference, terminals};
-use describe::{DEFAULT_STEP, DEFAULT_STOP, Preset, VERSION, markdown};
-
-const STYLE: &str = "\
-body { font: 15px/1.5 sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #222; background: #fff }
-h2 { margin-top: 2.5rem }
-table { border-collapse: collapse }
-td, th { border: 1px solid #ccc; padding: .2rem .5rem; text-align: left; vertical-align: top }
-td:first-child { font-family: monospace }
-pre { background: #f4f4f4; padding: .8rem; overflow-x: auto }
-figure { margin: 1.5rem 0; max-width: 46rem }
-svg { width: 100%; font: 12px sans-serif }
-svg .title { font-size: 14px; font-weight: bold }
-svg .grid { stroke: #ddd; fill: none }
-figcaption { color: #555 }
-";
+use describe::markdown::{self, Section};
+use describe::{DEFAULT_STEP, DEFAULT_STOP, Preset, VERSION};
+use maud::{Markup, html};
+use present::page::{Cell, page as page_of, plates, table};
 
 /// documentation/index.html.
 pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
     let declaration = (native.kind.declaration)();
     let name = declaration.name;
-    let mut body = format!("<h1>{name}</h1>\n<p>{}.</p>\n", escape(declaration.description));
-    if let Some(preset) = preset {
-        body +=
-            &format!("<p>Start values: {} ({}).</p>\n", escape(&preset.name), escape(&preset.description));
-    }
-    body += "<h2>What it does</h2>\n";
-    for figure in figures::of(native) {
-        let (svg, caption) = (figure.chart.svg(), escape(&figure.caption));
-        body += &format!("<figure>\n{svg}<figcaption>{caption}</figcaption>\n</figure>\n");
-    }
-    body += &format!(
-        "<h2>How to start</h2>\n<p>In Python, with fmpy:</p>\n<pre>{}</pre>\n",
-        escape(&start(native))
-    );
-    body += &in_the_archive(native);
-    for section in markdown::sections(native.kind, native.starts) {
-        body += &format!("<h2>{}</h2>\n<table>\n<tr>", section.title);
-        body += &markdown::COLUMNS.iter().map(|c| format!("<th>{c}</th>")).collect::<String>();
-        body += "</tr>\n";
-        for row in &section.rows {
-            body += "<tr>";
-            body += &row.iter().map(|cell| format!("<td>{}</td>", escape(cell))).collect::<String>();
-            body += "</tr>\n";
+    let [inputs, results] = reference::file_names(name);
+    let terminals = terminals::of(declaration);
+    let terminals = terminals.iter().map(|terminal| {
+        let members: Vec<String> =
+            terminal.members.iter().map(|(variable, kind)| format!("{variable} ({kind})")).collect();
+        vec![Cell::Code(terminal.name.into()), terminal.what.into(), Cell::Code(members.join(", "))]
+    });
+    let body = html! {
+        p.lead { (declaration.description) "." }
+        @if let Some(preset) = preset { p { "Start values: " (preset.name) " (" (preset.description) ")." } }
+        h2 { "Behaviour" }
+        (plates(&figures::of(native).into_iter().map(figures::Captioned::plate).collect::<Vec<_>>()))
+        h2 { "First simulation" }
+        p { "In Python, with fmpy:" }
+        pre { (start(native)) }
+        h2 { "Reference results" }
+        p {
+            code { (reference::FOLDER) "/" (inputs) } " holds inputs, " code { (reference::FOLDER) "/" (results) }
+            " the results of the native model at communication steps of " (DEFAULT_STEP) " s. An importer that holds inputs \
+             over a step reproduces them."
         }
-        body += "</table>\n";
-    }
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name} {VERSION}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
-    )
+        @if terminals.len() > 0 {
+            h2 { "Terminals" }
+            (table(&["terminal", "meaning", "variables"], terminals.collect()))
+        }
+        @for section in markdown::sections(native.kind, native.starts) { (variables(&section)) }
+    };
+    page_of(&format!("{name} {VERSION}"), body)
 }
 
-/// A script that runs the model with what drives it and its load at their nominal values.
+/// Variables of one role; those of a component or an effect together, to be opened.
+fn variables(section: &Section) -> Markup {
+    let mut groups: Vec<(String, Vec<Vec<Cell>>)> = Vec::new();
+    for row in &section.rows {
+        let [name, unit, start, limits, changes, description] = row.clone();
+        let key = group(&name);
+        let cells = vec![
+            Cell::Code(name),
+            unit.into(),
+            Cell::Code(start),
+            Cell::Code(limits),
+            changes.into(),
+            description.into(),
+        ];
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, rows)) => rows.push(cells),
+            None => groups.push((key, vec![cells])),
+        }
+    }
+    html! {
+        h2 { (section.title) }
+        @for (key, rows) in groups {
+            @if key.is_empty() { (table(&markdown::COLUMNS, rows)) } @else {
+                details { summary { (key) " (" (rows.len()) ")" } (table(&markdown::COLUMNS, rows)) }
+            }
+        }
+    }
+}
+
+/// The component that a variable belongs to, in words; none for a variable of the model itself.
+fn group(name: &str) -> String {
+    let parts: Vec<&str> = name.split('.').collect();
+    match parts.as_slice() {
+        ["effect", effect, ..] => format!("Effect: {}", effect.replace('_', " ")),
+        [component, _, ..] => {
+            let words = component.replace('_', " ");
+            words[..1].to_uppercase() + &words[1..]
+        }
+        _ => String::new(),
+    }
+}
+
+/// A script that runs the model with its drive and its load at their nominal values.
 fn start(native: &Native<'_>) -> String {
     let declaration = (native.kind.declaration)();
     let name = declaration.name;
@@ -77,34 +104,25 @@ fn start(native: &Native<'_>) -> String {
     )
 }
 
-/// What else lies in the archive, and which variables belong together.
-fn in_the_archive(native: &Native<'_>) -> String {
-    let declaration = (native.kind.declaration)();
-    let [inputs, results] = reference::file_names(declaration.name);
-    let mut text = format!(
-        "<h2>Reference results</h2>\n<p>{0}/{inputs} holds inputs, {0}/{results} what the native model answers at \
-         communication steps of {DEFAULT_STEP} s. An importer that holds inputs over a step reads the same numbers.</p>\n",
-        reference::FOLDER
-    );
-    let terminals = terminals::of(declaration);
-    if !terminals.is_empty() {
-        text +=
-            "<h2>Terminals</h2>\n<table>\n<tr><th>terminal</th><th>what it is</th><th>variables</th></tr>\n";
-        for terminal in terminals {
-            let members: Vec<String> =
-                terminal.members.iter().map(|(variable, kind)| format!("{variable} ({kind})")).collect();
-            text += &format!(
-                "<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                terminal.name,
-                terminal.what,
-                members.join(", ")
-            );
-        }
-        text += "</table>\n";
-    }
-    text
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use describe::{StartValues, models};
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    #[test]
+    fn the_page_of_every_model_follows_the_rules_of_pages() {
+        for kind in models::ALL.iter() {
+            let page = page(&Native { kind, starts: &StartValues::default(), terms: &[] }, None);
+            assert_eq!(present::check::faults(&page), Vec::<String>::new(), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn variables_are_grouped_by_component_and_effect() {
+        for (name, words) in
+            [("effect.iron_loss.k", "Effect: iron loss"), ("motor.R_ref", "Motor"), ("drive_mode", "")]
+        {
+            assert_eq!(group(name), words);
+        }
+    }
 }

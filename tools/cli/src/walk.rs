@@ -2,9 +2,9 @@
 
 use crate::Failure;
 use crate::study::{SteadyArgs, rounded, write};
-use ::study::figure::{Axis, Figure};
 use ::study::reproduce::significant;
 use ::study::walk::{Forever, Walked, continuous_support, walk};
+use present::figure::{Axis, Figure};
 use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
@@ -73,13 +73,12 @@ fn lines(f: &Forever) -> String {
 fn figure(walked: &Walked) -> Figure {
     let points: Vec<(f64, f64)> =
         walked.envelope.points.iter().map(|p| (p.time / 60.0, p.winding_temperature - 273.15)).collect();
-    let end = points.last().map_or(1.0, |p| p.0);
     let limit = walked.limit - 273.15;
     Figure::new(
-        "The winding while walking",
+        "Winding temperature while walking",
         Axis::new("time in min"),
-        Axis::new("greatest winding_temperature of a stride in °C"),
+        Axis::new("greatest temperature of a stride in °C"),
     )
     .line("winding", points)
-    .dashed("limit", vec![(0.0, limit), (end, limit)])
+    .limit(limit, "limit")
 }

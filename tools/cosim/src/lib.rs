@@ -25,7 +25,6 @@
 //! ```
 
 mod archive;
-mod decimate;
 mod description;
 mod error;
 mod fmi2;

@@ -4,10 +4,8 @@
 //! [`bench`] knows models by name and variables by name; all else here goes through it.
 
 pub mod bench;
-pub mod figure;
 pub mod fit;
 pub mod numeric;
-pub mod page;
 pub mod reproduce;
 pub mod steady;
 pub mod sweep;

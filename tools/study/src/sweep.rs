@@ -2,12 +2,12 @@
 
 use crate::StudyError;
 use crate::bench::Bench;
-use crate::figure::{Axis, Figure};
 use crate::numeric::linspace;
 use crate::steady::{Setup, continuous_torque, steady};
 use crate::walk::{Load, Walks, continuous_support, forever, walk};
 use physics::declare::Kind;
 use physics::model::Entry;
+use present::figure::{Axis, Figure};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -334,8 +334,7 @@ impl Sweep {
             )));
         }
         for (key, line) in lines {
-            let label =
-                key.map_or(String::new(), |k| format!("{} = {}", self.varied[1], crate::figure::tick(k, k)));
+            let label = key.map_or(String::new(), |k| format!("{} = {}", self.varied[1], present::number(k)));
             figure = figure.line(&label, line);
         }
         Ok(figure)

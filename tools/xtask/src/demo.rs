@@ -53,7 +53,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     let walk = page::walk(&read(&dist.join("walking.json"))?, &read(&dist.join("walking.svg"))?)?;
     let study =
         page::study(&read(&dist.join("walking-study.json"))?, &read(&dist.join("walking-study.svg"))?)?;
-    let html = page::html(&walk, &study, &page::bench(&read(&bench.join("fan/report.json"))?)?);
+    let html = page::html(walk, study, page::bench(&read(&bench.join("fan/report.json"))?)?);
     std::fs::write(&page, html).map_err(|e| format!("{} cannot be written: {e}", page.display()))?;
     println!("FMUs: {0}/fmi2, {0}/fmi3\nresults: {1}", dist.display(), page.display());
     println!("system: {}", system.display());

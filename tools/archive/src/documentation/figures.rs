@@ -5,10 +5,11 @@
 mod actuator;
 mod gait;
 
-use super::chart::{Chart, Line};
 use crate::native::{Native, Run};
 use crate::reference;
 use describe::{DEFAULT_STEP, DEFAULT_STOP};
+use present::figure::{Axis, Figure};
+use present::page::Plate;
 
 /// The hour that a torque is held for, s, and its steps.
 const HOUR: f64 = 3600.0;
@@ -16,21 +17,31 @@ const HOUR_STEP: f64 = 10.0;
 /// Points of a characteristic.
 const POINTS: u32 = 24;
 
-/// A figure and what stands below it.
-pub struct Figure {
-    /// The picture.
-    pub chart: Chart,
-    /// Two sentences: what was done, and what is to be seen.
+/// A figure with its caption.
+pub struct Captioned {
+    /// The figure.
+    pub figure: Figure,
+    /// Two sentences: the simulation, and its result.
     pub caption: String,
 }
 
-/// What the page says of one model.
+impl Captioned {
+    /// As pages hold it.
+    pub fn plate(self) -> Plate {
+        Plate::new("behaviour", self.figure, self.caption)
+    }
+}
+
+/// A line: its label and its points.
+type Line = (String, Vec<(f64, f64)>);
+
+/// The figures and first script of one model.
 pub struct Own {
     model: &'static str,
-    figures: &'static [fn(&Native<'_>) -> Option<Figure>],
-    /// Inputs that get the model going, each at its nominal value.
+    figures: &'static [fn(&Native<'_>) -> Option<Captioned>],
+    /// Inputs that drive the model, each at its nominal value.
     pub drive: &'static [&'static str],
-    /// Outputs worth a look; the first says most.
+    /// Outputs of the first script; the first is that of the reference figure.
     pub shown: &'static [&'static str],
 }
 
@@ -62,29 +73,30 @@ const OWN: &[Own] = &[
     },
 ];
 
-/// What the page says of a model.
+/// The line of a model.
 pub fn own(native: &Native<'_>) -> &'static Own {
     let name = (native.kind.declaration)().name;
     OWN.iter().find(|own| own.model == name).expect("every model has its line, as the tests see")
 }
 
 /// All figures of a model.
-pub fn of(native: &Native<'_>) -> Vec<Figure> {
+pub fn of(native: &Native<'_>) -> Vec<Captioned> {
     let own = own(native).figures.iter();
-    own.chain(&[reference_run as fn(&Native<'_>) -> Option<Figure>]).filter_map(|f| f(native)).collect()
+    own.chain(&[reference_run as fn(&Native<'_>) -> Option<Captioned>]).filter_map(|f| f(native)).collect()
 }
 
 fn celsius(kelvin: f64) -> f64 {
     kelvin - 273.15
 }
 
-fn figure(title: &str, x: &str, y: &str, lines: Vec<Line>, caption: String) -> Option<Figure> {
+fn figure(title: &str, x: &str, y: &str, lines: Vec<Line>, caption: String) -> Option<Captioned> {
     let lines: Vec<Line> = lines.into_iter().filter(|(_, points)| points.len() > 1).collect();
     if lines.is_empty() {
         return None;
     }
-    let chart = Chart { title: title.into(), x: x.into(), y: y.into(), lines, limit: None };
-    Some(Figure { chart, caption })
+    let empty = Figure::new(title, Axis::new(x), Axis::new(y));
+    let figure = lines.into_iter().fold(empty, |figure, (label, points)| figure.line(&label, points));
+    Some(Captioned { figure, caption })
 }
 
 /// An hour of a model; what is to be drawn, over minutes.
@@ -114,16 +126,14 @@ fn bearable(from: f64, most: f64, margin: impl Fn(f64) -> Option<f64>) -> Option
     (low > 0.0).then_some(low)
 }
 
-fn with_limit(figure: Option<Figure>, run: &mut Run<'_>) -> Option<Figure> {
+fn with_limit(captioned: Option<Captioned>, run: &mut Run<'_>) -> Option<Captioned> {
     let limit = celsius(run.get("thermal.T_w_max")?);
-    figure.map(|mut f| {
-        f.chart.limit = Some((limit, "limit".into()));
-        f
-    })
+    let Captioned { figure, caption } = captioned?;
+    Some(Captioned { figure: figure.limit(limit, &format!("limit {limit:.0} °C")), caption })
 }
 
-/// The torque that still air bears for an hour, with all ways of cooling.
-fn held_torque(native: &Native<'_>) -> Option<Figure> {
+/// The greatest torque of an hour in still air, in all cooling modes.
+fn held_torque(native: &Native<'_>) -> Option<Captioned> {
     let at = |cooling: &str, current: f64| {
         let modes =
             [("drive_mode", "current"), ("mechanical_mode", "imposed_speed"), ("cooling_mode", cooling)];
@@ -145,18 +155,23 @@ fn held_torque(native: &Native<'_>) -> Option<Figure> {
         run.step(HOUR_STEP)?;
         run.get("shaft_torque")
     })?;
-    let title = format!("Winding temperature while {torque:.3} N.m is held at standstill");
+    let title = format!("Winding temperature at {torque:.3} N·m and standstill");
     let caption = format!(
-        "{current:.2} A from a cold start, cooling_mode bare, fan_crossflow and annulus_push with fan_command 1. \
-         The torque is what the winding bears in still air for one hour."
+        "{current:.2} A from a cold start; cooling modes bare, fan crossflow and annulus push, full fan command. \
+         At this torque the winding reaches its limit after one hour in still air."
     );
-    let figure =
-        figure(&title, "time, min", "winding_temperature, °C", ways.into_iter().map(line).collect(), caption);
+    let figure = figure(
+        &title,
+        "time in min",
+        "winding temperature in °C",
+        ways.into_iter().map(line).collect(),
+        caption,
+    );
     with_limit(figure, &mut at("bare", current)?)
 }
 
 /// Torque over speed at the nominal voltage, cold and at the winding's limit.
-fn torque_and_speed(native: &Native<'_>) -> Option<Figure> {
+fn torque_and_speed(native: &Native<'_>) -> Option<Captioned> {
     let voltage = native.entry("voltage")?.row.nominal;
     let limit = native.starts.of(native.entry("thermal.T_w_max")?);
     let torque = |ambient: f64, speed: f64| {
@@ -184,20 +199,20 @@ fn torque_and_speed(native: &Native<'_>) -> Option<Figure> {
         });
         let points: Option<Vec<_>> = points.collect();
         Some((
-            format!("all at {:.0} °C", celsius(ambient)),
+            format!("all nodes at {:.0} °C", celsius(ambient)),
             points?.into_iter().filter(|p| p.0 >= 0.0).collect(),
         ))
     };
     let lines = [cold, limit].into_iter().filter_map(line).collect();
     let caption = format!(
-        "drive_mode voltage, {voltage} V, speed imposed, friction as in the start values. A hot winding has more \
-         resistance, hot magnets less torque per ampere."
+        "Voltage drive at {voltage} V, the nominal value of the input; imposed speed. A hot winding has more resistance, hot \
+         magnets less torque per ampere."
     );
-    figure("Speed and torque", "shaft_torque, N.m", "shaft_speed, rad/s", lines, caption)
+    figure("Speed and torque", "shaft torque in N·m", "shaft speed in rad/s", lines, caption)
 }
 
-/// The load that the gearmotor bears for an hour, and where its heat goes.
-fn held_load(native: &Native<'_>) -> Option<Figure> {
+/// The greatest load of the gearmotor for an hour, and its temperatures.
+fn held_load(native: &Native<'_>) -> Option<Captioned> {
     let at = |load: f64| native.start(&[("duty", 1.0), ("load_torque", load)], &[]);
     let margin = |load: f64| {
         let mut run = at(load)?;
@@ -211,15 +226,16 @@ fn held_load(native: &Native<'_>) -> Option<Figure> {
         let points = at(load).and_then(|mut run| hour(&mut run, name));
         (name.trim_end_matches("_temperature").to_string(), points.unwrap_or_default())
     };
-    let title = format!("Temperatures under a load of {load:.2} N.m");
-    let caption = "duty 1 from a cold start. The load is what the winding bears for one hour.".to_string();
+    let title = format!("Temperatures at a load of {load:.2} N·m");
+    let caption =
+        "Duty 1 from a cold start. At this load the winding reaches its limit after one hour.".to_string();
     let figure =
-        figure(&title, "time, min", "temperature, °C", names.into_iter().map(line).collect(), caption);
+        figure(&title, "time in min", "temperature in °C", names.into_iter().map(line).collect(), caption);
     with_limit(figure, &mut at(load)?)
 }
 
 /// Speed over load at several duties.
-fn duties(native: &Native<'_>) -> Option<Figure> {
+fn duties(native: &Native<'_>) -> Option<Captioned> {
     let most = 2.0 * native.entry("load_torque")?.row.nominal;
     let speed = |duty: f64, load: f64| {
         let mut run = native.start(&[("duty", duty), ("load_torque", load)], &[])?;
@@ -236,14 +252,14 @@ fn duties(native: &Native<'_>) -> Option<Figure> {
     };
     let lines = [1.0, 0.75, 0.5, 0.25].into_iter().filter_map(line).collect();
     let caption = format!(
-        "Three seconds after the start, supply_voltage {} V. Each line ends where the load turns the motor back.",
+        "Three seconds after the start, supply voltage {} V. Each line ends where the load would reverse the motor.",
         native.starts.of(native.entry("supply_voltage")?)
     );
-    figure("Speed and load", "load_torque, N.m", "shaft_speed, rad/s", lines, caption)
+    figure("Speed and load", "load torque in N·m", "shaft speed in rad/s", lines, caption)
 }
 
 /// The run that the archive carries as reference.
-fn reference_run(native: &Native<'_>) -> Option<Figure> {
+fn reference_run(native: &Native<'_>) -> Option<Captioned> {
     let name = own(native).shown[0];
     let unit = native.entry(name)?.row.unit.name();
     let mut run = native.start(&[], &[])?;
@@ -257,11 +273,11 @@ fn reference_run(native: &Native<'_>) -> Option<Figure> {
         points.push((f64::from(k + 1) * DEFAULT_STEP, run.get(name)?));
     }
     let caption = format!(
-        "The run whose inputs and results lie in {}: one input after the other goes to its nominal value.",
+        "The simulation whose inputs and results are stored in {}. The inputs go to their nominal values one after the other.",
         reference::FOLDER
     );
-    let label = format!("{name}, {unit}");
-    figure("The reference run", "time, s", &label, vec![(name.into(), points)], caption)
+    let label = format!("{} in {}", name.replace('_', " "), unit.replace('.', "·"));
+    figure("Reference simulation", "time in s", &label, vec![(String::new(), points)], caption)
 }
 
 #[cfg(test)]
@@ -281,18 +297,18 @@ mod tests {
                         points.iter().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p.1), b.max(p.1)));
                     high - low
                 };
-                assert!(figure.chart.lines.iter().all(|(_, p)| span(p) > 0.0), "{}", figure.chart.title);
+                assert!(figure.figure.series().all(|(_, p)| span(p) > 0.0), "{}", figure.figure.title());
             }
         }
     }
 
     #[test]
-    fn cooling_buys_what_the_figure_says() {
+    fn the_limit_is_reached_in_still_air_alone() {
         let kind = models::by_name("AnnulusCooledMotor").unwrap();
         let starts = StartValues::default();
         let figure = held_torque(&Native { kind, starts: &starts, terms: &[] }).unwrap();
-        let end: Vec<f64> = figure.chart.lines.iter().map(|(_, p)| p.last().unwrap().1).collect();
-        let limit = figure.chart.limit.unwrap().0;
+        let end: Vec<f64> = figure.figure.series().map(|(_, p)| p.last().unwrap().1).collect();
+        let limit = figure.figure.limits().next().unwrap();
         assert!((end[0] - limit).abs() < 0.1, "still air ends at the limit: {end:?}, {limit}");
         assert!(end[1] < end[0] - 10.0 && end[2] < end[0] - 10.0, "{end:?}");
     }

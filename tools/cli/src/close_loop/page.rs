@@ -1,4 +1,4 @@
-//! `report.html`: what closing the loop has come to, for a person. One file, for light and dark, without a script.
+//! `report.html`: what closing the loop has found, for a person. One file, for light and dark, without a script.
 
 mod figures;
 
@@ -7,11 +7,10 @@ use calibrate::experiment::{Experiment, Role};
 use calibrate::outcome::{Curves, Found, Outcome, Unexplained, Verdict};
 use calibrate::report::{ROLES, Replay, role_name};
 use describe::Declaration;
-use std::fmt::Write;
-use study::figure::escaped;
-use study::page::{Plate, begun, plates, table};
+use maud::{Markup, html};
+use present::page::{Cell, page as page_of, plates, table};
 
-/// The page; `notes` are the outcome's with what was odd since.
+/// The page; `notes` are those of the outcome and of the export.
 pub fn page(
     experiment: &Experiment,
     outcome: &Outcome,
@@ -19,21 +18,29 @@ pub fn page(
     notes: &[String],
     declaration: &Declaration,
 ) -> String {
-    let mut html = begun(&format!("{}: the loop closed", outcome.name));
-    let _ = write!(html, "<p class=\"lead\">{}</p>", escaped(&capital(&verdict(outcome))));
-    html += &about(experiment, outcome);
-    html += &errors(outcome);
-    html += &effects(outcome, declaration);
-    html += &outcome.unexplained.as_ref().map(|u| unexplained(u, outcome)).unwrap_or_default();
-    html += &limits(outcome);
-    html += &residuals(outcome);
-    html += &localised(outcome);
-    html += &ladder(outcome);
-    html += &parameters(experiment, outcome);
-    html += &whiteness(outcome);
-    html += &loop_end(outcome, replay);
-    html += &remarks(notes);
-    html + "</body></html>"
+    let body = html! {
+        p.lead { (capital(&verdict(outcome))) }
+        (about(experiment, outcome))
+        (errors(outcome))
+        (effects(outcome, declaration))
+        @if let Some(found) = &outcome.unexplained { (unexplained(found, outcome)) }
+        (limits(outcome))
+        (residuals(outcome))
+        @if !outcome.localised.is_empty() {
+            h2 { "Location of the residual" }
+            p {
+                "An unconstrained input at each port of the model, estimated jointly with the parameters: the fraction of the \
+                 residual beyond noise that it explains after the refit."
+            }
+            (plates(&[figures::localised(outcome)]))
+        }
+        (candidates(outcome))
+        (parameters(experiment, outcome))
+        (whiteness(outcome))
+        (exported(outcome, replay))
+        @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (note) } } } }
+    };
+    page_of(&format!("{}: calibration report", outcome.name), body)
 }
 
 fn capital(text: &str) -> String {
@@ -41,21 +48,14 @@ fn capital(text: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-fn paragraph(text: &str) -> String {
-    format!("<p>{}</p>", escaped(text))
+/// A column of the data in words, with its unit.
+fn channel(column: &str) -> String {
+    let (name, unit) = figures::split(column);
+    if unit.is_empty() { name } else { format!("{name} in {unit}") }
 }
 
-fn rows(id: &str, headers: &[&str], rows: Vec<Vec<String>>) -> String {
-    format!("<div class=\"wide\">{}</div>", table(id, headers, rows.into_iter().map(|cells| ("", cells))))
-}
-
-/// A cell with a number.
-fn cell(value: f64) -> String {
-    format!("#{}", number(value))
-}
-
-/// What was asked, of which data.
-fn about(experiment: &Experiment, outcome: &Outcome) -> String {
+/// The model, the preset and the data.
+fn about(experiment: &Experiment, outcome: &Outcome) -> Markup {
     let of_role = |role: Role| {
         let mut files: Vec<String> = Vec::new();
         for run in experiment.runs.iter().filter(|r| r.role == role) {
@@ -64,73 +64,58 @@ fn about(experiment: &Experiment, outcome: &Outcome) -> String {
             }
         }
         let words = match role {
-            Role::Fit => "fitted to",
-            Role::Validate => "decided on",
-            Role::Test => "tested, once, on",
+            Role::Fit => "fit",
+            Role::Validate => "validation",
+            Role::Test => "test",
         };
-        (!files.is_empty()).then(|| format!("{words} {}", list(&files, "and")))
+        (!files.is_empty()).then(|| format!("{words} on {}", list(&files, "and")))
     };
     let runs: Vec<String> = ROLES.into_iter().filter_map(of_role).collect();
-    format!(
-        "<p class=\"soft\">{}</p>",
-        escaped(&format!(
-            "{} with the preset {}, {}. The search took {} s.",
-            outcome.model,
-            experiment.preset,
-            list(&runs, "and"),
-            number(outcome.seconds)
-        ))
-    )
+    html! {
+        p.soft {
+            "Model " (outcome.model) ", preset " (experiment.preset) ". Runs: " (list(&runs, "and")) ". The search took "
+            (number(outcome.seconds)) " s."
+        }
+    }
 }
 
-fn errors(outcome: &Outcome) -> String {
+fn errors(outcome: &Outcome) -> Markup {
     let row = |e: &calibrate::outcome::ChannelError| {
-        let mut cells = vec![role_name(e.role).to_owned(), e.column.to_owned()];
-        cells.extend([e.before, e.refit, e.after, e.floor].map(cell));
-        cells.push(cell(e.after / e.floor));
+        let mut cells: Vec<Cell> = vec![role_name(e.role).into(), channel(e.column).into()];
+        cells.extend([e.before, e.refit, e.after, e.floor, e.after / e.floor].map(Cell::number));
         cells
     };
-    let headers = ["runs", "error (RMSE) of", "#before", "#refit", "#after", "#noise", "#after / noise"];
-    format!(
-        "<h2>The error, before and after</h2>{}{}",
-        paragraph(
-            "Before: the untouched preset. Refit: other parameters alone, the naive answer. After: the repaired model. \
-             Noise: what a perfect model would leave. In the channel's unit."
-        ),
-        rows("errors", &headers, outcome.errors.iter().map(row).collect())
-    )
+    let headers = ["runs", "output", "before", "refit", "after", "noise", "after / noise"];
+    html! {
+        h2 { "Errors (RMSE)" }
+        p {
+            "Before: the preset. Refit: parameters fitted, model unchanged. After: the extended model. Noise: the error of a perfect \
+             model."
+        }
+        (table(&headers, outcome.errors.iter().map(row).collect()))
+    }
 }
 
-fn effects(outcome: &Outcome, declaration: &Declaration) -> String {
-    if outcome.effects.is_empty() {
-        return String::new();
-    }
-    let mut html = String::from("<h2>What the model lacked</h2>");
-    for effect in &outcome.effects {
-        let _ = write!(html, "<h3>{}</h3>", escaped(&heading(effect)));
-        let acts = format!("It acts on {} and {}.", port(effect.port), driver(effect.follows));
-        let size =
-            if effect.magnitude.is_empty() { String::new() } else { format!(" It {}.", effect.magnitude) };
-        let runs = if effect.everywhere {
-            String::new()
-        } else {
-            format!(" It acts in {} alone.", list(&effect.runs, "and"))
-        };
-        html += &paragraph(&format!("{acts}{size}{runs}"));
-        html += &sizes(effect, declaration);
-        if let Some(law) = effect.term.as_ref().map(law) {
-            html += &paragraph(&format!("Its law: {law}."));
-        }
-        html += &paragraph(&support(effect));
-        if !effect.alternatives.is_empty() {
-            let names: Vec<String> = effect.alternatives.iter().map(|a| plain(a)).collect();
-            html += &paragraph(&format!("This data is explained as well by {}.", list(&names, "or by")));
-        }
-        if let Some(run) = &effect.separating_experiment {
-            html += &paragraph(&format!("What would tell them apart: {run}."));
+fn effects(outcome: &Outcome, declaration: &Declaration) -> Markup {
+    html! {
+        @if !outcome.effects.is_empty() { h2 { "Identified effects" } }
+        @for effect in &outcome.effects {
+            h3 { (heading(effect)) }
+            p {
+                "It acts on " (port(effect.port)) " and " (driver(effect.follows)) "."
+                @if !effect.magnitude.is_empty() { " It " (effect.magnitude) "." }
+                @if !effect.everywhere { " It acts in " (list(&effect.runs, "and")) " only." }
+            }
+            (sizes(effect, declaration))
+            @if let Some(term) = &effect.term { p { "Law: " (law(term)) "." } }
+            p { (support(effect)) }
+            @if !effect.alternatives.is_empty() {
+                @let names: Vec<String> = effect.alternatives.iter().map(|a| plain(a)).collect();
+                p { "The data are explained equally well by " (list(&names, "or by")) "." }
+            }
+            @if let Some(run) = &effect.separating_experiment { p { "Experiment that distinguishes them: " (run) "." } }
         }
     }
-    html
 }
 
 fn heading(effect: &Found) -> String {
@@ -138,246 +123,202 @@ fn heading(effect: &Found) -> String {
         return capital(&plain(&effect.id));
     }
     let over = effect.follows.name().map_or(String::new(), |name| format!(" over {}", plain(name)));
-    format!("In no list: {}{over}", plain(effect.port.name()))
+    format!("Unlisted effect: {}{over}", plain(effect.port.name()))
 }
 
 /// An interval; one that is not known is said to be so.
-fn interval(ci95: (f64, f64)) -> String {
+fn interval(ci95: (f64, f64)) -> Cell {
     if ci95.0.is_finite() && ci95.1.is_finite() {
-        format!("#{} ... {}", number(ci95.0), number(ci95.1))
+        Cell::Number(format!("{} ... {}", number(ci95.0), number(ci95.1)))
     } else {
-        "#unknown".to_owned()
+        Cell::Number("unknown".to_owned())
     }
 }
 
 /// A unit; a pure number has none.
-fn unit(name: &str) -> String {
-    if name == "1" { String::new() } else { name.to_owned() }
+fn unit(name: &str) -> Cell {
+    if name == "1" { "".into() } else { name.into() }
 }
 
-/// The numbers of an effect with what they mean.
-fn sizes(effect: &Found, declaration: &Declaration) -> String {
-    if effect.parameters.is_empty() {
-        return String::new();
-    }
+/// The parameters of an effect with their meaning.
+fn sizes(effect: &Found, declaration: &Declaration) -> Markup {
     let row = |p: &calibrate::outcome::Estimate| {
         let entry = declaration.by_name(&format!("effect.{}.{}", effect.id, p.name));
         // The rest of a description says what switches it off.
-        let means = entry.map_or("", |e| e.row.doc.split(';').next().unwrap_or_default());
-        vec![p.name.clone(), means.to_owned(), cell(p.value), interval(p.ci95), unit(p.unit)]
+        let meaning = entry.map_or("", |e| e.row.doc.split(';').next().unwrap_or_default());
+        vec![
+            Cell::Code(p.name.clone()),
+            meaning.into(),
+            Cell::number(p.value),
+            interval(p.ci95),
+            unit(p.unit),
+        ]
     };
-    let headers = ["symbol", "meaning", "#value", "#95 % interval", "unit"];
-    rows(&format!("effect-{}", effect.id), &headers, effect.parameters.iter().map(row).collect())
+    let headers = ["symbol", "meaning", "value", "95 % interval", "unit"];
+    html! {
+        @if !effect.parameters.is_empty() { (table(&headers, effect.parameters.iter().map(row).collect())) }
+    }
 }
 
 fn support(effect: &Found) -> String {
     let validation = effect.validation_ratio.map_or(String::new(), |ratio| {
-        format!(
-            " On the runs that decide and were not fitted, the error is {} of that without it.",
-            number(ratio)
-        )
+        format!(" The validation error with it is {} of the error without it.", number(ratio))
     });
     format!(
-        "BIC falls by {} with it, by {} when the noise may have a memory; above 10 is strong.{validation}",
+        "It lowers BIC by {}, and by {} when allowing for autocorrelated noise; above 10 is strong.{validation}",
         number(effect.delta_bic),
         number(effect.delta_bic_whitened)
     )
 }
 
-fn unexplained(found: &Unexplained, outcome: &Outcome) -> String {
+fn unexplained(found: &Unexplained, outcome: &Outcome) -> Markup {
     let given = if found.added {
-        "The model was given the law above, since that improves what was not fitted; the figure is what the data draws \
+        "The law above was added to the model, since it lowers the validation error. The figure is the estimate from the data \
          without a law."
     } else {
-        "The model was not given it: what was not fitted does not improve by it."
+        "It was not added to the model, since it does not lower the validation error."
     };
-    let mut html = String::from("<h2>What has no name</h2>");
-    html +=
-        &paragraph(&format!("Something acts on {} and {}. {given}", port(found.port), driver(found.follows)));
-    if !found.shape.is_empty() {
-        html += &plates(&[figures::shape(found, outcome)]);
+    html! {
+        h2 { "Unexplained effect" }
+        p { "An effect acts on " (port(found.port)) " and " (driver(found.follows)) ". " (given) }
+        @if !found.shape.is_empty() { (plates(&[figures::shape(found, outcome)])) }
     }
-    html
 }
 
-fn limits(outcome: &Outcome) -> String {
-    if outcome.limits.is_empty() {
-        return String::new();
-    }
-    let row =
-        |l: &calibrate::outcome::Limit| vec![plain(&l.id), l.symbol.to_owned(), cell(l.size), unit(l.unit)];
-    let what = if outcome.verdict == Verdict::Nothing {
-        "Nothing was found. An effect of this size or more would have been:"
-    } else {
-        "Beside what was found, an effect of this size or more would have been seen:"
+fn limits(outcome: &Outcome) -> Markup {
+    let row = |l: &calibrate::outcome::Limit| {
+        vec![plain(&l.id).into(), Cell::Code(l.symbol.to_owned()), Cell::number(l.size), unit(l.unit)]
     };
-    format!(
-        "<h2>What would have been seen</h2>{}{}",
-        paragraph(what),
-        rows("limits", &["effect", "symbol", "#size", "unit"], outcome.limits.iter().map(row).collect())
-    )
-}
-
-fn residuals(outcome: &Outcome) -> String {
-    let mut html = String::from("<h2>What each model leaves</h2>");
-    html += &paragraph(
-        "Measured less model, over time. Where a model explains all that there is, its line is noise about zero: 95 % of it \
-         in the pale band. On the right the same without the untouched preset.",
-    );
-    // The runs that were never fitted first; the others can be opened.
-    let heading = |c: &Curves| format!("{} ({})", c.file, role_name(c.role));
-    for role in ROLES.into_iter().rev() {
-        for curves in outcome.curves.iter().filter(|c| c.role == role) {
-            let drawn = plates(&figures::residuals(curves, outcome));
-            let open = if role == Role::Test { " open" } else { "" };
-            let _ = write!(
-                html,
-                "<details{open}><summary>{}</summary>{drawn}</details>",
-                escaped(&heading(curves))
-            );
+    let what = match outcome.verdict {
+        Verdict::Nothing => "No effect was found. An effect of at least this size would have been detected:",
+        _ => "A further effect of at least this size would have been detected:",
+    };
+    html! {
+        @if !outcome.limits.is_empty() {
+            h2 { "Detection limits" }
+            p { (what) }
+            (table(&["effect", "symbol", "size", "unit"], outcome.limits.iter().map(row).collect()))
         }
     }
-    html
 }
 
-fn localised(outcome: &Outcome) -> String {
-    if outcome.localised.is_empty() {
-        return String::new();
+fn residuals(outcome: &Outcome) -> Markup {
+    // The test runs first and open; the others can be opened.
+    let heading = |c: &Curves| format!("{} ({})", c.file, role_name(c.role));
+    html! {
+        h2 { "Residuals" }
+        p {
+            "Measured minus predicted. Where a model is complete, its residual is noise about zero, 95 % of it in the band. The second \
+             figure of each output omits the preset."
+        }
+        @for role in ROLES.into_iter().rev() {
+            @for curves in outcome.curves.iter().filter(|c| c.role == role) {
+                details open=[(role == Role::Test).then_some("")] {
+                    summary { (heading(curves)) }
+                    (plates(&figures::residuals(curves, outcome)))
+                }
+            }
+        }
     }
-    format!(
-        "<h2>Where the residual sits</h2>{}{}",
-        paragraph(
-            "What the refit leaves beyond noise, and the share of it that a free force at each place of the model would \
-             explain."
-        ),
-        plates(&[figures::localised(outcome)])
-    )
 }
 
-fn ladder(outcome: &Outcome) -> String {
-    if outcome.ladder.is_empty() {
-        return String::new();
-    }
+fn candidates(outcome: &Outcome) -> Markup {
     let row = |e: &calibrate::outcome::Evidence| {
         vec![
-            format!("#{}", e.round),
-            plain(&e.name),
-            plain(e.port.name()),
-            cell(e.delta_bic),
-            cell(e.delta_bic_whitened),
-            e.validation_ratio.map_or("#".to_owned(), cell),
-            if e.accepted { "accepted" } else { "rejected" }.to_owned(),
-            e.reason.clone(),
+            Cell::Number(e.round.to_string()),
+            plain(&e.name).into(),
+            plain(e.port.name()).into(),
+            Cell::number(e.delta_bic),
+            Cell::number(e.delta_bic_whitened),
+            Cell::maybe(e.validation_ratio),
+            if e.accepted { "accepted" } else { "rejected" }.into(),
+            plain(&e.reason).into(),
         ]
     };
     let headers = [
-        "#round",
+        "round",
         "candidate",
-        "acts at",
-        "#BIC falls by",
-        "#whitened",
-        "#validation error ratio",
+        "port",
+        "decrease of BIC",
+        "the same, autocorrelated noise",
+        "validation error ratio",
         "verdict",
-        "why",
+        "reason",
     ];
-    format!("<h2>What was tried</h2>{}", rows("ladder", &headers, outcome.ladder.iter().map(row).collect()))
+    html! {
+        @if !outcome.ladder.is_empty() {
+            h2 { "Candidates" }
+            (table(&headers, outcome.ladder.iter().map(row).collect()))
+        }
+    }
 }
 
-fn parameters(experiment: &Experiment, outcome: &Outcome) -> String {
-    if outcome.parameters.is_empty() {
-        return String::new();
-    }
+fn parameters(experiment: &Experiment, outcome: &Outcome) -> Markup {
     let row = |p: &calibrate::outcome::Estimate| {
-        let refit = outcome.refit.iter().find(|r| r.name == p.name);
+        let refit = outcome.refit.iter().find(|r| r.name == p.name).map(|r| r.value);
         vec![
-            p.name.clone(),
-            cell(p.prior),
-            refit.map_or("#".to_owned(), |r| cell(r.value)),
-            cell(p.value),
+            Cell::Code(p.name.clone()),
+            Cell::number(p.prior),
+            Cell::maybe(refit),
+            Cell::number(p.value),
             interval(p.ci95),
             unit(p.unit),
         ]
     };
-    let headers = ["parameter", "#preset", "#refit", "#repaired", "#95 % interval", "unit"];
+    let headers = ["parameter", "preset", "refit", "after", "95 % interval", "unit"];
     let pairs: Vec<String> =
         outcome.correlated.iter().map(|(a, b, r)| format!("{a} with {b} ({})", number(*r))).collect();
-    let pairs = if pairs.is_empty() {
-        String::new()
-    } else {
-        paragraph(&format!("This data hardly separates, with their correlation: {}.", list(&pairs, "and")))
-    };
-    format!(
-        "<h2>Parameters</h2>{}{}{pairs}",
-        plates(&[figures::forest(experiment, outcome)]),
-        rows("parameters", &headers, outcome.parameters.iter().map(row).collect())
-    )
-}
-
-fn whiteness(outcome: &Outcome) -> String {
-    if outcome.whiteness.is_empty() {
-        return String::new();
+    html! {
+        @if !outcome.parameters.is_empty() {
+            h2 { "Parameters" }
+            (table(&headers, outcome.parameters.iter().map(row).collect()))
+            @if !pairs.is_empty() { p { "Strongly correlated estimates, with their correlation: " (list(&pairs, "and")) "." } }
+            (plates(&[figures::forest(experiment, outcome)]))
+        }
     }
-    let row = |w: &calibrate::outcome::Whiteness| {
-        vec![
-            w.column.to_owned(),
-            cell(w.blocks_refit),
-            cell(w.blocks_after),
-            cell(w.autocorrelation.0),
-            cell(w.autocorrelation.1),
-        ]
-    };
-    let headers = [
-        "output",
-        "#block means, refit",
-        "#block means, after",
-        "#correlation, refit",
-        "#correlation, after",
-    ];
-    format!(
-        "<h2>Whether what is left is noise</h2>{}{}",
-        paragraph(
-            "Mean square of block means over what noise alone gives: 1 for noise. Correlation of neighbouring rows: 0 for \
-             noise."
-        ),
-        rows("whiteness", &headers, outcome.whiteness.iter().map(row).collect())
-    )
 }
 
-fn loop_end(outcome: &Outcome, replay: &Replay) -> String {
+fn whiteness(outcome: &Outcome) -> Markup {
+    let row = |w: &calibrate::outcome::Whiteness| {
+        let mut cells: Vec<Cell> = vec![channel(w.column).into()];
+        let values = [w.blocks_refit, w.blocks_after, w.autocorrelation.0, w.autocorrelation.1];
+        cells.extend(values.map(Cell::number));
+        cells
+    };
+    let headers =
+        ["output", "block means, refit", "block means, after", "correlation, refit", "correlation, after"];
+    html! {
+        @if !outcome.whiteness.is_empty() {
+            h2 { "Whiteness of the residuals" }
+            p {
+                "Block means: their mean square relative to that of noise alone; 1 for white noise. Correlation of neighbouring rows: \
+                 0 for white noise."
+            }
+            (table(&headers, outcome.whiteness.iter().map(row).collect()))
+        }
+    }
+}
+
+fn exported(outcome: &Outcome, replay: &Replay) -> Markup {
     let row = |c: &calibrate::report::ReplayedChannel| {
-        vec![
-            c.standard.to_owned(),
-            c.column.to_owned(),
-            cell(c.rmse),
-            cell(c.after),
-            cell(c.difference),
-            cell(c.difference_of_a_value),
-        ]
+        let mut cells: Vec<Cell> = vec![c.standard.into(), channel(c.column).into()];
+        cells.extend([c.rmse, c.after, c.difference, c.difference_of_a_value].map(Cell::number));
+        cells
     };
     let headers = [
         "archive",
         "output",
-        "#error of the FMU",
-        "#after",
-        "#difference / range",
-        "#of a single value / range",
+        "RMSE of the FMU",
+        "RMSE of the model",
+        "difference / range",
+        "greatest difference / range",
     ];
-    format!(
-        "<h2>The FMUs</h2>{}{}",
-        paragraph(&format!(
-            "fmi2/{model}.fmu and fmi3/{model}.fmu start at the calibrated values of preset.toml, as in {file}. {}.",
-            capital(&replay_words(replay)),
-            model = outcome.model,
-            file = outcome.export.file
-        )),
-        rows("replay", &headers, replay.channels.iter().map(row).collect())
-    )
-}
-
-fn remarks(notes: &[String]) -> String {
-    if notes.is_empty() {
-        return String::new();
+    html! {
+        h2 { "Exported FMUs" }
+        p {
+            "fmi2/" (outcome.model) ".fmu and fmi3/" (outcome.model) ".fmu start at the calibrated values of preset.toml, as in "
+            (outcome.export.file) ". " (capital(&replay_words(replay))) "."
+        }
+        (table(&headers, replay.channels.iter().map(row).collect()))
     }
-    let items: String = notes.iter().map(|n| format!("<li>{}</li>", escaped(n))).collect();
-    format!("<h2>Notes</h2><ul>{items}</ul>")
 }

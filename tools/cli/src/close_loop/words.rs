@@ -3,6 +3,7 @@
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::Replay;
 use describe::{Driver, GenericTerm, Law, Port};
+pub use present::number;
 
 /// Where a term acts, as a person calls it.
 pub fn port(port: Port) -> &'static str {
@@ -53,30 +54,6 @@ pub fn list(items: &[String], last: &str) -> String {
         [one] => one.clone(),
         [most @ .., end] => format!("{} {last} {end}", most.join(", ")),
     }
-}
-
-/// Four significant digits.
-pub fn number(value: f64) -> String {
-    let size = value.abs();
-    if !value.is_finite() {
-        return "-".to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let short = |text: &str| {
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            text.to_owned()
-        }
-    };
-    if (1e-4..1e5).contains(&size) {
-        let digits = (3.0 - size.log10().floor()).max(0.0) as usize;
-        return short(&format!("{value:.digits$}"));
-    }
-    let text = format!("{value:.3e}");
-    text.split_once('e').map_or(text.clone(), |(digits, power)| format!("{}e{power}", short(digits)))
 }
 
 /// A value with its unit; a pure number has none.

@@ -7,9 +7,8 @@ pub use paper::paper;
 pub use thesis::thesis;
 
 use super::{Printed, Row, Verdict, significant};
-use crate::figure::escaped;
-use crate::page::{Plate, begun, plates, table};
-use std::fmt::Write;
+use maud::{Markup, PreEscaped, html};
+use present::page::{Cell, Plate, labelled_table, page, plates};
 
 /// A page and its figures.
 pub struct Page {
@@ -23,114 +22,113 @@ pub struct Page {
 
 const SCRIPT: &str = "
 const choice=document.getElementById('verdict');
-choice.onchange=()=>{for(const r of document.querySelectorAll('#rows tbody tr'))\
-r.hidden=choice.value!==''&&r.dataset.verdict!==choice.value};
+choice.onchange=()=>{for(const r of document.querySelectorAll('#rows tbody tr'))
+r.hidden=choice.value===''?false:r.dataset.filter!==choice.value};
 ";
 
 /// Everything that a page says.
 struct Content<'a> {
     name: &'static str,
     title: &'static str,
+    /// What was published, and what this page is.
+    lead: &'static str,
     conclusion: &'a str,
     absent: Option<&'a str>,
     plates: Vec<Plate>,
-    tables: String,
+    tables: Markup,
     rows: &'a [Row],
 }
 
-fn page(content: Content) -> Page {
-    let mut html = begun(content.title);
-    let _ = write!(html, "<p>{}</p>", escaped(content.conclusion));
-    if let Some(reason) = content.absent {
-        let _ = write!(html, "<p class=\"soft\">Without the native model: {}.</p>", escaped(reason));
-    }
-    let mut figures = Vec::new();
-    html.push_str("<h2>Figures</h2>");
-    html.push_str(&plates(&content.plates));
-    for plate in content.plates {
-        figures.push((format!("{}-{}", content.name, plate.name), plate.svg));
-    }
-    html.push_str(&content.tables);
-    html.push_str(&all_rows(content.rows));
-    let _ = write!(html, "<script>{SCRIPT}</script></body></html>");
-    Page { name: content.name, html, figures }
+fn page_of(content: Content) -> Page {
+    let body = html! {
+        p.lead { (content.lead) }
+        h2 { "Conclusion" }
+        p { (content.conclusion) }
+        @if let Some(reason) = content.absent { p.soft { "Without the native model: " (reason) "." } }
+        h2 { "Figures" }
+        (plates(&content.plates))
+        (content.tables)
+        (all_rows(content.rows))
+        script { (PreEscaped(SCRIPT)) }
+    };
+    let figures =
+        content.plates.into_iter().map(|p| (format!("{}-{}", content.name, p.name), p.svg)).collect();
+    Page { name: content.name, html: page(content.title, body), figures }
 }
 
 /// The table of rows with its filter.
-fn all_rows(rows: &[Row]) -> String {
-    let mut html = String::from(
-        "<h2>Every published number</h2><p><label>Verdict <select id=\"verdict\"><option value=\"\">all",
-    );
-    let _ = write!(html, " ({})</option>", rows.len());
-    for verdict in Verdict::ALL {
-        let count = rows.iter().filter(|r| r.verdict == verdict).count();
-        if count > 0 {
-            let words = verdict.text();
-            let _ = write!(html, "<option value=\"{words}\">{words} ({count})</option>");
-        }
-    }
-    html.push_str("</select></label></p><div class=\"wide\">");
+fn all_rows(rows: &[Row]) -> Markup {
     let headers = [
         "id",
-        "where",
+        "place",
         "quantity",
-        "#published",
-        "#recomputed",
-        "#corrected",
-        "#leave-one-out",
-        "#untuned",
-        "#measured",
+        "published",
+        "recomputed",
+        "corrected",
+        "leave-one-out",
+        "untuned",
+        "measured",
         "unit",
         "verdict",
-        "why",
+        "note",
     ];
     let body = rows.iter().map(|row| {
-        let number = |v: Option<f64>| format!("#{}", v.map_or(String::new(), significant));
+        let number = |v: Option<f64>| Cell::Number(v.map_or(String::new(), significant));
         let basis = |row: &Row| {
             let basis = row.basis.map_or(String::new(), |basis| format!(" ({})", basis.text()));
-            format!("#{}{basis}", row.corrected.map_or(String::new(), significant))
+            Cell::Number(row.corrected.map_or(String::new(), |v| format!("{}{basis}", significant(v))))
         };
-        let printed = match &row.printed {
-            Printed::Number(value) => format!("#{}", significant(*value)),
-            Printed::Text(text) => (*text).to_owned(),
+        let published = match &row.printed {
+            Printed::Number(value) => number(Some(*value)),
+            Printed::Text(text) => (*text).into(),
         };
         let cells = vec![
-            row.id.to_owned(),
-            row.location.to_owned(),
-            row.quantity.clone(),
-            printed,
+            row.id.into(),
+            row.location.into(),
+            row.quantity.as_str().into(),
+            published,
             number(row.as_published),
             basis(row),
             number(row.leave_one_out),
             number(row.untuned),
             number(row.measured),
-            row.unit.to_owned(),
-            row.verdict.text().to_owned(),
-            row.note.clone(),
+            row.unit.into(),
+            row.verdict.text().into(),
+            row.note.as_str().into(),
         ];
         (row.verdict.text(), cells)
     });
-    html.push_str(&table("rows", &headers, body));
-    html.push_str("</div>");
-    html
+    let counts = Verdict::ALL.into_iter().map(|v| (v.text(), rows.iter().filter(|r| r.verdict == v).count()));
+    html! {
+        h2 { "Published numbers" }
+        p {
+            "Published: as printed. Recomputed: by the published equations and inputs. Corrected: by the right equations and the \
+             inputs that were used; \"fitted\" where a model's parameters were fitted to the published value, \"predicted\" where \
+             they were not. Leave-one-out: the model fitted to the other tests. Untuned: the model with declared values."
+        }
+        p { label { "Verdict " select id="verdict" {
+            option value="" { "all (" (rows.len()) ")" }
+            @for (words, count) in counts.filter(|(_, count)| *count > 0) {
+                option value=(words) { (words) " (" (count) ")" }
+            }
+        } } }
+        (labelled_table("rows", &headers, body.collect()))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A page needs nothing from outside and holds every row.
+    /// A page follows the rules of pages and holds every row.
     #[test]
     fn pages_are_complete_in_themselves() {
         for page in [
             thesis(&crate::reproduce::thesis::thesis(false).unwrap()),
             paper(&crate::reproduce::paper::paper().unwrap()),
         ] {
-            for outside in ["src=", "href=", "@import", "url("] {
-                assert!(!page.html.contains(outside), "{}: {outside}", page.name);
-            }
-            assert!(!page.html.contains("NaN"), "{}", page.name);
-            assert!(page.html.matches("<tr data-verdict").count() > 35 && !page.figures.is_empty());
+            assert_eq!(present::check::faults(&page.html), Vec::<String>::new(), "{}", page.name);
+            assert!(page.html.matches("<tr data-filter").count() > 35 && !page.figures.is_empty());
         }
     }
 }

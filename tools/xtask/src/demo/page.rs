@@ -1,192 +1,227 @@
 //! The page of results: one file that opens without a network.
 
 use crate::Outcome;
+use maud::{Markup, html};
+use present::number;
+use present::page::{Cell, page, picture, table};
 use serde_json::{Map, Value};
 
-const HEAD: &str = r#"<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>motor-fmu: a powered ankle walks</title>
-<style>
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
-svg { width: 100%; height: auto }
-table { border-collapse: collapse; margin-top: 1rem }
-th, td { padding: .2rem .8rem; border-bottom: 1px solid #ddd; text-align: right }
-th:first-child, td:first-child { text-align: left }
-td { font-variant-numeric: tabular-nums }
-</style>
-<h1>A powered ankle walks</h1>
-<p>The FMU <code>AnnulusCooledMotor</code> (maxon EC-4pole 30) drives an ankle through a transmission and a series
-spring. Angle and torque are those of level walking. The run is made by <code>examples/02_walking.py</code>.</p>
-<p>Where the models come from: <a href="thesis.html">the thesis</a> and <a href="paper.html">the paper</a>, every number printed,
-recomputed and put right. What a fan and an annulus buy: <code>docs/what-cooling-buys.md</code>.</p>
-"#;
-
-const STUDY: &str = r#"<h2>What cooling buys under gait</h2>
-<p>The same motor as the thesis measured it, 75 kg, all of a healthy ankle's torque: minutes until the winding reaches 155 °C, and the share
-of the torque that can be given for ever. Below, the torque that can be walked for ever over the mass, with transmission ratio and
-spring swept. Made by <code>examples/08_walking_study.py</code>, told in <code>docs/walking-study.md</code>. The system of motor, actuator and
-gait is <a href="actuator-gait.ssp">one file</a> that any SSP tool opens.</p>
-"#;
-
-const BENCH: &str = r#"<h2>A measured motor: what did the fan do?</h2>
-<p>Logs of a motor on a bench, heated near standstill. The model is calibrated by runs in still air; in one run a fan was on, and its
-first 60 % tell what the fan did. The table is of the rest of that run, which nothing was fitted to: the error (RMSE) of the model as
-still air left it, of its parameters fitted once more, and of the repaired model. <a href="bench.html">The report</a>, with
-figures; made by <code>examples/04_close_the_loop_bench.py</code>, told in <code>docs/close-the-loop-bench.md</code>.</p>
-"#;
+/// Units at the end of a key, and how people write them.
+const UNITS: [(&str, &str); 14] = [
+    ("percent_of_peak", "% of the peak"),
+    ("Wh_per_hour", "W·h per hour"),
+    ("rad_per_s", "rad/s"),
+    ("percent", "%"),
+    ("degC", "°C"),
+    ("min", "min"),
+    ("Nm", "N·m"),
+    ("kg", "kg"),
+    ("W", "W"),
+    ("A", "A"),
+    ("V", "V"),
+    ("J", "J"),
+    ("K", "K"),
+    ("1", "1"),
+];
 
 /// The page of its sections.
-pub fn html(walk: &str, study: &str, bench: &str) -> String {
-    format!("{HEAD}{walk}\n{STUDY}{study}\n{BENCH}{bench}\n</html>\n")
+pub fn html(walk: Markup, study: Markup, bench: Markup) -> String {
+    let body = html! {
+        p.lead {
+            "The FMU " code { "AnnulusCooledMotor" } " (maxon EC-4pole 30) drives an ankle through a transmission and a series spring \
+             in level walking: in still air and with a fan."
+        }
+        (walk)
+        p.soft { "Made by " code { "examples/02_walking.py" } "." }
+        h2 { "Continuous torque under gait" }
+        p {
+            "The motor of the thesis, 75 kg, in several activities and cooling arrangements: minutes until the winding reaches \
+             155 °C, and the continuous fraction of the healthy ankle's torque. The figure shows the continuous torque over the mass, \
+             with transmission ratio and spring swept."
+        }
+        (study)
+        p.soft {
+            "Made by " code { "examples/08_walking_study.py" } ", described in " code { "docs/walking-study.md" } ". Motor, actuator and \
+             gait are one system: " a href="actuator-gait.ssp" { "actuator-gait.ssp" } "."
+        }
+        h2 { "Calibration with bench data" }
+        p {
+            "A motor on a bench, heated near standstill. The model is calibrated by runs in still air; in one run a fan was on. The \
+             effect of the fan is identified from the first 60 % of that run. The table is of the rest: RMSE of the model calibrated in \
+             still air, of the refit, and of the extended model."
+        }
+        (bench)
+        p.soft {
+            a href="bench.html" { "Calibration report" } ". Made by " code { "examples/04_close_the_loop_bench.py" } ", described in "
+            code { "docs/close-the-loop-bench.md" } "."
+        }
+        h2 { "Published systems" }
+        p {
+            "Every number of the " a href="thesis.html" { "thesis" } " and of the " a href="paper.html" { "paper" }
+            ": published, recomputed, corrected. Effect of fan and annulus: " code { "docs/what-cooling-buys.md" } "."
+        }
+    };
+    page("A powered ankle in walking", body)
 }
 
-/// What the study under gait gave: a table of activities and arrangements, and its figure.
-pub fn study(results: &str, figure: &str) -> Outcome<String> {
-    let results: Value =
-        serde_json::from_str(results).map_err(|e| format!("the results of the study are no JSON: {e}"))?;
+fn json(text: &str, of: &str) -> Outcome<Value> {
+    serde_json::from_str(text).map_err(|e| format!("the results of the {of} are not JSON: {e}"))
+}
+
+fn drawn(svg: &str, caption: &str) -> Outcome<Markup> {
+    picture(svg, caption).ok_or_else(|| "the figure is not SVG".into())
+}
+
+/// A key such as `current_rms_A` in words with its unit.
+fn label(key: &str) -> String {
+    let unit = UNITS.iter().find_map(|(end, unit)| Some((key.strip_suffix(end)?.strip_suffix('_')?, unit)));
+    match unit {
+        Some((name, unit)) => format!("{} in {unit}", name.replace('_', " ")),
+        None => key.replace('_', " "),
+    }
+}
+
+/// The study under gait: a table of activities and arrangements, and its figure.
+pub fn study(results: &str, figure: &str) -> Outcome<Markup> {
+    let results = json(results, "study")?;
     let arrangements = results["activities"].as_object().ok_or("the study has no activities")?;
-    let mut rows = String::from("<table>\n<tr><th>");
-    arrangements.keys().for_each(|name| rows += &format!("<th>{}", escaped(name)));
-    let activities = arrangements.values().next().and_then(Value::as_object).into_iter().flatten();
-    for (activity, _) in activities {
-        rows += &format!("\n<tr><td>{}", escaped(activity));
+    let mut headers = vec!["activity"];
+    headers.extend(arrangements.keys().map(String::as_str));
+    let mut rows = Vec::new();
+    for (activity, _) in arrangements.values().next().and_then(Value::as_object).into_iter().flatten() {
+        let mut cells: Vec<Cell> = vec![label(activity).into()];
         for answers in arrangements.values() {
             let answer = &answers[activity];
-            let share = answer["support_for_ever"].as_f64().ok_or("the study has no share of the torque")?;
+            let fraction =
+                answer["support_for_ever"].as_f64().ok_or("the study has no fraction of the torque")?;
             let minutes = answer["minutes_to_limit"].as_f64();
-            let minutes = minutes.map_or_else(|| "for ever".into(), |m| format!("{m:.0} min"));
-            rows += &format!("<td>{minutes}, {:.0} %", 100.0 * share);
+            let minutes = minutes.map_or_else(|| "continuous".into(), |m| format!("{m:.0} min"));
+            cells.push(Cell::Number(format!("{minutes}, {:.0} %", 100.0 * fraction)));
         }
+        rows.push(cells);
     }
-    Ok(format!("{rows}\n</table>\n{}", inside_a_page(figure)?))
+    let caption = "Continuous torque at the joint over the mass of motor and cooling.";
+    Ok(html! { (table(&headers, rows)) (drawn(figure, caption)?) })
 }
 
-/// An SVG without its prologue, as pages hold it.
-fn inside_a_page(figure: &str) -> Outcome<&str> {
-    Ok(figure.find("<svg").map(|at| &figure[at..]).ok_or("the figure is no SVG")?)
+/// The walk: the example's results, `{case: {quantity_unit: number}}`, and its figure.
+pub fn walk(results: &str, figure: &str) -> Outcome<Markup> {
+    let results: Map<String, Value> = serde_json::from_value(json(results, "walk")?)
+        .map_err(|e| format!("the results of the walk are not a JSON object: {e}"))?;
+    let cases: Vec<&Map<String, Value>> = results.values().filter_map(Value::as_object).collect();
+    let first = cases.first().ok_or("the results of the walk name no case")?;
+    let mut headers = vec!["quantity"];
+    headers.extend(results.keys().map(String::as_str));
+    let row = |key: &String| {
+        let values = cases.iter().map(|case| cell(case.get(key).unwrap_or(&Value::Null)));
+        std::iter::once(label(key).into()).chain(values).collect()
+    };
+    let caption = "One stride, and the temperatures of the whole walk.";
+    Ok(html! { (drawn(figure, caption)?) (table(&headers, first.keys().map(row).collect())) })
 }
 
-/// What the walk gave: the example's results, `{case: {quantity_unit: number}}`, and its figure.
-pub fn walk(results: &str, figure: &str) -> Outcome<String> {
-    let results: Map<String, Value> = serde_json::from_str(results)
-        .map_err(|e| format!("the results of the walk are no JSON object: {e}"))?;
-    Ok(format!("{}\n{}", inside_a_page(figure)?, table(&results)?))
-}
-
-/// What closing the loop came to: the errors over the test run, by channel.
-pub fn bench(report: &str) -> Outcome<String> {
-    let report: Value =
-        serde_json::from_str(report).map_err(|e| format!("the bench's report is no JSON: {e}"))?;
+/// The calibration: the errors over the test run, by channel.
+pub fn bench(report: &str) -> Outcome<Markup> {
+    let report = json(report, "bench")?;
     let errors =
         report["error"]["test"].as_object().ok_or("the bench's report has no errors of a test run")?;
     let stages = ["before", "refit", "after"];
-    let mut rows = String::from("<table>\n<tr><th>");
-    stages.iter().for_each(|stage| rows += &format!("<th>{stage}"));
-    for (channel, error) in errors {
-        rows += &format!("\n<tr><td>{}", escaped(&channel.replace('_', " ").replace(" degC", ", K")));
-        stages.iter().for_each(|stage| rows += &format!("<td>{}", cell(&error[*stage])));
-    }
+    let rows = errors.iter().map(|(channel, error)| {
+        // An error of a temperature is a difference.
+        let name = label(channel).replace("in °C", "in K");
+        std::iter::once(name.into()).chain(stages.iter().map(|stage| cell(&error[*stage]))).collect()
+    });
     let effects = report["effects"].as_array().into_iter().flatten();
     let found: Vec<String> = effects
         .map(|e| {
             let names = std::iter::once(&e["id"]).chain(e["alternatives"].as_array().into_iter().flatten());
-            let names: Vec<String> = names.map(|id| id.as_str().unwrap_or("?").replace('_', " ")).collect();
+            let names: Vec<String> = names.map(|id| label(id.as_str().unwrap_or("?"))).collect();
             names.join(" or ")
         })
         .collect();
-    let verdict = report["verdict"].as_str().unwrap_or("?");
-    Ok(format!("{rows}\n</table>\n<p>Verdict: {}; {}.</p>", escaped(verdict), escaped(&found.join(", "))))
+    let headers = ["RMSE of", stages[0], stages[1], stages[2]];
+    Ok(html! {
+        (table(&headers, rows.collect()))
+        p { "Verdict: " (report["verdict"].as_str().unwrap_or("?")) "; " (found.join(", ")) "." }
+    })
 }
 
-fn table(results: &Map<String, Value>) -> Outcome<String> {
-    let cases: Vec<&Map<String, Value>> = results.values().filter_map(Value::as_object).collect();
-    let first = cases.first().ok_or("the results of the walk name no case")?;
-    let mut rows = String::from("<table>\n<tr><th>");
-    results.keys().for_each(|name| rows += &format!("<th>{}", escaped(name)));
-    for key in first.keys() {
-        rows += &format!("\n<tr><td>{}", escaped(&key.replace('_', " ")));
-        for case in &cases {
-            rows += &format!("<td>{}", cell(case.get(key).unwrap_or(&Value::Null)));
-        }
-    }
-    Ok(rows + "\n</table>")
-}
-
-/// What a reader sees of a value: a dash where there is none.
-fn cell(value: &Value) -> String {
-    match value {
+/// A value for people: a dash where there is none.
+fn cell(value: &Value) -> Cell {
+    Cell::Number(match value {
         Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
         _ => value.as_f64().map_or_else(|| "–".into(), number),
-    }
-}
-
-/// Four significant digits.
-fn number(x: f64) -> String {
-    let magnitude = if x == 0.0 { 3 } else { x.abs().log10().floor().clamp(-6.0, 3.0) as i32 };
-    format!("{x:.*}", (3 - magnitude) as usize)
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn figure_and_numbers_are_in_the_page() {
-        let results = r#"{"still air": {"current_rms_A": 9.23456, "limit_min": null}, "fan": {"current_rms_A": 812.3}}"#;
-        let page = walk(results, "<?xml version=\"1.0\"?>\n<svg id=\"f\"></svg>").unwrap();
-        assert!(page.contains("<svg id=\"f\">") && !page.contains("<?xml"));
-        assert!(page.contains("<tr><td>current rms A<td>9.235<td>812.3"), "{page}");
-        assert!(page.contains("<tr><td>limit min<td>–<td>–"), "{page}");
-    }
+    const FIGURE: &str = "<?xml version=\"1.0\"?>\n<svg aria-label=\"f\"></svg>";
+    const WALK: &str =
+        r#"{"still air": {"current_rms_A": 9.23456, "limit_min": null}, "fan": {"current_rms_A": 812.3}}"#;
+    const BENCH: &str = r#"{"verdict": "class", "effects": [{"id": "drive_loss", "alternatives": ["leads"]}, {"id": "forced_convection"}],
+        "error": {"fit": {}, "test": {"winding_temperature_degC": {"before": 75.04, "refit": 59.6, "after": 1.456}}}}"#;
 
-    #[test]
-    fn the_bench_is_told_by_its_test_run() {
-        let report = r#"{"verdict": "class", "effects": [{"id": "drive_loss", "alternatives": ["leads"]}, {"id": "forced_convection"}],
-            "error": {"fit": {}, "test": {"winding_temperature_degC": {"before": 75.04, "refit": 59.6, "after": 1.456}}}}"#;
-        let told = bench(report).unwrap();
-        assert!(told.contains("<tr><td>winding temperature, K<td>75.04<td>59.60<td>1.456"), "{told}");
-        assert!(told.contains("Verdict: class; drive loss or leads, forced convection."), "{told}");
-        let page = html("<svg id=\"w\"/>", "<p>study</p>", &told);
-        assert!(
-            page.starts_with("<!doctype")
-                && page.ends_with("</html>\n")
-                && page.contains("href=\"bench.html\"")
-        );
-        assert!(page.contains("<svg id=\"w\"/>") && page.contains("<p>study</p>") && page.contains(&told));
-        assert!(bench("{}").unwrap_err().contains("no errors") && bench("").unwrap_err().contains("no JSON"));
-    }
-
-    #[test]
-    fn the_study_is_a_table_with_its_figure() {
-        let cell = |minutes: &str, share: f64| {
-            format!(r#"{{"walking": {{"minutes_to_limit": {minutes}, "support_for_ever": {share}}}}}"#)
+    fn studied() -> String {
+        let cell = |minutes: &str, fraction: f64| {
+            format!(r#"{{"walking": {{"minutes_to_limit": {minutes}, "support_for_ever": {fraction}}}}}"#)
         };
-        let results =
-            format!(r#"{{"activities": {{"bare": {}, "fan": {}}}}}"#, cell("15.1", 0.45), cell("null", 1.04));
-        let told = study(&results, "<?xml?><svg id=\"s\"/>").unwrap();
-        assert!(told.contains("<tr><td>walking<td>15 min, 45 %<td>for ever, 104 %"), "{told}");
-        assert!(told.contains("<svg id=\"s\"/>") && !told.contains("<?xml"));
-        assert!(study("{}", "<svg/>").unwrap_err().contains("no activities"));
+        format!(r#"{{"activities": {{"bare": {}, "fan": {}}}}}"#, cell("15.1", 0.45), cell("null", 1.04))
+    }
+
+    /// The cells of the tables of a section, by row.
+    fn cells(section: &Markup) -> Vec<String> {
+        let text = section.clone().into_string();
+        let rows = text.split("<tr>").skip(2).map(|row| {
+            let cells = row.split("<td").skip(1).filter_map(|c| c.split_once('>')?.1.split_once("</td>"));
+            cells.map(|(cell, _)| cell).collect::<Vec<_>>().join(" | ")
+        });
+        rows.collect()
     }
 
     #[test]
-    fn numbers_have_four_digits() {
-        for (x, text) in [(0.0, "0"), (12345.6, "12346"), (0.012345, "0.01235"), (-9.87654, "-9.877")] {
-            assert_eq!(number(x), text);
+    fn the_page_follows_the_rules_of_pages() {
+        let page =
+            html(walk(WALK, FIGURE).unwrap(), study(&studied(), FIGURE).unwrap(), bench(BENCH).unwrap());
+        assert_eq!(present::check::faults(&page), Vec::<String>::new());
+        assert!(page.contains("href=\"bench.html\"") && !page.contains("<?xml"));
+    }
+
+    #[test]
+    fn keys_become_labels_with_units() {
+        for (key, words) in [
+            ("motor_speed_peak_rad_per_s", "motor speed peak in rad/s"),
+            ("energy_account_error_percent", "energy account error in %"),
+            ("strides", "strides"),
+            ("iron_loss", "iron loss"),
+        ] {
+            assert_eq!(label(key), words);
         }
-        assert_eq!([cell(&Value::Null), cell(&true.into()), cell(&2.0.into())], ["–", "yes", "2.000"]);
     }
 
     #[test]
-    fn results_that_are_none_are_an_error() {
-        assert!(walk("[]", "<svg/>").unwrap_err().contains("JSON"));
-        assert!(walk("{}", "<svg/>").unwrap_err().contains("no case"));
-        assert!(walk("{\"a\": {}}", "png").unwrap_err().contains("SVG"));
+    fn tables_hold_the_results() {
+        assert_eq!(
+            cells(&walk(WALK, FIGURE).unwrap()),
+            ["current rms in A | 9.235 | 812.3", "limit in min | – | –"]
+        );
+        assert_eq!(cells(&bench(BENCH).unwrap()), ["winding temperature in K | 75.04 | 59.6 | 1.456"]);
+        let text = bench(BENCH).unwrap().into_string();
+        assert!(text.contains("Verdict: class; drive loss or leads, forced convection."), "{text}");
+        assert_eq!(
+            cells(&study(&studied(), FIGURE).unwrap()),
+            ["walking | 15 min, 45 % | continuous, 104 %"]
+        );
+    }
+
+    #[test]
+    fn unreadable_results_are_an_error() {
+        let said = |result: Outcome<Markup>| result.unwrap_err();
+        assert!(said(walk("[]", FIGURE)).contains("JSON") && said(walk("{}", FIGURE)).contains("no case"));
+        assert!(said(walk("{\"a\": {}}", "png")).contains("SVG"));
+        assert!(said(study("{}", FIGURE)).contains("no activities"));
+        assert!(said(bench("{}")).contains("no errors") && said(bench("")).contains("not JSON"));
     }
 }

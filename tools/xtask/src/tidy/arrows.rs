@@ -12,12 +12,14 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("terms", &["physics"]),
     ("fmu", &["physics", "terms"]),
     ("describe", &["physics"]),
-    ("calibrate", &["physics"]),
-    ("cosim", &[]),
-    ("archive", &["describe", "cosim", "terms"]),
-    ("study", &["physics", "describe"]),
-    ("cli", &["calibrate", "cosim", "archive", "study", "describe"]),
-    ("xtask", &[]),
+    ("least-squares", &[]),
+    ("calibrate", &["physics", "least-squares"]),
+    ("present", &[]),
+    ("cosim", &["present"]),
+    ("archive", &["describe", "cosim", "terms", "present"]),
+    ("study", &["physics", "describe", "present", "least-squares"]),
+    ("cli", &["calibrate", "cosim", "archive", "study", "describe", "present"]),
+    ("xtask", &["present"]),
 ];
 
 /// Compares with what `cargo metadata` says.

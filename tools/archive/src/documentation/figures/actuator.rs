@@ -1,10 +1,10 @@
 //! Figures of the series elastic actuator.
 
-use super::{Figure, POINTS, figure};
+use super::{Captioned, POINTS, figure};
 use crate::native::Native;
 
-/// What the motor's shaft has to bear for a joint torque, when the motor drives and when it is driven.
-pub fn both_ways(native: &Native<'_>) -> Option<Figure> {
+/// Load torque of the motor over joint torque, driving and driven.
+pub fn both_ways(native: &Native<'_>) -> Option<Captioned> {
     let speed = native.entry("motor_speed")?.row.nominal;
     let most = native.entry("torque_demand")?.row.nominal;
     let load = |torque: f64, speed: f64| {
@@ -19,21 +19,21 @@ pub fn both_ways(native: &Native<'_>) -> Option<Figure> {
     };
     let ways = [(speed, "the motor drives"), (0.0, "at rest"), (-speed, "the joint drives")];
     let caption = format!(
-        "At {speed} rad/s of the motor, joint_angle 0. Friction of the transmission adds to the load of a motor that drives \
-         and takes from what a joint that drives gives back."
+        "Motor speed {speed} rad/s, joint angle 0. Friction of the transmission increases the load torque of a driving motor and \
+         decreases that of a driven motor."
     );
     let lines = ways.into_iter().map(line).collect();
     figure(
-        "Torque on the motor for a torque at the joint",
-        "joint_torque, N.m",
-        "load_torque, N.m",
+        "Load torque of the motor over joint torque",
+        "joint torque in N·m",
+        "load torque in N·m",
         lines,
         caption,
     )
 }
 
-/// The greatest current over the motor's speed, for supplies.
-pub fn current_limits(native: &Native<'_>) -> Option<Figure> {
+/// The greatest current over the motor's speed, for several supply voltages.
+pub fn current_limits(native: &Native<'_>) -> Option<Captioned> {
     let nominal = native.starts.of(native.entry("supply_voltage")?);
     let constant = native.starts.of(native.entry("control.k_t")?);
     let fastest = nominal / constant;
@@ -44,15 +44,19 @@ pub fn current_limits(native: &Native<'_>) -> Option<Figure> {
         run.set("torque_demand", demand)?;
         run.get("current_command")
     };
-    let line = |share: f64| {
-        let supply = share * nominal;
+    let line = |fraction: f64| {
+        let supply = fraction * nominal;
         let points = (0..=POINTS).map(|k| fastest * f64::from(k) / f64::from(POINTS));
         let points = points.map(|w| current(supply, w).map(|i| (w, i))).collect::<Option<Vec<_>>>();
-        (format!("{supply} V"), points.unwrap_or_default().into_iter().filter(|p| p.1 >= 0.0).collect())
+        (
+            format!("supply {supply} V"),
+            points.unwrap_or_default().into_iter().filter(|p| p.1 >= 0.0).collect(),
+        )
     };
     let caption = format!(
-        "The control counts with {constant} N.m/A. Up to the bend the drive limits the current, beyond it the supply."
+        "Torque constant of the control {constant} N·m/A. The drive limits the current at low speed, the supply voltage at high \
+         speed."
     );
     let lines = [1.0, 0.75, 0.5].into_iter().map(line).collect();
-    figure("Greatest current", "motor_speed, rad/s", "current_command, A", lines, caption)
+    figure("Greatest current", "motor speed in rad/s", "current command in A", lines, caption)
 }

@@ -1,6 +1,6 @@
 //! Figures of the gait.
 
-use super::{Figure, figure};
+use super::{Captioned, figure};
 use crate::native::Native;
 use describe::Kind;
 
@@ -25,42 +25,30 @@ fn choices(native: &Native<'_>, name: &str) -> Vec<&'static str> {
 }
 
 /// The torque of each joint.
-pub fn torques(native: &Native<'_>) -> Option<Figure> {
+pub fn torques(native: &Native<'_>) -> Option<Captioned> {
     let joints = choices(native, "gait.joint");
     let line = |joint: &&str| {
         let points = stride(native, "torque_demand", &[("gait.joint", joint), ("gait.activity", "walk")]);
         (joint.to_string(), points.unwrap_or_default())
     };
     let caption = format!(
-        "Level walking at the speed that one chooses, gait.body_mass {} kg, gait.support {}. Positive is extension, \
-         plantarflexion at the ankle; the stride begins at heel strike.",
+        "Level walking at self-selected speed, body mass {} kg, support {}. Positive is extension, plantarflexion at the ankle; the \
+         stride begins at heel strike.",
         native.starts.of(native.entry("gait.body_mass")?),
         native.starts.of(native.entry("gait.support")?)
     );
-    figure(
-        "Torque over a stride",
-        "stride, %",
-        "torque_demand, N.m",
-        joints.iter().map(line).collect(),
-        caption,
-    )
+    figure("Torque over a stride", "stride in %", "torque in N·m", joints.iter().map(line).collect(), caption)
 }
 
 /// The power of the ankle in every activity.
-pub fn powers(native: &Native<'_>) -> Option<Figure> {
+pub fn powers(native: &Native<'_>) -> Option<Captioned> {
     let activities = ["walk_slow", "walk", "walk_fast", "stairs_up", "stairs_down"];
     let line = |activity: &&str| {
         let points = stride(native, "power_demand", &[("gait.joint", "ankle"), ("gait.activity", activity)]);
-        (activity.to_string(), points.unwrap_or_default())
+        (activity.replace('_', " "), points.unwrap_or_default())
     };
-    let caption = "The ankle in five activities. Positive is power into the leg. On stairs the power is measured, and how it \
-                   is shared out between torque and speed an estimate."
+    let caption = "The ankle in five activities. Positive is power into the leg. On stairs the power is measured; its split into \
+                   torque and speed is an estimate."
         .to_string();
-    figure(
-        "Power of the ankle",
-        "stride, %",
-        "power_demand, W",
-        activities.iter().map(line).collect(),
-        caption,
-    )
+    figure("Power of the ankle", "stride in %", "power in W", activities.iter().map(line).collect(), caption)
 }

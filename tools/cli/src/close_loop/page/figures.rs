@@ -1,17 +1,18 @@
 //! The figures of the page.
 
 use super::super::words::{number, plain};
-use super::{Plate, port};
+use super::port;
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Curve, Curves, Follows, Outcome, Unexplained};
 use calibrate::report::driver_unit;
-use study::figure::{Axis, Figure, Mark, Row, Rows};
+use present::figure::{Axis, Figure, Mark, Row, Rows};
+use present::page::Plate;
 
 /// 95 % of a normal distribution lie within this many standard deviations.
 const WITHIN_95: f64 = 1.96;
 
 /// A column's name without its unit, and its unit.
-fn split(column: &str) -> (String, &str) {
+pub fn split(column: &str) -> (String, &str) {
     for unit in ["rad_per_s", "degC", "Nm", "Pa", "V", "A", "W", "1"] {
         if let Some(name) = column.strip_suffix(unit) {
             let unit = match unit {
@@ -36,14 +37,14 @@ pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
         let figure = |title: &str| {
             let figure =
                 Figure::new(title, Axis::new("time in s"), Axis::new(&format!("measured − model in {unit}")));
-            windowed(figure.hairlines(), curves)
+            windowed(figure.thin(), curves)
         };
         let left = |model: &[f64]| residual(curves, curve, model);
         let (before, refit, after) = (left(&curve.before), left(&curve.refit), left(&curve.after));
         let sizes = |list: &[(&str, &Vec<(f64, f64)>)]| {
             let list: Vec<String> =
                 list.iter().map(|(word, r)| format!("{} {word}", number(size(r)))).collect();
-            format!("Greatest in {unit}: {}. Noise: {} {unit}.", list.join(", "), number(noise))
+            format!("Greatest residual in {unit}: {}. Noise: {} {unit}.", list.join(", "), number(noise))
         };
         all.push(Plate::new(
             "residual",
@@ -57,9 +58,9 @@ pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
             [curves.time.first(), curves.time.last()].into_iter().flatten().map(|t| (*t, 0.0)).collect();
         let caption = sizes(&[("refit", &refit), ("after", &after)]);
         // The colours are those of the figure beside it; the band is grey.
-        let near = figure(&format!("{name}, without the preset")).line("", Vec::new());
-        let near = near.line("refit", refit).line("after", after).line("", Vec::new());
-        all.push(Plate::new("residual", near.band("noise, 95 %", zero, vec![WITHIN_95 * noise; 2]), caption));
+        let near = figure(&format!("{name}, without the preset")).colour(4);
+        let near = near.band("noise, 95 %", zero, vec![WITHIN_95 * noise; 2]).colour(1);
+        all.push(Plate::new("residual", near.line("refit", refit).line("after", after), caption));
     }
     all
 }
@@ -73,7 +74,7 @@ fn size(points: &[(f64, f64)]) -> f64 {
     points.iter().map(|p| p.1.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max)
 }
 
-/// With the window that counts, where it is not the whole run.
+/// With the window of the run, where it is not the whole run.
 fn windowed(mut figure: Figure, curves: &Curves) -> Figure {
     let (Some((from, to)), Some(first), Some(last)) =
         (curves.window, curves.time.first(), curves.time.last())
@@ -81,15 +82,15 @@ fn windowed(mut figure: Figure, curves: &Curves) -> Figure {
         return figure;
     };
     if from > *first && from < *last {
-        figure = figure.note(from, "counts from here");
+        figure = figure.note(from, "window begins");
     }
     if to > *first && to < *last {
-        figure = figure.note(to, "counts to here");
+        figure = figure.note(to, "window ends");
     }
     figure
 }
 
-/// What a free force at each port would explain.
+/// The fraction of the residual that an unconstrained input at each port explains.
 pub fn localised(outcome: &Outcome) -> Plate {
     let mut places: Vec<_> = outcome.localised.iter().collect();
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -102,15 +103,15 @@ pub fn localised(outcome: &Outcome) -> Plate {
         }
     };
     let figure = Rows::new(
-        "A free force at ...",
-        "share of the residual beyond noise in %",
+        "Unconstrained input at each port",
+        "fraction of the residual beyond noise in %",
         &[],
         places.iter().map(row).collect(),
     );
-    Plate::new("localised", figure, "Each place with the driver that its force follows best.")
+    Plate::new("localised", figure, "Each port with the driver that correlates best with its input.")
 }
 
-/// Parameters as their change from the preset, beside what the prior allows.
+/// Parameters as their change from the preset, and the interval of the prior.
 pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
     let row = |p: &calibrate::outcome::Estimate| {
         let change = |value: f64| 100.0 * (value / p.prior - 1.0);
@@ -131,19 +132,19 @@ pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
     };
     let known = outcome.parameters.iter().filter(|p| p.prior != 0.0);
     let figure = Rows::new(
-        "Parameters",
+        "Change of the parameters",
         "change from the preset in %",
-        &["repaired", "refit", "prior"],
+        &["after", "refit", "prior"],
         known.map(row).collect(),
     );
     Plate::new(
         "parameters",
         figure,
-        "Intervals of 95 %; the prior's is pale. A refit that leaves the prior hides an effect in a parameter.",
+        "95 % intervals. A refit outside the prior indicates an effect that the model lacks.",
     )
 }
 
-/// What acts at a port over what it follows, with its band.
+/// The estimated effect at a port over its driver, with its band.
 pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
     let (x, y): (Vec<f64>, Vec<(f64, f64)>) = (
         found.shape.iter().map(|p| WITHIN_95 * p.2).collect(),
@@ -159,8 +160,8 @@ pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
     let title = plain(found.port.name());
     let figure = Figure::new(&title, Axis::new(&follows), Axis::new(&value))
         .band("95 %", y.clone(), x)
-        .same_colour()
-        .line("found", y);
+        .colour(0)
+        .line("estimate", y);
     let magnitude = outcome.effects.first().map_or(String::new(), |e| format!(" {}.", e.magnitude));
-    Plate::new("shape", figure, format!("What acts on {}, beside the model.{magnitude}", port(found.port)))
+    Plate::new("shape", figure, format!("Estimated effect on {}.{magnitude}", port(found.port)))
 }

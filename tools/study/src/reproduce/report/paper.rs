@@ -1,25 +1,54 @@
 //! Figures of the paper.
 
-use super::{Content, Page, page};
-use crate::figure::{Axis, Figure};
-use crate::page::Plate;
+use super::{Content, Page, page_of};
 use crate::reproduce::paper::published::{self, DUTIES, Point};
-use crate::reproduce::paper::{Paper, Parts, Run, Sample};
+use crate::reproduce::paper::{Compared, Paper, Parts, Run, Sample};
+use crate::reproduce::{Basis, significant};
+use maud::{Markup, html};
+use present::figure::{Axis, Figure};
+use present::page::{Cell, Plate, table};
 
 /// The page about the paper.
 pub fn paper(found: &Paper) -> Page {
     let mut plates = found.simulated.as_deref().map(simulated).unwrap_or_default();
     plates.push(temperatures(found));
     plates.push(power(found));
-    page(Content {
+    page_of(Content {
         name: "paper",
         title: "A brushed gearmotor driven by PWM: the paper recomputed",
+        lead: "The paper describes a brushed DC gearmotor (37D, 131:1) without load at duties of 20 to 100 % by a state function of \
+               current, temperature and torque. Its figures and published numbers are recomputed here, simulated with the native \
+               model where a figure is a course over time.",
         conclusion: &found.conclusion,
         absent: found.absent.as_deref(),
         plates,
-        tables: String::new(),
+        tables: compared(&found.compared),
         rows: &found.rows,
     })
+}
+
+/// Published quantities beside the simulated ones, with the parameters that were fitted to them.
+fn compared(all: &[Compared]) -> Markup {
+    let headers = ["quantity", "published", "simulated", "unit", "basis", "fitted parameters"];
+    let rows = all.iter().map(|c| {
+        let basis = if c.used_in_fit { Basis::Fitted } else { Basis::Predicted };
+        vec![
+            c.quantity.into(),
+            Cell::Number(significant(c.published)),
+            Cell::Number(significant(c.simulated)),
+            c.unit.into(),
+            basis.text().into(),
+            Cell::Code(c.fitted.join(", ")),
+        ]
+    });
+    html! {
+        h2 { "Fitted and predicted quantities" }
+        p {
+            "The preset bdcm-37d is fitted to some of the published numbers. Agreement with those shows that the fit is \
+             consistent; agreement with the others is a prediction."
+        }
+        (table(&headers, rows.collect()))
+    }
 }
 
 fn over_time(run: &Run, f: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
@@ -53,12 +82,12 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
         Plate::new(
             "4b",
             five(runs, "Figure 4b: power", "power in W", |s| s.power.total),
-            "Voltage and current rise in line, so their product does not.",
+            "Voltage and current rise linearly with the duty, their product as a parabola.",
         ),
         Plate::new(
             "5a",
             parts(full, "Figure 5a: work at 100 %", "work in J", |s| s.work),
-            "In joules, not in watts and kilowatts.",
+            "The unit is J; the paper writes W and kW.",
         ),
         Plate::new(
             "5b",
@@ -73,32 +102,32 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
         Plate::new(
             "6b",
             five(runs, "Figure 6b: current", "current in A", |s| s.current),
-            "From 5 s on: the start of the rotor is over.",
+            "From 5 s on, after the rotor has started.",
         ),
         Plate::new(
             "6c",
             five(runs, "Figure 6c: winding temperature", "temperature in °C", |s| s.temperature),
-            "Each run from the room's 20 °C; the paper does not say from where its runs start.",
+            "Each run starts at 20 °C; the paper does not give its initial temperatures.",
         ),
         Plate::new(
             "6d",
             five(runs, "Figure 6d: torque at the output shaft", "torque in N·m", |s| s.torque),
-            "The paper's unit, µN·m per percent, is out by a thousand.",
+            "The paper's unit, µN·m per percent, is wrong by a factor of 1000.",
         ),
         Plate::new(
             "7",
             accuracy(full),
-            "The paper compares eq. (14) with data from which its torque was computed. Against a model that does not use it, the electrical term alone is wrong by the dropped constant as soon as the winding warms.",
+            "The paper compares eq. (14) with data from which its torque was computed. Compared with an independent model, the electrical term is wrong by the omitted constant as soon as the winding warms.",
         ),
         Plate::new(
             "8",
             parts(full, "Figure 8: voltage at 100 %", "voltage in V", |s| s.voltage),
-            "In steady state nothing is across the inductance.",
+            "In steady state the voltage across the inductance is zero.",
         ),
         Plate::new(
             "9",
             five(&runs[runs.len() - 1..], "Figure 9: current at 100 %", "current in A", |s| s.current),
-            "The contributions that the paper draws are no currents.",
+            "The contributions in the paper's figure are not currents.",
         ),
         Plate::new(
             "11",
@@ -108,7 +137,7 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
                 "temperature in °C",
                 |s| s.temperature,
             ),
-            "Still rising after 900 s: no plateau.",
+            "The temperature still rises after 900 s; there is no plateau.",
         ),
         Plate::new(
             "12",
@@ -120,7 +149,7 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
 
 /// Eq. (14) with the temperature of the run, over the run's own voltage.
 fn accuracy(run: &Run) -> Figure {
-    let share = |s: &Sample, right: bool| {
+    let ratio = |s: &Sample, right: bool| {
         let p = Point {
             v: s.voltage.total,
             i: s.current,
@@ -132,11 +161,11 @@ fn accuracy(run: &Run) -> Figure {
         let resistance = if right { published::right_resistance(p.t) } else { published::resistance(p.t) };
         100.0 * (resistance * p.i + s.voltage.mechanical) / s.voltage.total
     };
-    let later = |right: bool| run.course.iter().map(|s| (s.time, share(s, right))).collect::<Vec<_>>();
+    let later = |right: bool| run.course.iter().map(|s| (s.time, ratio(s, right))).collect::<Vec<_>>();
     Figure::new(
         "Figure 7: voltage by the state function over voltage, 100 %",
         Axis::new("time in s"),
-        Axis::new("share in %"),
+        Axis::new("ratio in %"),
     )
     .line("as published, R = α R₀ T", later(false))
     .line("R = R₀ [1 + α (T − 20 °C)]", later(true))
@@ -152,7 +181,7 @@ fn temperatures(found: &Paper) -> Plate {
         Axis::new("duty in %"),
         Axis::new("temperature in °C"),
     )
-    .points("printed", printed)
+    .points("published", printed)
     .points("best line in power", line);
     if let Some(simulated) = &t.simulated_degC {
         figure = figure.points(
@@ -169,7 +198,11 @@ fn power(found: &Paper) -> Plate {
     let line = crate::numeric::Line::through(&points);
     let straight = DUTIES.iter().filter_map(|d| Some((*d, line?.at(*d)))).collect();
     let figure = Figure::new("Power over duty", Axis::new("duty in %"), Axis::new("power in W"))
-        .points("V I of the printed lines", points)
-        .dashed("straight line of least squares", straight);
-    Plate::new("power", figure, "'First-order' for the paper; a parabola by its own voltage and current.")
+        .points("V I of the published lines", points)
+        .dashed("least-squares line", straight);
+    Plate::new(
+        "power",
+        figure,
+        "The paper calls the power first-order in the duty; its own voltage and current give a parabola.",
+    )
 }

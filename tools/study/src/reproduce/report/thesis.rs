@@ -1,13 +1,14 @@
 //! Figures and tables of the thesis.
 
-use super::{Content, Page, page};
-use crate::figure::{Axis, Figure, escaped};
+use super::{Content, Page, page_of};
 use crate::numeric::linspace;
-use crate::page::{Plate, table};
 use crate::reproduce::significant;
 use crate::reproduce::thesis::measured::{FAN_FLOW, MOTOR_DIAMETER, NARROW, T_25, T_REF, WIDE};
 use crate::reproduce::thesis::published::{self, Annulus, RE_SWITCH};
 use crate::reproduce::thesis::{CASES, Case, Native, Thesis, UNCERTAINTY, projection};
+use maud::{Markup, html};
+use present::figure::{Axis, Figure};
+use present::page::{Cell, Plate, table};
 use rayon::prelude::*;
 
 /// Narrowest r* to which the fitted rig may be trusted: its leak was fitted between 0.75 and 0.857.
@@ -16,16 +17,17 @@ const FITTED_FROM: f64 = 0.70;
 /// The page about the thesis.
 pub fn thesis(found: &Thesis) -> Page {
     let native = Native::find();
-    let mut plates = vec![torque_over_temperature()];
-    plates.extend(step_response(&native));
-    plates.push(operating_points());
+    // Results first, then where the publication differs from them.
+    let mut plates = vec![cases(found), densities(found)];
     plates.extend(temperature_over_radius(&native, found));
-    plates.push(reynolds());
-    plates.push(cases(found));
-    plates.push(densities(found));
-    page(Content {
+    plates.extend(step_response(&native));
+    plates.extend([operating_points(), reynolds(), torque_over_temperature()]);
+    page_of(Content {
         name: "thesis",
         title: "A motor with a fan and an annulus: the thesis recomputed",
+        lead: "The thesis heats a maxon EC-4pole 30 (305015) with 10 W at standstill: bare, with a 40 mm fan at three distances, and \
+               in annuli of 40 and 35 mm with pushed and pulled air. Its figures, tables and published numbers are recomputed here \
+               and compared with the native model.",
         conclusion: &found.conclusion,
         absent: found.absent.as_deref(),
         plates,
@@ -64,7 +66,7 @@ fn step_response(native: &Native) -> Option<Plate> {
         Axis::new("time in min"),
         Axis::new("winding resistance in Ω"),
     )
-    .line("native model, fitted", minutes)
+    .line("native model, fitted to all tests", minutes)
     .points("published steady value", vec![(180.0, CASES[0].resistance)])
     .note(1180.0 / 60.0, "1180 s: end of the record");
     Some(Plate::new(
@@ -86,7 +88,7 @@ fn operating_points() -> Plate {
         Axis::new("flow in L/s"),
         Axis::new("pressure in Pa").from_to(0.0, 75.0),
     )
-    .line("fan, straight between its end points", fan);
+    .line("fan, linear between its end points", fan);
     let mut points = Vec::new();
     for r_star in [0.5, 0.63, 0.75, 0.857] {
         let annulus = Annulus::new(r_star);
@@ -97,7 +99,7 @@ fn operating_points() -> Plate {
     Plate::new(
         "14",
         figure.points("operating points", points),
-        "By eq. (15) with the K_c and K_e rule in steps.",
+        "Pressure drop by eq. (15) with the stepwise K_c and K_e.",
     )
 }
 
@@ -144,7 +146,7 @@ fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
                 figure = figure.line("native model, untuned", untuned);
             }
             if !fitted.is_empty() {
-                figure = figure.line("native model, fitted", fitted);
+                figure = figure.line("native model, fitted to all tests", fitted);
             }
             figure
                 .points_with_bars("measured, pushed", measured("annulus_push"), bars.clone())
@@ -152,7 +154,7 @@ fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
         };
     let jumps = published::jumps(RE_SWITCH);
     let caption = jumps.map_or(String::new(), |(a, b)| {
-        format!("The published curve jumps at r* = {a:.2} and {b:.2}, where Re passes {RE_SWITCH:.0}; its optimum is that of Re alone. Bars: {UNCERTAINTY} K.")
+        format!("The published curve jumps at r* = {a:.2} and {b:.2}, where Re passes {RE_SWITCH:.0}; its optimum follows from Re alone. Error bars: ±{UNCERTAINTY} K.")
     });
     vec![
         Plate::new(
@@ -168,7 +170,7 @@ fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
     ]
 }
 
-/// The errors of the untuned prediction in the annuli, in a sentence.
+/// The errors of the untuned prediction in the annuli, in sentences.
 fn untuned_errors(found: &Thesis) -> String {
     let annuli = found.cases.iter().filter(|c| c.T_w_as_published_K.is_some());
     let errors: Vec<f64> = annuli.filter_map(|c| Some(c.T_w_untuned_K? - c.T_w_measured_K)).collect();
@@ -177,15 +179,13 @@ fn untuned_errors(found: &Thesis) -> String {
         return String::new();
     }
     let verdict = if most < -UNCERTAINTY {
-        "the untuned model cools more than the rig did"
+        "The annuli received less air than the untuned model assumes, or lost heat on a path that it overestimates."
     } else if least > UNCERTAINTY {
-        "the untuned model cools less than the rig did"
+        "The untuned model cools less than the rig did."
     } else {
-        "the untuned model cools neither always more nor always less than the rig did"
+        "The errors have both signs or are within the uncertainty of the measurement."
     };
-    format!(
-        "In the tested annuli the errors of the untuned prediction lie between {least:+.1} and {most:+.1} K: {verdict}."
-    )
+    format!("Errors of the untuned prediction in the tested annuli: {least:+.1} to {most:+.1} K. {verdict}")
 }
 
 fn reynolds() -> Plate {
@@ -197,10 +197,10 @@ fn reynolds() -> Plate {
         Axis::new("Re on the hydraulic diameter"),
     )
     .line("as published", line.map(|r| (r, Annulus::new(r).reynolds())).collect())
-    .dashed("switch of the law", vec![(published::R_STAR.0, RE_SWITCH), (published::R_STAR.1, RE_SWITCH)])
+    .limit(RE_SWITCH, "laminar to turbulent")
     .points("tested annuli", [WIDE, NARROW].map(|r| (r, Annulus::new(r).reynolds())).to_vec())
     .note(r_star, &format!("r* = {r_star:.3}, Re = {re:.0}"));
-    Plate::new("18", figure, "Laminar, turbulent, laminar: the reason for two jumps.")
+    Plate::new("18", figure, "The flow is laminar, turbulent and laminar again, which causes the two jumps.")
 }
 
 const SHORT: [&str; 8] = ["bare", "fan 5", "fan 15", "fan 30", "40 push", "35 push", "40 pull", "35 pull"];
@@ -217,14 +217,14 @@ fn cases(found: &Thesis) -> Plate {
         Axis::new("winding temperature in K"),
     )
     .points_with_bars("measured", of(&|k| Some(c[k].T_w_measured_K), 0.0), bars)
-    .points("native model, fitted to all tests", of(&|k| c[k].T_w_model_K, 0.12))
-    .points("native model, fitted to the other tests", of(&|k| c[k].T_w_leave_one_out_K, 0.24))
-    .points("native model, untuned", of(&|k| c[k].T_w_untuned_K, 0.36))
+    .points("fitted to all tests", of(&|k| c[k].T_w_model_K, 0.12))
+    .points("leave-one-out", of(&|k| c[k].T_w_leave_one_out_K, 0.22))
+    .points("untuned", of(&|k| c[k].T_w_untuned_K, 0.32))
     .points("as published", of(&|k| c[k].T_w_as_published_K, -0.12))
     .categories(&SHORT);
     let left_out = found.leave_one_out.as_ref().map_or(String::new(), |all| {
         let errors: Vec<String> = all.iter().map(|l| format!("{} {:+.1} K", l.case, l.error)).collect();
-        format!("Error of the prediction of each test by the fit to the other tests: {}.", errors.join(", "))
+        format!("Leave-one-out prediction errors: {}. Error bars: ±{UNCERTAINTY} K.", errors.join(", "))
     });
     Plate::new("cases", figure, left_out)
 }
@@ -233,7 +233,7 @@ fn densities(found: &Thesis) -> Plate {
     let of = |f: &dyn Fn(usize) -> f64| (0..found.cases.len()).map(|k| (k as f64, f(k))).collect::<Vec<_>>();
     let c = &found.cases;
     let figure = Figure::new(
-        "Torque density, like for like",
+        "Torque density at equal current and at equal winding temperature",
         Axis::new("distance or diameter in mm, direction of flow"),
         Axis::new("torque density in N·m/kg"),
     )
@@ -241,58 +241,62 @@ fn densities(found: &Thesis) -> Plate {
     .points("continuous, at a winding of 155 °C", of(&|k| c[k].torque_density_at_limit))
     .points("as published", of(&|k| CASES[k].density).into_iter().map(|(x, y)| (x + 0.12, y)).collect())
     .categories(&SHORT);
-    Plate::new("density", figure, "Holding the current hides what cooling is for.")
+    Plate::new(
+        "density",
+        figure,
+        "At constant current the effect of cooling on the continuous torque is not visible.",
+    )
 }
 
-/// Tables 1 to 3, with what the model says beside them.
-fn tables(found: &Thesis) -> String {
-    let mut html = String::from("<h2>Tables 1 to 3</h2><div class=\"wide\">");
+/// Tables 1 to 3 with the model's predictions.
+fn tables(found: &Thesis) -> Markup {
     let headers = [
         "case",
-        "where",
-        "#R in Ω",
-        "#T_w in K",
-        "#T_w fitted (error)",
-        "#T_w leave-one-out (error)",
-        "#T_w untuned (error)",
-        "#T_w as published (error)",
-        "#R_ha in K/W",
-        "#R_ha fitted",
-        "#torque in N·m",
-        "#mass in kg",
-        "#density",
-        "#density at 5 A",
-        "#torque at 155 °C",
+        "place",
+        "R in Ω",
+        "T_w in K, measured",
+        "fitted to all tests (error)",
+        "leave-one-out (error)",
+        "untuned (error)",
+        "as published (error)",
+        "R_ha in K/W",
+        "R_ha, fitted",
+        "torque in N·m",
+        "mass in kg",
+        "density in N·m/kg",
+        "density at 5 A",
+        "torque at 155 °C",
     ];
+    let number = |v: f64| Cell::Number(significant(v));
+    let with =
+        |digits: usize, v: Option<f64>| Cell::Number(v.map_or("–".to_owned(), |v| format!("{v:.digits$}")));
     let rows = CASES.iter().zip(&found.cases).map(|(case, result)| {
-        let number = |v: f64| format!("#{}", significant(v));
-        let with_error = |v: f64| format!("{v:.1} ({:+.1})", v - case.t_w);
-        let maybe = |v: Option<f64>| format!("#{}", v.map_or("–".to_owned(), with_error));
-        let cells = vec![
-            case.name.to_owned(),
-            case.location.to_owned(),
+        let off = |t: f64| format!("{t:.1} ({:+.1})", t - case.t_w);
+        let with_error = |t: Option<f64>| Cell::Number(t.map_or("–".to_owned(), off));
+        vec![
+            case.name.into(),
+            case.location.into(),
             number(case.resistance),
-            format!("#{:.1}", case.t_w),
-            maybe(result.T_w_model_K),
-            maybe(result.T_w_leave_one_out_K),
-            maybe(result.T_w_untuned_K),
-            maybe(result.T_w_as_published_K),
-            format!("#{:.2}", case.r_ha),
-            format!("#{}", result.R_ha_model.map_or("–".to_owned(), |v| format!("{v:.2}"))),
+            with(1, Some(case.t_w)),
+            with_error(result.T_w_model_K),
+            with_error(result.T_w_leave_one_out_K),
+            with_error(result.T_w_untuned_K),
+            with_error(result.T_w_as_published_K),
+            with(2, Some(case.r_ha)),
+            with(2, result.R_ha_model),
             number(case.torque),
             number(case.mass),
             number(case.density),
             number(result.torque_density_at_5A),
             number(result.torque_at_limit),
-        ];
-        ("", cells)
+        ]
     });
-    html.push_str(&table("tables", &headers, rows));
-    html.push_str("</div>");
-    if !found.findings.is_empty() {
-        html.push_str("<h2>Identifiability</h2><ul>");
-        html.extend(found.findings.iter().map(|sentence| format!("<li>{}</li>", escaped(sentence))));
-        html.push_str("</ul>");
+    html! {
+        h2 { "Tables 1 to 3" }
+        (table(&headers, rows.collect()))
+        @if !found.findings.is_empty() {
+            h2 { "Identifiability of the fitted parameters" }
+            ul { @for sentence in &found.findings { li { (sentence) } } }
+        }
     }
-    html
 }

@@ -1,0 +1,273 @@
+//! Bounded nonlinear least squares: Levenberg and Marquardt's method.
+//!
+//! minimise  F(x) = r(x)^T r(x)   subject to  l <= x <= u                                   (1)
+//!
+//! With the slopes J of r, N = J^T J and g = J^T r, a step d minimises
+//!
+//! 2 g^T d + d^T (N + lambda D^2) d   subject to  l <= x + d <= u                           (2)
+//!
+//! D holds the greatest norms of the columns of J so far (Moré), so the units of x do not matter. lambda follows the ratio of the
+//! decrease of F to the decrease that the linear model predicts (Nielsen). A variable that a step would move out of its range stops at
+//! the limit, and the others are solved for again. A prior is a residual like any other.
+//! *Sources*: Moré, The Levenberg-Marquardt algorithm (1978); Madsen, Nielsen, Tingleff, Methods for non-linear least squares
+//! problems (2004), 3.2; Kanzow, Yamashita, Fukushima, J. Comput. Appl. Math. 172 (2004) for the projection.
+
+use nalgebra::{DMatrix, DVector};
+
+/// First damping.
+const DAMPING: f64 = 1e-3;
+/// Damping at which no step can help.
+const MOST_DAMPING: f64 = 1e12;
+/// Least ratio of decrease to predicted decrease of a step that is accepted.
+const ACCEPTED: f64 = 1e-4;
+/// Least ratio with which slopes are used again.
+const GOOD: f64 = 0.25;
+
+/// A least-squares problem. Slopes may be held as suits the problem; the solver asks for N and g of (2).
+pub trait Problem {
+    /// The result of an evaluation, such as residuals or a simulation.
+    type Point;
+    /// The linearisation at a point.
+    type Slopes;
+    /// Why an evaluation failed.
+    type Error;
+
+    /// The residuals at `x`, which is within the limits.
+    ///
+    /// # Errors
+    /// The problem's own. A trial step that fails is shortened.
+    fn evaluate(&self, x: &DVector<f64>) -> Result<Self::Point, Self::Error>;
+
+    /// F of (1).
+    fn cost(&self, point: &Self::Point) -> f64;
+
+    /// The slopes J.
+    ///
+    /// # Errors
+    /// The problem's own.
+    fn linearise(&self, x: &DVector<f64>, point: &Self::Point) -> Result<Self::Slopes, Self::Error>;
+
+    /// N = J^T J.
+    fn information(&self, slopes: &Self::Slopes) -> DMatrix<f64>;
+
+    /// g = J^T r, with the residuals at `point`.
+    fn gradient(&self, x: &DVector<f64>, point: &Self::Point, slopes: &Self::Slopes) -> DVector<f64>;
+
+    /// Whether slopes found at `from` are good enough to judge convergence at `x`.
+    fn is_near(&self, from: &DVector<f64>, x: &DVector<f64>) -> bool {
+        from == x
+    }
+}
+
+/// When to stop, and how often slopes are used.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Most linearisations.
+    pub linearisations: usize,
+    /// Most steps with the same slopes (chords).
+    pub chords: usize,
+    /// Converged: F decreases by less than this fraction of itself, and the linear model predicts no more.
+    pub relative_decrease: f64,
+    /// The same for the decrease itself.
+    pub decrease: f64,
+    /// Converged: a step is shorter than this fraction of x.
+    pub step: f64,
+    /// Converged: the cosine between the residuals and every free column of J is smaller.
+    pub gradient: f64,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            linearisations: 100,
+            chords: 1,
+            relative_decrease: 1e-12,
+            decrease: 0.0,
+            step: 1e-12,
+            gradient: 1e-12,
+        }
+    }
+}
+
+/// Why the search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The gradient of the free variables is zero.
+    Gradient,
+    /// F decreases no more.
+    Decrease,
+    /// The steps are too short to matter, or none decreases F.
+    Step,
+    /// The most linearisations were used.
+    Unfinished,
+}
+
+/// The best point that was found.
+pub struct Solution<P: Problem> {
+    /// The variables, within their limits.
+    pub x: DVector<f64>,
+    /// The evaluation there.
+    pub point: P::Point,
+    /// The last slopes, which may be those of a point before.
+    pub slopes: P::Slopes,
+    /// Why the search ended.
+    pub status: Status,
+    /// Evaluations made.
+    pub evaluations: usize,
+    /// Linearisations made.
+    pub linearisations: usize,
+}
+
+/// Minimises (1) from a start, which is moved into the limits.
+///
+/// # Errors
+/// An evaluation that fails at the start, or a linearisation that fails.
+pub fn minimise<P: Problem>(
+    problem: &P,
+    start: DVector<f64>,
+    limits: &[(f64, f64)],
+    options: &Options,
+) -> Result<Solution<P>, P::Error> {
+    let mut x = DVector::from_fn(start.len(), |k, _| start[k].clamp(limits[k].0, limits[k].1));
+    let mut point = problem.evaluate(&x)?;
+    let mut cost = problem.cost(&point);
+    let mut scale = DVector::<f64>::zeros(x.len());
+    let (mut damping, mut growth) = (DAMPING, 2.0);
+    let (mut evaluations, mut linearisations) = (1, 0);
+    loop {
+        let slopes = problem.linearise(&x, &point)?;
+        let information = problem.information(&slopes);
+        linearisations += 1;
+        for k in 0..x.len() {
+            scale[k] = scale[k].max(information[(k, k)].max(0.0).sqrt());
+        }
+        let linearised_at = x.clone();
+        let mut chords = 0;
+        let end = loop {
+            let gradient = problem.gradient(&x, &point, &slopes);
+            let model =
+                Model { x: &x, limits, information: &information, gradient: &gradient, scale: &scale };
+            let is_near = chords == 0 || problem.is_near(&linearised_at, &x);
+            if is_near && model.is_stationary(cost, options.gradient) {
+                break Some(Status::Gradient);
+            }
+            let next = model.step(damping);
+            let length = (&next - &x).norm();
+            let is_short = length <= options.step * (x.norm() + options.step);
+            if is_short || damping > MOST_DAMPING {
+                break (is_near || chords == 0).then_some(Status::Step);
+            }
+            evaluations += 1;
+            let predicted = model.predicted(&next);
+            let trial = problem.evaluate(&next).ok().map(|p| (problem.cost(&p), p));
+            let ratio = trial.as_ref().map_or(-1.0, |(found, _)| (cost - found) / predicted);
+            match trial {
+                Some((found, reached)) if found < cost && ratio > ACCEPTED => {
+                    // A short step of a great damping is no convergence: the undamped model has to agree.
+                    let (fall, enough) =
+                        (cost - found, options.decrease.max(options.relative_decrease * cost));
+                    let settled = fall <= enough && model.predicted(&model.step(1e-9)) - fall <= enough;
+                    damping = (damping * f64::max(1.0 / 3.0, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-12);
+                    growth = 2.0;
+                    (x, point, cost) = (next, reached, found);
+                    chords += 1;
+                    if settled {
+                        break (chords == 1 || problem.is_near(&linearised_at, &x))
+                            .then_some(Status::Decrease);
+                    }
+                    if chords >= options.chords || ratio < GOOD {
+                        break None;
+                    }
+                }
+                // Slopes of a point before may be the reason.
+                _ if chords > 0 && !is_near => break None,
+                _ => {
+                    damping *= growth;
+                    growth *= 2.0;
+                }
+            }
+        };
+        let end = end.or((linearisations >= options.linearisations).then_some(Status::Unfinished));
+        if let Some(status) = end {
+            return Ok(Solution { x, point, slopes, status, evaluations, linearisations });
+        }
+    }
+}
+
+/// The linear model about a point.
+struct Model<'a> {
+    x: &'a DVector<f64>,
+    limits: &'a [(f64, f64)],
+    information: &'a DMatrix<f64>,
+    gradient: &'a DVector<f64>,
+    scale: &'a DVector<f64>,
+}
+
+impl Model<'_> {
+    /// Whether a variable stands at a limit that a decrease of F would leave.
+    fn is_held(&self, k: usize) -> bool {
+        let (least, most) = self.limits[k];
+        (self.x[k] <= least && self.gradient[k] >= 0.0) || (self.x[k] >= most && self.gradient[k] <= 0.0)
+    }
+
+    fn is_stationary(&self, cost: f64, tolerance: f64) -> bool {
+        (0..self.x.len()).all(|k| {
+            self.is_held(k) || self.gradient[k].abs() <= tolerance * self.scale[k] * cost.max(0.0).sqrt()
+        })
+    }
+
+    /// The decrease of F by (2) without damping.
+    fn predicted(&self, next: &DVector<f64>) -> f64 {
+        let step = next - self.x;
+        -(2.0 * self.gradient.dot(&step) + step.dot(&(self.information * &step)))
+    }
+
+    /// The end of the step of (2). A variable that would leave its range goes to the limit, and the others are solved for again.
+    fn step(&self, damping: f64) -> DVector<f64> {
+        let n = self.x.len();
+        let mut fixed: Vec<Option<f64>> = (0..n).map(|k| self.is_held(k).then_some(0.0)).collect();
+        loop {
+            let free: Vec<usize> = (0..n).filter(|k| fixed[*k].is_none()).collect();
+            let entry = |i: usize, k: usize| {
+                // A column of zeros has no scale of its own.
+                let own = if self.scale[i] > 0.0 { self.scale[i] * self.scale[i] } else { 1.0 };
+                self.information[(i, k)] + if i == k { damping * own } else { 0.0 }
+            };
+            let normal = DMatrix::from_fn(free.len(), free.len(), |a, b| entry(free[a], free[b]));
+            let right = DVector::from_fn(free.len(), |a, _| {
+                let moved = (0..n).filter_map(|k| Some(self.information[(free[a], k)] * fixed[k]?));
+                -self.gradient[free[a]] - moved.sum::<f64>()
+            });
+            // Rounding can make a matrix of dependent columns indefinite: more damping, and no step at worst.
+            let factor = normal.clone().cholesky().or_else(|| {
+                let more =
+                    DMatrix::from_fn(
+                        free.len(),
+                        free.len(),
+                        |a, b| if a == b { normal[(a, a)] } else { 0.0 },
+                    );
+                (normal + 1e-9 * more).cholesky()
+            });
+            let solved = factor.map_or_else(|| DVector::zeros(free.len()), |f| f.solve(&right));
+            let mut step = DVector::from_fn(n, |k, _| fixed[k].unwrap_or(0.0));
+            let mut left = false;
+            for (a, &k) in free.iter().enumerate() {
+                let (least, most) = self.limits[k];
+                step[k] = solved[a];
+                let inside = (self.x[k] + solved[a]).clamp(least, most);
+                if inside != self.x[k] + solved[a] {
+                    fixed[k] = Some(inside - self.x[k]);
+                    left = true;
+                }
+            }
+            if !left {
+                return DVector::from_fn(n, |k, _| {
+                    (self.x[k] + step[k]).clamp(self.limits[k].0, self.limits[k].1)
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,517 @@
+//! Figures as SVG: lines, points, bands and limits over one or more panels that share the x axis; rows with bars or intervals ([`Rows`]).
+//!
+//! A figure is 500 units wide with text of 13, so that a column of 390 pixels still shows text of 10. The layout follows the longest texts:
+//! labels are wrapped and never cut.
+
+mod layout;
+mod points;
+mod rows;
+
+pub use rows::{Mark, Row, Rows};
+
+use layout::{BASELINE, LINE, PAD, Scale, Swatch, WIDTH, frame, legend, place, text, width, wrap};
+use maud::{Markup, html};
+use points::thinned;
+
+/// What can be drawn.
+pub trait Drawing {
+    /// The SVG, complete in itself.
+    fn svg(&self) -> String;
+}
+
+/// Height of the only panel, and of one of several.
+const HEIGHT: (f64, f64) = (220.0, 120.0);
+
+/// An axis: its quantity with unit, and its range where that does not follow from the data.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    label: String,
+    range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// The axis of a quantity with its unit.
+    pub fn new(label: &str) -> Axis {
+        Axis { label: label.to_owned(), range: None }
+    }
+
+    /// With a range.
+    pub fn from_to(mut self, from: f64, to: f64) -> Axis {
+        self.range = Some((from, to));
+        self
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Line,
+    Dashed,
+    Points,
+    Band,
+}
+
+#[derive(Clone, Debug)]
+struct Series {
+    label: String,
+    kind: Kind,
+    colour: usize,
+    points: Vec<(f64, f64)>,
+    /// Half-lengths of the error bars of points; half-widths of a band.
+    bars: Vec<f64>,
+}
+
+impl Series {
+    /// The values that the y axis has to hold.
+    fn extent(&self) -> impl Iterator<Item = f64> {
+        let wide = |k: usize| self.bars.get(k).copied().filter(|w| w.is_finite()).unwrap_or(0.0);
+        self.points.iter().enumerate().flat_map(move |(k, p)| [p.1 - wide(k), p.1 + wide(k)])
+    }
+
+    /// Dashes, where asked for, and where all colours are in use.
+    fn dash(&self) -> Option<&'static str> {
+        match (self.kind == Kind::Dashed, self.colour / 8) {
+            (true, _) => Some("6 4"),
+            (_, 0) => None,
+            (_, 1) => Some("2 3"),
+            _ => Some("9 3 2 3"),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Panel {
+    y: Axis,
+    series: Vec<Series>,
+    limits: Vec<(f64, String)>,
+    next_colour: usize,
+}
+
+/// A figure that is being put together. What is added goes to the last panel.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    title: String,
+    x: Axis,
+    panels: Vec<Panel>,
+    notes: Vec<(f64, String)>,
+    categories: Vec<String>,
+    remark: String,
+    thin: bool,
+}
+
+impl Figure {
+    /// A figure with one panel.
+    pub fn new(title: &str, x: Axis, y: Axis) -> Figure {
+        Figure::stacked(title, x).panel(y)
+    }
+
+    /// A figure whose panels are still to come.
+    pub fn stacked(title: &str, x: Axis) -> Figure {
+        let (panels, notes, categories) = (Vec::new(), Vec::new(), Vec::new());
+        Figure { title: title.to_owned(), x, panels, notes, categories, remark: String::new(), thin: false }
+    }
+
+    /// With a remark below.
+    pub fn remark(mut self, text: &str) -> Figure {
+        text.clone_into(&mut self.remark);
+        self
+    }
+
+    /// With a further panel below.
+    pub fn panel(mut self, y: Axis) -> Figure {
+        self.panels.push(Panel { y, series: Vec::new(), limits: Vec::new(), next_colour: 0 });
+        self
+    }
+
+    fn last(&mut self) -> &mut Panel {
+        self.panels.last_mut().expect("a figure begins with a panel")
+    }
+
+    fn with(mut self, label: &str, kind: Kind, points: Vec<(f64, f64)>, bars: Vec<f64>) -> Figure {
+        let panel = self.last();
+        let colour = panel.next_colour;
+        panel.next_colour += 1;
+        panel.series.push(Series { label: label.to_owned(), kind, colour, points, bars });
+        self
+    }
+
+    /// With a line; a value that is no number interrupts it.
+    pub fn line(self, label: &str, points: Vec<(f64, f64)>) -> Figure {
+        self.with(label, Kind::Line, points, Vec::new())
+    }
+
+    /// With a dashed line.
+    pub fn dashed(self, label: &str, points: Vec<(f64, f64)>) -> Figure {
+        self.with(label, Kind::Dashed, points, Vec::new())
+    }
+
+    /// With points.
+    pub fn points(self, label: &str, points: Vec<(f64, f64)>) -> Figure {
+        self.with(label, Kind::Points, points, Vec::new())
+    }
+
+    /// With points that have error bars of these half-lengths.
+    pub fn points_with_bars(self, label: &str, points: Vec<(f64, f64)>, bars: Vec<f64>) -> Figure {
+        self.with(label, Kind::Points, points, bars)
+    }
+
+    /// With a band of these half-widths about a line.
+    pub fn band(self, label: &str, line: Vec<(f64, f64)>, widths: Vec<f64>) -> Figure {
+        self.with(label, Kind::Band, line, widths)
+    }
+
+    /// With a limit: a dashed line across the panel with its label.
+    pub fn limit(mut self, value: f64, label: &str) -> Figure {
+        self.last().limits.push((value, label.to_owned()));
+        self
+    }
+
+    /// With thin lines, for noise.
+    pub fn thin(mut self) -> Figure {
+        self.thin = true;
+        self
+    }
+
+    /// With the next series in this colour, the following ones in the colours after it.
+    pub fn colour(mut self, colour: usize) -> Figure {
+        self.last().next_colour = colour;
+        self
+    }
+
+    /// With a remark at a place on the x axis, marked by a vertical line.
+    pub fn note(mut self, x: f64, text: &str) -> Figure {
+        self.notes.push((x, text.to_owned()));
+        self
+    }
+
+    /// With names in place of the numbers 0, 1, 2 ... on the x axis.
+    pub fn categories(mut self, names: &[&str]) -> Figure {
+        self.categories = names.iter().map(|n| (*n).to_owned()).collect();
+        self.x.range = Some((-0.5, names.len() as f64 - 0.5));
+        self
+    }
+
+    /// Labels and points of all series, panel by panel.
+    pub fn series(&self) -> impl Iterator<Item = (&str, &[(f64, f64)])> {
+        self.panels.iter().flat_map(|p| &p.series).map(|s| (s.label.as_str(), s.points.as_slice()))
+    }
+
+    /// Values of all limits.
+    pub fn limits(&self) -> impl Iterator<Item = f64> {
+        self.panels.iter().flat_map(|p| &p.limits).map(|l| l.0)
+    }
+
+    /// The title.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// The SVG, complete in itself.
+    pub fn svg(&self) -> String {
+        let (content, height) = self.markup();
+        frame(&self.title, content, height)
+    }
+
+    fn x_scale(&self, left: f64) -> Scale {
+        let series = || self.panels.iter().flat_map(|p| &p.series);
+        // Lines may reach the frame, points may not.
+        let margin = if series().any(|s| s.kind != Kind::Points) { 0.0 } else { 0.06 };
+        let values = series().flat_map(|s| s.points.iter().map(|p| p.0));
+        Scale::over(&self.x, values, margin, (left, WIDTH - PAD))
+    }
+
+    fn markup(&self) -> (Markup, f64) {
+        let many = self.panels.len() > 1;
+        let height = if many { HEIGHT.1 } else { HEIGHT.0 };
+        let scales: Vec<Scale> = (self.panels.iter())
+            .map(|panel| {
+                let limits = panel.limits.iter().map(|l| l.0);
+                let values = panel.series.iter().flat_map(Series::extent).chain(limits);
+                Scale::over(&panel.y, values, 0.06, (height, 0.0))
+            })
+            .collect();
+        let ticks: Vec<_> = scales.iter().map(|y| y.ticks(if many { 4 } else { 6 })).collect();
+        let longest = ticks.iter().flat_map(|t| &t.labels).map(|l| width(l)).fold(0.0, f64::max);
+        let left = PAD + longest + 8.0;
+        let x = self.x_scale(left);
+        let mut below = 0.0;
+        let count = self.panels.len();
+        let panels = html! {
+            @for (k, ((panel, y), ticks)) in self.panels.iter().zip(&scales).zip(&ticks).enumerate() {
+                @let (drawn, tall) = self.draw(panel, &x, y, ticks, (height, k + 1 == count));
+                (place(0.0, below, drawn))
+                @let _ = below += tall;
+            }
+        };
+        let lines = wrap(&self.remark, WIDTH - 2.0 * PAD);
+        let remark = html! {
+            (panels)
+            @for (k, line) in lines.iter().enumerate() { (text(PAD, below + LINE * (k as f64 + 1.0), "s", line)) }
+        };
+        (remark, below + if lines.is_empty() { 0.0 } else { LINE * lines.len() as f64 + PAD })
+    }
+
+    /// A panel, with its height: legend, label of the y axis, axes and series, label of the x axis.
+    fn draw(
+        &self,
+        panel: &Panel,
+        x: &Scale,
+        y: &Scale,
+        marks: &layout::Ticks,
+        (height, lowest): (f64, bool),
+    ) -> (Markup, f64) {
+        let entries = panel.series.iter().filter(|s| !s.label.is_empty()).map(|s| {
+            let swatch = match s.kind {
+                Kind::Points => Swatch::Point,
+                Kind::Band => Swatch::Area,
+                _ => Swatch::Line(s.dash()),
+            };
+            (s.label.as_str(), s.colour % 8, swatch)
+        });
+        let (legend, above) = legend(entries.collect());
+        let quantity = wrap(&marks.with_power(&panel.y.label), WIDTH - 2.0 * PAD);
+        let top = above + quantity.len() as f64 * LINE + 6.0;
+        let (left, right) = x.pixels;
+        let names: Vec<(f64, String)> = match self.categories.as_slice() {
+            [] => x.ticks_that_fit().marks(),
+            names => names.iter().enumerate().map(|(k, n)| (k as f64, n.clone())).collect(),
+        };
+        let x_label = wrap(&x.ticks_that_fit().with_power(&self.x.label), right - left);
+        let mut bottom = 8.0;
+        let inside = html! {
+            @for (value, name) in marks.marks() {
+                @let py = y.at(value);
+                path.g d={ "M" (n(left)) " " (n(py)) "H" (n(right)) } {}
+                (text(left - 8.0, py + BASELINE, "e", &name))
+            }
+            @for (value, name) in &names {
+                @let px = x.at(*value);
+                path.g d={ "M" (n(px)) " 0V" (n(height)) } {}
+                @if lowest { (text(px, height + LINE, "m", name)) }
+            }
+            path.a d={ "M" (n(left)) " 0V" (n(height)) "H" (n(right)) } {}
+            @for series in &panel.series { (draw_series(series, x, y, self.thin)) }
+            @for (value, label) in &panel.limits {
+                path.z d={ "M" (n(left)) " " (n(y.at(*value))) "H" (n(right)) } {}
+                // Below the line where there is no room above.
+                @let dy = if y.at(*value) < LINE { LINE - 3.0 } else { -5.0 };
+                (text(right - 4.0, y.at(*value) + dy, "e o", label))
+            }
+            @for (at, note) in &self.notes { (draw_note(x.at(*at), note, (left, right), height)) }
+            @if lowest {
+                @for (k, line) in x_label.iter().enumerate() {
+                    (text(0.5 * (left + right), height + LINE * (k as f64 + 2.1), "m", line))
+                }
+                @let _ = bottom += LINE * (x_label.len() as f64 + 1.3);
+            }
+        };
+        let drawn = html! {
+            (legend)
+            @for (k, line) in quantity.iter().enumerate() {
+                (text(PAD, above + LINE * k as f64 + 13.0, "s", line))
+            }
+            (place(0.0, top, inside))
+        };
+        (drawn, top + height + bottom)
+    }
+}
+
+fn n(value: f64) -> String {
+    format!("{value:.1}")
+}
+
+/// A vertical line with its remark, which is wrapped on the side that has more room.
+fn draw_note(px: f64, note: &str, (left, right): (f64, f64), height: f64) -> Markup {
+    let after = right - px >= px - left;
+    let (at, class, room) = if after { (px + 5.0, "o", right - px) } else { (px - 5.0, "e o", px - left) };
+    html! {
+        path.n d={ "M" (n(px)) " 0V" (n(height)) } {}
+        @for (k, line) in wrap(note, room - 10.0).iter().enumerate() {
+            (text(at, LINE * (k as f64 + 1.0) - 4.0, class, line))
+        }
+    }
+}
+
+fn draw_series(series: &Series, x: &Scale, y: &Scale, thin: bool) -> Markup {
+    let colour = series.colour % 8;
+    match series.kind {
+        Kind::Band => {
+            let known =
+                series.points.iter().zip(&series.bars).filter(|((a, b), w)| (a + b + **w).is_finite());
+            let edge = |sign: f64| {
+                move |((a, b), w): (&(f64, f64), &f64)| {
+                    format!("{:.1} {:.1}", x.at(*a), y.within(b + sign * w))
+                }
+            };
+            let outline = known.clone().map(edge(1.0)).chain(known.rev().map(edge(-1.0)));
+            let outline: Vec<String> = outline.collect();
+            html! { path class={ "w d" (colour) } d={ "M" (outline.join("L")) "Z" } {} }
+        }
+        Kind::Points => html! {
+            @for (k, (a, b)) in series.points.iter().enumerate().filter(|(_, p)| p.0.is_finite() && p.1.is_finite()) {
+                @let (px, py) = (x.at(*a), y.at(*b));
+                @match series.bars.get(k) {
+                    // A small point, so that a short bar is seen on both sides of it.
+                    Some(bar) => {
+                        path class={ "k k" (colour) }
+                            d=(format_args!("M{px:.1} {0:.1}V{1:.1}M{2:.1} {0:.1}h9M{2:.1} {1:.1}h9", y.at(b - bar), y.at(b + bar), px - 4.5)) {}
+                        circle class={ "d" (colour) } cx=(n(px)) cy=(n(py)) r="2.2" {}
+                    },
+                    None => { circle class={ "p d" (colour) } cx=(n(px)) cy=(n(py)) r="4" {} },
+                }
+            }
+        },
+        Kind::Line | Kind::Dashed => {
+            let mut path = String::new();
+            let mut pen_down = false;
+            for (a, b) in thinned(&series.points) {
+                // Outside the frame, or no number: the line is interrupted.
+                let inside = x.holds(a) && y.holds(b);
+                if inside {
+                    path += &format!("{}{:.1} {:.1}", if pen_down { 'L' } else { 'M' }, x.at(a), y.at(b));
+                }
+                pen_down = inside;
+            }
+            let weight = if thin { "l h" } else { "l" };
+            html! { path class={ (weight) " k" (colour) } stroke-dasharray=[series.dash()] d=(path) {} }
+        }
+    }
+}
+
+impl Drawing for Figure {
+    fn svg(&self) -> String {
+        Figure::svg(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure() -> Figure {
+        Figure::new("a < b", Axis::new("time in s"), Axis::new("power in W"))
+    }
+
+    fn parsed(figure: &impl Drawing) -> String {
+        let svg = figure.svg();
+        roxmltree::Document::parse(&svg).unwrap_or_else(|e| panic!("{e}: {svg}"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        svg
+    }
+
+    /// The path of the `k`-th series of a class.
+    fn path(svg: &str, class: &str, k: usize) -> String {
+        let document = roxmltree::Document::parse(svg).unwrap();
+        let of_class = document.descendants().filter(|n| n.attribute("class") == Some(class));
+        // The legend's swatch is of the same class.
+        let mut paths = of_class.filter_map(|n| n.attribute("d")).filter(|d| !d.ends_with("h18"));
+        paths.nth(k).unwrap().to_owned()
+    }
+
+    /// 0 to 10 on both axes, without a margin on x and with 6 % on y: the frame's ends by hand.
+    #[test]
+    fn a_point_lies_where_its_value_is() {
+        let svg = parsed(&figure().line("l", vec![(0.0, 0.0), (10.0, 10.0)]));
+        let left = PAD + width("10") + 8.0;
+        let (low, high) = (HEIGHT.0 * (1.0 - 0.06 / 1.12), HEIGHT.0 * 0.06 / 1.12);
+        assert_eq!(path(&svg, "l k0", 0), format!("M{left:.1} {low:.1}L{:.1} {high:.1}", WIDTH - PAD));
+        assert!(svg.contains("a &lt; b"));
+    }
+
+    #[test]
+    fn a_line_is_interrupted_where_it_has_no_value() {
+        let line = vec![(0.0, 0.0), (1.0, 1.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, 0.0)];
+        let svg = parsed(&figure().line("l", line));
+        assert_eq!(path(&svg, "l k0", 0).matches('M').count(), 2);
+    }
+
+    /// Half a unit up and down about a line at 1: the axis holds it, and the outline closes.
+    #[test]
+    fn the_axis_holds_bands_bars_and_limits() {
+        let line = vec![(0.0, 1.0), (1.0, 1.0)];
+        let svg = parsed(&figure().band("b", line.clone(), vec![0.5, 0.5]));
+        assert_eq!(path(&svg, "w d0", 0).matches(['M', 'L', 'Z']).count(), 5);
+        for figure in [
+            figure().band("b", line.clone(), vec![0.5; 2]),
+            figure().points_with_bars("b", line.clone(), vec![0.5; 2]),
+            figure().line("b", line.clone()).limit(0.5, "least").limit(1.5, "most"),
+        ] {
+            let values = figure.panels[0].series.iter().flat_map(Series::extent);
+            let values = values.chain(figure.limits());
+            let scale = Scale::over(&figure.panels[0].y, values, 0.0, (1.0, 0.0));
+            assert_eq!(scale.span, (0.5, 1.5));
+        }
+    }
+
+    /// An error bar reaches beyond its point even where it is short.
+    #[test]
+    fn a_short_error_bar_is_seen() {
+        let svg = parsed(&figure().points_with_bars("b", vec![(0.0, 320.0), (1.0, 400.0)], vec![1.2; 2]));
+        let bar = path(&svg, "k k0", 0);
+        let ends: Vec<f64> = bar[1..].split(['V', ' ', 'M', 'h']).filter_map(|t| t.parse().ok()).collect();
+        assert!(ends[1] - ends[2] > 2.0 * 2.2, "{bar}");
+    }
+
+    #[test]
+    fn degenerate_figures_have_a_range() {
+        let sets = [vec![], vec![(1.0, 3.0)], vec![(1.0, f64::NAN)], vec![(0.0, 0.0), (1.0, 0.0)]];
+        for points in sets.into_iter().chain([1e300, -1e-300, 1e-154, f64::INFINITY].map(|v| vec![(0.0, v)]))
+        {
+            let svg = parsed(&figure().points("p", points.clone()).line("l", points.clone()));
+            assert!(!svg.contains("e-1") && !svg.contains("e+"), "{points:?}: {svg}");
+        }
+    }
+
+    /// All text stays inside the picture, however long it is, by the width that letters are given.
+    #[test]
+    fn no_text_is_cut() {
+        let long = "an uncommonly long name of a series, which does not fit into one line of the legend";
+        let word = "component.with_a_name_that_has_no_space_at_all_and_is_longer_than_the_figure_is_wide[12]";
+        let points = vec![(0.0, -123_456.0), (1.0, 1_234_567.0)];
+        let figure = Figure::new(long, Axis::new(long), Axis::new(long));
+        let figure = figure.line(long, points.clone()).line(word, points).note(0.9, long).note(0.1, "short");
+        let rows = Rows::new(
+            long,
+            long,
+            &[long, word],
+            vec![Row {
+                name: word.into(),
+                marks: vec![(0, Mark::Bar(1.0, "100 %".into())), (1, Mark::Point(0.5, (0.2, 0.9)))],
+            }],
+        );
+        for svg in [parsed(&figure), parsed(&rows)] {
+            let document = roxmltree::Document::parse(&svg).unwrap();
+            for text in document.descendants().filter(|n| n.has_tag_name("text")) {
+                let x: f64 = text.attribute("x").unwrap().parse().unwrap();
+                let wide = width(text.text().unwrap_or_default());
+                let class = text.attribute("class").unwrap_or_default();
+                let left = if class.starts_with('e') {
+                    x - wide
+                } else if class.starts_with('m') {
+                    x - 0.5 * wide
+                } else {
+                    x
+                };
+                assert!(left >= -1.0 && left + wide <= WIDTH + 1.0, "{left} + {wide}: {:?}", text.text());
+            }
+        }
+    }
+
+    #[test]
+    fn more_lines_than_colours_differ_by_their_dashes() {
+        let figure = (0..9).fold(figure(), |f, k| f.line("l", vec![(0.0, f64::from(k)), (1.0, 0.0)]));
+        let svg = parsed(&figure);
+        assert_eq!(svg.matches("stroke-dasharray=\"2 3\"").count(), 2, "line and legend of the ninth");
+    }
+
+    #[test]
+    fn panels_share_the_x_axis() {
+        let figure = figure().line("a", vec![(0.0, 0.0), (1.0, 1.0)]).panel(Axis::new("speed in rad/s"));
+        let svg = parsed(&figure.line("b", vec![(0.5, 0.0), (2.0, 5.0)]));
+        assert_eq!(svg.matches(">time in s<").count(), 1);
+        let (first, second) = (path(&svg, "l k0", 0), path(&svg, "l k0", 1));
+        let at = |path: &str, k: usize| {
+            path.split(['M', 'L']).nth(k).unwrap().split(' ').next().unwrap().to_owned()
+        };
+        assert_ne!(at(&first, 2), at(&second, 2), "1 s and 2 s");
+    }
+}
