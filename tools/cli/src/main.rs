@@ -17,7 +17,7 @@ use std::process::ExitCode;
 ///
 /// Exit codes: 0 fine, 1 the answer is no, 2 it could not be done.
 #[derive(Parser)]
-#[command(version)]
+#[command(name = "motor-fmu", version)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -57,6 +57,13 @@ impl<E: std::error::Error> From<E> for Failure {
 /// Prints to stdout. A reader that has seen enough and closed the pipe is no failure; `print!` would panic.
 pub fn say(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Prints notes to stderr, a line each.
+pub fn remark(notes: &[String]) {
+    for note in notes {
+        eprintln!("note: {note}");
+    }
 }
 
 fn main() -> ExitCode {

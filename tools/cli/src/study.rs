@@ -84,9 +84,12 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.load.load {
         return crate::walk::run(args, file);
     }
-    let mut bench = args.start.setup()?.bench()?;
+    let setup = args.start.setup()?;
+    let mut bench = setup.bench()?;
     let continuous = continuous_torque(&bench);
     let found = steady(&mut bench)?;
+    let notes = setup.notes(&[])?;
+    crate::remark(&notes);
     if args.json {
         let outputs: serde_json::Map<_, _> =
             found.outputs.iter().map(|v| (v.name.clone(), json!(v.value))).collect();
@@ -96,6 +99,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
             "R_ha": found.r_ha,
             "continuous": continuous.as_ref().ok(),
             "no_continuous_torque": continuous.as_ref().err().map(ToString::to_string),
+            "notes": notes,
         });
         crate::say(&format!("{}\n", serde_json::to_string_pretty(&result)?));
         return Ok(ExitCode::SUCCESS);
@@ -165,16 +169,22 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
     let bar = progress_bar(points);
     let done = |n: usize| bar.set_position(n as u64);
-    let case: Box<dyn Case> = match &args.load.load {
-        Some(file) => Box::new(Walking {
-            load: args.start.load(file)?,
-            objective: Objective::named(&args.objective, args.load.hours)?,
-        }),
-        None => Box::new(ConstantInputs { setup: args.start.setup()?, objective: args.objective.clone() }),
+    let (case, notes): (Box<dyn Case>, Vec<String>) = match &args.load.load {
+        Some(file) => {
+            let objective = Objective::named(&args.objective, args.load.hours)?;
+            (Box::new(Walking { load: args.start.load(file)?, objective }), Vec::new())
+        }
+        None => {
+            let setup = args.start.setup()?;
+            let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
+            let notes = setup.notes(&varied)?;
+            (Box::new(ConstantInputs { setup, objective: args.objective.clone() }), notes)
+        }
     };
     let found = sweep(case.as_ref(), &vary, done);
     bar.finish_and_clear();
     let found = found?;
+    crate::remark(&notes);
     if let Some(path) = &args.output {
         write(path, &found.csv())?;
     }
@@ -182,7 +192,9 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         write(path, &found.figure()?.svg())?;
     }
     crate::say(&if args.json {
-        format!("{}\n", serde_json::to_string_pretty(&found)?)
+        let mut result = serde_json::to_value(&found)?;
+        result["notes"] = json!(notes);
+        format!("{}\n", serde_json::to_string_pretty(&result)?)
     } else {
         summary(&found)
     });

@@ -1,9 +1,10 @@
 //! A native model on a bench: made by name, set and read by variable name, run to its steady state.
 
 use crate::StudyError;
+use describe::usage::{Scope, Unused};
 use describe::{Preset, StartValues, models};
 use physics::declare::{Causality, Kind, Unit};
-use physics::model::{Declaration, Entry, Model};
+use physics::model::{Declaration, Entry, HousingHeat, Model};
 
 /// Length of the first stretch on the way to the steady state, s.
 const FIRST_STRETCH: f64 = 10.0;
@@ -181,6 +182,16 @@ impl Bench {
     pub fn get(&mut self, name: &str) -> Result<f64, StudyError> {
         let slot = self.entry(name)?.slot;
         Ok(self.model.get(slot))
+    }
+
+    /// Heat flow from the housing to ambient; `None` where the model has none.
+    pub fn housing_heat(&mut self) -> Option<HousingHeat> {
+        self.model.housing_heat()
+    }
+
+    /// Those of `candidates` that have no effect with the values set so far; asked before the start.
+    pub fn unused(&self, candidates: &[&'static Entry], scope: Scope) -> Vec<Unused> {
+        describe::usage::unused(self.model.as_ref(), candidates, scope)
     }
 
     /// The declared outputs that are temperatures.

@@ -1,8 +1,10 @@
-//! Every printed number of the paper, in the order of the audit (P01 to P36).
+//! Every published number of the paper, in the order of the audit (P01 to P36).
 
 use super::native::{BOX_CAPACITY, Run};
 use super::published::*;
-use super::{I_SLOPE, PLATEAUS, Parts, Temperatures, V_SLOPE};
+use super::{
+    Compared, I_R2, I_SLOPE, PLATEAUS, Parts, Temperatures, V_R2, V_SLOPE, WORK_THERMAL, WORK_TOTAL, basis,
+};
 use crate::reproduce::Verdict::*;
 use crate::reproduce::{Row, significant};
 
@@ -27,12 +29,13 @@ pub fn rows(
     work: &Parts,
     t: &Temperatures,
     runs: Option<&[Run]>,
+    compared: &[Compared],
 ) -> Vec<Row> {
     let mut rows = equations();
     rows.extend(full_duty(voltage, power, work, runs));
     rows.extend(derivatives());
     rows.extend(machine(voltage, power));
-    rows.extend(over_duty(t, runs));
+    rows.extend(over_duty(t, runs, compared));
     rows
 }
 
@@ -125,17 +128,17 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>)
         Row::new("P12", "§3.1", "work in 900 s at 100 %", "1582.7 kW", "J")
             .published(P_TOTAL * DURATION)
             .right(work.total)
-            .measured(1582.7)
+            .measured(WORK_TOTAL)
             .but(
                 UnitError,
                 format!(
                     "the value is in joules; {:.2} % below the printed power times 900 s, as if the winding had warmed on the way{simulated}",
-                    100.0 * (1.0 - 1582.7 / (P_TOTAL * DURATION))
+                    100.0 * (1.0 - WORK_TOTAL / (P_TOTAL * DURATION))
                 ),
             ),
-        Row::new("P13", "§3.1", "thermal work", "267.79 W", "J").published(w_el).right(work.electrical).measured(267.79).but(
+        Row::new("P13", "§3.1", "thermal work", "267.79 W", "J").published(w_el).right(work.electrical).measured(WORK_THERMAL).but(
             UnitError,
-            format!("joules; over 900 s it is {} W", significant(267.79 / DURATION)),
+            format!("joules; over 900 s it is {} W", significant(WORK_THERMAL / DURATION)),
         ),
         Row::new("P13-magnetic", "§3.1", "magnetic work", "29.2 µW", "J")
             .published(w_mag)
@@ -250,7 +253,8 @@ fn machine(voltage: &Parts, power: &Parts) -> Vec<Row> {
     ]
 }
 
-fn over_duty(t: &Temperatures, runs: Option<&[Run]>) -> Vec<Row> {
+fn over_duty(t: &Temperatures, runs: Option<&[Run]>, compared: &[Compared]) -> Vec<Row> {
+    let by = |quantity: &str| basis(compared, quantity);
     let line = |f: &dyn Fn(&Run) -> f64| {
         crate::numeric::Line::through(&runs?.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>())
     };
@@ -264,27 +268,30 @@ fn over_duty(t: &Temperatures, runs: Option<&[Run]>) -> Vec<Row> {
         Row::new("P26", "§3.2.1", "slope of voltage over duty", 1e3 * V_SLOPE, "mV/%")
             .published(10.0 * V_TOTAL)
             .right(voltage.map(|l| 1e3 * l.slope))
+            .by(by("slope of voltage over duty"))
             .but(
                 HoldsWithNote,
                 "published is the line through the origin; the printed slope leaves an intercept, as continuous conduction with a drop does",
             ),
-        Row::new("P26-r2", "§3.2.1", "r² of voltage over duty", 0.9922, "").right(voltage.map(|l| l.r2)),
+        Row::new("P26-r2", "§3.2.1", "r² of voltage over duty", V_R2, "").right(voltage.map(|l| l.r2)).by(by("r² of voltage over duty")),
         Row::new("P27", "§3.2.2", "slope of current over duty", 1e3 * I_SLOPE, "mA/%")
             .right(current.map(|l| 1e3 * l.slope))
+            .by(by("slope of current over duty"))
             .but(HoldsWithNote, "dry and viscous friction; below what the Hall sensor resolves, 35 to 50 mA"),
-        Row::new("P27-r2", "§3.2.2", "r² of current over duty", 0.9991, "").right(current.map(|l| l.r2)),
+        Row::new("P27-r2", "§3.2.2", "r² of current over duty", I_R2, "").right(current.map(|l| l.r2)).by(by("r² of current over duty")),
         Row::new("P28", "§3.1", "r² of a straight line of power over duty", "first-order", "")
             .right(straight)
             .but(Inconsistent, "voltage and current are both straight lines, so their product is a parabola"),
-        Row::new("P30-low", "§3.2.3", "winding at 20 and 40 %", PLATEAUS.0, "degC").right(simulated(1)).measured(PLATEAUS.0).but(
+        Row::new("P30-low", "§3.2.3", "winding at 20 and 40 %", PLATEAUS.0, "degC").right(simulated(1)).by(by("winding temperature at 40 %")).measured(PLATEAUS.0).but(
             Inconsistent,
             format!("heating differs by a factor of two between them; the best line in power misses by up to {worst:.1} K. Corrected: simulated at 40 %"),
         ),
         Row::new("P30-high", "§3.2.3", "winding at 60, 80 and 100 %", PLATEAUS.1, "degC")
             .right(simulated(4))
+            .by(by("winding temperature at 100 %"))
             .measured(PLATEAUS.1)
             .but(Inconsistent, "as above; corrected: simulated at 100 % from the room's temperature"),
-        Row::new("P31", "§2.5", "end of a run in a box", "adiabatic", "degC").published(end).right(simulated(4)).but(
+        Row::new("P31", "§2.5", "end of a run in a box", "adiabatic", "degC").published(end).right(simulated(4)).by(by("winding temperature at 100 %")).but(
             Inconsistent,
             format!("without any loss {BOX_CAPACITY} J/K end there and never settle; a plateau needs a loss of 0.1 to 0.2 W/K"),
         ),

@@ -6,7 +6,7 @@ use crate::reproduce::thesis::measured::*;
 use crate::reproduce::thesis::native::Native;
 use crate::reproduce::thesis::projection::torque_at_5_a;
 use crate::reproduce::thesis::published::*;
-use crate::reproduce::{Row, significant};
+use crate::reproduce::{Basis, Row, significant};
 
 /// Conductivity of a steel housing, W/(m.K), which eqs. (11) and (18) would take if read as printed.
 const K_HOUSING: f64 = 16.0;
@@ -84,7 +84,7 @@ fn figures(native: &Native) -> Vec<Row> {
     let (left, right) = jumps(RE_SWITCH).unwrap_or((f64::NAN, f64::NAN));
     let coldest = coldest_native(native);
     vec![
-        Row::new("T39", "fig. 15, ch. 7", "optimum r*", OPTIMUM, "").published(argmax).right(coldest).note(
+        Row::new("T39", "fig. 15, ch. 7", "optimum r*", OPTIMUM, "").published(argmax).right(coldest).by(Basis::Predicted).note(
             "h grows with Re at a fixed x, so the published optimum is that of Re alone; corrected: the coldest winding of the native model with nothing fitted",
         ),
         Row::new("T40", "ch. 6", "greatest Re", "two discontinuities", "").published(re_max).note(format!(
@@ -98,6 +98,7 @@ fn figures(native: &Native) -> Vec<Row> {
         Row::new("T41", "fig. 17", "winding temperature, 40 mm", "a curve", "K")
             .published(wide.winding_temperature())
             .right(native.winding_at(0.040, false))
+            .by(Basis::Predicted)
             .measured(343.8)
             .but(
                 HoldsWithNote,
@@ -109,6 +110,7 @@ fn figures(native: &Native) -> Vec<Row> {
         Row::new("T41-narrow", "fig. 17", "winding temperature, 35 mm", "a curve", "K")
             .published(narrow.winding_temperature())
             .right(native.winding_at(0.035, false))
+            .by(Basis::Predicted)
             .measured(346.4)
             .but(HoldsWithNote, "the published model is steeper than the measurements, as the thesis says; corrected: nothing fitted"),
     ]
