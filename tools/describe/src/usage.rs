@@ -162,7 +162,7 @@ fn other_values(entry: &Entry, now: f64, turn: usize) -> Vec<f64> {
         Kind::Integer => vec![now - 1.0, now + 1.0],
         Kind::Real => {
             vec![
-                now + 0.1 * probe.share() * row.nominal,
+                now + 0.1 * probe.fraction() * row.nominal,
                 probe.generic(entry, &StartValues::default()),
                 row.min,
                 row.max,
