@@ -108,9 +108,9 @@ fn all_effects_on_ramps_in_every_mode() {
 
 /// Error at a step of 1 ms where `pwm_ripple` is on. The ripple is that of the step's start, so the error of the
 /// winding's rise is of first order in the step; a ripple that follows the duty within the step would bring 1e-6.
-const RIPPLE_HELD: f64 = 2e-4;
+const RIPPLE_HELD: f64 = 1e-4;
 /// The same with `bridge_drop` and `dead_time`, whose voltage turns with the current within 0.05 A.
-const BRIDGE_TURNS: f64 = 2e-5;
+const BRIDGE_TURNS: f64 = 5e-6;
 
 #[test]
 fn a_chopped_supply_with_each_of_its_effects() {

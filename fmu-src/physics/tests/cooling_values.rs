@@ -18,7 +18,7 @@ const AMBIENT: f64 = 298.0;
 const SURFACE: f64 = 340.0;
 const TUBE: f64 = 305.0;
 
-/// Properties of air at 1 atm: density, specific heat, viscosity, conductivity, Prandtl number.
+/// Properties of air at 1 bar: density, specific heat, viscosity, conductivity, Prandtl number.
 struct Air {
     rho: f64,
     c_p: f64,
@@ -50,7 +50,7 @@ fn cooled(mode: CoolingMode, change: impl Fn(&mut AnnulusCooledMotor)) -> Annulu
 }
 
 fn conditions(command: f64) -> Conditions {
-    Conditions { surface: SURFACE, tube: TUBE, ambient: AMBIENT, pressure: 101_325.0, command }
+    Conditions { surface: SURFACE, tube: TUBE, ambient: AMBIENT, pressure: 1e5, command }
 }
 
 #[track_caller]
