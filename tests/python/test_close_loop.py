@@ -85,7 +85,7 @@ def test_the_report_has_the_keys_of_the_format(report):
 
 def test_the_page_is_one_file(closed):
     page = (closed[0] / "report.html").read_text()
-    assert page.startswith("<!doctype html>") and page.endswith("</html>")
+    assert page.startswith("<!DOCTYPE html>") and page.endswith("</html>\n")
     assert not any(word in page for word in ("src=", "href=", "url(", "@import", "<script", "NaN"))
     for run in ("run-1.csv", "run-2.csv", "run-3.csv", "run-4.csv"):
         assert f"<summary>{run}" in page

@@ -1,17 +1,18 @@
 """The page of the blind suite: rates, confusion table, wrong sets; and a figure of reported against true effects."""
 
 from collections import Counter
-from html import escape
-from math import cos, radians, sin
 from pathlib import Path
+
+import matplotlib
+from matplotlib.figure import Figure
 
 from . import judge as j
 from .score import further, rates, spreads
 
-CELL, MARGIN, LETTER = 22, 12, 6.6  # px; the last one is an upper limit of the width of a letter
-TILT = 60  # degrees
-DARK, LIGHT = (20, 80, 140), (238, 244, 250)
+CELL = 0.25  # inch
+DARK, LIGHT, NONE = (20, 80, 140), (238, 244, 250), (247, 247, 247)
 WRONG = (190, 60, 40)
+STYLE = {"font.size": 8, "svg.fonttype": "none", "svg.hashsalt": "motor-fmu"}  # the same sets give the same bytes
 KIND_ORDER = (j.NULL, j.LISTED, j.UNLISTED)
 
 HEAD = """# The blind suite
@@ -61,40 +62,42 @@ def confusion(sets) -> str:
     return table(["truth", "kind", "sets", *used, "reported instead"], rows)
 
 
-def shade(share: float, fine: bool) -> str:
+def shade(fraction: float, fine: bool) -> tuple:
     """Light for few, dark for many; red where it is wrong."""
     end = DARK if fine else WRONG
-    return "#" + "".join(f"{round(a + (b - a) * share):02x}" for a, b in zip(LIGHT, end))
+    return tuple(round(a + (b - a) * fraction) for a, b in zip(LIGHT, end))
 
 
-def figure(sets) -> str:
-    """Every true effect against every report, shaded by its fraction of the row."""
-    rows = in_rows(sets)
+def cells(sets):
+    """Rows, columns, and (count, colour) of each cell: every truth against every answer, shaded by its fraction of the row."""
     columns = sorted({s.said for s in sets}, key=lambda text: (text != "nothing", " by " in text, text))
-    # Space for the longest words, and on the right for tilted words that are wider than their column.
-    left = MARGIN + LETTER * max(len(truth) + 5 for _, truth in rows)
-    top = MARGIN + LETTER * max(map(len, columns)) * sin(radians(TILT))
-    reach = max(CELL * (k + 1) + LETTER * len(said) * cos(radians(TILT)) for k, said in enumerate(columns))
-    left, top, width = round(left), round(top), round(left + max(CELL * len(columns), reach) + MARGIN)
-    height = top + CELL * len(rows) + MARGIN
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}"'
-    parts = [head, ' font-family="sans-serif" font-size="11">\n<rect width="100%" height="100%" fill="white"/>\n']
-    for k, said in enumerate(columns):
-        x, y = left + CELL * k + 15, top - 6
-        parts.append(f'<text transform="translate({x} {y}) rotate(-{TILT})">{escape(said)}</text>\n')
-    for k, ((_, truth), group) in enumerate(rows.items()):
-        y = top + CELL * k
-        parts.append(f'<text x="{left - 6}" y="{y + 15}" text-anchor="end">{escape(truth)} ({len(group)})</text>\n')
-        for m, said in enumerate(columns):
-            cell = [s for s in group if s.said == said]
-            fine = all(s.outcome in j.FINE for s in cell)
-            fill = shade(len(cell) / len(group), fine) if cell else "#f7f7f7"
-            parts.append(f'<rect x="{left + CELL * m}" y="{y}" width="{CELL - 1}" height="{CELL - 1}" fill="{fill}"/>\n')
-            if cell:
-                colour = "white" if len(cell) > 0.5 * len(group) else "black"
-                place = f'x="{left + CELL * m + 10}" y="{y + 15}" text-anchor="middle"'
-                parts.append(f'<text {place} fill="{colour}">{len(cell)}</text>\n')
-    return "".join(parts) + "</svg>\n"
+    rows, grid = [], []
+    for (_, truth), group in in_rows(sets).items():
+        rows.append(f"{truth} ({len(group)})")
+        answers = [[s for s in group if s.said == said] for said in columns]
+        fine = [all(s.outcome in j.FINE for s in cell) for cell in answers]
+        grid.append([(len(c), shade(len(c) / len(group), f) if c else NONE) for c, f in zip(answers, fine)])
+    return rows, columns, grid
+
+
+def figure(sets, file: Path):
+    """The cells as a figure."""
+    rows, columns, grid = cells(sets)
+    with matplotlib.rc_context(STYLE):
+        canvas = Figure(figsize=(CELL * len(columns), CELL * len(rows)))
+        axes = canvas.add_axes((0, 0, 1, 1))
+        axes.imshow([[colour for _, colour in row] for row in grid], aspect="auto")
+        axes.set_xticks(range(len(columns)), columns, rotation=60, ha="left", rotation_mode="anchor")
+        axes.set_yticks(range(len(rows)), rows)
+        axes.tick_params(top=True, bottom=False, left=False, labeltop=True, labelbottom=False, length=0)
+        for y, row in enumerate(grid):
+            for x, (count, _) in enumerate(row):
+                if count:
+                    light = count <= 0.5 * sum(n for n, _ in row)
+                    axes.text(x, y, count, ha="center", va="center", color="black" if light else "white")
+        for spine in axes.spines.values():
+            spine.set_visible(False)
+        canvas.savefig(file, bbox_inches="tight", metadata={"Date": None})
 
 
 def page(sets, wrong, command: str, picture: str) -> str:
@@ -118,5 +121,5 @@ def page(sets, wrong, command: str, picture: str) -> str:
 def write_page(file: Path, sets, wrong, command: str = ""):
     """The page and its figure beside it."""
     picture = file.with_suffix(".svg")
-    picture.write_text(figure(sets), encoding="utf-8")
+    figure(sets, picture)
     file.write_text(page(sets, wrong, command, picture.name), encoding="utf-8")

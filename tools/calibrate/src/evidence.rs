@@ -255,10 +255,10 @@ mod tests {
     /// A planted signal comes back with its size, beside a parameter and a drifting sensor, as surely as least squares say.
     #[test]
     fn what_was_planted_is_found() {
-        let (n, mut seed) = (400, 2);
+        let (n, mut rng) = (400, crate::trial::rng(2));
         let fast = column(n, |t| if (40.0 * t).sin() > 0.0 { 1.0 } else { -1.0 });
         let slope = column(n, |t| 5.0 * t);
-        let r = DVector::from_fn(n, |k, _| 0.7 * fast[(k, 0)] + 0.4 * slope[(k, 0)] + normal(&mut seed));
+        let r = DVector::from_fn(n, |k, _| 0.7 * fast[(k, 0)] + 0.4 * slope[(k, 0)] + normal(&mut rng));
         let (drift, knots) = sensor(n);
         let gain = Evidence::new(r, &slope, &[0.0], &drift, &knots).unwrap().gain(&fast).unwrap();
         let deviation = gain.covariance[(0, 0)].sqrt();
@@ -272,10 +272,10 @@ mod tests {
     /// A sensor that drifts, and a slow column that looks like it: white noise alone would take it, drift explains it.
     #[test]
     fn a_drift_is_no_effect() {
-        let (n, mut seed) = (400, 4);
+        let (n, mut rng) = (400, crate::trial::rng(4));
         let (drift, knots) = sensor(n);
         let walk = |t: f64| (3.1 * t).sin() + 0.5 * (7.3 * t + 1.0).cos();
-        let r = DVector::from_fn(n, |k, _| 1.5 * walk(k as f64 / n as f64) + normal(&mut seed));
+        let r = DVector::from_fn(n, |k, _| 1.5 * walk(k as f64 / n as f64) + normal(&mut rng));
         let none = DMatrix::zeros(n, 0);
         let slow = column(n, |t| (3.0 * t).sin());
         let gain = Evidence::new(r, &none, &[], &drift, &knots).unwrap().gain(&slow).unwrap();

@@ -1,27 +1,30 @@
-//! Numbers of a hypothesis from data: bounded Gauss-Newton with priors.
+//! Parameters of a hypothesis from data: bounded least squares with priors.
 //!
 //! minimise  sum_k [(y_k - y(t_k; p)) / sigma]^2 + sum_j [(p_j - p_j0) / s_j]^2             (1)
 //!
-//! y over all counted rows of the runs that are fitted, p_j0 the preset's value and s_j the standard deviation of its
-//! prior; what was added has none. Slopes come from the linearised model ([`crate::tangent`]), once for several steps
-//! (chords): near the answer they hardly change, and a step then costs one simulation. A step that does not help is
-//! halved; each number stops at its limits.
+//! y over all counted rows of the runs that are fitted, p_j0 the preset's value and s_j the standard deviation of its prior; parameters
+//! of an addition have none. The slopes come from the linearised model ([`crate::tangent`]) and serve for several steps: near the answer
+//! they hardly change, and a step then costs one simulation.
 //! *Source*: Bates, Watts, Nonlinear Regression Analysis (1988), ch. 2 and 3; priors as in PEtab.
 
 use crate::CalibrateError;
 use crate::hypothesis::{Hypothesis, Shape};
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe, Tangent};
+use least_squares::{Options, Problem, minimise};
 use nalgebra::{DMatrix, DVector};
 use physics::terms::Port;
 use rayon::prelude::*;
 
-/// Most times that slopes are found anew.
-const ROUNDS: usize = 6;
-/// Most steps with the same slopes.
-const CHORDS: usize = 5;
-/// A step that lowers (1) by less than this is the last.
-const SETTLED: f64 = 0.1;
+/// A step that lowers (1) by less than `decrease` is the last.
+const OPTIONS: Options = Options {
+    linearisations: 6,
+    chords: 5,
+    relative_decrease: 0.0,
+    decrease: 0.1,
+    step: 1e-9,
+    gradient: 1e-9,
+};
 
 /// A hypothesis that was fitted.
 #[derive(Clone, Debug)]
@@ -156,113 +159,102 @@ impl Setup<'_> {
     /// What the model says where it cannot be run.
     pub fn fit(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
         let scales = self.scales(&start);
-        let mut now = self.judged(start, runs)?;
-        for _ in 0..ROUNDS {
-            let slopes = Slopes::new(self, &now.hypothesis, runs, &[])?;
-            let columns: Vec<Vec<Option<Vec<f64>>>> = (0..runs.len())
-                .into_par_iter()
-                .map(|r| (0..slopes.count()).map(|k| slopes.answer(&now.hypothesis, r, k)).collect())
-                .collect();
-            let p = scales.len();
-            let mut information = DMatrix::<f64>::zeros(p, p);
-            for (r, run) in runs.iter().enumerate() {
-                self.each(*run, &now.shown[r], |row, output, _| {
-                    let place = row * self.outputs() + output;
-                    let slope = |k: usize| {
-                        columns[r][k].as_ref().map_or(0.0, |c| c[place]) * scales[k].0 / self.sigma(output)
-                    };
-                    let values: Vec<f64> = (0..p).map(slope).collect();
-                    for a in 0..p {
-                        for b in 0..=a {
-                            information[(a, b)] += values[a] * values[b];
-                        }
-                    }
-                });
-            }
-            for a in 0..p {
-                for b in 0..a {
-                    information[(b, a)] = information[(a, b)];
+        let limits: Vec<(f64, f64)> =
+            scales.iter().map(|(s, (least, most), _)| (least / s, most / s)).collect();
+        let x =
+            DVector::from_iterator(scales.len(), start.numbers().iter().zip(&scales).map(|(p, s)| p / s.0));
+        Ok(minimise(&Fit { setup: self, start: &start, runs, scales }, x, &limits, &OPTIONS)?.point)
+    }
+}
+
+/// The fit of a hypothesis. The variables are its numbers in units of their scales.
+struct Fit<'a> {
+    setup: &'a Setup<'a>,
+    start: &'a Hypothesis,
+    runs: &'a [usize],
+    scales: Vec<(f64, (f64, f64), Option<f64>)>,
+}
+
+/// What the outputs of each run answer to a unit of each number, rows times outputs; `None` for nothing.
+type Columns = Vec<Vec<Option<Vec<f64>>>>;
+
+impl Fit<'_> {
+    /// Calls `tell` for every reading with its slopes over the scaled numbers and its residual, both in units of the noise.
+    fn each(&self, shown: &[Shown], columns: &Columns, mut tell: impl FnMut(&[f64], f64)) {
+        let mut slopes = vec![0.0; self.scales.len()];
+        for (r, run) in self.runs.iter().enumerate() {
+            self.setup.each(*run, &shown[r], |row, output, off| {
+                let (place, sigma) = (row * self.setup.outputs() + output, self.setup.sigma(output));
+                for ((slope, column), scale) in slopes.iter_mut().zip(&columns[r]).zip(&self.scales) {
+                    *slope = column.as_ref().map_or(0.0, |c| c[place] * scale.0 / sigma);
                 }
-                information[(a, a)] += if scales[a].2.is_some() { 1.0 } else { 1e-9 };
-            }
-            let before = now.cost;
-            let mut far = false;
-            for _ in 0..CHORDS {
-                let mut uphill = DVector::<f64>::zeros(p);
-                for (r, run) in runs.iter().enumerate() {
-                    self.each(*run, &now.shown[r], |row, output, off| {
-                        let place = row * self.outputs() + output;
-                        for k in 0..p {
-                            if let Some(column) = &columns[r][k] {
-                                uphill[k] += column[place] * scales[k].0 * off / self.sigma(output).powi(2);
-                            }
-                        }
-                    });
-                }
-                let numbers = now.hypothesis.numbers();
-                for (k, (scale, _, prior)) in scales.iter().enumerate() {
-                    if let Some(prior) = prior {
-                        uphill[k] += (prior - numbers[k]) / scale;
-                    }
-                }
-                // A number that would leave its limits stays there, and the others move as if it were none: clamped after
-                // the step, it would spoil theirs.
-                let held: Vec<bool> = (0..p)
-                    .map(|k| {
-                        let (least, most) = scales[k].1;
-                        if uphill[k] < 0.0 { numbers[k] <= least } else { numbers[k] >= most }
-                    })
-                    .collect();
-                let mut curvature = information.clone();
-                for k in (0..p).filter(|k| held[*k]) {
-                    curvature.row_mut(k).fill(0.0);
-                    curvature.column_mut(k).fill(0.0);
-                    curvature[(k, k)] = 1.0;
-                    uphill[k] = 0.0;
-                }
-                let Some(factor) = curvature.cholesky() else {
-                    return Err(CalibrateError(
-                        "the parameters cannot be told apart by these runs".to_string(),
-                    ));
-                };
-                let step = factor.solve(&uphill);
-                let mut share = 1.0f64;
-                let mut better = None;
-                while better.is_none() && share > 0.05 {
-                    let next: Vec<f64> = (0..p)
-                        .map(|k| {
-                            let (scale, (least, most), _) = scales[k];
-                            (numbers[k] + share * step[k] * scale).clamp(least, most)
-                        })
-                        .collect();
-                    let mut trial = now.hypothesis.clone();
-                    trial.take(&next);
-                    match self.judged(trial, runs) {
-                        Ok(found) if found.cost < now.cost => better = Some(found),
-                        _ => share *= 0.3,
-                    }
-                }
-                far |= (0..p).any(|k| {
-                    let (way, is_prior) = ((step[k] * scales[k].0).abs(), scales[k].2.is_some());
-                    if is_prior {
-                        step[k].abs() > 0.3
-                    } else {
-                        way > 0.05 * numbers[k].abs().max(scales[k].0)
-                    }
-                });
-                let Some(found) = better else { break };
-                let fall = now.cost - found.cost;
-                now = found;
-                if fall < SETTLED {
-                    break;
-                }
-            }
-            // Slopes are found anew only where the numbers have gone far, or the chords have not settled it.
-            if !far || before - now.cost < SETTLED {
-                break;
-            }
+                tell(&slopes, -off / sigma);
+            });
         }
-        Ok(now)
+    }
+}
+
+impl Problem for Fit<'_> {
+    type Point = Fitted;
+    type Slopes = (Columns, DMatrix<f64>);
+    type Error = CalibrateError;
+
+    fn evaluate(&self, x: &DVector<f64>) -> Result<Fitted, CalibrateError> {
+        let mut hypothesis = self.start.clone();
+        // Back from the scaled number to a limit, rounding must not lead beyond it.
+        let number =
+            |(x, (scale, (least, most), _)): (&f64, &(f64, (f64, f64), _))| (x * scale).clamp(*least, *most);
+        hypothesis.take(&x.iter().zip(&self.scales).map(number).collect::<Vec<_>>());
+        self.setup.judged(hypothesis, self.runs)
+    }
+
+    fn cost(&self, fitted: &Fitted) -> f64 {
+        fitted.cost
+    }
+
+    fn linearise(&self, _: &DVector<f64>, fitted: &Fitted) -> Result<Self::Slopes, CalibrateError> {
+        let slopes = Slopes::new(self.setup, &fitted.hypothesis, self.runs, &[])?;
+        let columns: Columns = (0..self.runs.len())
+            .into_par_iter()
+            .map(|r| (0..slopes.count()).map(|k| slopes.answer(&fitted.hypothesis, r, k)).collect())
+            .collect();
+        let p = self.scales.len();
+        let mut information = DMatrix::<f64>::zeros(p, p);
+        self.each(&fitted.shown, &columns, |slopes, _| {
+            for a in 0..p {
+                for b in 0..=a {
+                    information[(a, b)] += slopes[a] * slopes[b];
+                }
+            }
+        });
+        information.fill_upper_triangle_with_lower_triangle();
+        for (k, _) in self.scales.iter().enumerate().filter(|(_, s)| s.2.is_some()) {
+            information[(k, k)] += 1.0;
+        }
+        Ok((columns, information))
+    }
+
+    fn information(&self, slopes: &Self::Slopes) -> DMatrix<f64> {
+        slopes.1.clone()
+    }
+
+    fn gradient(&self, x: &DVector<f64>, fitted: &Fitted, slopes: &Self::Slopes) -> DVector<f64> {
+        let mut gradient = DVector::zeros(x.len());
+        self.each(&fitted.shown, &slopes.0, |slopes, residual| {
+            gradient.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope * residual);
+        });
+        for (k, (scale, _, prior)) in self.scales.iter().enumerate() {
+            gradient[k] += prior.map_or(0.0, |prior| x[k] - prior / scale);
+        }
+        gradient
+    }
+
+    /// A third of a prior's deviation, or 5 % of a number without one.
+    fn is_near(&self, from: &DVector<f64>, x: &DVector<f64>) -> bool {
+        self.scales.iter().enumerate().all(|(k, (_, _, prior))| {
+            let near = if prior.is_some() { 0.3 } else { 0.05 * from[k].abs().max(1.0) };
+            (x[k] - from[k]).abs() <= near
+        })
     }
 }
 

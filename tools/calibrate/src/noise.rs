@@ -127,23 +127,17 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn uniform(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn normal(seed: &mut u64) -> f64 {
-        (0..12).map(|_| uniform(seed)).sum::<f64>() - 6.0
-    }
+    use crate::trial::{normal, rng};
+    use rand::RngExt;
+    use rand_pcg::Pcg64Mcg;
 
     /// A slow wave with noise of standard deviation 0.2, rows at uneven times.
     #[test]
     fn noise_on_a_slow_wave() {
-        let mut seed = 1u64;
-        let time: Vec<f64> = (0..4000).map(|k| 2.0 * f64::from(k) + 0.5 * uniform(&mut seed)).collect();
+        let mut rng = rng(1);
+        let time: Vec<f64> = (0..4000).map(|k| 2.0 * f64::from(k) + 0.5 * rng.random::<f64>()).collect();
         let column: Vec<f64> =
-            time.iter().map(|t| 40.0 * (t / 800.0).sin() + 0.2 * normal(&mut seed)).collect();
+            time.iter().map(|t| 40.0 * (t / 800.0).sin() + 0.2 * normal(&mut rng)).collect();
         let sigma = of_column(&time, &column).unwrap();
         assert!((sigma / 0.2 - 1.0).abs() < 0.05, "{sigma}");
         assert_eq!(of_column(&time[..4], &column[..4]), None);
@@ -152,13 +146,13 @@ mod tests {
     /// Every fifth row measured, and every fifth row new: the noise is that of the readings.
     #[test]
     fn noise_of_a_slower_sensor() {
-        let mut seed = 5u64;
+        let mut rng = rng(5);
         let time: Vec<f64> = (0..6000).map(f64::from).collect();
         let (mut blank, mut held) = (Vec::new(), Vec::new());
         let mut last = 0.0;
         for (k, t) in time.iter().enumerate() {
             if k % 5 == 0 {
-                last = 40.0 * (t / 900.0).sin() + 0.1 * normal(&mut seed);
+                last = 40.0 * (t / 900.0).sin() + 0.1 * normal(&mut rng);
             }
             blank.push(if k % 5 == 0 { last } else { f64::NAN });
             held.push(last);
@@ -175,9 +169,9 @@ mod tests {
         let mut rows = String::from(
             "time_s,current_A,speed_rad_per_s,fan_command_1,ambient_temperature_degC,winding_temperature_degC\n",
         );
-        let mut seed = 3u64;
+        let mut rng = rng(3);
         for k in 0..1500 {
-            let [fan, room, winding] = read(k, &mut seed);
+            let [fan, room, winding] = read(k, &mut rng);
             rows.push_str(&format!("{},1,100,{fan},{room},{winding}\n", 2 * k));
         }
         std::fs::write(folder.path().join("a.csv"), rows).unwrap();
@@ -201,9 +195,9 @@ mod tests {
     /// A thermometer of 0.25 K trembles by 0.25 / sqrt 12 = 0.072 K, whatever it is asked; a fan that is switched does not.
     #[test]
     fn a_coarse_sensor_is_as_noisy_as_its_step() {
-        let read = |k: usize, seed: &mut u64| {
+        let read = |k: usize, rng: &mut Pcg64Mcg| {
             let fan = if k % 60 < 30 { 0.0 } else { 1.0 };
-            [fan, cut(23.0 + 0.1 * normal(seed), 0.25), cut(warming(k), 0.25)]
+            [fan, cut(23.0 + 0.1 * normal(rng), 0.25), cut(warming(k), 0.25)]
         };
         let found = noises("", read);
         assert!(found[0] < 1e-4, "{found:?}");
@@ -217,7 +211,7 @@ mod tests {
     #[test]
     fn fine_readings_are_as_noisy_as_before() {
         for step in [1e-3, 1e-9] {
-            let read = |k: usize, seed: &mut u64| [0.0, 23.0, cut(warming(k) + 0.1 * normal(seed), step)];
+            let read = |k: usize, rng: &mut Pcg64Mcg| [0.0, 23.0, cut(warming(k) + 0.1 * normal(rng), step)];
             let (own, told) = (noises("", read), noises("winding_temperature_degC = 0.1", read));
             assert!((own[2] / 0.1 - 1.0).abs() < 0.08, "{own:?}");
             assert!((told[2] / 0.1 - 1.0).abs() < 0.01, "{told:?}");
@@ -227,9 +221,9 @@ mod tests {
 
     /// Eq. (2) alone of the same readings.
     fn bare(step: f64) -> f64 {
-        let mut seed = 3u64;
+        let mut rng = rng(3);
         let time: Vec<f64> = (0..1500).map(|k| 2.0 * f64::from(k)).collect();
-        let column: Vec<f64> = (0..1500).map(|k| cut(warming(k) + 0.1 * normal(&mut seed), step)).collect();
+        let column: Vec<f64> = (0..1500).map(|k| cut(warming(k) + 0.1 * normal(&mut rng), step)).collect();
         of_column(&time, &column).unwrap()
     }
 

@@ -366,11 +366,11 @@ mod tests {
                 chunks.into_iter().map(move |rows| Block { output, rows, time: 0.0 })
             };
             setup.blocks[0] = (0..4).flat_map(of).collect();
-            let mut seed = 5;
+            let mut rng = trial::rng(5);
             let (mut sum, mut count) = (0.0, 0);
             for _ in 0..20 {
                 let values: Vec<f64> =
-                    (0..rows as usize * 4).map(|k| setup.sigma(k % 4) * trial::normal(&mut seed)).collect();
+                    (0..rows as usize * 4).map(|k| setup.sigma(k % 4) * trial::normal(&mut rng)).collect();
                 let mut means = Vec::new();
                 setup.means(0, &values, &mut means);
                 sum += means.iter().map(|x| x * x).sum::<f64>();

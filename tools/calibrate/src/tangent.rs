@@ -425,12 +425,12 @@ role = "fit"
         let directions = tangent.directions.iter().map(|d| d.as_ref().unwrap());
         let noises: Vec<(&Direction, f64)> = directions.zip(sigmas).collect();
         let (direct, whole) = tangent.variance(&noises);
-        let (trials, mut seed) = (120, 9);
+        let (trials, mut rng) = (120, crate::trial::rng(9));
         let mut sums = [0.0; 4];
         for _ in 0..trials {
             let mut inputs = drive.inputs().to_vec();
             for (k, sigma) in [0, 3].into_iter().zip(sigmas) {
-                inputs[k].iter_mut().for_each(|x| *x += sigma * crate::trial::normal(&mut seed));
+                inputs[k].iter_mut().for_each(|x| *x += sigma * crate::trial::normal(&mut rng));
             }
             let shown = bench.run(&Drive::of(drive.time.clone(), inputs), &Change::default()).unwrap();
             for (output, column) in shown.iter().enumerate() {

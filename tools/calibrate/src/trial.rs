@@ -4,6 +4,9 @@ use crate::experiment::Experiment;
 use crate::hypothesis::{Addition, Hypothesis};
 use crate::setup::Setup;
 use physics::terms::GenericTerm;
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_pcg::Pcg64Mcg;
 
 /// Noise that the experiment states, in the channels' units: small beside everything.
 pub const NOISE: f64 = 1e-3;
@@ -55,11 +58,12 @@ pub fn addition(setup: &Setup, id: &str, size: f64) -> Addition {
     addition
 }
 
-/// Normal numbers from a seed, by sums of twelve uniform ones.
-pub fn normal(seed: &mut u64) -> f64 {
-    let mut uniform = || {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1u64 << 53) as f64
-    };
-    (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+/// Random numbers, the same for a seed on every machine.
+pub fn rng(seed: u64) -> Pcg64Mcg {
+    Pcg64Mcg::seed_from_u64(seed)
+}
+
+/// A number of a standard normal distribution.
+pub fn normal(rng: &mut Pcg64Mcg) -> f64 {
+    rng.sample(StandardNormal)
 }

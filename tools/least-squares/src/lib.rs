@@ -79,7 +79,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Options {
         Options {
-            linearisations: 100,
+            linearisations: 200,
             chords: 1,
             relative_decrease: 1e-12,
             decrease: 0.0,
@@ -167,7 +167,7 @@ pub fn minimise<P: Problem>(
                     let (fall, enough) =
                         (cost - found, options.decrease.max(options.relative_decrease * cost));
                     let settled = fall <= enough && model.predicted(&model.step(1e-9)) - fall <= enough;
-                    damping = (damping * f64::max(1.0 / 3.0, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-12);
+                    damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-12);
                     growth = 2.0;
                     (x, point, cost) = (next, reached, found);
                     chords += 1;

@@ -275,8 +275,11 @@ impl Figure {
             [] => x.ticks_that_fit().marks(),
             names => names.iter().enumerate().map(|(k, n)| (k as f64, n.clone())).collect(),
         };
+        // Names have the room of their category; numbers have been chosen to fit.
+        let slot = if self.categories.is_empty() { WIDTH } else { (right - left) / names.len() as f64 - 4.0 };
+        let tall_names = names.iter().map(|(_, name)| wrap(name, slot).len()).max().unwrap_or(0) as f64;
         let x_label = wrap(&x.ticks_that_fit().with_power(&self.x.label), right - left);
-        let mut bottom = 8.0;
+        let mut bottom = 14.0;
         let inside = html! {
             @for (value, name) in marks.marks() {
                 @let py = y.at(value);
@@ -286,7 +289,9 @@ impl Figure {
             @for (value, name) in &names {
                 @let px = x.at(*value);
                 path.g d={ "M" (n(px)) " 0V" (n(height)) } {}
-                @if lowest { (text(px, height + LINE, "m", name)) }
+                @for (k, line) in wrap(name, slot).iter().enumerate().filter(|_| lowest) {
+                    (text(px, height + LINE * (k as f64 + 1.0), "m", line))
+                }
             }
             path.a d={ "M" (n(left)) " 0V" (n(height)) "H" (n(right)) } {}
             @for series in &panel.series { (draw_series(series, x, y, self.thin)) }
@@ -296,12 +301,15 @@ impl Figure {
                 @let dy = if y.at(*value) < LINE { LINE - 3.0 } else { -5.0 };
                 (text(right - 4.0, y.at(*value) + dy, "e o", label))
             }
-            @for (at, note) in &self.notes { (draw_note(x.at(*at), note, (left, right), height)) }
+            // Below the label of a limit that is near the top.
+            @let near_top = panel.limits.iter().map(|l| y.at(l.0)).filter(|py| *py < 2.5 * LINE);
+            @let above = near_top.fold(0.0, |all: f64, py| all.max(py + LINE));
+            @for (at, note) in &self.notes { (draw_note(x.at(*at), note, (left, right), above, height)) }
             @if lowest {
                 @for (k, line) in x_label.iter().enumerate() {
-                    (text(0.5 * (left + right), height + LINE * (k as f64 + 2.1), "m", line))
+                    (text(0.5 * (left + right), height + LINE * (k as f64 + tall_names + 1.1), "m", line))
                 }
-                @let _ = bottom += LINE * (x_label.len() as f64 + 1.3);
+                @let _ = bottom += LINE * (x_label.len() as f64 + tall_names);
             }
         };
         let drawn = html! {
@@ -320,13 +328,13 @@ fn n(value: f64) -> String {
 }
 
 /// A vertical line with its remark, which is wrapped on the side that has more room.
-fn draw_note(px: f64, note: &str, (left, right): (f64, f64), height: f64) -> Markup {
+fn draw_note(px: f64, note: &str, (left, right): (f64, f64), above: f64, height: f64) -> Markup {
     let after = right - px >= px - left;
     let (at, class, room) = if after { (px + 5.0, "o", right - px) } else { (px - 5.0, "e o", px - left) };
     html! {
         path.n d={ "M" (n(px)) " 0V" (n(height)) } {}
         @for (k, line) in wrap(note, room - 10.0).iter().enumerate() {
-            (text(at, LINE * (k as f64 + 1.0) - 4.0, class, line))
+            (text(at, above + LINE * (k as f64 + 1.0) - 4.0, class, line))
         }
     }
 }

@@ -1,11 +1,12 @@
-//! Parameters of a native model from steady states that were measured: bounded Gauss-Newton (Levenberg's
-//! damping), what a left-out case would have been predicted as, and what the data can tell apart.
+//! Parameters of a native model from measured steady states by bounded least squares, the leave-one-out predictions, and what the data
+//! identify.
 //!
 //! Parameters move in units of their scale: a logarithm where the declaration says so, else the nominal value.
 
 use crate::StudyError;
 use crate::bench::{Bench, STEADY};
 use crate::steady::Setup;
+use least_squares::{Options, minimise};
 use nalgebra::{DMatrix, DVector};
 use physics::declare::Scale;
 use physics::model::Entry;
@@ -15,14 +16,17 @@ use std::sync::{Mutex, PoisonError};
 
 /// Step of the central differences, in units of the scale: large against the 1e-4 K of a steady state.
 const DIFFERENCE: f64 = 5e-3;
-/// Steps after which a fit ends.
-const MAX_STEPS: usize = 40;
-/// Dampings that are tried for a step.
-const MAX_TRIALS: usize = 6;
-/// Scaled parameters that move by less than this have arrived.
-const STANDS_STILL: f64 = 2e-4;
-/// Relative fall of the sum of squares below which a fit ends.
-const CONVERGED: f64 = 1e-5;
+/// When a fit ends: what a smaller decrease or step would add is noise of the steady states.
+const OPTIONS: Options = Options {
+    linearisations: 40,
+    chords: 1,
+    relative_decrease: 1e-5,
+    decrease: 0.0,
+    step: 1e-6,
+    gradient: 1e-9,
+};
+/// The same for a fit without one observation.
+const REFIT: Options = Options { step: 1e-5, ..OPTIONS };
 
 /// A steady state that was measured.
 #[derive(Clone, Debug)]
@@ -131,6 +135,38 @@ pub struct Problem {
     start: DVector<f64>,
 }
 
+/// A fit of all observations, or of all but one with a Jacobian that is held.
+struct Fitting<'a> {
+    problem: &'a Problem,
+    held: Option<(usize, DMatrix<f64>)>,
+}
+
+impl least_squares::Problem for Fitting<'_> {
+    type Point = DVector<f64>;
+    type Slopes = DMatrix<f64>;
+    type Error = StudyError;
+
+    fn evaluate(&self, z: &DVector<f64>) -> Result<DVector<f64>, StudyError> {
+        self.problem.residuals(z, self.held.as_ref().map(|(without, _)| *without))
+    }
+
+    fn cost(&self, residuals: &DVector<f64>) -> f64 {
+        residuals.norm_squared()
+    }
+
+    fn linearise(&self, z: &DVector<f64>, _: &DVector<f64>) -> Result<DMatrix<f64>, StudyError> {
+        self.held.as_ref().map_or_else(|| self.problem.jacobian(z), |(_, jacobian)| Ok(jacobian.clone()))
+    }
+
+    fn information(&self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+        jacobian.tr_mul(jacobian)
+    }
+
+    fn gradient(&self, _: &DVector<f64>, residuals: &DVector<f64>, jacobian: &DMatrix<f64>) -> DVector<f64> {
+        jacobian.tr_mul(residuals)
+    }
+}
+
 /// An observation, and the model in its steady state at the start: from there the next one is not far.
 struct Observed {
     observation: Observation,
@@ -218,105 +254,21 @@ impl Problem {
     /// # Errors
     /// A model that does not settle at the start.
     pub fn fit(&self) -> Result<Fit, StudyError> {
-        let mut z = self.start.clone();
-        let mut residuals = self.residuals(&z, None)?;
-        let mut jacobian = self.jacobian(&z)?;
-        let mut damping = 1e-3;
-        for _ in 0..MAX_STEPS {
-            let Some((next, found)) = self.improve(&z, &residuals, &jacobian, &mut damping, None) else {
-                break;
-            };
-            let fall = 1.0 - found.norm_squared() / residuals.norm_squared().max(f64::MIN_POSITIVE);
-            (z, residuals) = (next, found);
-            jacobian = self.jacobian(&z)?;
-            if fall < CONVERGED {
-                break;
-            }
-        }
-        Ok(self.describe(z, &residuals, jacobian))
+        let found =
+            minimise(&Fitting { problem: self, held: None }, self.start.clone(), &self.limits(), &OPTIONS)?;
+        let jacobian = self.jacobian(&found.x)?;
+        Ok(self.describe(found.x, &found.point, jacobian))
     }
 
     /// The parameters that fit all observations but one. The way from the fit of all is short, so that the
     /// Jacobian of that fit serves for all steps.
     fn refit(&self, fit: &Fit, without: usize) -> Result<DVector<f64>, StudyError> {
-        let jacobian = fit.jacobian.clone().remove_row(without);
-        let mut z = fit.z.clone();
-        let mut residuals = self.residuals(&z, Some(without))?;
-        let mut damping = 1e-6;
-        for _ in 0..MAX_STEPS {
-            let Some((next, found)) = self.improve(&z, &residuals, &jacobian, &mut damping, Some(without))
-            else {
-                break;
-            };
-            let moved = (&next - &z).norm();
-            (z, residuals) = (next, found);
-            if moved < STANDS_STILL {
-                break;
-            }
-        }
-        Ok(z)
+        let held = Some((without, fit.jacobian.clone().remove_row(without)));
+        Ok(minimise(&Fitting { problem: self, held }, fit.z.clone(), &self.limits(), &REFIT)?.x)
     }
 
-    /// A step that lowers the sum of squares, if there is one. A parameter that would leave its range stays on
-    /// the limit, and the others are solved for without it.
-    fn improve(
-        &self,
-        z: &DVector<f64>,
-        residuals: &DVector<f64>,
-        jacobian: &DMatrix<f64>,
-        damping: &mut f64,
-        without: Option<usize>,
-    ) -> Option<(DVector<f64>, DVector<f64>)> {
-        for _ in 0..MAX_TRIALS {
-            let next = self.step(z, residuals, jacobian, *damping);
-            match self.residuals(&next, without) {
-                Ok(found) if found.norm_squared() < residuals.norm_squared() => {
-                    *damping = (*damping * 0.2).max(1e-9);
-                    return Some((next, found));
-                }
-                _ => *damping = (*damping * 5.0).max(1e-6),
-            }
-        }
-        None
-    }
-
-    fn step(
-        &self,
-        z: &DVector<f64>,
-        residuals: &DVector<f64>,
-        jacobian: &DMatrix<f64>,
-        damping: f64,
-    ) -> DVector<f64> {
-        let mut fixed = vec![false; self.axes.len()];
-        let mut next = z.clone();
-        for _ in 0..=self.axes.len() {
-            let mut held = jacobian.clone();
-            for (k, fixed) in fixed.iter().enumerate().filter(|(_, f)| **f) {
-                debug_assert!(*fixed);
-                held.column_mut(k).fill(0.0);
-            }
-            let mut normal = held.transpose() * &held;
-            for k in 0..self.axes.len() {
-                normal[(k, k)] += damping * (1.0 + normal[(k, k)]);
-            }
-            let Some(solved) = normal.cholesky() else { return z.clone() };
-            let step = solved.solve(&(-(held.transpose() * residuals)));
-            next = z + step;
-            let mut clean = true;
-            for (k, axis) in self.axes.iter().enumerate() {
-                let inside = next[k].clamp(axis.range.0, axis.range.1);
-                if inside != next[k] {
-                    // Only a step out of a limit that is reached already changes the others' solution.
-                    clean &= fixed[k] || z[k] != inside;
-                    fixed[k] |= z[k] == inside;
-                    next[k] = inside;
-                }
-            }
-            if clean {
-                break;
-            }
-        }
-        next
+    fn limits(&self) -> Vec<(f64, f64)> {
+        self.axes.iter().map(|axis| axis.range).collect()
     }
 
     fn describe(&self, z: DVector<f64>, residuals: &DVector<f64>, jacobian: DMatrix<f64>) -> Fit {

@@ -9,6 +9,8 @@ use motor_fmu::instance::IntermediateUpdate;
 use motor_fmu::logger::Status;
 use physics::declare::Elements;
 use physics::model::{Element, ModelType};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
@@ -44,20 +46,20 @@ unsafe extern "C" fn logger3(
     hear(message);
 }
 
-/// Random numbers (SplitMix64), the same for the same seed.
-pub struct Rng(pub u64);
+/// Random numbers, the same for the same seed.
+pub struct Rng(Pcg64Mcg);
 
 impl Rng {
+    fn new(seed: u64) -> Rng {
+        Rng(Pcg64Mcg::seed_from_u64(seed))
+    }
+
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.next_u64()
     }
 
     fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
+        self.0.random_range(0..n)
     }
 
     fn one<T: Copy>(&mut self, of: &[T]) -> T {
@@ -139,7 +141,7 @@ impl TestInstance {
         let seen: Vec<u32> =
             declaration.entries.iter().filter(|e| e.is_intermediate()).map(|e| e.value_reference).collect();
         let mut looker =
-            Box::new(Looker { handle: null_mut(), rng: Rng(rng.next()), references: references.clone() });
+            Box::new(Looker { handle: null_mut(), rng: Rng::new(rng.next()), references: references.clone() });
         let (events, early, looks) = (rng.below(2) as u8, rng.below(2) as u8, rng.below(3) == 0);
         let token = CString::new(declaration.token.clone()).unwrap();
         let (three, exchange) = (rng.below(2) == 1, rng.below(2) == 1);
@@ -448,7 +450,7 @@ const CALLS: u64 = 400;
 pub fn run(instances: u64, seed: u64, kind: Option<&'static ModelType>) -> (u64, u64) {
     let (mut calls, mut done) = (0, 0);
     for seed in seed..seed + instances {
-        let mut rng = Rng(seed);
+        let mut rng = Rng::new(seed);
         let mut instance = TestInstance::new(&mut rng, kind);
         for _ in 0..CALLS {
             calls += 1;

@@ -160,6 +160,7 @@ fn changes(column: &[f64]) -> Vec<f64> {
 mod tests {
     use super::super::{Role, Start, Table};
     use super::*;
+    use rand::RngExt;
 
     const INPUTS: [&str; 2] = ["current_A", "speed_rad_per_s"];
     const OUTPUTS: [&str; 2] = ["voltage_V", WINDING];
@@ -170,11 +171,8 @@ mod tests {
 
     /// A motor under steps of current every 60 rows of 2 s with noise, its outputs `late` rows late: voltage, winding.
     fn run(file: &str, begin: f64, late: [usize; 2]) -> Run {
-        let mut seed = 7u64;
-        let mut noise = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut rng = crate::trial::rng(7);
+        let mut noise = || rng.random_range(-0.5..0.5);
         let time: Vec<f64> = (0..1200).map(|k| begin + 2.0 * f64::from(k)).collect();
         let current = |k: usize| [1.0, 6.0, 3.0, 8.0, 0.0][k / 60 % 5];
         let speed = |k: usize| [100.0, 400.0, 900.0][k / 100 % 3];
