@@ -66,6 +66,11 @@ pub fn remark(notes: &[String]) {
     }
 }
 
+/// 0, or 1 where the command was carried out and a check failed, or a simulation ended before its stop time.
+pub fn outcome(yes: bool) -> ExitCode {
+    ExitCode::from(u8::from(!yes))
+}
+
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Build(args) => build::run(&args),

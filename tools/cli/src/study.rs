@@ -1,6 +1,7 @@
 //! `motor-fmu steady` and `motor-fmu sweep`: studies with the native models.
 
 use crate::Failure;
+use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{Case, ConstantInputs, Sweep, Vary, Walking, sweep};
@@ -87,7 +88,13 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     let setup = args.start.setup()?;
     let mut bench = setup.bench()?;
     let continuous = continuous_torque(&bench);
-    let found = steady(&mut bench)?;
+    let found = match steady(&mut bench) {
+        Err(StudyError::Unsettled(sentence)) => {
+            eprintln!("error: {sentence}");
+            return Ok(crate::outcome(false));
+        }
+        found => found?,
+    };
     let notes = setup.notes(&[])?;
     crate::remark(&notes);
     if args.json {

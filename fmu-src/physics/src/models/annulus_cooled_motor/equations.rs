@@ -29,6 +29,7 @@ mod system;
 use super::network::Body;
 use super::{DriveMode, Inputs, MechanicalMode, Parameters};
 use crate::components::commutation::PhaseLoad;
+use crate::components::validity::Limits;
 use crate::effects::{Effect, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, State, System};
@@ -93,6 +94,8 @@ pub struct Constants {
     iron_in_core: bool,
     /// Where effects act.
     acts: Acts,
+    /// Where the equations end.
+    limits: Limits,
 }
 
 impl Constants {
@@ -120,11 +123,18 @@ impl Constants {
             has_network: body.is_some(),
             iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
             acts,
+            limits: Limits::new(parameters.validity, parameters.motor.T_ref, parameters.motor.alpha_mag),
         }
     }
 }
 
 impl Constants {
+    /// Where the equations end.
+    #[inline]
+    pub(super) fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
     /// How fast the true ambient temperature leaves the shown one, K/s.
     pub(super) fn drift(&self) -> f64 {
         self.drift

@@ -6,9 +6,11 @@
 
 use super::network::{Network, Passage};
 use super::{AnnulusCooledMotor, Beyond, Inputs, Line, NODES, Parameters, Step};
-use crate::components::commutation::{Commutation, PHASES, PhaseLoad, Phases};
+use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::effects::{Effect, PerNode};
+use crate::components::validity::Extremes;
+use crate::ending::Halt;
 use crate::model::Fault;
 use crate::solver::split::State;
 use crate::solver::stabilized::States;
@@ -21,9 +23,9 @@ const MOVE: [f64; 3] = [0.02, 0.25, 500.0];
 impl AnnulusCooledMotor {
     /// A step without an event in it.
     #[inline]
-    pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         if let Some(fault) = &self.fault {
-            return Err(Fault(fault.clone()));
+            return Err(Halt::Fault(Fault(fault.clone())));
         }
         if self.holds_states() {
             self.tell_effects_middle(time, h)?;
@@ -35,7 +37,7 @@ impl AnnulusCooledMotor {
 
     /// A step with what the effects were told.
     #[inline]
-    pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.housing_temperature();
         if self.network.is_some() {
             self.advance_in_pieces(time, h)?;
@@ -46,17 +48,21 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         self.follow_cooling();
         let excess = self.mean_excess(h);
         let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, time)
             .with_excess(excess);
         let before = self.state;
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
-        if self.parameters.choices.commutation != Commutation::EquivalentDc {
-            let load = step.phase_load(0.0, &before).middle(&step.phase_load(h, &self.state));
-            self.phases = self.phases_after(&before, &self.state, h, &load);
+        let phases = self.phases.over(&step, [&before, &self.state], h, &self.parameters);
+        let [winding, core] = [self.state.temperature[0], self.state.temperature[1]];
+        let extremes = Extremes { winding: winding + phases.hottest(), magnets: core, lowest: winding.min(core) };
+        if self.constants.limits().are_passed(&extremes) {
+            self.state = before;
+            return Err(Halt::Limit);
         }
+        self.phases = phases;
         self.arrive(time + h, h);
         self.slopes = Inputs::ZERO;
         Ok(())
@@ -81,7 +87,7 @@ impl AnnulusCooledMotor {
         ))
     }
 
-    fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let longest = h.min(self.longest_piece());
         let mut trial = self.network.as_ref().map_or(h, |n| n.piece).min(longest);
         if trial >= h {
@@ -102,7 +108,7 @@ impl AnnulusCooledMotor {
             if piece < LEAST_SHARE * h {
                 let fault = self.stuck(time, done, piece);
                 *self = before;
-                return Err(fault);
+                return Err(fault.into());
             }
             match self.piece(time + done, piece) {
                 Ok(Ok(())) => {
@@ -113,9 +119,9 @@ impl AnnulusCooledMotor {
                     }
                 }
                 Ok(Err(shorter)) => trial = shorter,
-                Err(fault) => {
+                Err(halt) => {
                     *self = before;
-                    return Err(fault);
+                    return Err(halt);
                 }
             }
         }
@@ -133,7 +139,7 @@ impl AnnulusCooledMotor {
     }
 
     /// One piece of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
-    fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Fault> {
+    fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         let ambient = self.ambient(time);
         let still = self.slopes == Inputs::ZERO;
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
@@ -163,7 +169,7 @@ impl AnnulusCooledMotor {
         let step = step.within(beyond(network, draught, ambient, Some(&rates)));
         let mut next = state;
         if let Err(stuck) = split.advance(&step, &mut next, h) {
-            return Err(self.stuck(time, stuck.t, stuck.h));
+            return Err(self.stuck(time, stuck.t, stuck.h).into());
         }
         let passed = next.passed;
         let passage =
@@ -173,16 +179,16 @@ impl AnnulusCooledMotor {
             let shrink = 0.8 / advance.error.cbrt();
             return Ok(Err(h * if shrink.is_finite() { shrink.clamp(0.1, 0.7) } else { 0.1 }));
         }
-        let phases = (p.choices.commutation != Commutation::EquivalentDc).then(|| {
-            step.phase_load(0.0, &state).middle(&step.phase_load(h, &next))
-        });
+        let phases = self.phases.over(&step, [&state, &next], h, p);
+        let (winding, magnets) = (next.temperature[0], network.rotor_ahead());
+        let extremes = Extremes { winding: winding + phases.hottest(), magnets, lowest: winding.min(magnets) };
+        if constants.limits().are_passed(&extremes) {
+            return Err(Halt::Limit);
+        }
         network.accept();
         network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
-        self.state = next;
-        if let Some(load) = phases {
-            self.phases = self.phases_after(&state, &next, h, &load);
-        }
+        (self.state, self.phases) = (next, phases);
         self.arrive(time + h, h);
         Ok(Ok(()))
     }
@@ -216,12 +222,6 @@ impl AnnulusCooledMotor {
     pub(super) fn phase_rates(&self) -> [f64; PHASES] {
         let load = self.equations().phase_load(0.0, &self.state);
         self.phases.rates(&load, &self.shares_now())
-    }
-
-    /// The phases after `h` seconds of a load that led from one state to another.
-    fn phases_after(&self, from: &State<NODES>, to: &State<NODES>, h: f64, load: &PhaseLoad) -> Phases {
-        let (a, b) = (self.electrical_angle(from), self.electrical_angle(to));
-        self.phases.after(h, load, &self.parameters.choices.commutation.shares(a, b))
     }
 
     /// How far the phases that carry the current are above the mean winding in the middle of the next `h` seconds, K: with it
@@ -265,6 +265,20 @@ impl AnnulusCooledMotor {
         let Some(network) = &self.network else { return Beyond::default() };
         let draught = draught(&self.parameters, self.inputs.fan_command);
         beyond(network, draught, self.ambient(self.time), None)
+    }
+}
+
+impl Phases {
+    /// The phases after `h` seconds of a step that led from one state to another.
+    #[inline]
+    fn over(&self, step: &Step, [from, to]: [&State<NODES>; 2], h: f64, parameters: &Parameters) -> Phases {
+        let commutation = parameters.choices.commutation;
+        if commutation == Commutation::EquivalentDc {
+            return *self;
+        }
+        let load = step.phase_load(0.0, from).middle(&step.phase_load(h, to));
+        let pairs = f64::from(parameters.motor.pole_pairs);
+        self.after(h, &load, &commutation.shares(from.angle * pairs, to.angle * pairs))
     }
 }
 

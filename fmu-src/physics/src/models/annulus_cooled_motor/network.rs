@@ -138,6 +138,12 @@ impl Network {
         if self.body.has(ROTOR) { self.states[ROTOR] } else { self.housing_temperature() }
     }
 
+    /// The same at the end of the last piece, before it is accepted.
+    pub fn rotor_ahead(&self) -> f64 {
+        let next = &self.next;
+        if self.body.has(ROTOR) { next[ROTOR] } else { mean(&next[FIRST..FIRST + self.body.segments]) }
+    }
+
     /// Temperatures by place ([`Body::nodes`]), K.
     pub fn temperatures(&self) -> &States {
         &self.states

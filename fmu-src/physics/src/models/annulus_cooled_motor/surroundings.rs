@@ -3,7 +3,8 @@
 use super::{AnnulusCooledMotor, DriveMode, Inputs, MechanicalMode, Network, Temperatures};
 use crate::components::sensor::lagged;
 use crate::effects::{Effect, PerNode, Port};
-use crate::model::{Fault, Node};
+use crate::ending::Halt;
+use crate::model::Node;
 use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
 use crate::terms::Drivers;
 
@@ -59,7 +60,7 @@ impl AnnulusCooledMotor {
 
     /// Tells the effects that are data the middle of a step of `h` seconds, whose end a first pass finds: what they hold over it is
     /// then of second order in the step, also where it follows a current that answers within milliseconds.
-    pub(super) fn tell_effects_middle(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    pub(super) fn tell_effects_middle(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.clone();
         let from = self.drivers_over(time, 0.0);
         self.tell_effects_over(time, h);

@@ -169,6 +169,8 @@ variables! {
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
         /// Residual that changes its sign with the sector of block commutation; 1 in any other commutation
         commutation_sector: f64 = Variable::local(902, Unit::One),
+        /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
+        validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),
     }
 }
 

@@ -105,6 +105,8 @@ variables! {
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
         /// Duty, whose sign is the direction of the bridge
         bridge_direction: f64 = Variable::local(902, Unit::One),
+        /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
+        validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),
     }
 }
 
