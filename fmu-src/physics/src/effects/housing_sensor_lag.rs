@@ -14,7 +14,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Lag of the housing's sensor.
     pub struct HousingSensorLag {
-        /// Time constant of the sensor of the housing; 0 switches the effect off
+        /// Time constant of the housing sensor; 0 switches the effect off
         tau: f64 = Variable::tunable(0, 0.0, Unit::Second, 0.0, 1e5).nominal(30.0),
     }
 }

@@ -13,7 +13,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Stem loss of the housing's sensor.
     pub struct HousingSensorStemLoss {
-        /// Share of the rise over ambient that the sensor of the housing loses; 0 switches the effect off
+        /// Stem loss of the housing sensor: fraction of the rise over ambient; 0 switches the effect off
         k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
     }
 }
