@@ -359,11 +359,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: 
 
 /// Text about a pending step, or why the run is over; section 4.2.3.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStringStatus(
-    c: Component,
-    kind: c_int,
-    value: *mut *const c_char,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status {
     unsafe {
         boundary::write(value, c"".as_ptr());
         enter(c, "fmi2GetStringStatus", |i| match i.end() {

@@ -52,48 +52,10 @@ pub use windage::Windage;
 pub use winding_sensor_offset::WindingSensorOffset;
 pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
+pub use crate::number::Number;
 use crate::terms::{Driver, Drivers, GenericTerm};
-use num_dual::{Dual64, DualNum};
-pub use ports::{Effect, Port};
-
-/// A number, or a number with its derivative: what a port is computed with, so that no slope is written by hand.
-pub trait Number: DualNum<Primitive = f64> + Copy {}
-impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
-
-/// An event that is less than this ahead has come, s: times that differ by rounding are the same.
-pub const IMMINENT: f64 = 1e-9;
-
-/// A value for each thermal node that effects know of.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PerNode {
-    /// That of the winding.
-    pub winding: f64,
-    /// That of the housing.
-    pub housing: f64,
-}
-
-impl std::ops::Add for PerNode {
-    type Output = PerNode;
-    #[inline]
-    fn add(self, other: PerNode) -> PerNode {
-        PerNode { winding: self.winding + other.winding, housing: self.housing + other.housing }
-    }
-}
-
-/// The sign of `x` with a smooth passage through zero of width `small`: tanh(x / small), saturated where a double
-/// no longer sees the difference (and where a dual number's tanh would overflow).
-#[inline]
-pub(crate) fn smooth_sign<D: Number>(x: D, small: f64) -> D {
-    const SATURATED: f64 = 20.0;
-    if x.re().abs() > SATURATED * small {
-        return D::from(x.re().signum());
-    }
-    // tanh by one exponential: as near as rounding of 1 lets it be, odd to the last bit, and 0 where x is.
-    let turned = 1.0 - 2.0 / ((2.0 * x.re().abs() / small).exp() + 1.0);
-    let sign = turned.copysign(x.re());
-    // The derivative follows from the value; `x` less its own value is the derivative's part of `x` alone.
-    (x - D::from(x.re())) * ((1.0 - sign * sign) / small) + sign
-}
+use num_dual::Dual64;
+pub use ports::{Effect, IMMINENT, PerNode, Port};
 
 /// The derivative of a port with respect to its argument, at `x`.
 #[inline]

@@ -1,6 +1,6 @@
 //! How a step ends where a model's equations end: at the last time within its limits of validity.
 
-use crate::model::Fault;
+use crate::fault::Fault;
 
 /// Why a step is not taken.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@
 //! commutation. By time: magnets that lose strength. Friction is smooth at rest (`effects/`), and inputs beyond their
 //! limits are refused before they come here, so neither needs one.
 
-use crate::model::Fault;
+use crate::fault::Fault;
 
 /// What an event has brought.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! What every model is to the outside: a declaration, values by slot, and steps.
 
 use crate::exchange::Exchange;
+pub use crate::fault::Fault;
 use crate::terms::{Drivers, GenericTerm};
 use declare::{Causality, Elements, Kind, State, Variability, Variable};
 use std::fmt;
@@ -313,11 +314,6 @@ impl Entry {
         }
     }
 }
-
-/// Why a model cannot start or step: one sentence.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct Fault(pub String);
 
 /// A part of a motor whose temperature a bench measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

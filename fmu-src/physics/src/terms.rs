@@ -10,7 +10,7 @@
 //! *Assumes* nothing: (1) and (2) are fits. *Range*: |p| up to [`GREATEST_EXPONENT`]; where p < 0, a base below
 //! [`LEAST_BASE`] counts as that. *Neglects* history: a term knows the present alone.
 
-use crate::effects::Number;
+use crate::number::Number;
 
 /// Most terms that a model carries.
 pub const MOST_TERMS: usize = 3;

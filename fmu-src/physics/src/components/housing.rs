@@ -45,10 +45,10 @@ variables! {
         /// Thermal conductivity of the housing's wall
         conductivity: f64 = Variable::tunable(3, 16.0, Unit::WattPerMetreKelvin, 0.1, 500.0).log()
             .source("stainless steel"),
-        /// Emissivity of the surface (0.22: stainless steel, cleaned)
+        /// Emissivity of the housing's surface
         emissivity: f64 = Variable::tunable(4, 0.22, Unit::One, 0.0, 1.0)
             .source("Incropera, 7th ed., table A.11: stainless steel, cleaned"),
-        /// How the motor's axis lies
+        /// Orientation of the motor's axis
         orientation: Orientation = Variable::choice(5, 1),
     }
 }

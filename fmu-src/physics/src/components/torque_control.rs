@@ -15,7 +15,7 @@
 //! actuator development for a biomimetic walking robot, AIM 1999; back-calculation (5): Astrom, Hagglund, PID
 //! Controllers, 2nd ed. 1995, section 3.5.
 
-use crate::effects::smooth_sign;
+use crate::number::smooth_sign;
 use declare::{Unit, Variable, variables};
 use std::f64::consts::TAU;
 

@@ -14,7 +14,7 @@
 //! *Source*: (3) as in the Modelica Standard Library, Rotational.Components.LossyGear; the efficiency of a screw that is
 //! driven back, 2 - 1/efficiency, is the makers' rule.
 
-use crate::effects::smooth_sign;
+use crate::number::smooth_sign;
 use declare::{Unit, Variable, enumeration, variables};
 use std::f64::consts::TAU;
 

@@ -6,13 +6,13 @@
 //! *Assumes* a drift linear in time, zero at time 0. *Neglects* everything else about the sensor.
 //! *Sign*: rate > 0 means that the surroundings get warmer than shown. *Source*: contract of the bench.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Drift of the ambient sensor.
     pub struct AmbientDrift {
-        /// How fast the true ambient temperature runs away from the shown one; 0 switches the effect off
+        /// Drift rate of the true over the indicated ambient temperature; 0 switches the effect off
         rate: f64 = Variable::tunable(0, 0.0, Unit::KelvinPerSecond, -1.0, 1.0).nominal(1e-3).difference(),
     }
 }

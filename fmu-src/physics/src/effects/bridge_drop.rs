@@ -8,17 +8,18 @@
 //! *Range*: V_0 is 0 for MOSFETs, 1.4 to 3 V for bipolar bridges (L298: 1.8 V typical at 1 A).
 //! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., ch. 2 and 20.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Drop of the bridge.
     pub struct BridgeDrop {
-        /// Voltage lost whatever the current
+        /// Bridge voltage drop at any current
         V_0: f64 = Variable::tunable(0, 0.0, Unit::Volt, 0.0, 100.0),
-        /// Resistance of the switches that conduct
+        /// On-state resistance of the bridge
         R_on: f64 = Variable::tunable(1, 0.0, Unit::Ohm, 0.0, 100.0).nominal(0.01),
-        /// Current below which V_0 falls to zero
+        /// Current below which V_0 goes smoothly to zero
         I_small: f64 = Variable::tunable(2, 0.05, Unit::Ampere, 1e-4, 1e3).log()
             .source("regularisation width, chosen"),
     }

@@ -6,15 +6,16 @@
 //! *Sign*: of the current; the terminals give V more than the winding sees, and its power V I >= 0 heats the winding.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.DCMachines.Brush, with a smooth passage.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Drop of the contacts.
     pub struct ContactDrop {
-        /// Voltage lost at full current; 0 switches the effect off
+        /// Contact voltage drop at full current; 0 switches the effect off
         V_b: f64 = Variable::tunable(0, 0.0, Unit::Volt, 0.0, 100.0),
-        /// Current below which the voltage falls to zero
+        /// Current below which the voltage drop goes smoothly to zero
         I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log()
             .source("regularisation width, chosen"),
     }

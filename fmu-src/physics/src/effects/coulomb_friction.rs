@@ -7,7 +7,8 @@
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing.
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -15,7 +16,7 @@ variables! {
     pub struct CoulombFriction {
         /// Friction torque; 0 switches the effect off
         tau_c: f64 = Variable::tunable(0, 0.0, Unit::NewtonMetre, 0.0, 1e3).nominal(0.01),
-        /// Speed below which the friction torque falls to zero
+        /// Speed below which the friction torque goes smoothly to zero
         w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
             .source("regularisation width, chosen"),
     }

@@ -6,15 +6,16 @@
 //! diodes, back to the supply. *Assumes* a bridge that switches both legs, diodes without drop (`bridge_drop.rs`).
 //! *Sign*: against the current; no heat. *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sec. 8-7.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Dead time of the bridge.
     pub struct DeadTime {
-        /// Share of the supply that is missed, 2 t_dead f_pwm; 0 switches the effect off
+        /// Fraction of the supply voltage lost to dead time, 2 t_dead f_pwm; 0 switches the effect off
         share: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.5).nominal(0.01),
-        /// Current below which it falls to zero
+        /// Current below which the lost voltage goes smoothly to zero
         I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log()
             .source("regularisation width, chosen"),
     }

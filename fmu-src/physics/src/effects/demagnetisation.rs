@@ -7,13 +7,13 @@
 //! *Assumes* a loss that is sudden and for good. *Neglects* what caused it.
 //! *Sign*: fraction > 0 weakens the motor. *Source*: irreversible loss of Nd-Fe-B beyond its knee.
 
-use super::{Effect, IMMINENT};
+use super::ports::{Effect, IMMINENT};
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Loss of magnetisation.
     pub struct Demagnetisation {
-        /// Share of the torque constant that is lost; 0 switches the effect off
+        /// Fraction of the torque constant that is lost; 0 switches the effect off
         fraction: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.99).nominal(0.1),
         /// Time of the loss; 0 or less: from the start
         time: f64 = Variable::tunable(1, 0.0, Unit::Second, -1e9, 1e9).nominal(1000.0),

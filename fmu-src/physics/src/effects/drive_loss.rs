@@ -7,13 +7,13 @@
 //! *Assumes* a share that does not depend on the power. *Neglects* the drive's own heat capacity.
 //! *Sign*: share > 0 leaves the winding cooler. *Source*: definition of an efficiency.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Loss of the drive.
     pub struct DriveLoss {
-        /// Share of electrical_power that is lost in the drive; 0 switches the effect off
+        /// Fraction of electrical_power that is lost in the drive; 0 switches the effect off
         share: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 1.0).nominal(0.1),
     }
 }

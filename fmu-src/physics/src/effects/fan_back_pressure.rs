@@ -6,13 +6,13 @@
 //! *Sign*: k > 0 takes flow away. *Range*: n from 0 to 1; an n beyond counts as its limit.
 //! *Source*: data of the synthetic bench; second order of a falling fan curve against a rising system curve.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Loss of flow at high command.
     pub struct FanBackPressure {
-        /// Share of the flow lost at full command; 0 switches the effect off
+        /// Fraction of the air flow lost at full command; 0 switches the effect off
         k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 1.0).nominal(0.2),
     }
 }

@@ -6,7 +6,7 @@
 //! *Assumes* that it does not depend on temperature. *Neglects* the warming of the air on its way.
 //! *Sign*: Q_flow > 0 leaves the motor. *Source*: as components/conductance.rs.
 
-use super::{Effect, PerNode};
+use super::ports::{Effect, PerNode};
 use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {
@@ -34,9 +34,9 @@ variables! {
     pub struct ForcedConvection {
         /// Conductance to ambient (driver fan_command: at full speed); 0 switches the effect off
         G: f64 = Variable::tunable(0, 0.0, Unit::WattPerKelvin, 0.0, 1e4).nominal(0.05),
-        /// The node that is cooled
+        /// Node that is cooled
         node: CooledNode = Variable::choice(1, 1),
-        /// What the conductance depends on
+        /// Driver of the conductance
         driver: Draught = Variable::choice(2, 1),
     }
 }

@@ -22,7 +22,8 @@
 //! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
 //! *Source*: the data that the terms were found in.
 
-use super::{Effect, Number, smooth_sign};
+use super::ports::Effect;
+use crate::number::{Number, smooth_sign};
 use crate::terms::{Driver, Drivers, GenericTerm, MOST_TERMS, Port};
 use declare::{Group, Unit, Variable, variables};
 
@@ -34,10 +35,10 @@ const LEAST_FACTOR: f64 = 0.05;
 variables! {
     /// What of the terms can be tuned.
     pub struct Tuning {
-        /// Multiplies all terms of resources/effects.json; 0 switches them off
+        /// Factor on all terms of resources/effects.json; 0 switches them off
         gain: f64 = Variable::tunable(0, 1.0, Unit::One, -10.0, 10.0)
             .source("neutral: terms as stored"),
-        /// Speed below which a drag of a term turns round
+        /// Speed below which the drag of a term changes sign smoothly
         w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
             .source("regularisation width, chosen"),
     }

@@ -6,7 +6,8 @@
 //! *Sign*: Q_flow > 0 leaves the housing. *Range*: kelvin.
 //! *Source*: Incropera, Fundamentals of Heat and Mass Transfer, 7th ed., eq. 1.7.
 
-use super::{Effect, Number};
+use super::ports::Effect;
+use crate::number::Number;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -8,13 +8,13 @@
 //! *Sign*: tau > 0 shows a warming housing too cold. *Range*: tau >= 0; 0 follows at once.
 //! *Source*: first-order response of a contact thermometer, VDI/VDE 3522-1.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Lag of the housing's sensor.
     pub struct HousingSensorLag {
-        /// Time constant of the sensor of the housing; 0 switches the effect off
+        /// Time constant of the housing sensor; 0 switches the effect off
         tau: f64 = Variable::tunable(0, 0.0, Unit::Second, 0.0, 1e5).nominal(30.0),
     }
 }

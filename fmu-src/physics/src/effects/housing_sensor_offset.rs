@@ -6,13 +6,13 @@
 //! *Sign*: offset > 0 shows a housing that is warmer than it is. The motor itself does not feel its sensor.
 //! *Range*: any temperature. *Source*: tolerance of thermocouples, IEC 60584-1:2013, class 1: 1.5 K.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Offset of the housing's sensor.
     pub struct HousingSensorOffset {
-        /// What the sensor of the housing shows too much; 0 switches the effect off
+        /// Offset of the housing sensor; 0 switches the effect off
         offset: f64 = Variable::tunable(0, 0.0, Unit::Kelvin, -100.0, 100.0).difference(),
     }
 }

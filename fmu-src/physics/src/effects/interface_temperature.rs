@@ -7,7 +7,8 @@
 //! *Sign*: beta > 0 insulates a hot winding better. *Range*: see the limit of the bracket.
 //! *Source*: data of the synthetic bench; first order of any smooth law.
 
-use super::{Effect, Number};
+use super::ports::Effect;
+use crate::number::Number;
 use declare::{Unit, Variable, variables};
 
 /// Temperature at which R_wh is given, K.

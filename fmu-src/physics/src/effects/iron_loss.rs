@@ -9,7 +9,8 @@
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing (the stator is at the housing's temperature).
 //! *Source*: Steinmetz, Trans. AIEE 9 (1892) 3, exponent of the frequency set to 3/2.
 
-use super::{Effect, Number};
+use super::ports::Effect;
+use crate::number::Number;
 use declare::{Unit, Variable, variables};
 
 variables! {

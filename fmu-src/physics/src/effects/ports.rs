@@ -1,7 +1,27 @@
 //! The ports of a model: where effects act, and what each may do there.
 
-use super::{Number, PerNode};
+use crate::number::Number;
 use crate::terms::{Driver, Drivers, GenericTerm};
+
+/// An event that is less than this ahead has come, s: times that differ by rounding are the same.
+pub const IMMINENT: f64 = 1e-9;
+
+/// A value for each thermal node that effects know of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PerNode {
+    /// That of the winding.
+    pub winding: f64,
+    /// That of the housing.
+    pub housing: f64,
+}
+
+impl std::ops::Add for PerNode {
+    type Output = PerNode;
+    #[inline]
+    fn add(self, other: PerNode) -> PerNode {
+        PerNode { winding: self.winding + other.winding, housing: self.housing + other.housing }
+    }
+}
 
 /// What an effect adds that adds nothing: x + -0.0 is x to the last bit for every x, so that no addition remains of it in
 /// the sum over all effects; x + 0.0 is not, where x is -0.0.

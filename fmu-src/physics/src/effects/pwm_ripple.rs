@@ -8,13 +8,13 @@
 //! *Range*: f L/R above about 3; below, (1) overestimates. *Source*: Mohan, Undeland, Robbins, Power Electronics,
 //! 3rd ed., sec. 7-7.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Ripple of a chopped current.
     pub struct PwmRipple {
-        /// Frequency of chopping; 0 switches the effect off
+        /// Switching frequency; 0 switches the effect off
         f: f64 = Variable::tunable(0, 0.0, Unit::Hertz, 0.0, 1e7).nominal(2e4),
     }
 }

@@ -8,7 +8,7 @@
 //! *Sign*: heat flows from the winding through the stator to the housing.
 //! *Source*: lumped-parameter network, e.g. Mellor, Roberts, Turner, IEE Proc. B 138 (1991) 205-218.
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -7,7 +7,8 @@
 //! *Sign*: against the motion; its power k w^2 >= 0 heats the housing.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.Friction, with power_w = 2.
 
-use super::{Effect, Number};
+use super::ports::Effect;
+use crate::number::Number;
 use declare::{Unit, Variable, variables};
 
 variables! {

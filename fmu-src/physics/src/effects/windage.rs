@@ -7,7 +7,8 @@
 //! *Sign*: against the motion; its power k |w|^3 >= 0 heats the housing.
 //! *Source*: Vrancik, NASA TN D-4849 (1968); the skin-friction coefficient is taken as constant.
 
-use super::{Effect, Number};
+use super::ports::Effect;
+use crate::number::Number;
 use declare::{Unit, Variable, variables};
 
 variables! {

@@ -7,13 +7,13 @@
 //! *Sign*: k > 0 shows too little of the rise. *Range*: k from 0 (no loss) to below 1 (shows the air).
 //! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
 
-use super::Effect;
+use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
 variables! {
     /// Stem loss of the winding's sensor.
     pub struct WindingSensorStemLoss {
-        /// Share of the rise over ambient that the sensor of the winding loses; 0 switches the effect off
+        /// Stem loss of the winding sensor: fraction of the rise over ambient; 0 switches the effect off
         k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
     }
 }

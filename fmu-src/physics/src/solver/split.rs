@@ -23,13 +23,10 @@
 
 mod system;
 
-pub use system::{Segment, System, Work};
+pub use system::{Fast, Segment, System, Work};
 
 use super::phi::{Forcing, Phi, product};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
-
-/// Current, A, and speed, rad/s.
-pub type Fast = Vector2<f64>;
 
 /// Relative tolerance of one step on what the temperatures and the energies miss, and on the fast block's last stage where
 /// rates bend within a stiff step ([`System::bends_where_stiff`]).

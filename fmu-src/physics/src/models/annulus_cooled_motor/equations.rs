@@ -26,8 +26,10 @@ mod outputs;
 mod ports;
 mod system;
 
+use super::line::Line;
 use super::network::Body;
-use super::{DriveMode, Inputs, MechanicalMode, Parameters};
+use super::parameters::Parameters;
+use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::commutation::PhaseLoad;
 use crate::components::validity::Limits;
 use crate::effects::{Effect, PerNode};
@@ -47,23 +49,6 @@ pub type Temperatures = SVector<f64, NODES>;
 
 /// State variables of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
 pub const STATES: usize = 3 + NODES + 3;
-
-/// A value that runs along a line.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Line {
-    /// Value at the start of the step.
-    pub start: f64,
-    /// Slope, per second.
-    pub slope: f64,
-}
-
-impl Line {
-    /// The value `t` seconds after the start of the step.
-    #[inline]
-    pub fn at(&self, t: f64) -> f64 {
-        self.start + self.slope * t
-    }
-}
 
 /// What follows from the parameters alone, so that no step divides by them again.
 #[derive(Clone, Copy, Debug)]
@@ -125,6 +110,20 @@ impl Constants {
             acts,
             limits: Limits::new(parameters.validity, parameters.motor.T_ref, parameters.motor.alpha_mag),
         }
+    }
+}
+
+impl Constants {
+    /// With every heat capacity times `factor`.
+    pub fn with_capacity(mut self, factor: f64) -> Constants {
+        self.capacity *= factor;
+        self.inverse_capacity /= factor;
+        self
+    }
+
+    /// The heat in the nodes above the temperature `origin`, K, in J.
+    pub fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
+        self.capacity.dot(&temperature.add_scalar(-origin))
     }
 }
 
@@ -515,5 +514,44 @@ impl<'a> Step<'a> {
             p.shaft_torque * y[1],
             p.to_ambient,
         ]
+    }
+}
+
+/// The drive in drive_mode pwm.
+impl Step<'_> {
+    /// Whether the drive loses something.
+    #[inline]
+    fn loses(&self) -> bool {
+        self.chopper.loses
+    }
+
+    /// Volts lost as heat in the bridge at the current `i`.
+    #[inline]
+    fn bridge(&self, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.bridge_voltage(i) } else { 0.0 }
+    }
+
+    /// Volts that the supply gives less than duty times its voltage at the current `i`.
+    #[inline]
+    fn missed(&self, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.missed_voltage(i, self.chopper.supply) } else { 0.0 }
+    }
+
+    /// Slope of both with the current, Ohm.
+    #[inline]
+    fn drive_slope(&self, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopper.supply) } else { 0.0 }
+    }
+
+    /// Mean square of the current's ripple, A2.
+    #[inline]
+    fn ripple_square(&self) -> f64 {
+        self.chopper.ripple
+    }
+
+    /// Copper loss of the ripple with the winding at `t_w`, W.
+    #[inline(always)]
+    fn ripple_loss(&self, t_w: f64) -> f64 {
+        if self.chopper.ripple == 0.0 { 0.0 } else { self.resistance(t_w) * self.chopper.ripple }
     }
 }

@@ -1,7 +1,9 @@
 //! The motor as those see it who integrate it themselves ([`Exchange`]).
 
-use super::states::{ALL, All};
-use super::{AnnulusCooledMotor, Indicators};
+use super::held::Held;
+use super::motor::AnnulusCooledMotor;
+use super::state_list::ALL;
+use super::variables::Indicators;
 use crate::components::commutation::Commutation;
 use crate::effects::Effect;
 use crate::exchange::{Exchange, Update, is_above, is_reached};
@@ -10,63 +12,6 @@ use std::f64::consts::FRAC_PI_3;
 
 /// How near the border of a sector an electrical angle is at it, rad.
 const NEAR_SECTOR: f64 = 1e-9;
-
-/// What is kept for a caller who integrates.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Held {
-    /// The states as the caller has put them, those that stand still among them.
-    states: All,
-    /// Which of them move.
-    moving: [bool; ALL],
-    /// Time of the last event, s.
-    pub since: f64,
-    /// The sector of block commutation since the last event.
-    sector: f64,
-    /// Whether the winding was above its limit at the last event.
-    pub over_temperature: bool,
-    /// The factor on the heat capacities that the books know.
-    booked: f64,
-}
-
-impl Held {
-    /// Before any start.
-    const NONE: Held = Held {
-        states: [0.0; ALL],
-        moving: [false; ALL],
-        since: 0.0,
-        sector: 0.0,
-        over_temperature: false,
-        booked: 1.0,
-    };
-
-    /// An electrical angle in the sector, rad.
-    pub fn angle(&self) -> f64 {
-        (self.sector + 0.5) * FRAC_PI_3
-    }
-
-    /// What a saved instance must hold.
-    pub fn to_numbers(self) -> impl Iterator<Item = f64> {
-        let flags = self.moving.map(|m| f64::from(u8::from(m)));
-        let over = f64::from(u8::from(self.over_temperature));
-        self.states.into_iter().chain(flags).chain([self.since, self.sector, over, self.booked])
-    }
-
-    /// Takes back what [`to_numbers`](Held::to_numbers) gave; `None` where the numbers run out.
-    pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Held> {
-        let mut held = Held::NONE;
-        for state in &mut held.states {
-            *state = next()?;
-        }
-        for moving in &mut held.moving {
-            *moving = next()? != 0.0;
-        }
-        held.since = next()?;
-        held.sector = next()?;
-        held.over_temperature = next()? != 0.0;
-        held.booked = next()?;
-        Some(held)
-    }
-}
 
 impl AnnulusCooledMotor {
     /// A state or a rate by its slot.

@@ -16,19 +16,19 @@
 mod body;
 mod cooling;
 
-pub use body::Body;
+pub use body::{Body, SEGMENTS};
 pub use cooling::{Coefficients, Conditions, Cooling};
 
-use super::{Inputs, Line, Parameters};
+use super::line::Line;
+use super::parameters::Parameters;
+use super::variables::Inputs;
 use crate::effects::Effect;
 use crate::solver::stabilized::{MOST, Stabilized, States, error};
+use body::FIRST;
 use cooling::Tangent;
 
-/// Most segments of the housing.
-pub const SEGMENTS: usize = 64;
 const ROTOR: usize = 0;
 const TUBE: usize = 1;
-const FIRST: usize = 2;
 
 /// Error of a temperature that a piece of a step may have, K.
 const TOLERANCE: f64 = 1e-6;

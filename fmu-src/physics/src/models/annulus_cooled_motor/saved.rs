@@ -1,7 +1,8 @@
 //! Everything that the motor's future depends on, as numbers.
 
-use super::exchange::Held;
-use super::{AnnulusCooledMotor, Inputs};
+use super::held::Held;
+use super::motor::AnnulusCooledMotor;
+use super::variables::Inputs;
 use crate::components::commutation::Phases;
 use crate::model::Model;
 use crate::solver::split::{Split, State};

@@ -1,83 +1,23 @@
 //! The continuous states and their rates at one instant, for those who look at the equations and not at steps.
 //!
-//! The list of [`STATES`] is the same in every mode. A state that a mode has no use for stands still: the current or
+//! The list in `state_list.rs` is the same in every mode. A state that a mode has no use for stands still: the current or
 //! the speed where an input imposes it, nodes of a network that is not there, a sensor that does not lag, phases
 //! that share the current evenly. Those who fit ([`Model::states`](crate::model::Model::states)) see those alone that
 //! move and that a rate depends on.
 
-use super::network::SEGMENTS;
-use super::{AnnulusCooledMotor, Commutation, DriveMode, MechanicalMode};
+use super::motor::AnnulusCooledMotor;
+use super::state_list::{
+    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, Followed, HOUSING, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
+};
+use super::variables::{DriveMode, MechanicalMode};
+use crate::components::commutation::Commutation;
 use crate::effects::Effect;
 use crate::model::Fault;
 use crate::solver::split::System;
-use declare::{Elements, State, Unit, states};
-
-states! {
-    /// The states of the motor.
-    pub const STATES = {
-        /// Current in the winding; stands still where it is imposed or there is none (drive_mode current, power)
-        "state.current" = State::new(701, 801, Unit::Ampere).nominal(5.0),
-        /// Speed of the shaft; stands still where it is imposed (mechanical_mode imposed_speed)
-        "state.shaft_speed" = State::new(702, 802, Unit::RadianPerSecond).nominal(1000.0),
-        /// Angle of the shaft since the start
-        "state.shaft_angle" = State::new(703, 803, Unit::Radian).nominal(100.0),
-        /// Mean temperature of the winding
-        "state.winding_temperature" = State::new(704, 804, Unit::Kelvin).nominal(300.0),
-        /// Temperature of what stands beside the winding: the stator, or the whole housing where it has no segments
-        "state.core_temperature" = State::new(705, 805, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the rotor; stands still in cooling_mode conductance
-        "state.rotor_temperature" = State::new(706, 806, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the tube; stands still where there is none
-        "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0),
-        /// Temperature that a lagging sensor of the housing has reached (effect.housing_sensor_lag); else stands still
-        "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0),
-        /// How far each phase is above the mean winding; stands still in commutation equivalent_dc
-        "state.phase_excess" = State::new(710, 810, Unit::Kelvin).difference().elements(Elements::Fixed(3)),
-        /// Energy taken in since the start: at the terminals, and as heat_power
-        "state.energy_electrical" = State::new(714, 814, Unit::Joule).nominal(1000.0),
-        /// Energy given to the load since the start
-        "state.energy_mechanical" = State::new(715, 815, Unit::Joule).nominal(1000.0),
-        /// Heat given to the surroundings since the start, without the power of the fan
-        "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).nominal(1000.0),
-        /// Temperature of each segment of the housing, from where the air enters; stands still in cooling_mode
-        /// conductance, but for the first with effect.stator_node, which is then the whole housing
-        "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0)
-            .elements(Elements::UpTo(SEGMENTS as u32, "air_segments")).shown(),
-    }
-}
-
-const CURRENT: usize = 0;
-const SPEED: usize = 1;
-const ANGLE: usize = 2;
-const WINDING: usize = 3;
-const CORE: usize = 4;
-const ROTOR: usize = 5;
-const TUBE: usize = 6;
-const SENSOR: usize = 7;
-const PHASES: usize = 8;
-const ENERGIES: usize = 11;
-const HOUSING: usize = 14;
-/// How many states there are, all segments counted.
-pub const ALL: usize = HOUSING + SEGMENTS;
-/// A number for each state.
-pub type All = [f64; ALL];
 
 /// Whether any rate but its own depends on a state; without angle and energies, and the phases, which follow the angle.
 fn counts(k: usize) -> bool {
     k != ANGLE && !(PHASES..HOUSING).contains(&k)
-}
-
-/// The states that move and that a rate depends on, by index: looking through all of them costs more than a rate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Followed {
-    list: [u8; ALL],
-    count: usize,
-}
-
-impl Default for Followed {
-    fn default() -> Followed {
-        Followed { list: [0; ALL], count: 0 }
-    }
 }
 
 impl Followed {
@@ -89,10 +29,6 @@ impl Followed {
             all.count += 1;
         }
         all
-    }
-
-    fn iter(self) -> impl Iterator<Item = usize> {
-        self.list.into_iter().take(self.count).map(usize::from)
     }
 }
 

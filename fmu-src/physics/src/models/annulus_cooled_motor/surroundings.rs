@@ -1,6 +1,9 @@
 //! What stands around the equations: the drivers of terms that are data, the sensor of the housing, and a warm start.
 
-use super::{AnnulusCooledMotor, DriveMode, Inputs, MechanicalMode, Network, Temperatures};
+use super::equations::Temperatures;
+use super::motor::AnnulusCooledMotor;
+use super::network::Network;
+use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::sensor::lagged;
 use crate::effects::{Effect, PerNode, Port};
 use crate::ending::Halt;

@@ -26,9 +26,8 @@
 mod outputs;
 mod system;
 
-pub use outputs::Opening;
-
-use super::{Inputs, Parameters};
+use super::parameters::Parameters;
+use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
 use crate::components::validity::Limits;
 use crate::effects::{Effect, Number, PerNode};

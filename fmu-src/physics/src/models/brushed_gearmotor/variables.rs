@@ -5,14 +5,14 @@ use declare::{Group, Unit, Variable, variables};
 variables! {
     /// What the importer sets at every communication point.
     pub struct Inputs {
-        /// Share of each switching period with the supply on, negative for reverse; 0 opens all switches
+        /// Duty cycle: fraction of each switching period with the supply on, negative for reverse; 0 opens all switches
         duty: f64 = Variable::input(1, 0.0, Unit::One, -1.0, 1.0),
         /// Voltage of the supply in front of the H-bridge
         supply_voltage: f64 = Variable::input(2, 12.0, Unit::Volt, 0.0, 1e4).nominal(12.0)
             .source("paper in seeds (gearmotor 37D), section 2.5"),
-        /// Torque that the load takes from the output shaft
+        /// Load torque on the output shaft
         load_torque: f64 = Variable::input(3, 0.0, Unit::NewtonMetre, -1e6, 1e6).nominal(0.1),
-        /// Temperature of the surroundings of the box as shown; every node starts at the true one
+        /// Indicated ambient temperature around the box; initial temperature of all nodes
         ambient_temperature: f64 = Variable::input(4, 293.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
             .source("paper in seeds (gearmotor 37D): 20 degC"),
     }
@@ -25,11 +25,11 @@ variables! {
         voltage: f64 = Variable::output(20, Unit::Volt).nominal(12.0),
         /// Mean current in the winding
         current: f64 = Variable::output(21, Unit::Ampere),
-        /// Angle of the output shaft since the start
+        /// Angle of the output shaft, 0 at the start
         shaft_angle: f64 = Variable::output(22, Unit::Radian).nominal(100.0),
         /// Speed of the output shaft
         shaft_speed: f64 = Variable::output(23, Unit::RadianPerSecond).nominal(10.0),
-        /// Torque that the output shaft gives to the load
+        /// Torque of the output shaft on the load
         shaft_torque: f64 = Variable::output(24, Unit::NewtonMetre),
         /// Temperature of the winding
         winding_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
@@ -37,61 +37,61 @@ variables! {
         housing_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
         /// Temperature of the box, air and walls
         box_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
-        /// Voltage across the winding's resistance: R I, and the drop of effect.contact_drop
+        /// Voltage across the winding's resistance and the contacts: R I and contact voltage drop
         voltage_electrical: f64 = Variable::output(30, Unit::Volt),
         /// Voltage across the inductance: L dI/dt
         voltage_magnetic: f64 = Variable::output(31, Unit::Volt),
         /// Back-EMF: torque constant times ratio times speed of the output shaft
         voltage_mechanical: f64 = Variable::output(32, Unit::Volt).nominal(10.0),
-        /// Sum of the three voltages: that at the terminals
+        /// Sum of the three voltages: terminal voltage
         voltage_total: f64 = Variable::output(33, Unit::Volt).nominal(12.0),
-        /// Heat in the winding: voltage_electrical times the current, and what the ripple adds, R (<i2> - I2)
+        /// Losses in the winding: voltage_electrical times current, and ripple loss R (<i2> - I2)
         power_electrical: f64 = Variable::output(34, Unit::Watt),
         /// Power into the magnetic field: voltage_magnetic times the current
         power_magnetic: f64 = Variable::output(35, Unit::Watt),
-        /// Power in the air gap: voltage_mechanical times the current; friction takes its part of it
+        /// Air-gap power: voltage_mechanical times current, friction losses included
         power_mechanical: f64 = Variable::output(36, Unit::Watt),
-        /// Sum of the three powers: what the motor takes at its terminals
+        /// Sum of the three powers: electrical power at the terminals
         power_total: f64 = Variable::output(37, Unit::Watt),
         /// Integral of power_electrical since the start
         work_electrical: f64 = Variable::output(38, Unit::Joule).nominal(100.0),
-        /// Integral of power_magnetic since the start: L I2/2 less that of the start
+        /// Integral of power_magnetic since the start: change of L I2/2
         work_magnetic: f64 = Variable::output(39, Unit::Joule).nominal(1e-4),
         /// Integral of power_mechanical since the start
         work_mechanical: f64 = Variable::output(40, Unit::Joule).nominal(1000.0),
         /// Sum of the three works
         work_total: f64 = Variable::output(41, Unit::Joule).nominal(1000.0),
-        /// Power that the books miss at this instant; zero but for rounding
+        /// Power balance residual
         power_balance_error: f64 = Variable::output(42, Unit::Watt),
-        /// Energy taken in, less given out, less stored, since the start; zero but for rounding
+        /// Energy balance residual since the start
         energy_balance_error: f64 = Variable::output(43, Unit::Joule),
-        /// Power taken from the supply
+        /// Power from the supply
         supply_power: f64 = Variable::output(44, Unit::Watt),
-        /// Power given to the load
+        /// Mechanical power to the load
         shaft_power: f64 = Variable::output(45, Unit::Watt),
-        /// Heat set free in the winding by its current, that of the ripple included
+        /// Electrical losses in the winding, ripple loss and contact voltage drop included
         loss_copper: f64 = Variable::output(46, Unit::Watt),
-        /// Power of all drags of motor and gear, which heats the housing
+        /// Friction losses of motor and gear, which heat the housing
         loss_friction: f64 = Variable::output(47, Unit::Watt),
-        /// Power lost in the H-bridge, which heats the surroundings of the box
+        /// Losses of the H-bridge, which go to ambient
         loss_drive: f64 = Variable::output(48, Unit::Watt),
-        /// Heat flow to the surroundings, that of the H-bridge included
+        /// Heat flow to ambient, losses of the H-bridge included
         heat_to_ambient: f64 = Variable::output(49, Unit::Watt),
-        /// Energy taken from the supply since the start
+        /// Energy from the supply since the start
         energy_supply: f64 = Variable::output(50, Unit::Joule).nominal(1000.0),
-        /// Energy given to the load since the start
+        /// Mechanical energy to the load since the start
         energy_shaft: f64 = Variable::output(51, Unit::Joule).nominal(1000.0),
-        /// Heat given to the surroundings since the start
+        /// Heat to ambient since the start
         energy_heat_to_ambient: f64 = Variable::output(52, Unit::Joule).nominal(1000.0),
-        /// How far the winding is below its limit
+        /// Margin of the winding to its temperature limit thermal.T_w_max
         winding_margin: f64 = Variable::output(53, Unit::Kelvin).nominal(100.0).difference(),
-        /// True while the winding is above its limit
+        /// True while the winding is above thermal.T_w_max
         over_temperature: bool = Variable::flag(54),
         /// Resistance of the winding at its temperature
         winding_resistance: f64 = Variable::output(55, Unit::Ohm).nominal(10.0),
-        /// Torque constant at the output shaft, torque in the air gap times ratio per ampere
+        /// Torque constant at the output shaft: air-gap torque times ratio over current
         torque_constant: f64 = Variable::output(56, Unit::NewtonMetrePerAmpere),
-        /// Share of each switching period with current in the winding; 1 in continuous conduction
+        /// Fraction of each switching period with current in the winding; 1 in continuous conduction
         conduction: f64 = Variable::output(57, Unit::One),
         /// Root mean square of the current, ripple included
         current_rms: f64 = Variable::output(58, Unit::Ampere),
@@ -101,7 +101,7 @@ variables! {
 variables! {
     /// Residuals that pass through zero at an event, for those who integrate the model themselves.
     pub struct Indicators {
-        /// How far the winding is above its limit
+        /// Excess of the winding over thermal.T_w_max
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
         /// Duty, whose sign is the direction of the bridge
         bridge_direction: f64 = Variable::local(902, Unit::One),

@@ -1,7 +1,9 @@
 //! What the split asks of a model, and what it says of a step.
 
-use super::Fast;
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+
+/// Current, A, and speed, rad/s.
+pub type Fast = Vector2<f64>;
 
 /// What a model tells the integrator. Times are seconds since the start of the caller's step.
 pub trait System<const N: usize> {

@@ -1,17 +1,18 @@
 //! The drive between supply and terminals in drive_mode pwm: what it loses, and the ripple it leaves.
 
-use super::{DriveMode, Inputs, Parameters, Step};
 use crate::effects::{Effect, Port};
+use crate::models::annulus_cooled_motor::parameters::Parameters;
+use crate::models::annulus_cooled_motor::variables::{DriveMode, Inputs};
 
 /// The drive over one step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Chopper {
     /// Whether it loses volts.
-    loses: bool,
+    pub loses: bool,
     /// Voltage of the supply at the start of the step, V.
-    supply: f64,
+    pub supply: f64,
     /// Mean square of the ripple at the start of the step, A2; it stays over the step.
-    ripple: f64,
+    pub ripple: f64,
 }
 
 impl Chopper {
@@ -29,43 +30,5 @@ impl Chopper {
     pub fn acts(model: &Parameters) -> bool {
         model.choices.drive_mode == DriveMode::Pwm
             && (model.effects.acts_at(Port::Bridge) || model.effects.acts_at(Port::Ripple))
-    }
-}
-
-impl Step<'_> {
-    /// Whether the drive loses something.
-    #[inline]
-    pub(super) fn loses(&self) -> bool {
-        self.chopper.loses
-    }
-
-    /// Volts lost as heat in the bridge at the current `i`.
-    #[inline]
-    pub(super) fn bridge(&self, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.bridge_voltage(i) } else { 0.0 }
-    }
-
-    /// Volts that the supply gives less than duty times its voltage at the current `i`.
-    #[inline]
-    pub(super) fn missed(&self, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.missed_voltage(i, self.chopper.supply) } else { 0.0 }
-    }
-
-    /// Slope of both with the current, Ohm.
-    #[inline]
-    pub(super) fn drive_slope(&self, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopper.supply) } else { 0.0 }
-    }
-
-    /// Mean square of the current's ripple, A2.
-    #[inline]
-    pub(super) fn ripple_square(&self) -> f64 {
-        self.chopper.ripple
-    }
-
-    /// Copper loss of the ripple with the winding at `t_w`, W.
-    #[inline(always)]
-    pub(super) fn ripple_loss(&self, t_w: f64) -> f64 {
-        if self.chopper.ripple == 0.0 { 0.0 } else { self.resistance(t_w) * self.chopper.ripple }
     }
 }

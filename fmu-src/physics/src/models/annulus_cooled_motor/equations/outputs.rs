@@ -6,7 +6,7 @@ use crate::effects::Effect;
 use crate::ledger::{Account, Ledger};
 use crate::model::HousingHeat;
 use crate::models::annulus_cooled_motor::network::Network;
-use crate::models::annulus_cooled_motor::{Books, DriveMode, Outputs};
+use crate::models::annulus_cooled_motor::variables::{Books, DriveMode, Outputs};
 use crate::solver::split::{State, System};
 
 /// What is to be shown of the heat beyond winding and core.

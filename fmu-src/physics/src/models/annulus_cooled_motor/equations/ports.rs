@@ -1,21 +1,6 @@
 //! The effects as a step sees them: it passes by the ports where nothing acts.
 
-use super::{Constants, Temperatures};
 use crate::effects::{Effect, Effects, Port};
-
-impl Constants {
-    /// With every heat capacity times `factor`.
-    pub fn with_capacity(mut self, factor: f64) -> Constants {
-        self.capacity *= factor;
-        self.inverse_capacity /= factor;
-        self
-    }
-
-    /// The heat in the nodes above the temperature `origin`, K, in J.
-    pub fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
-        self.capacity.dot(&temperature.add_scalar(-origin))
-    }
-}
 
 /// The ports inside a step at which any effect acts.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,7 @@
 //! The equations as the integrator takes them: rates and their slopes, and the energies of a step.
 
-use super::{CORE, Line, NODES, Step, Temperatures, WINDING};
+use super::{CORE, NODES, Step, Temperatures, WINDING};
+use crate::models::annulus_cooled_motor::line::Line;
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 

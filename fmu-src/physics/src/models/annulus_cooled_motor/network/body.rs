@@ -1,8 +1,13 @@
 //! What the network beyond winding and stator is made of.
 
-use super::{FIRST, SEGMENTS};
 use crate::effects::Effect;
-use crate::models::annulus_cooled_motor::{CoolingMode, Parameters};
+use crate::models::annulus_cooled_motor::parameters::Parameters;
+use crate::models::annulus_cooled_motor::variables::CoolingMode;
+
+/// Most segments of the housing.
+pub const SEGMENTS: usize = 64;
+/// Place of the first segment among the temperatures, behind rotor and tube.
+pub(super) const FIRST: usize = 2;
 
 /// What the network is made of, from the parameters alone.
 #[derive(Clone, Copy, Debug)]

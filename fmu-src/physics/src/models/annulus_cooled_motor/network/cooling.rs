@@ -14,8 +14,7 @@
 //! air properties at its mean temperature in the gap; ends in still air in every mode.
 //! *Source*: (2) Incropera, 7th ed., eq. 8.41; the correlations in `correlations/`.
 
-use super::super::{CoolingMode, Parameters};
-use super::SEGMENTS;
+use super::body::SEGMENTS;
 use crate::components::annulus::{Draught, Gap};
 use crate::components::conductance::Conductance;
 use crate::components::fan::Fan;
@@ -23,6 +22,8 @@ use crate::components::housing::StillAir;
 use crate::correlations::crossflow;
 use crate::effects::Effect;
 use crate::media::air::{Air, density};
+use crate::models::annulus_cooled_motor::parameters::Parameters;
+use crate::models::annulus_cooled_motor::variables::CoolingMode;
 
 /// On what the coefficients depend.
 #[derive(Clone, Copy, Debug, PartialEq)]

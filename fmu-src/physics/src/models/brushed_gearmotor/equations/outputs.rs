@@ -3,37 +3,9 @@
 use super::{BOX, HOUSING, State, Step, WINDING};
 use crate::effects::Effect;
 use crate::ledger::Account;
-use crate::models::brushed_gearmotor::Outputs;
+use crate::models::brushed_gearmotor::opening::Opening;
+use crate::models::brushed_gearmotor::variables::Outputs;
 use crate::solver::split::System;
-
-/// What the books start from, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Opening {
-    /// Energy in all stores.
-    pub stored: f64,
-    /// Energy in the magnetic field.
-    pub magnetic: f64,
-    /// Energy of the motion.
-    pub kinetic: f64,
-}
-
-impl std::ops::Add for Opening {
-    type Output = Opening;
-    fn add(self, other: Opening) -> Opening {
-        Opening {
-            stored: self.stored + other.stored,
-            magnetic: self.magnetic + other.magnetic,
-            kinetic: self.kinetic + other.kinetic,
-        }
-    }
-}
-
-impl std::ops::Sub for Opening {
-    type Output = Opening;
-    fn sub(self, other: Opening) -> Opening {
-        self + Opening { stored: -other.stored, magnetic: -other.magnetic, kinetic: -other.kinetic }
-    }
-}
 
 impl Step<'_> {
     /// What books that open now start from; heat counts from the temperature `origin`, K.

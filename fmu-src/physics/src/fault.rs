@@ -1,0 +1,6 @@
+//! Why a model does not do what it is asked for.
+
+/// Why a model cannot start or step: one sentence.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct Fault(pub String);

@@ -1,0 +1,18 @@
+//! Values over a step.
+
+/// A value that runs along a line.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Line {
+    /// Value at the start of the step.
+    pub start: f64,
+    /// Slope, per second.
+    pub slope: f64,
+}
+
+impl Line {
+    /// The value `t` seconds after the start of the step.
+    #[inline]
+    pub fn at(&self, t: f64) -> f64 {
+        self.start + self.slope * t
+    }
+}

@@ -1,0 +1,70 @@
+//! What a motor is made of, and how it is used.
+
+use super::variables::{Choices, CoolingMode};
+use crate::components::annulus::Annulus;
+use crate::components::conductance::Conductance;
+use crate::components::fan::Fan;
+use crate::components::housing::Housing;
+use crate::components::motor::Motor;
+use crate::components::thermal::Thermal;
+use crate::components::validity::Validity;
+use crate::effects::{Effect, Effects, PerNode};
+use crate::groups;
+
+/// What the motor is made of, and how it is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parameters {
+    /// What holds for the whole run.
+    pub choices: Choices,
+    /// Winding and magnets.
+    pub motor: Motor,
+    /// Heat capacities and resistances.
+    pub thermal: Thermal,
+    /// Cooling by a conductance.
+    pub conductance: Conductance,
+    /// Size and surface of the motor.
+    pub housing: Housing,
+    /// The fan.
+    pub fan: Fan,
+    /// The tube around the motor.
+    pub annulus: Annulus,
+    /// Where the equations end.
+    pub validity: Validity,
+    /// Effects, each off by default.
+    pub effects: Effects,
+}
+
+groups! {
+    Parameters {
+        "" @ 0 => choices: Choices,
+        "motor." @ 100 => motor: Motor,
+        "thermal." @ 200 => thermal: Thermal,
+        "conductance." @ 300 => conductance: Conductance,
+        "housing." @ 400 => housing: Housing,
+        "fan." @ 500 => fan: Fan,
+        "annulus." @ 600 => annulus: Annulus,
+        "validity." @ 650 => validity: Validity,
+    } then effects: Effects
+}
+
+impl Parameters {
+    /// Mass of the motor, with the fan and the tube where the mode of cooling has them, kg.
+    pub fn mass(&self) -> f64 {
+        let (fan, tube) = (self.fan.mass, self.annulus.mass);
+        self.motor.mass
+            + match self.choices.cooling_mode {
+                CoolingMode::Conductance | CoolingMode::Bare => 0.0,
+                CoolingMode::FanCrossflow => fan,
+                CoolingMode::AnnulusPush | CoolingMode::AnnulusPull => fan + tube,
+            }
+    }
+
+    /// Conductances to ambient at the fan command `n`, W/K.
+    #[inline]
+    pub fn to_ambient(&self, n: f64) -> PerNode {
+        let n = self.effects.fan_flow(n);
+        let mut conductance = self.effects.ambient_conductance(Conductance::share(n));
+        conductance.housing += self.conductance.at(n);
+        conductance
+    }
+}

@@ -1,0 +1,36 @@
+//! What a gearmotor is made of, and how it is used.
+
+use crate::components::armature::Armature;
+use crate::components::chopper::Drive;
+use crate::components::enclosure::Enclosure;
+use crate::components::gear::Gear;
+use crate::components::validity::BrushedValidity;
+use crate::effects::Effects;
+use crate::groups;
+
+/// What the gearmotor is made of, and how it is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parameters {
+    /// Winding, brushes and magnets.
+    pub motor: Armature,
+    /// Heat capacities and conductances.
+    pub thermal: Enclosure,
+    /// The gear and its friction.
+    pub gear: Gear,
+    /// The H-bridge.
+    pub drive: Drive,
+    /// Where the equations end.
+    pub validity: BrushedValidity,
+    /// Effects, each off by default.
+    pub effects: Effects,
+}
+
+groups! {
+    Parameters {
+        "motor." @ 100 => motor: Armature,
+        "thermal." @ 200 => thermal: Enclosure,
+        "gear." @ 300 => gear: Gear,
+        "drive." @ 400 => drive: Drive,
+        "validity." @ 650 => validity: BrushedValidity,
+    } then effects: Effects
+}
