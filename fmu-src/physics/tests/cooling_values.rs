@@ -3,7 +3,7 @@
 //!
 //! *Sources*: Incropera et al., 7th ed. (table A.4; eqs. 9.34, 7.54, 9.64, 13.20), Gnielinski, VDI Heat Atlas, 2nd ed.,
 //! G2 (annuli) and Int. J. Heat Mass Transfer 63 (2013) 134 (transition), Shah and London (1978) for the pressure drop
-//! of the entrance, Weisbach's contraction, Kays (1950) for contraction and expansion, Churchill and Usagi for mixing.
+//! of the entrance, von Mises (1917) for the contraction of a plane jet, Kays (1950) for contraction and expansion, Churchill and Usagi for mixing.
 
 use crate::common::motor;
 use physics::models::annulus_cooled_motor::network::{Conditions, Cooling};
@@ -233,22 +233,22 @@ impl Gap {
     fn pressure(&self, m_flow: f64, air: &Air) -> f64 {
         let u = m_flow / (air.rho * self.section);
         let re = self.reynolds(m_flow, air);
-        let kays = |contraction: f64| (1.0 / contraction - 1.0).powi(2);
+        let kays = |c: f64| (1.0 / c - 1.0).powi(2);
         let loss = if self.push {
-            1.0 - self.sigma * self.sigma + kays(weisbach(self.sigma))
+            1.0 - self.sigma * self.sigma + kays(contraction(self.sigma))
         } else {
             let laminar_ratio = 1.2;
             let turbulent_ratio = 1.0 + 0.04 * (re.max(4000.0) / 1e4).powf(-0.2);
             let k_d = laminar_ratio + Self::turbulent(re) * (turbulent_ratio - laminar_ratio);
-            kays(weisbach(0.0)) + 1.0 - 2.0 * k_d * self.sigma + self.sigma * self.sigma
+            kays(contraction(0.0)) + 1.0 - 2.0 * k_d * self.sigma + self.sigma * self.sigma
         };
         0.5 * air.rho * u * u * (loss + 4.0 * self.friction(re) * self.length / self.d_h)
     }
 }
 
-/// Weisbach's measured contraction of the jet behind a sharp edge over the ratio of areas.
-fn weisbach(sigma: f64) -> f64 {
-    const TABLE: [f64; 11] = [0.611, 0.624, 0.632, 0.643, 0.659, 0.681, 0.712, 0.755, 0.813, 0.892, 1.0];
+/// Contraction of a plane jet behind a sharp edge over the ratio of areas: von Mises's table.
+fn contraction(sigma: f64) -> f64 {
+    const TABLE: [f64; 11] = [0.611, 0.612, 0.616, 0.622, 0.631, 0.644, 0.662, 0.687, 0.722, 0.781, 1.0];
     let k = ((sigma * 10.0) as usize).min(9);
     TABLE[k] + (TABLE[k + 1] - TABLE[k]) * (sigma * 10.0 - k as f64)
 }
