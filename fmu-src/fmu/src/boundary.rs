@@ -2,33 +2,10 @@
 
 use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Log, Sink, Status};
+use crate::refusal::{Outcome, Refused};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-
-/// Why a call is not done.
-#[derive(Debug)]
-pub struct Refused {
-    /// What the importer gets to see.
-    pub status: Status,
-    /// One sentence for its log.
-    pub message: String,
-}
-
-impl Refused {
-    /// A call that is not allowed.
-    pub fn error(message: impl Into<String>) -> Refused {
-        Refused { status: Status::Error, message: message.into() }
-    }
-
-    /// A value that is not taken.
-    pub fn discard(message: impl Into<String>) -> Refused {
-        Refused { status: Status::Discard, message: message.into() }
-    }
-}
-
-/// What an operation gives.
-pub type Outcome<T = ()> = Result<T, Refused>;
 
 /// Runs an operation on the instance behind a handle; refusals and panics become a log line and a status.
 ///

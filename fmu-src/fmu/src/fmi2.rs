@@ -7,12 +7,11 @@ mod exchange;
 
 pub use exchange::*;
 
-use crate::boundary::{
-    self, Outcome, Refused, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back,
-};
+use crate::boundary::{self, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back};
 use crate::instance::{Interface, Part, Standard, Type};
 use crate::life_cycle;
 use crate::logger::{Logger2, Sink, Status};
+use crate::refusal::{Outcome, Refused};
 use crate::resources::of_uri;
 use crate::saved_handle::{self, deserialize, free, save, serialize, serialized_size};
 use std::ffi::{c_char, c_int, c_void};

@@ -10,8 +10,8 @@ mod values;
 pub use mode::{Interface, Mode, Standard, Type};
 pub use stepping::{Course, Ended, IntermediateUpdate, Look, Part, View};
 
-use crate::boundary::{Outcome, Refused};
 use crate::logger::{CATEGORIES, Log};
+use crate::refusal::{Outcome, Refused};
 use crate::saved::Saved;
 use known::Known;
 use mode::LIVING;

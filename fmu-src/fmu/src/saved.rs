@@ -1,7 +1,7 @@
 //! Saved instances: in memory for get and set, as bytes for serialization.
 
-use crate::boundary::{Outcome, Refused};
 use crate::instance::{Interface, Mode};
+use crate::refusal::{Outcome, Refused};
 use physics::declare::Causality;
 use physics::model::Model;
 

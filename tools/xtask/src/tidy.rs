@@ -1,6 +1,7 @@
 //! `cargo xtask tidy`: what a reader relies on without looking.
 
 mod arrows;
+mod circles;
 mod lengths;
 
 use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
@@ -11,6 +12,7 @@ type Check = (&'static str, fn(&Workspace) -> Outcome);
 const CHECKS: &[Check] = &[
     ("format", |w| shell::run(&mut w.cargo(&["fmt", "--all", "--check"]))),
     ("dependency arrows", arrows::check),
+    ("import circles", circles::check),
     ("file lengths", lengths::check),
     ("lints", |w| {
         shell::run(&mut w.cargo(&[

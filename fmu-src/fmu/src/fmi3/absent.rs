@@ -1,9 +1,10 @@
 //! Functions that importers resolve when they load the library and that these FMUs declare not to have.
 
 use super::{Boolean, InstanceHandle};
-use crate::boundary::{Refused, Wanted, enter, hand_out};
+use crate::boundary::{Wanted, enter, hand_out};
 use crate::instance::{Interface, Part, Standard};
 use crate::logger::{Logger3, Status};
+use crate::refusal::Refused;
 use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
 

@@ -1,9 +1,10 @@
 //! FMI 3.0: Model Exchange, and the events that it shares with Co-Simulation.
 
 use super::{Boolean, InstanceHandle, sink};
-use crate::boundary::{Outcome, Wanted, array, array_mut, enter, hand_out, place, write};
+use crate::boundary::{Wanted, array, array_mut, enter, hand_out, place, write};
 use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Logger3, Status};
+use crate::refusal::Outcome;
 use crate::resources::of_path;
 use std::ffi::{c_char, c_void};
 

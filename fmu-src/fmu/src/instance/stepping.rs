@@ -10,7 +10,7 @@
 //! An importer that takes no part gets the plain step, bit for bit.
 
 use super::{Instance, Interface, Mode};
-use crate::boundary::{Outcome, Refused};
+use crate::refusal::{Outcome, Refused};
 use physics::declare::{Causality, Variability};
 use physics::effects::IMMINENT;
 use physics::exchange::Update;

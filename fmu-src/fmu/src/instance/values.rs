@@ -3,7 +3,7 @@
 //! FMI 2 has scalars alone, and an element is a variable of its own. In FMI 3 the elements are one variable with the reference of the first.
 
 use super::{Instance, Interface, Mode, Standard, Type};
-use crate::boundary::{Outcome, Refused};
+use crate::refusal::{Outcome, Refused};
 use physics::declare::{Elements, Kind, Variability};
 use physics::model::{Element, Entry, Refusal, Slot, TIME};
 

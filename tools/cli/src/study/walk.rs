@@ -1,7 +1,7 @@
 //! `motor-fmu steady --load`: a motor that walks.
 
+use super::{SteadyArgs, rounded, write};
 use crate::Failure;
-use crate::study::{SteadyArgs, rounded, write};
 use ::study::figure::{Axis, Figure};
 use ::study::reproduce::significant;
 use ::study::walk::{Forever, Walked, continuous_support, walk};
