@@ -13,6 +13,7 @@ from fmpy.fmi2 import FMU2Slave
 
 STEP, STOP = 1e-3, 10.0
 FMUS = {"gait": "GaitLoad", "motor": "AnnulusCooledMotor", "actuator": "SeriesElasticActuator"}
+PRESETS = {"AnnulusCooledMotor": "maxon-305015"}  # adds the motor's friction; the others run as declared
 SET = {"motor": {"fan_command": 1.0}}
 CONNECT = (
     ("gait.joint_angle", "actuator.joint_angle"),
@@ -28,7 +29,7 @@ CONNECT = (
 RECORD = ("gait.torque_demand", "actuator.joint_torque", "motor.current", "motor.winding_temperature")
 
 
-def run(stop=STOP, step=STEP, record=RECORD, path=lambda model: archive(model, 2)):
+def run(stop=STOP, step=STEP, record=RECORD, path=lambda model: archive(model, 2, PRESETS.get(model))):
     """Rows of `record` at every communication point."""
     slaves, reference, folders = {}, {}, []
     for name, model in FMUS.items():

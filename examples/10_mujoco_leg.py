@@ -42,6 +42,7 @@ ACTUATOR = {
 }
 MOTOR = {"drive_mode": "current", "mechanical_mode": "free_shaft", "cooling_mode": "conductance"}
 FROM_MOTOR = {"shaft_angle": "motor_angle", "shaft_speed": "motor_speed", "current": "motor_current"}
+PRESET = "maxon-305015"  # adds the motor's friction
 STIFFNESS, DAMPING = 150.0, 12.0  # of the joint controller, N.m/rad and N.m.s/rad
 
 
@@ -55,7 +56,8 @@ def exercise(fan: float) -> dict:
     model = mujoco.MjModel.from_xml_string(LEG)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    with Archive(archive("AnnulusCooledMotor", 2)) as motors, Archive(archive("SeriesElasticActuator", 2)) as actuators:
+    paths = archive("AnnulusCooledMotor", 2, PRESET), archive("SeriesElasticActuator", 2)
+    with Archive(paths[0]) as motors, Archive(paths[1]) as actuators:
         with motors.instance() as motor, actuators.instance() as actuator:
             motor.initialise(MOTOR | {"fan_command": fan})
             actuator.initialise(ACTUATOR)

@@ -14,9 +14,11 @@ def dist() -> Path:
     return Path(os.environ.get("MOTOR_FMU_DIST") or ROOT / "dist")
 
 
-def archive(model: str, fmi: int) -> Path:
-    """The built archive of a model; an error that says what to run if it is not there."""
-    path = dist() / f"fmi{fmi}" / f"{model}.fmu"
+def archive(model: str, fmi: int, preset: str | None = None) -> Path:
+    """The built archive of a model, with the start values of a preset if one is named; an error says what to run if it is missing."""
+    folder = dist() / "presets" / preset if preset else dist()
+    path = folder / f"fmi{fmi}" / f"{model}.fmu"
     if not path.is_file():
-        raise FileNotFoundError(f"{path} does not exist; run `cargo xtask demo` or `motor-fmu build --out {dist()}` first")
+        build = f"motor-fmu build {model} --preset {preset}" if preset else "motor-fmu build"
+        raise FileNotFoundError(f"{path} does not exist; run `cargo xtask demo` or `{build} --out {folder}` first")
     return path

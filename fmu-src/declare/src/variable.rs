@@ -126,6 +126,8 @@ pub struct Variable {
     pub relative: bool,
     /// Description: what it is and how its sign counts.
     pub doc: &'static str,
+    /// Where the start value comes from; empty where it is 0, a mode, or computed.
+    pub source: &'static str,
 }
 
 impl Variable {
@@ -152,6 +154,7 @@ impl Variable {
             scale: Scale::Linear,
             relative: false,
             doc: "",
+            source: "",
         }
     }
 
@@ -222,6 +225,12 @@ impl Variable {
     /// With a typical size.
     pub const fn nominal(mut self, nominal: f64) -> Variable {
         self.nominal = nominal;
+        self
+    }
+
+    /// With the source of its start value.
+    pub const fn source(mut self, source: &'static str) -> Variable {
+        self.source = source;
         self
     }
 

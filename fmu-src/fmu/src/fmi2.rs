@@ -43,6 +43,7 @@ const MODEL_EXCHANGE: c_int = 0;
 /// The other one.
 const CO_SIMULATION: c_int = 1;
 /// `fmi2StatusKind`: time of the last successful step.
+const PENDING_STATUS: c_int = 1;
 const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2StatusKind`: whether the model asks to end.
 const TERMINATED: c_int = 3;
@@ -341,29 +342,35 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, _kind: c_int, _value
     unsafe { enter(c, "fmi2GetIntegerStatus", |_| nothing_pending()) }
 }
 
-/// Whether the model asks to end; section 4.2.3. It never does.
+/// Whether the model asks to end; section 4.2.3. It does where a step would lead beyond a limit of validity.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status {
     unsafe {
-        enter(c, "fmi2GetBooleanStatus", |_| {
+        enter(c, "fmi2GetBooleanStatus", |i| {
             if kind != TERMINATED {
                 return nothing_pending();
             }
-            *place(value, "value")? = 0;
+            *place(value, "value")? = Boolean::from(i.end().is_some());
             Ok(())
         })
     }
 }
 
-/// Text about a pending step; section 4.2.3.
+/// Text about a pending step, or why the run is over; section 4.2.3.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStringStatus(
     c: Component,
-    _kind: c_int,
+    kind: c_int,
     value: *mut *const c_char,
 ) -> Status {
     unsafe {
         boundary::write(value, c"".as_ptr());
-        enter(c, "fmi2GetStringStatus", |_| nothing_pending())
+        enter(c, "fmi2GetStringStatus", |i| match i.end() {
+            Some(reason) if kind == PENDING_STATUS => {
+                boundary::write(value, reason.as_ptr());
+                Ok(())
+            }
+            _ => nothing_pending(),
+        })
     }
 }

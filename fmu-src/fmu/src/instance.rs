@@ -10,13 +10,14 @@ mod values;
 pub use mode::{Interface, Mode, Standard, Type};
 pub use stepping::{Course, Ended, IntermediateUpdate, Look, Part, View};
 
-use crate::logger::{CATEGORIES, Log};
+use crate::logger::{CATEGORIES, Log, Status, c_string};
 use crate::refusal::{Outcome, Refused};
 use crate::saved::Saved;
 use known::Known;
 use mode::LIVING;
-use physics::model::{Model, ModelType, Slot};
+use physics::model::{Fault, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
+use std::ffi::{CStr, CString};
 use std::path::Path;
 
 /// One motor, or whatever else the token asked for, in an importer's hands.
@@ -49,6 +50,8 @@ pub struct Instance {
     read: Known,
     written: Known,
     sloped: Known,
+    /// Why the run is over, where the model has reached a limit of validity.
+    ended: Option<CString>,
     /// Where messages go.
     pub log: Log,
 }
@@ -108,6 +111,7 @@ impl Instance {
             read: Known::NOTHING,
             written: Known::NOTHING,
             sloped: Known::NOTHING,
+            ended: None,
             log,
         })
     }
@@ -238,6 +242,7 @@ impl Instance {
         self.mode = Mode::Instantiated;
         self.window = (0.0, f64::INFINITY);
         self.unsettled = true;
+        self.ended = None;
         Ok(())
     }
 
@@ -260,7 +265,50 @@ impl Instance {
 
     #[inline]
     fn advance(&mut self, at: f64, h: f64) -> Outcome {
-        self.model.step(at, h).map_err(|fault| Refused::discard(fault.0))
+        match self.model.step(at, h) {
+            Ok(()) => Ok(()),
+            Err(fault) => Err(self.halted(fault)),
+        }
+    }
+
+    /// A step that the model has not taken, or not to its end.
+    #[cold]
+    fn halted(&mut self, fault: Fault) -> Refused {
+        self.ended = self.model.ended().then(|| c_string(&fault.0));
+        Refused::discard(fault.0)
+    }
+
+    /// Why the run is over; `None` while it goes on.
+    pub fn end(&self) -> Option<&CStr> {
+        self.ended.as_deref()
+    }
+
+    /// Whether the run is over: after a step of Co-Simulation, or with the states that an importer has put.
+    pub fn is_over(&mut self) -> bool {
+        if self.interface == Interface::ModelExchange {
+            let sentence = self.model.ending();
+            if let (Some(sentence), None) = (&sentence, &self.ended) {
+                self.log.tell(Status::Warning, sentence);
+            }
+            self.ended = sentence.map(|s| c_string(&s));
+        }
+        self.ended.is_some()
+    }
+
+    /// The outcome of a step in FMI 3, where the end of a run is no refusal but a flag; the reason goes to the log.
+    pub fn unless_over(&self, function: &str, outcome: Outcome) -> Outcome {
+        match outcome {
+            Err(refused) if self.ended.is_some() => {
+                self.log.tell(Status::Warning, &format!("{function}: {}", refused.message));
+                Ok(())
+            }
+            outcome => outcome,
+        }
+    }
+
+    /// Whether a step may end before its end.
+    pub fn may_return_early(&self) -> bool {
+        self.part.early_return
     }
 
     #[inline]
@@ -348,6 +396,7 @@ impl Instance {
             )));
         }
         (self.mode, self.window, self.unsettled) = (saved.mode, saved.window, true);
+        self.ended = None;
         self.count();
         if saved.held.len() == self.held.len() {
             self.held.clone_from(&saved.held);

@@ -90,6 +90,6 @@ impl Log {
 }
 
 /// A C string of the text; a zero inside, which C could not carry, becomes a space.
-fn c_string(text: &str) -> CString {
+pub fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }

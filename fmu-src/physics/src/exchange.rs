@@ -7,7 +7,7 @@
 //! *States.* Their number never changes under way, so a mode that has no use for a state lets it stand still with the
 //! derivative 0: what an input imposes (a current, a speed) is then no state, nor is a node that is not there. Energies
 //! are states, because outputs show them.
-//! *Events.* By indicator: the winding passes its limit, the bridge's duty its zero, the rotor a sector of block
+//! *Events.* By indicator: the winding passes its limit, a temperature a limit of validity, where the run ends, the bridge's duty its zero, the rotor a sector of block
 //! commutation. By time: magnets that lose strength. Friction is smooth at rest (`effects/`), and inputs beyond their
 //! limits are refused before they come here, so neither needs one.
 
@@ -44,10 +44,19 @@ pub trait Exchange {
     fn next_event(&self) -> f64 {
         f64::INFINITY
     }
+    /// Why the run ends here, where the present states have reached a limit of validity: one sentence.
+    fn ending(&mut self) -> Option<String> {
+        None
+    }
 }
 
 /// How near a limit a temperature is at it, K: an importer finds the event to rounding, on either side.
 const AT_LIMIT: f64 = 1e-6;
+
+/// Whether a temperature this far beyond a limit of validity, K, has reached it.
+pub fn is_reached(beyond: f64) -> bool {
+    beyond >= -AT_LIMIT || beyond.is_nan()
+}
 
 /// Whether a temperature this far above its limit, K, counts as above it; at the limit, where it is heading decides.
 pub fn is_above(excess: f64, rate: f64) -> bool {

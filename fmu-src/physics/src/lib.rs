@@ -6,6 +6,7 @@
 pub mod components;
 pub mod correlations;
 pub mod effects;
+pub mod ending;
 pub mod exchange;
 pub mod explicit;
 pub mod groups;

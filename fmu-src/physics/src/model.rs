@@ -368,8 +368,14 @@ pub trait Model: Exchange + Send + Sync {
     fn warm_start(&mut self, _known: &[(Node, f64)]) -> bool {
         false
     }
-    /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes.
+    /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes, unless the model has
+    /// [`ended`](Model::ended).
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;
+    /// Whether the last step failed at a limit of validity: then the model stands at the last time within it, and the run is
+    /// over.
+    fn ended(&self) -> bool {
+        false
+    }
     /// The time that the model has reached, s.
     fn time(&self) -> f64;
     /// The continuous states that rates depend on, in an order of the model's own that its modes and effects fix.

@@ -171,6 +171,32 @@ fn signs() {
     assert!(r > 0.386 && k_t < 0.0276, "hot copper resists more, hot magnets pull less");
 }
 
+/// The residual resolves what a microampere stores in the inductance: energies count from the start and not from 0 K, where
+/// the motor's 48 kJ of heat round to 7e-12 J.
+#[test]
+fn the_residual_is_not_the_rounding_of_heat_above_0_k() {
+    use physics::exchange::Exchange;
+    for name in ["AnnulusCooledMotor", "BrushedGearmotor"] {
+        let mut m = (physics::models::by_name(name).unwrap().new)();
+        let slot = |name: &str| m.declaration().by_name(name).unwrap().slot;
+        let (residual, inductance) = (slot("energy_balance_error"), slot("motor.L"));
+        assert_eq!(m.declaration().by_name("energy_balance_error").unwrap().row.nominal, 1.0);
+        m.hand_over();
+        m.start(0.0).unwrap();
+        let mut states = vec![0.0; m.declaration().states.len()];
+        m.read_states(&mut states);
+        let (i, aside) = (5.0, 5.0 + 1e-6);
+        states[0] = i;
+        m.write_states(&states);
+        let first = m.get(residual);
+        states[0] = aside;
+        m.write_states(&states);
+        let difference = m.get(residual) - first;
+        let stored = 0.5 * m.get(inductance) * (aside * aside - i * i);
+        assert!((difference / -stored - 1.0).abs() < 1e-5, "{name}: {difference} J instead of {} J", -stored);
+    }
+}
+
 /// A parameter tuned on the way does not put energy into the books.
 #[test]
 fn tuning_a_parameter_keeps_the_books() {

@@ -264,6 +264,8 @@ pub struct Outcome {
     pub export: Setting,
     /// What is odd but no error.
     pub notes: Vec<String>,
+    /// Runs in which the repaired model reaches a limit of validity, and why.
+    pub endings: Vec<String>,
     /// Wall time, s.
     pub seconds: f64,
 }

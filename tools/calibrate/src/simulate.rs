@@ -143,7 +143,8 @@ impl Bench {
         Ok(shown)
     }
 
-    /// Drives a started model along a run and shows it at every row.
+    /// Drives a started model along a run and shows it at every row. A model that reaches a limit of validity stays there for
+    /// the rows that are left, so that a candidate with such parameters fails by its residuals; the reason is given back.
     ///
     /// # Errors
     /// What the model says where it cannot step.
@@ -152,19 +153,38 @@ impl Bench {
         drive: &Drive,
         model: &mut dyn Model,
         mut see: impl FnMut(&mut dyn Model, usize),
-    ) -> Result<(), CalibrateError> {
+    ) -> Result<Option<String>, CalibrateError> {
+        let mut ending = None;
         for k in 0..drive.time.len() {
             see(model, k);
             let Some(next) = drive.time.get(k + 1) else { break };
+            if ending.is_some() {
+                continue;
+            }
             let h = next - drive.time[k];
             for (input, slot) in drive.inputs.iter().zip(&self.inputs) {
                 model.set_slope(*slot, (input[k + 1] - input[k]) / h);
             }
-            model.step(drive.time[k], h).map_err(refused)?;
+            match model.step(drive.time[k], h) {
+                Err(fault) if model.ended() => {
+                    ending = Some(fault.0);
+                    continue;
+                }
+                outcome => outcome.map_err(refused)?,
+            }
             // To the last bit what was measured, whatever the slopes have added up to.
             drive.hold(model, &self.inputs, k + 1);
         }
-        Ok(())
+        Ok(ending)
+    }
+
+    /// Why a run ends before its last row, with the model changed; `None` where it does not.
+    ///
+    /// # Errors
+    /// As [`run`](Bench::run).
+    pub fn ending(&self, drive: &Drive, change: &Change) -> Result<Option<String>, CalibrateError> {
+        let mut model = self.begin(drive, change)?;
+        self.along(drive, model.as_mut(), |_, _| {})
     }
 
     /// The outputs' places in the model, in the experiment's order.

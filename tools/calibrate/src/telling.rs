@@ -83,6 +83,12 @@ pub fn outcome(
     let before = exact.show(&setup.preset(), &all)?;
     let fitted = exact.show(refit, &all)?;
     let after = exact.show(&hypothesis, &all)?;
+    let mut endings = Vec::new();
+    for &run in &all {
+        let ending = setup.bench.ending(&setup.drives[run], &setup.change(&hypothesis, run))?;
+        endings.extend(ending.map(|why| format!("{}: the repaired model does not reach the last row. {why}", experiment.runs[run].file)));
+    }
+    notes.extend(endings.iter().cloned());
     let mut errors = Vec::new();
     for role in ROLES {
         let runs = setup.runs(role);
@@ -141,6 +147,7 @@ pub fn outcome(
         settings,
         export,
         notes,
+        endings,
         seconds: 0.0,
     })
 }

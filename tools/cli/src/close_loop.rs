@@ -82,7 +82,8 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
     // FMI 3 has no slopes of inputs, so that a term which stands still over a row stands still over its parts there.
     let faithful = replay.channels.iter().all(|c| c.standard != "fmi2" || c.difference <= replay.limit);
-    Ok(if faithful && findings.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    outcome.endings.iter().for_each(|why| eprintln!("error: {why}"));
+    Ok(crate::outcome(faithful && findings.is_empty() && outcome.endings.is_empty()))
 }
 
 /// The experiment's preset: a file beside the experiment, else a built-in one or a file from here.

@@ -115,7 +115,7 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         summary(&run)
     };
     crate::say(&text);
-    Ok(ExitCode::SUCCESS)
+    Ok(crate::outcome(run.recording.ended_early.is_none()))
 }
 
 /// Writes a system.
@@ -137,7 +137,8 @@ fn remarks(run: &SystemRun) {
     for note in &run.notes {
         eprintln!("note: {note}");
     }
-    let complaints: Vec<_> = run.recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
+    let mut complaints: Vec<_> = run.recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
+    let reason = run.recording.ended_early.and_then(|_| complaints.pop());
     for message in complaints.iter().take(MAX_MESSAGES) {
         eprintln!("{}: {}", message.status, message.text);
     }
@@ -145,7 +146,10 @@ fn remarks(run: &SystemRun) {
         eprintln!("{} more messages", complaints.len() - MAX_MESSAGES);
     }
     if let (Some(name), Some(time)) = (&run.ended_by, run.recording.ended_early) {
-        eprintln!("{name} ended the simulation at t = {time} s");
+        match reason {
+            Some(reason) => eprintln!("error: {name}: {}", reason.text),
+            None => eprintln!("error: {name} ended the simulation in the step from t = {time} s"),
+        }
     }
 }
 

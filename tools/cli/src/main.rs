@@ -58,6 +58,11 @@ pub fn say(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
+/// 0, or 1 where the command was carried out and the answer is no: a check failed, a simulation ended before its stop time.
+pub fn outcome(yes: bool) -> ExitCode {
+    ExitCode::from(u8::from(!yes))
+}
+
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Build(args) => build::run(&args),

@@ -79,7 +79,7 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         summary(&recording)
     };
     crate::say(&text);
-    Ok(ExitCode::SUCCESS)
+    Ok(crate::outcome(recording.ended_early.is_none()))
 }
 
 /// `name=value`; the value may have further equal signs.
@@ -104,17 +104,22 @@ pub fn progress_bar() -> ProgressBar {
     bar
 }
 
-/// Tells on stderr what the FMU complained about, and whether it stopped early.
+/// Writes to stderr what the FMU complained about, and why it ended the simulation: its last message.
 fn remarks(recording: &Recording) {
-    let complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
+    let mut complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
+    let reason = recording.ended_early.and_then(|_| complaints.pop());
     for message in complaints.iter().take(MAX_MESSAGES) {
         eprintln!("{}: {}: {}", recording.model_name, message.status, message.text);
     }
     if complaints.len() > MAX_MESSAGES {
         eprintln!("{}: {} more messages", recording.model_name, complaints.len() - MAX_MESSAGES);
     }
-    if let Some(time) = recording.ended_early {
-        eprintln!("{}: the FMU ended the simulation at t = {time} s", recording.model_name);
+    match (recording.ended_early, reason) {
+        (Some(_), Some(reason)) => eprintln!("error: {}: {}", recording.model_name, reason.text),
+        (Some(time), None) => {
+            eprintln!("error: {}: the FMU ended the simulation in the step from t = {time} s", recording.model_name);
+        }
+        (None, _) => {}
     }
 }
 

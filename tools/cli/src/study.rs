@@ -3,6 +3,7 @@
 mod walk;
 
 use crate::Failure;
+use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{Case, Held, Sweep, Vary, Walking, sweep};
@@ -87,7 +88,13 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     }
     let mut bench = args.start.setup()?.bench()?;
     let continuous = continuous_torque(&bench);
-    let found = steady(&mut bench)?;
+    let found = match steady(&mut bench) {
+        Err(StudyError::Unsettled(sentence)) => {
+            eprintln!("error: {sentence}");
+            return Ok(crate::outcome(false));
+        }
+        found => found?,
+    };
     if args.json {
         let outputs: serde_json::Map<_, _> =
             found.outputs.iter().map(|v| (v.name.clone(), json!(v.value))).collect();

@@ -50,7 +50,12 @@ fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
     };
     let unit = if row.kind == Kind::Real { row.unit.name().to_string() } else { String::new() };
     let changes = format!("{:?}", row.variability).to_lowercase();
-    [entry.name.clone(), unit, start, limits, changes, description(row.doc)]
+    let mut text = description(row.doc);
+    // A preset's value has the preset's source.
+    if !row.source.is_empty() && starts.of(entry) == row.start {
+        let _ = write!(text, ". Source: {}", row.source);
+    }
+    [entry.name.clone(), unit, start, limits, changes, text]
 }
 
 /// The text of parameters.md.

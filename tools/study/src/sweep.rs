@@ -372,7 +372,7 @@ mod tests {
         assert_eq!(found.points.len(), 6);
         assert_eq!(found.points[1].values, [290.0, 0.5]);
         for point in &found.points {
-            let g = 0.1351 + 0.35 * f64::powf(point.values[1], 0.8);
+            let g = 0.1351 + 0.113 * f64::powf(point.values[1], 0.8);
             let by_hand = point.values[0] + 10.0 * (0.21 + 1.0 / g);
             assert!((point.objective.unwrap() - by_hand).abs() < 1e-3, "{point:?} instead of {by_hand}");
         }

@@ -4,18 +4,20 @@ use crate::{Outcome, shell, workspace::Workspace};
 use std::path::Path;
 use std::process::Command;
 
-/// The motor of the examples: datasheet values, friction included.
-const PRESET: &str = "examples/presets/maxon-305015.toml";
+/// The motor that walks in the examples: the declared motor with the friction that the preset adds.
+const WALKING: (&str, &str) = ("AnnulusCooledMotor", "maxon-305015");
 
 /// Builds everything, in the one profile that all commands share.
 pub fn build(workspace: &Workspace) -> Outcome {
     shell::run(&mut workspace.cargo(&["build", "--release", "--workspace"]))
 }
 
-/// Builds the archives into dist/.
+/// Builds the archives into dist/ with the declared start values, and the motor that walks into dist/presets/PRESET/.
 pub fn archives(workspace: &Workspace) -> Outcome {
-    let mut command = motor_fmu(workspace);
-    shell::run(command.args(["build", "--preset", PRESET, "--out"]).arg(workspace.dist()))
+    shell::run(motor_fmu(workspace).args(["build", "--out"]).arg(workspace.dist()))?;
+    let (model, preset) = WALKING;
+    let out = workspace.dist().join("presets").join(preset);
+    shell::run(motor_fmu(workspace).args(["build", model, "--preset", preset, "--out"]).arg(out))
 }
 
 /// Validates every archive in dist/; that there is none is an error.

@@ -53,7 +53,7 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(c: Component, info: *mut EventInf
             let update = i.update()?;
             *info = EventInfo {
                 new_discrete_states_needed: 0,
-                terminate_simulation: 0,
+                terminate_simulation: Boolean::from(i.is_over()),
                 nominals_changed: 0,
                 values_changed: Boolean::from(update.states_changed),
                 next_event_time_defined: Boolean::from(update.next_event.is_finite()),
@@ -82,8 +82,8 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
         exchange(c, "fmi2CompletedIntegratorStep", |i| {
             let (enter_event, terminate) =
                 (place(enter_event, "enterEventMode")?, place(terminate, "terminateSimulation")?);
-            i.accept_step()?;
-            (*enter_event, *terminate) = (0, 0);
+            let over = i.accept_step()?;
+            (*enter_event, *terminate) = (0, Boolean::from(over));
             Ok(())
         })
     }

@@ -82,7 +82,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
         enter(instance, "fmi3UpdateDiscreteStates", |i| {
             let update = i.update()?;
             write(need_update, 0);
-            write(terminate, 0);
+            write(terminate, Boolean::from(i.is_over()));
             write(nominals_changed, 0);
             write(values_changed, Boolean::from(update.states_changed));
             write(next_event_defined, Boolean::from(update.next_event.is_finite()));
@@ -108,9 +108,9 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
 ) -> Status {
     unsafe {
         exchange(instance, "fmi3CompletedIntegratorStep", |i| {
-            i.accept_step()?;
+            let over = i.accept_step()?;
             write(enter_event, 0);
-            write(terminate, 0);
+            write(terminate, Boolean::from(over));
             Ok(())
         })
     }

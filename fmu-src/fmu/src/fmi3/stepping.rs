@@ -57,7 +57,8 @@ life_cycle! {
     fmi3EnterStepMode => enter_step;
 }
 
-/// Steps.
+/// Steps. Where a step would lead beyond a limit of validity, `terminateSimulation` is true and the instance stands at
+/// `lastSuccessfulTime`, the last time within it; the status is OK, since by `fmi3Discard` nothing would have changed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DoStep(
     instance: InstanceHandle,
@@ -70,7 +71,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     last_successful_time: *mut f64,
 ) -> Status {
     let mut course = None;
-    let mut ended = Ended::default();
+    let (mut ended, mut over) = (Ended::default(), false);
     unsafe {
         let mut status = enter(instance, "fmi3DoStep", |i| {
             let outcome = if i.is_looked_into() {
@@ -79,28 +80,37 @@ pub unsafe extern "C" fn fmi3DoStep(
                 i.stride(at, h).map(|there| ended = there)
             };
             write(last_successful_time, i.time());
-            outcome
+            over = i.end().is_some();
+            ended.early = over && i.may_return_early();
+            i.unless_over("fmi3DoStep", outcome)
         });
         if let (Some(course), Status::Ok) = (&mut course, status) {
-            status = look_on(instance, course, last_successful_time);
+            status = look_on(instance, course, last_successful_time, &mut over);
             ended = course.ended;
         }
         write(event_handling_needed, Boolean::from(ended.event));
-        write(terminate_simulation, 0);
+        write(terminate_simulation, Boolean::from(over));
         write(early_return, Boolean::from(ended.early));
         status
     }
 }
 
 /// Takes a step part by part. The importer looks in while nothing here refers to the instance.
-unsafe fn look_on(instance: InstanceHandle, course: &mut Course, last_successful_time: *mut f64) -> Status {
+unsafe fn look_on(
+    instance: InstanceHandle,
+    course: &mut Course,
+    last_successful_time: *mut f64,
+    over: &mut bool,
+) -> Status {
     loop {
         let mut view = None;
         let status = unsafe {
             enter(instance, "fmi3DoStep", |i| {
                 let outcome = i.part(course).map(|seen| view = seen);
                 write(last_successful_time, i.time());
-                outcome
+                *over = i.end().is_some();
+                course.ended.early |= *over && i.may_return_early();
+                i.unless_over("fmi3DoStep", outcome)
             })
         };
         let Some(view) = view else { return status };

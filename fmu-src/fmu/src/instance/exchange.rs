@@ -45,11 +45,12 @@ impl Instance {
         Ok(())
     }
 
-    /// A step of the importer's has been accepted. It never asks for an event: those have indicators and times.
-    pub fn accept_step(&mut self) -> Outcome {
+    /// A step of the importer's has been accepted; true where the run is over. It never asks for an event: those have
+    /// indicators and times.
+    pub fn accept_step(&mut self) -> Outcome<bool> {
         self.require(&[Mode::Continuous])?;
         self.model.accept_step();
-        Ok(())
+        Ok(self.is_over())
     }
 
     /// Takes the time, s.

@@ -196,9 +196,9 @@ impl Instance {
         // What the importer has not yet handled is no reason to stop again.
         let due = self.is_due();
         let before = copy(self.begun.take(), self.model.as_ref());
-        if let Err(refused) = self.model.step(at, way).map_err(|fault| Refused::discard(fault.0)) {
+        if let Err(fault) = self.model.step(at, way) {
             self.begun = Some(before);
-            return Err(refused);
+            return Err(self.halted(fault));
         }
         let new = !due && self.is_due();
         let found = if new && self.part.early_return { self.find(before.as_ref(), at, way) } else { Ok(way) };
@@ -260,7 +260,7 @@ impl Instance {
         let ended = match outcome {
             Ok(ended) => ended,
             Err(refused) => {
-                if let Some(before) = &self.looked_from {
+                if let (Some(before), None) = (&self.looked_from, &self.ended) {
                     self.model.copy_from(before.as_ref());
                 }
                 return Err(refused);

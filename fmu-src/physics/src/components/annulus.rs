@@ -30,23 +30,31 @@ variables! {
     /// Data of the tube around the motor.
     pub struct Annulus {
         /// Inner diameter of the tube, outer diameter of the gap
-        outer_diameter: f64 = Variable::tunable(0, 0.040, Unit::Metre, 1e-3, 2.0).log(),
+        outer_diameter: f64 = Variable::tunable(0, 0.040, Unit::Metre, 1e-3, 2.0).log()
+            .source("thesis, table 2"),
         /// Length of the tube over the motor
-        length: f64 = Variable::tunable(1, 0.064, Unit::Metre, 1e-3, 2.0).log(),
+        length: f64 = Variable::tunable(1, 0.064, Unit::Metre, 1e-3, 2.0).log()
+            .source("length of the motor"),
         /// Mass of the tube
-        mass: f64 = Variable::tunable(2, 0.0155, Unit::Kilogram, 1e-5, 100.0).log(),
+        mass: f64 = Variable::tunable(2, 0.0155, Unit::Kilogram, 1e-5, 100.0).log()
+            .source("thesis, table 2"),
         /// Specific heat of the tube (ABS)
-        specific_heat: f64 = Variable::tunable(3, 1400.0, Unit::JoulePerKilogramKelvin, 100.0, 1e4),
+        specific_heat: f64 = Variable::tunable(3, 1400.0, Unit::JoulePerKilogramKelvin, 100.0, 1e4)
+            .source("ABS, typical"),
         /// Area of the leak between fan and gap; 0 for none
         leak_area: f64 = Variable::tunable(4, 0.0, Unit::SquareMetre, 0.0, 1.0).nominal(1e-3),
         /// Factor on the heat transfer in the gap when the fan pushes
-        factor_push: f64 = Variable::tunable(5, 1.0, Unit::One, 0.1, 10.0).log(),
+        factor_push: f64 = Variable::tunable(5, 1.0, Unit::One, 0.1, 10.0).log()
+            .source("neutral"),
         /// Factor on the heat transfer in the gap when the fan pulls
-        factor_pull: f64 = Variable::tunable(6, 1.0, Unit::One, 0.1, 10.0).log(),
+        factor_pull: f64 = Variable::tunable(6, 1.0, Unit::One, 0.1, 10.0).log()
+            .source("neutral"),
         /// Emissivity of the tube's inside
-        emissivity: f64 = Variable::tunable(7, 0.9, Unit::One, 0.0, 1.0),
+        emissivity: f64 = Variable::tunable(7, 0.9, Unit::One, 0.0, 1.0)
+            .source("plastics, typical"),
         /// Coefficient of heat transfer from the tube to the room; 0 for a tube insulated outside
-        U_outside: f64 = Variable::tunable(8, 8.0, Unit::WattPerSquareMetreKelvin, 0.0, 1e3),
+        U_outside: f64 = Variable::tunable(8, 8.0, Unit::WattPerSquareMetreKelvin, 0.0, 1e3)
+            .source("estimate: natural convection and radiation"),
     }
 }
 

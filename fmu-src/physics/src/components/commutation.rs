@@ -7,19 +7,24 @@
 //! sinusoidal:  i = sqrt(3)/2 times the amplitude of the phase currents; torque pi/3 k_t i        (1)
 //! share of the copper loss of phase k at the electrical angle a:
 //!              block 1/2 in both active phases;  sinusoidal (2/3) cos^2(a - 2 pi k/3)              (2)
-//! C_w/3 d(delta_k)/dt = (s_k - 1/3) Q_w - delta_k/(3 R_wh)                                         (3)
-//! resistance in use: R at T_w + sum_k s_k delta_k                                                  (4)
+//! heat of phase k: Q_k = s_k [a + b delta_k],   b = R_ref alpha <i^2>                               (3)
+//! C_w/3 d(delta_k)/dt = Q_k - sum_j Q_j/3 - G_w delta_k/3                                          (4)
+//! resistance in use: R at T_w + sum_k s_k delta_k                                                  (5)
 //!
-//! delta_k is how far phase k is above the mean winding. A turning rotor evens the shares out; at stall one pair of
+//! delta_k is how far phase k is above the mean winding; a is the loss at the winding's mean temperature: copper with ripple,
+//! contact voltage drop, electrical_power and what terms add at winding_heat. b counts that a hot phase resists more. G_w is the
+//! conductance from the winding to all around it: 1/R_wh with what effects do to it, the rotor, the leads. A turning rotor evens the shares out; at stall one pair of
 //! phases carries all of the current (block), or one phase two thirds of the loss (sinusoidal).
 //! *Assumes* sinusoidal back-EMF, for which a data sheet's k_t (block commutation) is 3/pi of the peak: (1); ideal
-//! rotor position; phases that exchange heat with the stator alone. *Neglects* the torque's ripple (block: mean
+//! rotor position; a third of the winding's capacity and conductance in each phase; the input heat_power evenly in all of them. *Neglects* the torque's ripple (block: mean
 //! of 14 % from peak to peak) and the current's change within a sector.
 //! *Sign*: delta sums to zero. *Range*: any angle and any length of step.
 //! *Source*: (1) Hendershot, Miller, Design of Brushless Permanent-Magnet Machines (2010), ch. 7; maxon academy,
-//! EC motors, on block and sinusoidal commutation; (3) derived here, with the third of capacity and conductance.
+//! EC motors, on block and sinusoidal commutation; (3) and (4) derived here.
 
+use crate::solver::phi::Phi;
 use declare::enumeration;
+use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::{FRAC_PI_3, PI, TAU};
 
 enumeration! {
@@ -99,23 +104,54 @@ pub struct Phases {
     pub above: [f64; PHASES],
 }
 
+/// What heats and cools the phases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseLoad {
+    /// Loss of all phases at the winding's mean temperature, a of eq. (3), W.
+    pub heat: f64,
+    /// What it grows by with a phase's own temperature, b of eq. (3), W/K.
+    pub per_kelvin: f64,
+    /// Heat capacity of the winding, J/K.
+    pub capacity: f64,
+    /// Conductance from the winding to what surrounds it, G_w of eq. (4), W/K.
+    pub conductance: f64,
+}
+
+impl PhaseLoad {
+    /// Half way from this to that.
+    pub fn middle(&self, to: &PhaseLoad) -> PhaseLoad {
+        PhaseLoad {
+            heat: 0.5 * (self.heat + to.heat),
+            per_kelvin: 0.5 * (self.per_kelvin + to.per_kelvin),
+            capacity: 0.5 * (self.capacity + to.capacity),
+            conductance: 0.5 * (self.conductance + to.conductance),
+        }
+    }
+}
+
 impl Phases {
-    /// After `h` seconds of a copper loss of `heat` watts in these shares, eq. (3), with the winding's heat
-    /// capacity in J/K and its thermal resistance in K/W: exact for a constant loss.
-    pub fn after(&self, h: f64, heat: f64, shares: &[f64; PHASES], capacity: f64, resistance: f64) -> Phases {
-        let keep = (-h / (capacity * resistance)).exp();
-        let above = std::array::from_fn(|k| {
-            let settled = 3.0 * resistance * (shares[k] - 1.0 / 3.0) * heat;
-            settled + (self.above[k] - settled) * keep
-        });
-        Phases { above }
+    /// After `h` seconds of a load in these shares, eq. (4): exact for a constant load. The sum of all three stays 0, so that
+    /// two of them are solved.
+    pub fn after(&self, h: f64, load: &PhaseLoad, shares: &[f64; PHASES]) -> Phases {
+        let [s0, s1, s2] = *shares;
+        let (b, g) = (load.per_kelvin, load.conductance);
+        let matrix = Matrix2::new(
+            b * (2.0 * s0 + s2) - g,
+            -b * (s1 - s2),
+            -b * (s0 - s2),
+            b * (2.0 * s1 + s2) - g,
+        ) / load.capacity;
+        let forcing = Vector2::new(3.0 * s0 - 1.0, 3.0 * s1 - 1.0) * (load.heat / load.capacity);
+        let end = Phi::new(matrix, h).constant(&Vector2::new(self.above[0], self.above[1]), &forcing);
+        Phases { above: [end[0], end[1], -end[0] - end[1]] }
     }
 
-    /// The rates of eq. (3), K/s, with the arguments of [`after`](Phases::after).
-    pub fn rates(&self, heat: f64, shares: &[f64; PHASES], capacity: f64, resistance: f64) -> [f64; PHASES] {
-        std::array::from_fn(|k| {
-            (3.0 * (shares[k] - 1.0 / 3.0) * heat - self.above[k] / resistance) / capacity
-        })
+    /// The rates of eq. (4), K/s, with the arguments of [`after`](Phases::after).
+    pub fn rates(&self, load: &PhaseLoad, shares: &[f64; PHASES]) -> [f64; PHASES] {
+        let heat: [f64; PHASES] =
+            std::array::from_fn(|k| shares[k] * (load.heat + load.per_kelvin * self.above[k]));
+        let all: f64 = heat.iter().sum();
+        std::array::from_fn(|k| (3.0 * heat[k] - all - load.conductance * self.above[k]) / load.capacity)
     }
 
     /// How far the hottest phase is above the mean winding, K.
@@ -123,7 +159,7 @@ impl Phases {
         self.above.iter().fold(0.0, |m, d| m.max(*d))
     }
 
-    /// How far the phases that carry the current are above the mean winding, eq. (4), K.
+    /// How far the phases that carry the current are above the mean winding, eq. (5), K.
     pub fn in_use(&self, shares: &[f64; PHASES]) -> f64 {
         self.above.iter().zip(shares).map(|(d, s)| d * s).sum()
     }
@@ -191,13 +227,36 @@ mod tests {
     #[test]
     fn the_hot_spot_settles_by_hand() {
         let shares = Commutation::Block.shares(0.2, 0.2);
-        let phases = Phases::default().after(1e3, 10.0, &shares, 10.05, 0.21);
+        let load = PhaseLoad { heat: 10.0, per_kelvin: 0.0, capacity: 10.05, conductance: 1.0 / 0.21 };
+        let phases = Phases::default().after(1e3, &load, &shares);
         assert!((phases.hottest() - 1.05).abs() < 1e-9);
         assert!(phases.above.iter().sum::<f64>().abs() < 1e-12);
         assert!((phases.in_use(&shares) - 1.05).abs() < 1e-9);
-        let halves = Phases::default().after(1.0, 10.0, &shares, 10.05, 0.21);
-        let twice = halves.after(1.0, 10.0, &shares, 10.05, 0.21);
-        let once = Phases::default().after(2.0, 10.0, &shares, 10.05, 0.21);
+        let halves = Phases::default().after(1.0, &load, &shares);
+        let twice = halves.after(1.0, &load, &shares);
+        let once = Phases::default().after(2.0, &load, &shares);
         assert!((twice.hottest() - once.hottest()).abs() < 1e-12);
+    }
+
+    /// A pair that grows by b with its own temperature settles where (a + b d)/2 - (a + b d)/3 = G d/3:
+    /// d = a/2 / (G - b/2).
+    #[test]
+    fn a_hot_phase_resists_more_by_hand() {
+        let shares = Commutation::Block.shares(0.2, 0.2);
+        let load = PhaseLoad { heat: 154.4, per_kelvin: 0.6, capacity: 10.05, conductance: 1.0 / 0.21 };
+        let settled = 0.5 * 154.4 / (1.0 / 0.21 - 0.3);
+        let phases = Phases::default().after(1e3, &load, &shares);
+        assert!((phases.hottest() / settled - 1.0).abs() < 1e-12, "{phases:?} {settled}");
+        assert!(phases.rates(&load, &shares).iter().all(|rate| rate.abs() < 1e-11));
+        // The rates are the slope of what a short time brings, for any shares.
+        for shares in [[0.5, 0.5, 0.0], [0.1, 0.3, 0.6], [0.0, 0.5, 0.5]] {
+            let phases = Phases { above: [3.0, -1.0, -2.0] };
+            let (rates, h) = (phases.rates(&load, &shares), 1e-5);
+            let (ahead, back) = (phases.after(h, &load, &shares), phases.after(-h, &load, &shares));
+            for (k, rate) in rates.iter().enumerate() {
+                let slope = (ahead.above[k] - back.above[k]) / (2.0 * h);
+                assert!((rate - slope).abs() < 1e-7 * rate.abs().max(1.0), "{shares:?} {k}: {rate} {slope}");
+            }
+        }
     }
 }

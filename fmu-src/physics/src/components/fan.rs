@@ -18,41 +18,58 @@ variables! {
     /// Data of the fan.
     pub struct Fan {
         /// Flow without back pressure at full speed
-        flow_max: f64 = Variable::tunable(0, 0.28 / 60.0, Unit::CubicMetrePerSecond, 1e-6, 10.0).log(),
+        flow_max: f64 = Variable::tunable(0, 0.28 / 60.0, Unit::CubicMetrePerSecond, 1e-6, 10.0).log()
+            .source("datasheet Aavid PSAD14010BH: 0.28 m3/min"),
         /// Pressure without flow at full speed (7.24 mm of water)
-        pressure_max: f64 = Variable::tunable(1, 71.0, Unit::Pascal, 1e-2, 1e5).log(),
+        pressure_max: f64 = Variable::tunable(1, 71.0, Unit::Pascal, 1e-2, 1e5).log()
+            .source("datasheet Aavid PSAD14010BH: 7.24 mm of water"),
         /// Electrical power at full speed
-        power: f64 = Variable::tunable(2, 1.2, Unit::Watt, 0.0, 1e4),
+        power: f64 = Variable::tunable(2, 1.2, Unit::Watt, 0.0, 1e4)
+            .source("datasheet Aavid PSAD14010BH"),
         /// Mass of the fan
-        mass: f64 = Variable::tunable(3, 0.0144, Unit::Kilogram, 0.0, 100.0),
+        mass: f64 = Variable::tunable(3, 0.0144, Unit::Kilogram, 0.0, 100.0)
+            .source("thesis, table 1"),
         /// Diameter of the opening
-        bore: f64 = Variable::tunable(4, 0.038, Unit::Metre, 1e-3, 2.0).log(),
+        bore: f64 = Variable::tunable(4, 0.038, Unit::Metre, 1e-3, 2.0).log()
+            .source("estimate: typical of 40 x 40 x 10 mm fans"),
         /// Diameter of the hub
-        hub: f64 = Variable::tunable(5, 0.024, Unit::Metre, 0.0, 2.0),
+        hub: f64 = Variable::tunable(5, 0.024, Unit::Metre, 0.0, 2.0)
+            .source("estimate: typical of 40 x 40 x 10 mm fans"),
         /// Distance from the motor's surface (cooling_mode fan_crossflow)
-        distance: f64 = Variable::tunable(6, 0.005, Unit::Metre, 0.0, 10.0),
+        distance: f64 = Variable::tunable(6, 0.005, Unit::Metre, 0.0, 10.0)
+            .source("thesis, table 1: smallest distance"),
         /// Tangent of the half-angle at which the jet spreads (0.17: round jet without swirl)
-        tan_spread: f64 = Variable::tunable(7, TAN_SPREAD_ROUND_JET, Unit::One, 0.0, 2.0),
+        tan_spread: f64 = Variable::tunable(7, TAN_SPREAD_ROUND_JET, Unit::One, 0.0, 2.0)
+            .source("Pope, Turbulent Flows, table 5.1: round jet"),
         /// Factor on the forced heat transfer in the jet, for its turbulence
-        turbulence_factor: f64 = Variable::tunable(8, 1.0, Unit::One, 0.1, 10.0).log(),
+        turbulence_factor: f64 = Variable::tunable(8, 1.0, Unit::One, 0.1, 10.0).log()
+            .source("neutral"),
         /// Share of the pressure lost in the middle of the stall; 0 for none
         stall_depth: f64 = Variable::tunable(9, 0.0, Unit::One, 0.0, 0.95),
         /// Flow in the middle of the stall over flow_max
-        stall_centre: f64 = Variable::tunable(10, 0.4, Unit::One, 0.0, 1.0),
+        stall_centre: f64 = Variable::tunable(10, 0.4, Unit::One, 0.0, 1.0)
+            .source("estimate; without effect while stall_depth is 0"),
         /// Half-width of the stall over flow_max
-        stall_width: f64 = Variable::tunable(11, 0.1, Unit::One, 1e-3, 1.0),
+        stall_width: f64 = Variable::tunable(11, 0.1, Unit::One, 1e-3, 1.0)
+            .source("estimate; without effect while stall_depth is 0"),
         /// Density of the air for which the data hold
-        density_ref: f64 = Variable::tunable(12, 1.2, Unit::KilogramPerCubicMetre, 0.1, 10.0),
+        density_ref: f64 = Variable::tunable(12, 1.2, Unit::KilogramPerCubicMetre, 0.1, 10.0)
+            .source("usual density of fan datasheets"),
         /// Exponent of the jet's decay with its section: 0.5 keeps momentum, 1 the flow (swirl)
-        decay: f64 = Variable::tunable(13, 0.5, Unit::One, 0.5, 1.0),
+        decay: f64 = Variable::tunable(13, 0.5, Unit::One, 0.5, 1.0)
+            .source("momentum of a free jet"),
         /// Pressure over pressure_max at 20 % of flow_max
-        p_20: f64 = Variable::tunable(20, 0.8, Unit::One, 0.0, 1.0),
+        p_20: f64 = Variable::tunable(20, 0.8, Unit::One, 0.0, 1.0)
+            .source("assumption: straight fan curve"),
         /// Pressure over pressure_max at 40 % of flow_max
-        p_40: f64 = Variable::tunable(21, 0.6, Unit::One, 0.0, 1.0),
+        p_40: f64 = Variable::tunable(21, 0.6, Unit::One, 0.0, 1.0)
+            .source("assumption: straight fan curve"),
         /// Pressure over pressure_max at 60 % of flow_max
-        p_60: f64 = Variable::tunable(22, 0.4, Unit::One, 0.0, 1.0),
+        p_60: f64 = Variable::tunable(22, 0.4, Unit::One, 0.0, 1.0)
+            .source("assumption: straight fan curve"),
         /// Pressure over pressure_max at 80 % of flow_max
-        p_80: f64 = Variable::tunable(23, 0.2, Unit::One, 0.0, 1.0),
+        p_80: f64 = Variable::tunable(23, 0.2, Unit::One, 0.0, 1.0)
+            .source("assumption: straight fan curve"),
     }
 }
 

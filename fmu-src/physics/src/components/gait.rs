@@ -60,25 +60,31 @@ variables! {
     /// Who walks, how, and what the actuator has to give.
     pub struct Gait {
         /// Mass of the body, that of what it carries included
-        body_mass: f64 = Variable::tunable(0, 75.0, Unit::Kilogram, 1.0, 500.0),
+        body_mass: f64 = Variable::tunable(0, 75.0, Unit::Kilogram, 1.0, 500.0)
+            .source("usual adult of gait studies"),
         /// What the person does
         activity: Activity = Variable::choice(1, 3),
         /// Which joint is loaded
         joint: Joint = Variable::choice(2, 3),
         /// Share of the biological torque that is asked of the actuator
-        support: f64 = Variable::tunable(3, 1.0, Unit::One, -2.0, 2.0),
+        support: f64 = Variable::tunable(3, 1.0, Unit::One, -2.0, 2.0)
+            .source("the whole biological torque"),
         /// Coefficient of variation from stride to stride, of stride time, range of angle and torque each
         variation: f64 = Variable::tunable(4, 0.0, Unit::One, 0.0, 0.2),
         /// Which series of random strides
-        seed: i32 = Variable::tunable_count(5, 1, 0, 1_000_000_000),
+        seed: i32 = Variable::tunable_count(5, 1, 0, 1_000_000_000)
+            .source("arbitrary"),
         /// Share of the stride, from heel strike, that is over at the start
         initial_phase: f64 = Variable::tunable(6, 0.0, Unit::One, 0.0, 1.0),
         /// Time at which the person sets out; ahead of the start of the simulation by more than the ramp, it walks from there on
-        start_time: f64 = Variable::tunable(7, -10.0, Unit::Second, -1e6, 1e9).nominal(10.0),
+        start_time: f64 = Variable::tunable(7, -10.0, Unit::Second, -1e6, 1e9).nominal(10.0)
+            .source("earlier than any start by more than the ramp"),
         /// Time at which the person begins to stop
-        stop_time: f64 = Variable::tunable(8, 1e9, Unit::Second, -1e6, 1e9).nominal(10.0),
+        stop_time: f64 = Variable::tunable(8, 1e9, Unit::Second, -1e6, 1e9).nominal(10.0)
+            .source("later than any stop"),
         /// Time that setting out and stopping take
-        ramp_time: f64 = Variable::tunable(9, 2.0, Unit::Second, 0.01, 1e3).log(),
+        ramp_time: f64 = Variable::tunable(9, 2.0, Unit::Second, 0.01, 1e3).log()
+            .source("estimate"),
     }
 }
 

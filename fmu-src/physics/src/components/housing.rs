@@ -34,15 +34,20 @@ variables! {
     /// Size and surface of the housing.
     pub struct Housing {
         /// Outer diameter of the motor
-        diameter: f64 = Variable::tunable(0, 0.030, Unit::Metre, 1e-3, 1.0).log(),
+        diameter: f64 = Variable::tunable(0, 0.030, Unit::Metre, 1e-3, 1.0).log()
+            .source("maxon datasheet 305015"),
         /// Length of the motor without its shaft
-        length: f64 = Variable::tunable(1, 0.064, Unit::Metre, 1e-3, 2.0).log(),
+        length: f64 = Variable::tunable(1, 0.064, Unit::Metre, 1e-3, 2.0).log()
+            .source("estimate: not in the text of the datasheet"),
         /// Thickness of the housing's wall, which conducts along the axis
-        thickness: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 0.1).log(),
+        thickness: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 0.1).log()
+            .source("estimate"),
         /// Thermal conductivity of the housing's wall
-        conductivity: f64 = Variable::tunable(3, 16.0, Unit::WattPerMetreKelvin, 0.1, 500.0).log(),
+        conductivity: f64 = Variable::tunable(3, 16.0, Unit::WattPerMetreKelvin, 0.1, 500.0).log()
+            .source("stainless steel"),
         /// Emissivity of the surface (0.22: stainless steel, cleaned)
-        emissivity: f64 = Variable::tunable(4, 0.22, Unit::One, 0.0, 1.0),
+        emissivity: f64 = Variable::tunable(4, 0.22, Unit::One, 0.0, 1.0)
+            .source("Incropera, 7th ed., table A.11: stainless steel, cleaned"),
         /// How the motor's axis lies
         orientation: Orientation = Variable::choice(5, 1),
     }

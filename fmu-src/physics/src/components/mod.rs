@@ -17,3 +17,4 @@ pub mod supply;
 pub mod thermal;
 pub mod torque_control;
 pub mod transmission;
+pub mod validity;

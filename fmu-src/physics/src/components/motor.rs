@@ -17,23 +17,32 @@ variables! {
     /// Data of the motor.
     pub struct Motor {
         /// Terminal resistance at T_ref
-        R_ref: f64 = Variable::tunable(0, 0.386, Unit::Ohm, 1e-4, 1e4).log(),
+        R_ref: f64 = Variable::tunable(0, 0.386, Unit::Ohm, 1e-4, 1e4).log()
+            .source("maxon datasheet 305015"),
         /// Temperature at which R_ref and k_t are given
-        T_ref: f64 = Variable::tunable(1, 298.15, Unit::Kelvin, 173.15, 473.15),
+        T_ref: f64 = Variable::tunable(1, 298.15, Unit::Kelvin, 173.15, 473.15)
+            .source("maxon datasheet 305015"),
         /// Temperature coefficient of the winding's resistance (copper 0.0039)
-        alpha: f64 = Variable::tunable(2, 0.0039, Unit::PerKelvin, 0.0, 0.0045),
+        alpha: f64 = Variable::tunable(2, 0.0039, Unit::PerKelvin, 0.0, 0.0045)
+            .source("copper, thesis eq. (2)"),
         /// Terminal inductance
-        L: f64 = Variable::tunable(3, 65.3e-6, Unit::Henry, 1e-7, 10.0).log(),
+        L: f64 = Variable::tunable(3, 65.3e-6, Unit::Henry, 1e-7, 10.0).log()
+            .source("maxon datasheet 305015"),
         /// Torque constant at T_ref, equal to the back-EMF constant in V.s/rad
-        k_t: f64 = Variable::tunable(4, 0.0276, Unit::NewtonMetrePerAmpere, 1e-5, 100.0).log(),
+        k_t: f64 = Variable::tunable(4, 0.0276, Unit::NewtonMetrePerAmpere, 1e-5, 100.0).log()
+            .source("maxon datasheet 305015"),
         /// Temperature coefficient of the torque constant (negative: magnets weaken when hot)
-        alpha_mag: f64 = Variable::tunable(5, -0.0012, Unit::PerKelvin, -0.004, 0.0).nominal(0.001),
+        alpha_mag: f64 = Variable::tunable(5, -0.0012, Unit::PerKelvin, -0.004, 0.0).nominal(0.001)
+            .source("NdFeB, thesis eq. (5)"),
         /// Moment of inertia of the rotor
-        J: f64 = Variable::tunable(6, 33.3e-7, Unit::KilogramSquareMetre, 1e-10, 10.0).log(),
+        J: f64 = Variable::tunable(6, 33.3e-7, Unit::KilogramSquareMetre, 1e-10, 10.0).log()
+            .source("maxon datasheet 305015"),
         /// Pole pairs: electrical over mechanical angle
-        pole_pairs: i32 = Variable::tunable_count(7, 2, 1, 100),
+        pole_pairs: i32 = Variable::tunable_count(7, 2, 1, 100)
+            .source("maxon datasheet 305015 (4 poles)"),
         /// Mass of the motor
-        mass: f64 = Variable::tunable(8, 0.3, Unit::Kilogram, 1e-4, 1e3).log(),
+        mass: f64 = Variable::tunable(8, 0.3, Unit::Kilogram, 1e-4, 1e3).log()
+            .source("maxon datasheet 305015"),
     }
 }
 

@@ -14,7 +14,8 @@ variables! {
     /// The spring between transmission and joint.
     pub struct SeriesSpring {
         /// Torque for each radian of deflection
-        stiffness: f64 = Variable::tunable(0, 250.0, Unit::NewtonMetrePerRadian, 1e-3, 1e7).log(),
+        stiffness: f64 = Variable::tunable(0, 250.0, Unit::NewtonMetrePerRadian, 1e-3, 1e7).log()
+            .source("estimate: series springs of powered ankles"),
         /// Torque for each rad/s of deflection's rate
         damping: f64 = Variable::tunable(1, 0.0, Unit::NewtonMetreSecond, 0.0, 1e5),
     }

@@ -12,9 +12,11 @@ variables! {
     /// The drive in front of the motor, as its supply sees it.
     pub struct Supply {
         /// Share of the supply's power that reaches the motor
-        efficiency: f64 = Variable::tunable(0, 1.0, Unit::One, 0.05, 1.0),
+        efficiency: f64 = Variable::tunable(0, 1.0, Unit::One, 0.05, 1.0)
+            .source("neutral: no loss"),
         /// Share of the power of a braking motor that the supply takes back, before the drive's losses
-        regeneration: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 1.0),
+        regeneration: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 1.0)
+            .source("neutral: no loss"),
         /// Power that the electronics take always
         standby_power: f64 = Variable::tunable(2, 0.0, Unit::Watt, 0.0, 1e4),
     }

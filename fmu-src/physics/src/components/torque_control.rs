@@ -23,25 +23,35 @@ variables! {
     /// The control, and what it believes of its motor: the declared values are those of preset maxon-305015.
     pub struct TorqueControl {
         /// Natural frequency of the torque's error
-        natural_frequency: f64 = Variable::tunable(0, 40.0, Unit::Hertz, 0.01, 1e4).log(),
+        natural_frequency: f64 = Variable::tunable(0, 40.0, Unit::Hertz, 0.01, 1e4).log()
+            .source("design choice"),
         /// Damping ratio of the torque's error
-        damping_ratio: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 10.0),
+        damping_ratio: f64 = Variable::tunable(1, 1.0, Unit::One, 0.0, 10.0)
+            .source("design choice: no overshoot"),
         /// Time constant of the filter that gives the demand's rate
-        filter_time: f64 = Variable::tunable(2, 0.002, Unit::Second, 1e-5, 10.0).log(),
+        filter_time: f64 = Variable::tunable(2, 0.002, Unit::Second, 1e-5, 10.0).log()
+            .source("design choice"),
         /// Greatest current of the drive
-        current_max: f64 = Variable::tunable(3, 30.0, Unit::Ampere, 0.0, 1e4),
+        current_max: f64 = Variable::tunable(3, 30.0, Unit::Ampere, 0.0, 1e4)
+            .source("design choice"),
         /// Bandwidth with which the voltage follows the current's error
-        current_bandwidth: f64 = Variable::tunable(4, 50.0, Unit::Hertz, 0.0, 1e4),
+        current_bandwidth: f64 = Variable::tunable(4, 50.0, Unit::Hertz, 0.0, 1e4)
+            .source("design choice"),
         /// Torque constant that the control counts with
-        k_t: f64 = Variable::tunable(5, 0.0276, Unit::NewtonMetrePerAmpere, 1e-6, 1e3).log(),
+        k_t: f64 = Variable::tunable(5, 0.0276, Unit::NewtonMetrePerAmpere, 1e-6, 1e3).log()
+            .source("maxon datasheet 305015"),
         /// Resistance that the control counts with
-        R: f64 = Variable::tunable(6, 0.386, Unit::Ohm, 1e-6, 1e4).log(),
+        R: f64 = Variable::tunable(6, 0.386, Unit::Ohm, 1e-6, 1e4).log()
+            .source("maxon datasheet 305015"),
         /// Moment of inertia of rotor and transmission that the control counts with
-        J: f64 = Variable::tunable(7, 33.3e-7, Unit::KilogramSquareMetre, 1e-12, 1e3).log(),
+        J: f64 = Variable::tunable(7, 33.3e-7, Unit::KilogramSquareMetre, 1e-12, 1e3).log()
+            .source("maxon datasheet 305015: rotor alone"),
         /// Dry friction of the motor that the control makes up for
-        tau_c: f64 = Variable::tunable(8, 9.83e-3, Unit::NewtonMetre, 0.0, 1e3),
+        tau_c: f64 = Variable::tunable(8, 9.83e-3, Unit::NewtonMetre, 0.0, 1e3)
+            .source("maxon datasheet 305015: no-load current 0.356 A times k_t"),
         /// Speed of the motor below which it makes up for less
-        w_small: f64 = Variable::tunable(9, 5.0, Unit::RadianPerSecond, 1e-6, 1e3).log(),
+        w_small: f64 = Variable::tunable(9, 5.0, Unit::RadianPerSecond, 1e-6, 1e3).log()
+            .source("regularisation width, chosen"),
     }
 }
 

@@ -44,27 +44,35 @@ variables! {
         /// What turns the motor's angle into the joint's
         kind: TransmissionKind = Variable::choice(0, 1),
         /// Turns of the motor for one of the spring's input; of a gear
-        ratio: f64 = Variable::tunable(1, 250.0, Unit::One, 0.1, 1e5).log(),
+        ratio: f64 = Variable::tunable(1, 250.0, Unit::One, 0.1, 1e5).log()
+            .source("estimate: docs/walking-study.md"),
         /// Way of the nut for one turn of the motor; of a ball screw
-        lead: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 1.0).log(),
+        lead: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 1.0).log()
+            .source("estimate: catalogue size of ball screws"),
         /// Length of the lever that the nut pushes; of a ball screw
-        lever: f64 = Variable::tunable(3, 0.06, Unit::Metre, 1e-4, 10.0).log(),
+        lever: f64 = Variable::tunable(3, 0.06, Unit::Metre, 1e-4, 10.0).log()
+            .source("estimate: lever of a powered ankle"),
         /// Angle of the spring's input at which the screw is square to the lever; of a ball screw
         neutral_angle: f64 = Variable::tunable(4, 0.0, Unit::Radian, -4.0, 4.0),
         /// Share of the power that reaches a driven load
-        efficiency: f64 = Variable::tunable(5, 0.85, Unit::One, 0.05, 1.0),
+        efficiency: f64 = Variable::tunable(5, 0.85, Unit::One, 0.05, 1.0)
+            .source("estimate: catalogues of planetary gears and ball screws"),
         /// Speed of the motor below which the loss falls to zero
-        w_small: f64 = Variable::tunable(6, 1.0, Unit::RadianPerSecond, 1e-6, 1e3).log(),
+        w_small: f64 = Variable::tunable(6, 1.0, Unit::RadianPerSecond, 1e-6, 1e3).log()
+            .source("regularisation width, chosen"),
         /// Play between transmission and spring, from one side to the other, at the joint
         backlash: f64 = Variable::tunable(7, 0.0, Unit::Radian, 0.0, 1.0).nominal(0.01),
         /// How the input shaft is coupled to the motor's
         coupling: Coupling = Variable::choice(8, 1),
         /// Moment of inertia of what turns with the input shaft; behind an elastic coupling
-        inertia: f64 = Variable::tunable(9, 1e-6, Unit::KilogramSquareMetre, 1e-12, 1e3).log(),
+        inertia: f64 = Variable::tunable(9, 1e-6, Unit::KilogramSquareMetre, 1e-12, 1e3).log()
+            .source("estimate"),
         /// Stiffness of an elastic coupling or belt
-        coupling_stiffness: f64 = Variable::tunable(10, 1.0, Unit::NewtonMetrePerRadian, 1e-6, 1e6).log(),
+        coupling_stiffness: f64 = Variable::tunable(10, 1.0, Unit::NewtonMetrePerRadian, 1e-6, 1e6).log()
+            .source("estimate"),
         /// Damping of an elastic coupling or belt
-        coupling_damping: f64 = Variable::tunable(11, 1e-4, Unit::NewtonMetreSecond, 0.0, 1e3),
+        coupling_damping: f64 = Variable::tunable(11, 1e-4, Unit::NewtonMetreSecond, 0.0, 1e3)
+            .source("estimate"),
     }
 }
 

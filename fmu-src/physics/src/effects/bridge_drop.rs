@@ -19,7 +19,8 @@ variables! {
         /// Resistance of the switches that conduct
         R_on: f64 = Variable::tunable(1, 0.0, Unit::Ohm, 0.0, 100.0).nominal(0.01),
         /// Current below which V_0 falls to zero
-        I_small: f64 = Variable::tunable(2, 0.05, Unit::Ampere, 1e-4, 1e3).log(),
+        I_small: f64 = Variable::tunable(2, 0.05, Unit::Ampere, 1e-4, 1e3).log()
+            .source("regularisation width, chosen"),
     }
 }
 

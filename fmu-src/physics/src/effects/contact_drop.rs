@@ -15,7 +15,8 @@ variables! {
         /// Voltage lost at full current; 0 switches the effect off
         V_b: f64 = Variable::tunable(0, 0.0, Unit::Volt, 0.0, 100.0),
         /// Current below which the voltage falls to zero
-        I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log(),
+        I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log()
+            .source("regularisation width, chosen"),
     }
 }
 

@@ -15,7 +15,8 @@ variables! {
         /// Share of the supply that is missed, 2 t_dead f_pwm; 0 switches the effect off
         share: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.5).nominal(0.01),
         /// Current below which it falls to zero
-        I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log(),
+        I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log()
+            .source("regularisation width, chosen"),
     }
 }
 

@@ -35,9 +35,11 @@ variables! {
     /// What of the terms can be tuned.
     pub struct Tuning {
         /// Multiplies all terms of resources/effects.json; 0 switches them off
-        gain: f64 = Variable::tunable(0, 1.0, Unit::One, -10.0, 10.0),
+        gain: f64 = Variable::tunable(0, 1.0, Unit::One, -10.0, 10.0)
+            .source("neutral: terms as stored"),
         /// Speed below which a drag of a term turns round
-        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log(),
+        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
+            .source("regularisation width, chosen"),
     }
 }
 

@@ -18,7 +18,8 @@ variables! {
         /// Torque per square root of speed; 0 switches the effect off
         k: f64 = Variable::tunable(0, 0.0, Unit::NewtonMetreRootSecond, 0.0, 10.0).nominal(1e-4),
         /// Speed below which the torque is proportional to speed
-        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log(),
+        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
+            .source("regularisation width, chosen"),
     }
 }
 

@@ -19,9 +19,11 @@ variables! {
         /// Friction torque per torque at the shaft; 0 switches the effect off
         mu: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
         /// Speed below which the friction torque falls to zero
-        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log(),
+        w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
+            .source("regularisation width, chosen"),
         /// Torque below which the friction falls with its square
-        tau_small: f64 = Variable::tunable(2, 1e-3, Unit::NewtonMetre, 1e-9, 10.0).log(),
+        tau_small: f64 = Variable::tunable(2, 1e-3, Unit::NewtonMetre, 1e-9, 10.0).log()
+            .source("regularisation width, chosen"),
     }
 }
 

@@ -13,7 +13,7 @@ use calibrate::experiment::{Experiment, Role, Run, Start};
 use calibrate::outcome::{Outcome, Setting};
 use calibrate::report::{ROLES, Replay, ReplayedChannel, role_name};
 use calibrate::simulate::Drive;
-use cosim::{Archive, Causality, Instance, Kind, Log, ModelDescription, Value, Variable};
+use cosim::{Archive, Causality, Instance, Kind, Log, ModelDescription, Step, Value, Variable};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -154,25 +154,35 @@ fn shown(
     let rows = drive.time.len();
     let mut shown = vec![Vec::with_capacity(rows); outputs.len()];
     let mut values = vec![0.0; outputs.len()];
+    let mut over = false;
     for k in 0..rows {
         fmu.get_f64(&outputs, &mut values)?;
         shown.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
         let Some(next) = drive.time.get(k + 1) else { break };
+        // An FMU that has reached a limit of validity stays there, as the native model does.
+        if over {
+            continue;
+        }
         let (from, to, t, h) = (row(k), row(k + 1), drive.time[k], next - drive.time[k]);
         if takes_slopes {
             let slopes: Vec<f64> = from.iter().zip(&to).map(|(a, b)| (b - a) / h).collect();
             fmu.set_input_derivatives(&inputs, &slopes)?;
-            fmu.do_step(t, h)?;
+            over = fmu.do_step(t, h)? == Step::Terminated;
         } else {
             let part = h / (2 * PAIRS) as f64;
             for n in 0..2 * PAIRS {
                 let share = held_at(n);
                 let held: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + share * (b - a)).collect();
                 fmu.set_f64(&inputs, &held)?;
-                fmu.do_step(t + n as f64 * part, part)?;
+                over = fmu.do_step(t + n as f64 * part, part)? == Step::Terminated;
+                if over {
+                    break;
+                }
             }
         }
-        fmu.set_f64(&inputs, &to)?;
+        if !over {
+            fmu.set_f64(&inputs, &to)?;
+        }
     }
     fmu.terminate()?;
     Ok(shown)

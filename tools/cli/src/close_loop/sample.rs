@@ -126,6 +126,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         curves: vec![curves("run-1.csv", Role::Fit), curves("run-2.csv", Role::Test)],
         settings: vec![export.clone(), export.clone()],
         export,
+        endings: Vec::new(),
         notes: vec!["run-1.csv: housing_temperature_degC reads -40 degC and is set aside as dead".to_owned()],
         seconds: 3.2,
     }

@@ -28,6 +28,8 @@ mod system;
 
 use super::network::Body;
 use super::{DriveMode, Inputs, MechanicalMode, Parameters};
+use crate::components::commutation::PhaseLoad;
+use crate::components::validity::Limits;
 use crate::effects::{Effect, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, State, System};
@@ -92,6 +94,8 @@ pub struct Constants {
     iron_in_core: bool,
     /// Where effects act.
     acts: Acts,
+    /// Where the equations end.
+    limits: Limits,
 }
 
 impl Constants {
@@ -119,11 +123,18 @@ impl Constants {
             has_network: body.is_some(),
             iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
             acts,
+            limits: Limits::new(parameters.validity, parameters.motor.T_ref, parameters.motor.alpha_mag),
         }
     }
 }
 
 impl Constants {
+    /// Where the equations end.
+    #[inline]
+    pub(super) fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
     /// How fast the true ambient temperature leaves the shown one, K/s.
     pub(super) fn drift(&self) -> f64 {
         self.drift
@@ -289,6 +300,22 @@ impl<'a> Step<'a> {
         self.model.motor.resistance(t_w + self.excess) * self.ports().winding_resistance()
     }
 
+    /// What heats and cools the phases in a state `t` seconds after the start of the step.
+    pub(super) fn phase_load(&self, t: f64, state: &State<NODES>) -> PhaseLoad {
+        let (i, t_w) = (state.x[0], state.temperature[WINDING]);
+        let (motor, ports) = (&self.model.motor, self.ports());
+        let square = (i * i + self.ripple_square()) * ports.winding_resistance();
+        // The input heat_power heats all phases alike.
+        let even = self.inputs.heat_power + self.slopes.heat_power * t;
+        PhaseLoad {
+            heat: motor.resistance(t_w) * square + ports.terminal_voltage(i) * i + self.heat.at(t) - even,
+            per_kelvin: motor.R_ref * motor.alpha * square,
+            capacity: self.capacity()[WINDING],
+            conductance: self.constants.across * ports.winding_housing_conductance(t_w)
+                + self.conductance_at(t).winding,
+        }
+    }
+
     /// The same equations with a network beyond the two nodes.
     #[inline]
     pub fn within(mut self, beyond: Beyond) -> Self {
@@ -395,10 +422,10 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Energy in the model's stores, J: magnetic and kinetic where they are its own, and heat above 0 K.
-    pub fn stored(&self, state: &State<NODES>) -> f64 {
+    /// Energy in the model's stores, J: magnetic and kinetic where they are its own, and heat above the temperature `origin`, K.
+    pub fn stored(&self, state: &State<NODES>, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
-        self.magnetic(i) + self.kinetic(w) + self.capacity().dot(&state.temperature)
+        self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
     }
 
     fn magnetic(&self, i: f64) -> f64 {

@@ -4,7 +4,7 @@ use super::states::{ALL, All};
 use super::{AnnulusCooledMotor, Indicators};
 use crate::components::commutation::Commutation;
 use crate::effects::Effect;
-use crate::exchange::{Exchange, Update, is_above};
+use crate::exchange::{Exchange, Update, is_above, is_reached};
 use crate::model::{Fault, Slot};
 use std::f64::consts::FRAC_PI_3;
 
@@ -97,7 +97,11 @@ impl AnnulusCooledMotor {
             Commutation::EquivalentDc | Commutation::Sinusoidal => 1.0,
         };
         let hottest = self.state.temperature[0] + self.phases.hottest();
-        Indicators { over_temperature: hottest - self.parameters.thermal.T_w_max, commutation_sector: sector }
+        Indicators {
+            over_temperature: hottest - self.parameters.thermal.T_w_max,
+            commutation_sector: sector,
+            validity_limit: self.constants.limits().beyond(&self.extremes()),
+        }
     }
 }
 
@@ -149,7 +153,7 @@ impl Exchange for AnnulusCooledMotor {
         self.tell_effects(self.time);
         if let Some(mut held) = self.held {
             // What the capacities hold more or less because a term has changed them is no error of the books.
-            let heat = self.constants.heat(&self.state.temperature);
+            let heat = self.constants.heat(&self.state.temperature, self.t_start);
             self.stored_at_start += heat - heat * held.booked / self.capacity_factor;
             held.booked = self.capacity_factor;
             self.held = Some(held);
@@ -183,5 +187,10 @@ impl Exchange for AnnulusCooledMotor {
 
     fn next_event(&self) -> f64 {
         self.parameters.effects.next_event(self.time)
+    }
+
+    fn ending(&mut self) -> Option<String> {
+        let is_over = is_reached(self.constants.limits().beyond(&self.extremes()));
+        is_over.then(|| self.ending_sentence(self.time))
     }
 }

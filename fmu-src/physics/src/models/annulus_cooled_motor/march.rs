@@ -5,10 +5,12 @@
 //! was not good enough is cut. At a step of milliseconds, one piece is enough.
 
 use super::network::{Network, Passage};
-use super::{AnnulusCooledMotor, Beyond, DriveMode, Inputs, Line, NODES, Parameters, Step};
-use crate::components::commutation::{Commutation, PHASES};
+use super::{AnnulusCooledMotor, Beyond, Inputs, Line, NODES, Parameters, Step};
+use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::effects::{Effect, PerNode};
+use crate::components::validity::Extremes;
+use crate::ending::Halt;
 use crate::model::Fault;
 use crate::solver::split::State;
 use crate::solver::stabilized::States;
@@ -21,9 +23,9 @@ const MOVE: [f64; 3] = [0.02, 0.25, 500.0];
 impl AnnulusCooledMotor {
     /// A step without an event in it.
     #[inline]
-    pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         if let Some(fault) = &self.fault {
-            return Err(Fault(fault.clone()));
+            return Err(Halt::Fault(Fault(fault.clone())));
         }
         if self.holds_states() {
             self.tell_effects_middle(time, h)?;
@@ -35,7 +37,7 @@ impl AnnulusCooledMotor {
 
     /// A step with what the effects were told.
     #[inline]
-    pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.housing_temperature();
         if self.network.is_some() {
             self.advance_in_pieces(time, h)?;
@@ -46,13 +48,21 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         self.follow_cooling();
+        let excess = self.mean_excess(h);
         let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, time)
-            .with_excess(self.excess());
+            .with_excess(excess);
         let before = self.state;
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
-        self.warm_phases(&before, h);
+        let phases = self.phases.over(&step, [&before, &self.state], h, &self.parameters);
+        let [winding, core] = [self.state.temperature[0], self.state.temperature[1]];
+        let extremes = Extremes { winding: winding + phases.hottest(), magnets: core, lowest: winding.min(core) };
+        if self.constants.limits().are_passed(&extremes) {
+            self.state = before;
+            return Err(Halt::Limit);
+        }
+        self.phases = phases;
         self.arrive(time + h, h);
         self.slopes = Inputs::ZERO;
         Ok(())
@@ -77,7 +87,7 @@ impl AnnulusCooledMotor {
         ))
     }
 
-    fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let longest = h.min(self.longest_piece());
         let mut trial = self.network.as_ref().map_or(h, |n| n.piece).min(longest);
         if trial >= h {
@@ -98,7 +108,7 @@ impl AnnulusCooledMotor {
             if piece < LEAST_SHARE * h {
                 let fault = self.stuck(time, done, piece);
                 *self = before;
-                return Err(fault);
+                return Err(fault.into());
             }
             match self.piece(time + done, piece) {
                 Ok(Ok(())) => {
@@ -109,9 +119,9 @@ impl AnnulusCooledMotor {
                     }
                 }
                 Ok(Err(shorter)) => trial = shorter,
-                Err(fault) => {
+                Err(halt) => {
                     *self = before;
-                    return Err(fault);
+                    return Err(halt);
                 }
             }
         }
@@ -129,11 +139,11 @@ impl AnnulusCooledMotor {
     }
 
     /// One piece of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
-    fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Fault> {
+    fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         let ambient = self.ambient(time);
         let still = self.slopes == Inputs::ZERO;
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
-        let excess = self.excess();
+        let excess = self.mean_excess(h);
         let Some(network) = &mut self.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, 0.0);
@@ -159,7 +169,7 @@ impl AnnulusCooledMotor {
         let step = step.within(beyond(network, draught, ambient, Some(&rates)));
         let mut next = state;
         if let Err(stuck) = split.advance(&step, &mut next, h) {
-            return Err(self.stuck(time, stuck.t, stuck.h));
+            return Err(self.stuck(time, stuck.t, stuck.h).into());
         }
         let passed = next.passed;
         let passage =
@@ -169,11 +179,16 @@ impl AnnulusCooledMotor {
             let shrink = 0.8 / advance.error.cbrt();
             return Ok(Err(h * if shrink.is_finite() { shrink.clamp(0.1, 0.7) } else { 0.1 }));
         }
+        let phases = self.phases.over(&step, [&state, &next], h, p);
+        let (winding, magnets) = (next.temperature[0], network.rotor_ahead());
+        let extremes = Extremes { winding: winding + phases.hottest(), magnets, lowest: winding.min(magnets) };
+        if constants.limits().are_passed(&extremes) {
+            return Err(Halt::Limit);
+        }
         network.accept();
         network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
-        self.state = next;
-        self.warm_phases(&state, h);
+        (self.state, self.phases) = (next, phases);
         self.arrive(time + h, h);
         Ok(Ok(()))
     }
@@ -205,33 +220,24 @@ impl AnnulusCooledMotor {
 
     /// Rates of how far the phases are above the mean winding, K/s.
     pub(super) fn phase_rates(&self) -> [f64; PHASES] {
-        let thermal = &self.parameters.thermal;
-        let heat = self.phase_loss(&self.state, self.inputs.electrical_power);
-        self.phases.rates(heat, &self.shares_now(), thermal.C_w, thermal.R_wh)
+        let load = self.equations().phase_load(0.0, &self.state);
+        self.phases.rates(&load, &self.shares_now())
     }
 
-    /// Copper loss that the phases share, W, with this input electrical_power.
-    fn phase_loss(&self, state: &State<NODES>, power: f64) -> f64 {
-        let p = &self.parameters;
-        let copper = p.motor.resistance(state.temperature[0]) * state.x[0] * state.x[0];
-        match p.choices.drive_mode {
-            DriveMode::Power => copper + power * (1.0 - p.effects.drive_loss()),
-            _ => copper,
+    /// How far the phases that carry the current are above the mean winding in the middle of the next `h` seconds, K: with it
+    /// over the whole step, the resistance is of second order in the step.
+    fn mean_excess(&self, h: f64) -> f64 {
+        let commutation = self.parameters.choices.commutation;
+        if commutation == Commutation::EquivalentDc {
+            return 0.0;
         }
-    }
-
-    /// The phases after `h` seconds that led from one state to the present one.
-    #[inline]
-    fn warm_phases(&mut self, from: &State<NODES>, h: f64) {
-        let p = &self.parameters;
-        if p.choices.commutation == Commutation::EquivalentDc {
-            return;
-        }
-        let (a, b) = (self.electrical_angle(from), self.electrical_angle(&self.state));
-        let shares = p.choices.commutation.shares(a, b);
-        let power = self.inputs.electrical_power + 0.5 * h * self.slopes.electrical_power;
-        let heat = 0.5 * (self.phase_loss(from, power) + self.phase_loss(&self.state, power));
-        self.phases = self.phases.after(h, heat, &shares, p.thermal.C_w, p.thermal.R_wh);
+        let load = self.equations().phase_load(0.0, &self.state);
+        let (a, way) = (
+            self.electrical_angle(&self.state),
+            h * self.state.x[1] * f64::from(self.parameters.motor.pole_pairs),
+        );
+        let middle = self.phases.after(0.5 * h, &load, &commutation.shares(a, a + 0.5 * way));
+        middle.in_use(&commutation.shares(a, a + way))
     }
 
     /// The true ambient temperature over a piece that begins at `time`, K.
@@ -259,6 +265,20 @@ impl AnnulusCooledMotor {
         let Some(network) = &self.network else { return Beyond::default() };
         let draught = draught(&self.parameters, self.inputs.fan_command);
         beyond(network, draught, self.ambient(self.time), None)
+    }
+}
+
+impl Phases {
+    /// The phases after `h` seconds of a step that led from one state to another.
+    #[inline]
+    fn over(&self, step: &Step, [from, to]: [&State<NODES>; 2], h: f64, parameters: &Parameters) -> Phases {
+        let commutation = parameters.choices.commutation;
+        if commutation == Commutation::EquivalentDc {
+            return *self;
+        }
+        let load = step.phase_load(0.0, from).middle(&step.phase_load(h, to));
+        let pairs = f64::from(parameters.motor.pole_pairs);
+        self.after(h, &load, &commutation.shares(from.angle * pairs, to.angle * pairs))
     }
 }
 

@@ -22,7 +22,9 @@ use crate::components::fan::Fan;
 use crate::components::housing::Housing;
 use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
+use crate::components::validity::{Extremes, Validity};
 use crate::effects::{Effect, Effects, IMMINENT, PerNode};
+use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split, State};
@@ -48,6 +50,8 @@ pub struct Parameters {
     pub fan: Fan,
     /// The tube around the motor.
     pub annulus: Annulus,
+    /// Where the equations end.
+    pub validity: Validity,
     /// Effects, each off by default.
     pub effects: Effects,
 }
@@ -61,6 +65,7 @@ groups! {
         "housing." @ 400 => housing: Housing,
         "fan." @ 500 => fan: Fan,
         "annulus." @ 600 => annulus: Annulus,
+        "validity." @ 650 => validity: Validity,
     } then effects: Effects
 }
 
@@ -104,7 +109,7 @@ pub struct AnnulusCooledMotor {
     state: State<NODES>,
     /// The temperature that the housing's sensor has reached, K.
     t_sensor: f64,
-    /// The temperature at the start, K.
+    /// The temperature at the start, K; stored heat counts from it.
     t_start: f64,
     /// Multiplies the heat capacities of [`Constants`].
     capacity_factor: f64,
@@ -121,6 +126,8 @@ pub struct AnnulusCooledMotor {
     followed: Followed,
     /// What is wrong with the parameters taken together.
     fault: Option<String>,
+    /// Whether the last step ended at a limit of validity.
+    ended: bool,
     outputs_are_stale: bool,
     books_are_stale: bool,
 }
@@ -175,6 +182,7 @@ impl Default for AnnulusCooledMotor {
             held: None,
             followed: Followed::default(),
             fault: None,
+            ended: false,
             outputs_are_stale: true,
             books_are_stale: true,
         }
@@ -221,7 +229,7 @@ impl AnnulusCooledMotor {
 
     /// The equations with the cooling as it is kept.
     #[inline]
-    fn equations(&self) -> Step<'_> {
+    pub(super) fn equations(&self) -> Step<'_> {
         let step =
             Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, self.time)
                 .with_excess(self.excess());
@@ -235,8 +243,8 @@ impl AnnulusCooledMotor {
     /// Energy in all stores, J.
     fn stored(&self) -> f64 {
         let state = self.state;
-        let beyond = self.network.as_ref().map_or(0.0, Network::stored);
-        self.equations().stored(&state) + beyond
+        let beyond = self.network.as_ref().map_or(0.0, |n| n.stored(self.t_start));
+        self.equations().stored(&state, self.t_start) + beyond
     }
 
     /// Draws the consequences of parameters that were written.
@@ -263,7 +271,7 @@ impl AnnulusCooledMotor {
         self.follow_cooling();
         let (step, network) = (self.equations(), self.network.as_ref());
         if books {
-            self.books = step.books(&self.state, self.stored_at_start, network);
+            self.books = step.books(&self.state, (self.t_start, self.stored_at_start), network);
             self.books_are_stale = false;
         } else {
             self.outputs = step.outputs(&self.state, self.t_sensor, network, &self.phases);
@@ -300,6 +308,45 @@ impl AnnulusCooledMotor {
             MechanicalMode::ImposedSpeed => self.state.x[1] = self.inputs.imposed_speed,
         }
         self.outdate();
+    }
+
+    /// A step, cut at the events within it.
+    fn step_over_events(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+        if !self.constants.eventful {
+            return self.advance(time, h);
+        }
+        let end = time + h;
+        let event = self.parameters.effects.next_event(time);
+        if event < end - IMMINENT {
+            // An event within the step: up to it and on from it, or nothing of both.
+            let (before, slopes) = (self.clone(), self.slopes);
+            let outcome = self.advance(time, event - time).and_then(|()| {
+                self.slopes = slopes;
+                self.step_over_events(event, end - event)
+            });
+            match outcome {
+                Ok(()) => self.time = end,
+                Err(_) => *self = before,
+            }
+            return outcome;
+        }
+        self.advance(time, h)
+    }
+
+    /// The temperatures that are limited.
+    pub(super) fn extremes(&self) -> Extremes {
+        let [winding, core] = [self.state.temperature[0], self.state.temperature[1]];
+        let magnets = self.network.as_ref().map_or(core, Network::rotor_temperature);
+        Extremes { winding: winding + self.phases.hottest(), magnets, lowest: winding.min(magnets) }
+    }
+
+    /// Why the run ends at `time`, s.
+    pub(super) fn ending_sentence(&mut self, time: f64) -> String {
+        self.refresh_outputs(true);
+        let books = &self.books;
+        let heat = self.inputs.heat_power + self.parameters.effects.winding_heat();
+        let flows = [books.loss_copper + books.loss_friction + heat, books.heat_to_ambient - books.loss_drive];
+        self.constants.limits().sentence(&self.extremes(), time, flows)
     }
 }
 
@@ -390,25 +437,19 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        if !self.constants.eventful {
-            return self.advance(time, h);
-        }
-        let end = time + h;
-        let event = self.parameters.effects.next_event(time);
-        if event < end - IMMINENT {
-            // An event within the step: up to it and on from it, or nothing of both.
-            let (before, slopes) = (self.clone(), self.slopes);
-            let outcome = self.advance(time, event - time).and_then(|()| {
-                self.slopes = slopes;
-                self.step(event, end - event)
-            });
-            match outcome {
-                Ok(()) => self.time = end,
-                Err(_) => *self = before,
-            }
-            return outcome;
-        }
-        self.advance(time, h)
+        self.ended = false;
+        let slopes = self.slopes;
+        let Err(halt) = self.step_over_events(time, h) else { return Ok(()) };
+        let at = approach(self, (time, h), halt, |motor, at, h| {
+            motor.slopes = slopes;
+            motor.step_over_events(at, h)
+        })?;
+        (self.ended, self.slopes) = (true, Inputs::ZERO);
+        Err(Fault(self.ending_sentence(at)))
+    }
+
+    fn ended(&self) -> bool {
+        self.ended
     }
 
     fn time(&self) -> f64 {
@@ -418,7 +459,6 @@ impl Model for AnnulusCooledMotor {
     fn save(&self, out: &mut Vec<f64>) {
         self.push_saved(out);
     }
-
     fn restore(&mut self, saved: &[f64]) -> bool {
         match self.with_saved(saved) {
             Some(restored) => {

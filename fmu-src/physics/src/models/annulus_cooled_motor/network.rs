@@ -138,6 +138,12 @@ impl Network {
         if self.body.has(ROTOR) { self.states[ROTOR] } else { self.housing_temperature() }
     }
 
+    /// The same at the end of the last piece, before it is accepted.
+    pub fn rotor_ahead(&self) -> f64 {
+        let next = &self.next;
+        if self.body.has(ROTOR) { next[ROTOR] } else { mean(&next[FIRST..FIRST + self.body.segments]) }
+    }
+
     /// Temperatures by place ([`Body::nodes`]), K.
     pub fn temperatures(&self) -> &States {
         &self.states
@@ -148,10 +154,11 @@ impl Network {
         &mut self.states
     }
 
-    /// Energy stored in the network above 0 K, J.
-    pub fn stored(&self) -> f64 {
+    /// Heat stored in the network above the temperature `origin`, K, in J.
+    pub fn stored(&self, origin: f64) -> f64 {
         let [rotor, tube, segment] = self.body.capacity;
-        rotor * self.states[ROTOR] + tube * self.states[TUBE] + segment * self.housing().iter().sum::<f64>()
+        let housing: f64 = self.housing().iter().map(|t| t - origin).sum();
+        rotor * (self.states[ROTOR] - origin) + tube * (self.states[TUBE] - origin) + segment * housing
     }
 
     /// Temperatures and what the next step depends on.

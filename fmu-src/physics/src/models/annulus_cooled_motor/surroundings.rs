@@ -3,7 +3,8 @@
 use super::{AnnulusCooledMotor, DriveMode, Inputs, MechanicalMode, Network, Temperatures};
 use crate::components::sensor::lagged;
 use crate::effects::{Effect, PerNode, Port};
-use crate::model::{Fault, Node};
+use crate::ending::Halt;
+use crate::model::Node;
 use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
 use crate::terms::Drivers;
 
@@ -37,12 +38,12 @@ impl AnnulusCooledMotor {
     fn follow_capacity(&mut self) {
         let factor = self.parameters.effects.heat_capacity();
         if factor != self.capacity_factor {
-            let before = self.constants.heat(&self.state.temperature);
+            let before = self.constants.heat(&self.state.temperature, self.t_start);
             self.capacity_factor = factor;
             self.follow_parameters();
             // Who integrates also says when a step is taken (`exchange.rs`); until then nothing is booked.
             if self.held.is_none() {
-                self.stored_at_start += self.constants.heat(&self.state.temperature) - before;
+                self.stored_at_start += self.constants.heat(&self.state.temperature, self.t_start) - before;
             }
         }
     }
@@ -59,7 +60,7 @@ impl AnnulusCooledMotor {
 
     /// Tells the effects that are data the middle of a step of `h` seconds, whose end a first pass finds: what they hold over it is
     /// then of second order in the step, also where it follows a current that answers within milliseconds.
-    pub(super) fn tell_effects_middle(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    pub(super) fn tell_effects_middle(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.clone();
         let from = self.drivers_over(time, 0.0);
         self.tell_effects_over(time, h);

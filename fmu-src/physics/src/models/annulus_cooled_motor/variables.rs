@@ -55,7 +55,8 @@ variables! {
         /// How current is given to the phases
         commutation: Commutation = Variable::choice(83, 1),
         /// Segments of the housing along its axis (not in cooling_mode conductance)
-        air_segments: i32 = Variable::count(84, 8, 1, 64),
+        air_segments: i32 = Variable::count(84, 8, 1, 64)
+            .source("grid study: physics/tests/network.rs"),
     }
 }
 
@@ -75,9 +76,11 @@ variables! {
         /// Command to the fan, 0 off, 1 full speed
         fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0),
         /// Temperature of the surroundings as shown; every node starts at the true one
-        ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0),
+        ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
+            .source("reference temperature of the maxon datasheet"),
         /// Pressure of the surrounding air (altitude); without effect in cooling_mode conductance
-        ambient_pressure: f64 = Variable::input(8, 101_325.0, Unit::Pascal, 1e4, 2e5).nominal(1e5),
+        ambient_pressure: f64 = Variable::input(8, 101_325.0, Unit::Pascal, 1e4, 2e5).nominal(1e5)
+            .source("standard atmosphere, ISO 2533"),
         /// Electrical power that heats the winding, less what the drive loses (drive_mode power)
         electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
         /// Further heat set free in the winding
@@ -155,8 +158,7 @@ variables! {
         /// Heat given to the surroundings since the start, without the power of the fan
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
         /// Energy taken in, less given out, less stored, since the start; zero but for rounding
-        // What is stored counts from 0 K: it is the rounding of so much that is left.
-        energy_balance_error: f64 = Variable::output(48, Unit::Joule).nominal(1e5),
+        energy_balance_error: f64 = Variable::output(48, Unit::Joule),
     }
 }
 
@@ -167,6 +169,8 @@ variables! {
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
         /// Residual that changes its sign with the sector of block commutation; 1 in any other commutation
         commutation_sector: f64 = Variable::local(902, Unit::One),
+        /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
+        validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),
     }
 }
 

@@ -30,6 +30,7 @@ pub use outputs::Opening;
 
 use super::{Inputs, Parameters};
 use crate::components::chopper::{Bridge, Cycle};
+use crate::components::validity::Limits;
 use crate::effects::{Effect, Number, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, System};
@@ -77,6 +78,8 @@ pub struct Constants {
     inverse_capacity: Temperatures,
     /// Conductances of the effects from winding and housing to the box, W/K.
     to_box: PerNode,
+    /// Where the equations end.
+    limits: Limits,
 }
 
 impl Constants {
@@ -90,7 +93,14 @@ impl Constants {
             capacity,
             inverse_capacity: capacity.map(|c| 1.0 / c),
             to_box: parameters.effects.ambient_conductance(0.0),
+            limits: Limits::new(parameters.validity.into(), motor.T_ref, motor.alpha_mag),
         }
+    }
+
+    /// Where the equations end.
+    #[inline]
+    pub(super) fn limits(&self) -> &Limits {
+        &self.limits
     }
 }
 
@@ -215,10 +225,11 @@ impl<'a> Step<'a> {
         ]
     }
 
-    /// Energy in the model's stores, J: magnetic, kinetic, and heat above 0 K.
-    pub fn stored(&self, state: &State) -> f64 {
+    /// Energy in the model's stores, J: magnetic, kinetic, and heat above the temperature `origin`, K.
+    pub fn stored(&self, state: &State, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
-        self.magnetic(i) + self.kinetic(w) + self.constants.capacity.dot(&state.temperature)
+        let heat = self.constants.capacity.dot(&state.temperature.add_scalar(-origin));
+        self.magnetic(i) + self.kinetic(w) + heat
     }
 
     fn magnetic(&self, i: f64) -> f64 {

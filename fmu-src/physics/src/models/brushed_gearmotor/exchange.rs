@@ -3,7 +3,7 @@
 
 use super::{BrushedGearmotor, ENERGIES, Indicators, NODES, STATES, State, Step};
 use crate::effects::Effect;
-use crate::exchange::{Exchange, Update, is_above};
+use crate::exchange::{Exchange, Update, is_above, is_reached};
 use crate::model::{Fault, Slot};
 use declare::{Unit, states};
 
@@ -82,7 +82,11 @@ impl BrushedGearmotor {
     /// The event indicators at the present time, states and inputs.
     pub(super) fn indicate(&self) -> Indicators {
         let over_temperature = self.state.temperature[0] - self.parameters.thermal.T_w_max;
-        Indicators { over_temperature, bridge_direction: self.inputs.duty }
+        Indicators {
+            over_temperature,
+            bridge_direction: self.inputs.duty,
+            validity_limit: self.constants.limits().beyond(&self.extremes()),
+        }
     }
 
     fn all_states(&self) -> [f64; STATES] {
@@ -161,5 +165,10 @@ impl Exchange for BrushedGearmotor {
 
     fn next_event(&self) -> f64 {
         self.parameters.effects.next_event(self.time)
+    }
+
+    fn ending(&mut self) -> Option<String> {
+        let is_over = is_reached(self.constants.limits().beyond(&self.extremes()));
+        is_over.then(|| self.ending_sentence(self.time))
     }
 }

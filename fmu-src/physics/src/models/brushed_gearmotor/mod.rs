@@ -16,7 +16,9 @@ use crate::components::armature::Armature;
 use crate::components::chopper::Drive;
 use crate::components::enclosure::Enclosure;
 use crate::components::gear::Gear;
+use crate::components::validity::{BrushedValidity, Extremes};
 use crate::effects::{Effect, Effects, IMMINENT};
+use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split};
@@ -34,6 +36,8 @@ pub struct Parameters {
     pub gear: Gear,
     /// The H-bridge.
     pub drive: Drive,
+    /// Where the equations end.
+    pub validity: BrushedValidity,
     /// Effects, each off by default.
     pub effects: Effects,
 }
@@ -44,6 +48,7 @@ groups! {
         "thermal." @ 200 => thermal: Enclosure,
         "gear." @ 300 => gear: Gear,
         "drive." @ 400 => drive: Drive,
+        "validity." @ 650 => validity: BrushedValidity,
     } then effects: Effects
 }
 
@@ -60,10 +65,14 @@ pub struct BrushedGearmotor {
     slopes: Inputs,
     time: f64,
     state: State,
+    /// The temperature at the start, K; stored heat counts from it.
+    t_start: f64,
     opening: Opening,
     split: Split<NODES>,
     /// What is held between events, where the caller integrates.
     held: Option<Held>,
+    /// Whether the last step ended at a limit of validity.
+    ended: bool,
     outputs_are_stale: bool,
 }
 
@@ -105,9 +114,11 @@ impl Default for BrushedGearmotor {
             slopes: Inputs::ZERO,
             time: 0.0,
             state: at_rest(0.0),
+            t_start: 0.0,
             opening: Opening::default(),
             split: Split::default(),
             held: None,
+            ended: false,
             outputs_are_stale: true,
         }
     }
@@ -146,7 +157,7 @@ impl BrushedGearmotor {
 
     fn refresh_outputs(&mut self) {
         if self.outputs_are_stale {
-            self.outputs = self.step_equations().outputs(&self.state, &self.opening);
+            self.outputs = self.step_equations().outputs(&self.state, self.t_start, &self.opening);
             if let Some(held) = &self.held {
                 self.outputs.over_temperature = held.over_temperature;
             }
@@ -155,7 +166,8 @@ impl BrushedGearmotor {
     }
 
     /// A step without an event in it.
-    fn advance(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+    fn advance(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+        let before = self.state;
         let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, time);
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| {
             Fault(format!(
@@ -164,6 +176,10 @@ impl BrushedGearmotor {
                 stuck.t, time, stuck.h, self.state.x[0], self.state.x[1], self.state.temperature[0]
             ))
         })?;
+        if self.constants.limits().are_passed(&self.extremes()) {
+            self.state = before;
+            return Err(Halt::Limit);
+        }
         if self.slopes != Inputs::ZERO {
             self.inputs = self.inputs.after(h, &self.slopes);
             self.slopes = Inputs::ZERO;
@@ -171,6 +187,45 @@ impl BrushedGearmotor {
         self.time = time + h;
         self.outputs_are_stale = true;
         Ok(())
+    }
+
+    /// The temperatures that are limited.
+    fn extremes(&self) -> Extremes {
+        let (winding, magnets) = (self.state.temperature[0], self.state.temperature[1]);
+        Extremes { winding, magnets, lowest: winding.min(magnets) }
+    }
+
+    /// Why the run ends at `time`, s.
+    fn ending_sentence(&mut self, time: f64) -> String {
+        self.outputs_are_stale = true;
+        self.refresh_outputs();
+        let shown = &self.outputs;
+        let flows = [shown.loss_copper + shown.loss_friction, shown.heat_to_ambient - shown.loss_drive];
+        self.constants.limits().sentence(&self.extremes(), time, flows)
+    }
+
+    /// A step, cut at the events within it.
+    fn step_over_events(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+        let end = time + h;
+        let event = self.next_event(time);
+        if event >= end - IMMINENT {
+            return self.advance(time, h);
+        }
+        // An event within the step: up to it and on from it, or nothing of both.
+        let (before, slopes) = (self.clone(), self.slopes);
+        let outcome = self.advance(time, event - time).and_then(|()| {
+            self.slopes = slopes;
+            if event == time + Step::turns(before.inputs.duty, slopes.duty) {
+                // Exactly zero, so that rounding finds no second turn.
+                self.inputs.duty = 0.0;
+            }
+            self.step_over_events(event, end - event)
+        });
+        match outcome {
+            Ok(()) => self.time = end,
+            Err(_) => *self = before,
+        }
+        outcome
     }
 
     /// The first event after `time`, s: a port of the effects jumps, or the duty changes its sign.
@@ -201,11 +256,11 @@ impl Model for BrushedGearmotor {
     fn set(&mut self, slot: Slot, value: f64) -> bool {
         let group = slot.group as usize;
         // A parameter that changes on the way changes what the stores hold; the books start anew from there.
-        let before = (group > INDICATORS).then(|| self.step_equations().opening(&self.state));
+        let before = (group > INDICATORS).then(|| self.step_equations().opening(&self.state, self.t_start));
         let taken = self.set_value(group, slot.row as usize, value);
         if let Some(before) = before {
             self.constants = Constants::of(&self.parameters);
-            self.opening = self.opening + self.step_equations().opening(&self.state) - before;
+            self.opening = self.opening + self.step_equations().opening(&self.state, self.t_start) - before;
         }
         self.outputs_are_stale = true;
         taken
@@ -220,10 +275,11 @@ impl Model for BrushedGearmotor {
     fn start(&mut self, time: f64) -> Result<(), Fault> {
         self.time = time;
         let drift = self.parameters.effects.ambient_sensor() * time;
-        self.state = at_rest(self.inputs.ambient_temperature + drift);
+        self.t_start = self.inputs.ambient_temperature + drift;
+        self.state = at_rest(self.t_start);
         self.split = Split::default();
         self.constants = Constants::of(&self.parameters);
-        self.opening = self.step_equations().opening(&self.state);
+        self.opening = self.step_equations().opening(&self.state, self.t_start);
         self.outputs_are_stale = true;
         self.hold_start();
         Ok(())
@@ -240,32 +296,25 @@ impl Model for BrushedGearmotor {
             return false;
         };
         self.state.temperature = Temperatures::new(winding, housing, enclosure);
-        self.opening = self.step_equations().opening(&self.state);
+        self.opening = self.step_equations().opening(&self.state, self.t_start);
         self.outputs_are_stale = true;
         true
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        let end = time + h;
-        let event = self.next_event(time);
-        if event >= end - IMMINENT {
-            return self.advance(time, h);
-        }
-        // An event within the step: up to it and on from it, or nothing of both.
-        let (before, slopes) = (self.clone(), self.slopes);
-        let outcome = self.advance(time, event - time).and_then(|()| {
-            self.slopes = slopes;
-            if event == time + Step::turns(before.inputs.duty, slopes.duty) {
-                // Exactly zero, so that rounding finds no second turn.
-                self.inputs.duty = 0.0;
-            }
-            self.step(event, end - event)
-        });
-        match outcome {
-            Ok(()) => self.time = end,
-            Err(_) => *self = before,
-        }
-        outcome
+        self.ended = false;
+        let slopes = self.slopes;
+        let Err(halt) = self.step_over_events(time, h) else { return Ok(()) };
+        let at = approach(self, (time, h), halt, |motor, at, h| {
+            motor.slopes = slopes;
+            motor.step_over_events(at, h)
+        })?;
+        (self.ended, self.slopes) = (true, Inputs::ZERO);
+        Err(Fault(self.ending_sentence(at)))
+    }
+
+    fn ended(&self) -> bool {
+        self.ended
     }
 
     fn time(&self) -> f64 {
@@ -279,7 +328,7 @@ impl Model for BrushedGearmotor {
         out.extend(
             (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
         );
-        out.extend([self.time, f64::from(u8::from(self.outputs_are_stale))]);
+        out.extend([self.time, self.t_start, f64::from(u8::from(self.outputs_are_stale))]);
         out.extend([self.opening.stored, self.opening.magnetic, self.opening.kinetic]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
@@ -302,6 +351,7 @@ impl Model for BrushedGearmotor {
                 declare::Group::set(&mut copy.slopes, row, next()?);
             }
             copy.time = next()?;
+            copy.t_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;
             copy.opening = Opening { stored: next()?, magnetic: next()?, kinetic: next()? };
             copy.state = State::from_numbers(&mut next)?;

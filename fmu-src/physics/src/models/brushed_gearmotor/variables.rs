@@ -8,11 +8,13 @@ variables! {
         /// Share of each switching period with the supply on, negative for reverse; 0 opens all switches
         duty: f64 = Variable::input(1, 0.0, Unit::One, -1.0, 1.0),
         /// Voltage of the supply in front of the H-bridge
-        supply_voltage: f64 = Variable::input(2, 12.0, Unit::Volt, 0.0, 1e4).nominal(12.0),
+        supply_voltage: f64 = Variable::input(2, 12.0, Unit::Volt, 0.0, 1e4).nominal(12.0)
+            .source("paper in seeds (gearmotor 37D), section 2.5"),
         /// Torque that the load takes from the output shaft
         load_torque: f64 = Variable::input(3, 0.0, Unit::NewtonMetre, -1e6, 1e6).nominal(0.1),
         /// Temperature of the surroundings of the box as shown; every node starts at the true one
-        ambient_temperature: f64 = Variable::input(4, 293.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0),
+        ambient_temperature: f64 = Variable::input(4, 293.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
+            .source("paper in seeds (gearmotor 37D): 20 degC"),
     }
 }
 
@@ -103,6 +105,8 @@ variables! {
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
         /// Duty, whose sign is the direction of the bridge
         bridge_direction: f64 = Variable::local(902, Unit::One),
+        /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
+        validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),
     }
 }
 

@@ -18,7 +18,8 @@ variables! {
         /// Torque that the actuator shall give to the joint
         torque_demand: f64 = Variable::input(6, 0.0, Unit::NewtonMetre, -1e6, 1e6).nominal(100.0),
         /// Voltage of the supply in front of the drive
-        supply_voltage: f64 = Variable::input(7, 48.0, Unit::Volt, 0.0, 1e4).nominal(48.0),
+        supply_voltage: f64 = Variable::input(7, 48.0, Unit::Volt, 0.0, 1e4).nominal(48.0)
+            .source("maxon datasheet 305015: nominal voltage"),
     }
 }
 

@@ -57,6 +57,12 @@ impl Step<'_> {
         if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopper.supply) } else { 0.0 }
     }
 
+    /// Mean square of the current's ripple, A2.
+    #[inline]
+    pub(super) fn ripple_square(&self) -> f64 {
+        self.chopper.ripple
+    }
+
     /// Copper loss of the ripple with the winding at `t_w`, W.
     #[inline(always)]
     pub(super) fn ripple_loss(&self, t_w: f64) -> f64 {

@@ -66,8 +66,14 @@ impl Step<'_> {
         conductance * (t_w - self.ambient.start)
     }
 
-    /// The flows of power at the start of the step, and what the books miss.
-    pub fn books(&self, state: &State<NODES>, stored_at_start: f64, network: Option<&Network>) -> Books {
+    /// The flows of power at the start of the step, and the balance residuals. Energies count from what was stored at the start,
+    /// heat from the temperature `origin`, K, so that the residual is not the rounding of energies above 0 K.
+    pub fn books(
+        &self,
+        state: &State<NODES>,
+        (origin, stored_at_start): (f64, f64),
+        network: Option<&Network>,
+    ) -> Books {
         use Account::*;
         let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
@@ -97,7 +103,7 @@ impl Step<'_> {
             DriveMode::Power => copper + self.inputs.electrical_power - p.drive,
             _ => copper,
         };
-        let stored = self.stored(state) + network.map_or(0.0, Network::stored);
+        let stored = self.stored(state, origin) + network.map_or(0.0, |n| n.stored(origin));
         Books {
             air_outlet_temperature: outside.outlet,
             power_electrical: p.power_in - self.inputs.heat_power - model.effects.winding_heat(),

@@ -11,9 +11,9 @@ impl Constants {
         self
     }
 
-    /// The heat in the nodes above 0 K, J.
-    pub fn heat(&self, temperature: &Temperatures) -> f64 {
-        self.capacity.dot(temperature)
+    /// The heat in the nodes above the temperature `origin`, K, in J.
+    pub fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
+        self.capacity.dot(&temperature.add_scalar(-origin))
     }
 }
 

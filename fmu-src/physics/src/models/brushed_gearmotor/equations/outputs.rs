@@ -36,17 +36,17 @@ impl std::ops::Sub for Opening {
 }
 
 impl Step<'_> {
-    /// What books that open now start from.
-    pub fn opening(&self, state: &State) -> Opening {
+    /// What books that open now start from; heat counts from the temperature `origin`, K.
+    pub fn opening(&self, state: &State, origin: f64) -> Opening {
         Opening {
-            stored: self.stored(state),
+            stored: self.stored(state, origin),
             magnetic: self.magnetic(state.x[0]),
             kinetic: self.kinetic(state.x[1]),
         }
     }
 
     /// The outputs at the start of the step.
-    pub fn outputs(&self, state: &State, opening: &Opening) -> Outputs {
+    pub fn outputs(&self, state: &State, origin: f64, opening: &Opening) -> Outputs {
         use Account::*;
         let (x, temperature) = (&state.x, &state.temperature);
         let (i, w) = (x[0], x[1]);
@@ -63,7 +63,7 @@ impl Step<'_> {
             (Enclosure, capacity[BOX] * p.warming[BOX]),
             (Ambient, p.to_ambient),
         ]);
-        let gained = self.opening(state) - *opening;
+        let gained = self.opening(state, origin) - *opening;
         let [energy_supply, energy_shaft, energy_heat, work_electrical, friction] = state.energy;
         let work_mechanical = gained.kinetic + energy_shaft + friction;
         let [voltage_electrical, voltage_magnetic, voltage_mechanical] = p.voltages;

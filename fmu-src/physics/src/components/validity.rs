@@ -1,0 +1,165 @@
+//! Where the equations of a motor end.
+//!
+//! winding  T_hot <= winding_temperature: the enamel is pressed through, and R(T) is no longer that of an intact winding  (1)
+//! magnets  T_m <= magnet_temperature, and T_m < T_ref - 1/alpha_mag, where the linear k_t(T_m) ends at zero             (2)
+//! cold     every node above lowest_temperature: copper's R(T) bends there                                         (3)
+//!
+//! thermal.T_w_max is what the maker allows; it sets over_temperature and ends nothing. Beyond the limits here there is no
+//! motor left to simulate, so that a run ends at them: a thermal runaway, a fan that fails, a step of hours under stall.
+//! *Assumes* that what is hottest decides: no time at temperature, no partial failure.
+//! *Sign*: [`Limits::beyond`] is positive outside. *Range*: limits that T_w_max and the ambient temperature do not reach.
+//! *Source*: (1) cut-through test of polyester enamel, class 155, at 270 degC: IEC 60317-3:2004+A1:2010, clause 10. (2) Curie
+//! temperature of Nd-Fe-B, 310 degC (data sheets of sintered grades), of ferrite, 450 degC. (3) Matula, J. Phys. Chem. Ref.
+//! Data 8 (1979) 1147: resistivity of copper is linear in temperature above about 100 K.
+
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Limits of validity.
+    pub struct Validity {
+        /// Temperature of the hottest phase of the winding at which the simulation ends
+        winding_temperature: f64 = Variable::tunable(0, 543.15, Unit::Kelvin, 373.15, 1273.15)
+            .source("IEC 60317-3 (polyester enamel, class 155): cut-through test at 270 degC"),
+        /// Temperature of the magnets at which the simulation ends; it also ends where the torque constant falls to 0
+        magnet_temperature: f64 = Variable::tunable(1, 583.15, Unit::Kelvin, 373.15, 1273.15)
+            .source("Curie temperature of Nd-Fe-B, 310 degC"),
+        /// Temperature of the winding or the magnets below which the simulation ends
+        lowest_temperature: f64 = Variable::tunable(2, 100.0, Unit::Kelvin, 1.0, 173.15)
+            .source("Matula (1979): resistivity of copper linear above 100 K"),
+    }
+}
+
+variables! {
+    /// Limits of validity of a brushed motor with ferrite magnets.
+    pub struct BrushedValidity {
+        /// Temperature of the winding at which the simulation ends
+        winding_temperature: f64 = Variable::tunable(0, 543.15, Unit::Kelvin, 373.15, 1273.15)
+            .source("estimate: polyester enamel, IEC 60317-3: cut-through test at 270 degC"),
+        /// Temperature of the magnets at which the simulation ends; it also ends where the torque constant falls to 0
+        magnet_temperature: f64 = Variable::tunable(1, 723.15, Unit::Kelvin, 373.15, 1273.15)
+            .source("estimate: ferrite magnets, Curie temperature 450 degC"),
+        /// Temperature of the winding or the magnets below which the simulation ends
+        lowest_temperature: f64 = Variable::tunable(2, 100.0, Unit::Kelvin, 1.0, 173.15)
+            .source("Matula (1979): resistivity of copper linear above 100 K"),
+    }
+}
+
+impl From<BrushedValidity> for Validity {
+    fn from(brushed: BrushedValidity) -> Validity {
+        let BrushedValidity { winding_temperature, magnet_temperature, lowest_temperature } = brushed;
+        Validity { winding_temperature, magnet_temperature, lowest_temperature }
+    }
+}
+
+/// The limits of one motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    validity: Validity,
+    /// Temperature of the magnets at which the linear law gives no torque constant, K; infinite where it does not fall.
+    no_torque: f64,
+}
+
+/// The temperatures that are limited, K.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    /// That of the hottest phase of the winding.
+    pub winding: f64,
+    /// That of the magnets.
+    pub magnets: f64,
+    /// The lowest of winding and magnets.
+    pub lowest: f64,
+}
+
+impl Limits {
+    /// The limits of a motor whose torque constant is linear about `t_ref`, K, by `alpha_mag`, 1/K.
+    pub fn new(validity: Validity, t_ref: f64, alpha_mag: f64) -> Limits {
+        let no_torque = if alpha_mag < 0.0 { t_ref - 1.0 / alpha_mag } else { f64::INFINITY };
+        Limits { validity, no_torque }
+    }
+
+    /// How far the worst temperature is outside its limit, K; negative within all limits.
+    #[inline]
+    pub fn beyond(&self, at: &Extremes) -> f64 {
+        let v = &self.validity;
+        let hot = (at.winding - v.winding_temperature).max(at.magnets - v.magnet_temperature.min(self.no_torque));
+        hot.max(v.lowest_temperature - at.lowest)
+    }
+
+    /// Whether the temperatures are outside, or are none.
+    #[inline]
+    pub fn are_passed(&self, at: &Extremes) -> bool {
+        // A torque constant of zero is outside; f64::max drops what is no number.
+        let finite = at.winding.is_finite() && at.magnets.is_finite() && at.lowest.is_finite();
+        self.beyond(at) >= 0.0 || !finite
+    }
+
+    /// Which limit the temperatures are nearest to, at `time`, s, under `losses` of which `cooling` leaves the motor, W: one
+    /// sentence.
+    pub fn sentence(&self, at: &Extremes, time: f64, [losses, cooling]: [f64; 2]) -> String {
+        let v = &self.validity;
+        let celsius = |t: f64| t - 273.15;
+        let heating = format!(
+            "losses of {losses:.4} W exceed the {cooling:.4} W that cooling removes (overload or thermal runaway)"
+        );
+        let hot = [
+            (at.winding - v.winding_temperature, "hottest phase of the winding", at.winding, v.winding_temperature, "validity.winding_temperature"),
+            (at.magnets - v.magnet_temperature, "temperature of the magnets", at.magnets, v.magnet_temperature, "validity.magnet_temperature"),
+        ];
+        let (excess, what, value, limit, name) = if hot[0].0 >= hot[1].0 { hot[0] } else { hot[1] };
+        if v.lowest_temperature - at.lowest >= excess.max(at.magnets - self.no_torque) {
+            return format!(
+                "The simulation ends at {time:.6} s: the lowest temperature of winding and magnets, {:.1} K, reaches its limit of \
+                 validity, validity.lowest_temperature = {} K; heat is taken out by an input.",
+                at.lowest, v.lowest_temperature
+            );
+        }
+        if at.magnets - self.no_torque >= excess {
+            return format!(
+                "The simulation ends at {time:.6} s: the temperature of the magnets, {:.1} K ({:.1} degC), reaches {:.1} K, where the \
+                 torque constant falls to 0 by motor.alpha_mag; {heating}.",
+                at.magnets,
+                celsius(at.magnets),
+                self.no_torque
+            );
+        }
+        format!(
+            "The simulation ends at {time:.6} s: the {what}, {value:.1} K ({:.1} degC), reaches its limit of validity, {name} = \
+             {limit} K; {heating}.",
+            celsius(value)
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MILD: Extremes = Extremes { winding: 400.0, magnets: 350.0, lowest: 350.0 };
+
+    #[test]
+    fn each_limit_counts() {
+        let limits = Limits::new(Validity::default(), 298.15, -0.0012);
+        assert!(!limits.are_passed(&MILD) && limits.beyond(&MILD) < 0.0);
+        for (at, word) in [
+            (Extremes { winding: 543.15, ..MILD }, "validity.winding_temperature = 543.15 K"),
+            (Extremes { magnets: 600.0, ..MILD }, "validity.magnet_temperature = 583.15 K"),
+            (Extremes { lowest: 90.0, ..MILD }, "validity.lowest_temperature = 100 K"),
+        ] {
+            assert!(limits.are_passed(&at), "{at:?}");
+            let sentence = limits.sentence(&at, 12.5, [183.0, 121.0]);
+            assert!(sentence.contains(word) && sentence.contains("12.5"), "{sentence}");
+        }
+        assert!(limits.are_passed(&Extremes { winding: f64::NAN, ..MILD }));
+    }
+
+    /// 1/0.004 K above 25 degC the linear law has no torque constant left, below the Curie temperature.
+    #[test]
+    fn the_torque_constant_stays_positive() {
+        let limits = Limits::new(Validity::default(), 298.15, -0.004);
+        let at = |magnets: f64| Extremes { magnets, ..MILD };
+        assert!(!limits.are_passed(&at(548.0)) && limits.are_passed(&at(548.15)));
+        let sentence = limits.sentence(&at(548.15), 1.0, [2.0, 1.0]);
+        assert!(sentence.contains("torque constant falls to 0"), "{sentence}");
+        assert!(!Limits::new(Validity::default(), 298.15, 0.0).are_passed(&at(580.0)));
+    }
+}
