@@ -7,7 +7,9 @@ mod exchange;
 
 pub use exchange::*;
 
-use crate::boundary::{self, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back};
+use crate::boundary::{
+    self, Instantiation, array, array_mut, enter, free_instance, instantiate, place, set_logging,
+};
 use crate::instance::{Interface, Part, Standard, Type};
 use crate::life_cycle;
 use crate::logger::{Logger2, Sink, Status};
@@ -94,7 +96,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             }
             _ => Sink::None,
         };
-        let (known, beyond) = match interface {
+        let (known, unsupported) = match interface {
             MODEL_EXCHANGE => (Interface::ModelExchange, None),
             CO_SIMULATION => (Interface::CoSimulation, None),
             other => (
@@ -105,7 +107,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             ),
         };
         let logging_on = logging_on != 0;
-        hand_out(Wanted {
+        instantiate(Instantiation {
             function: "fmi2Instantiate",
             standard: Standard::Two,
             interface: known,
@@ -116,7 +118,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             locate: of_uri,
             sink,
             logging_on,
-            beyond,
+            unsupported,
         })
     }
 }
@@ -124,7 +126,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
 /// Drops an instance; section 2.1.5.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
-    unsafe { take_back(c) }
+    unsafe { free_instance(c) }
 }
 
 /// Announces the window of time; section 2.1.6.
@@ -358,11 +360,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: 
 
 /// Text about a pending step, or why the run is over; section 4.2.3.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStringStatus(
-    c: Component,
-    kind: c_int,
-    value: *mut *const c_char,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status {
     unsafe {
         boundary::write(value, c"".as_ptr());
         enter(c, "fmi2GetStringStatus", |i| match i.end() {

@@ -1,8 +1,8 @@
-//! Why a call is not done, as a status and a sentence.
+//! Why a call is refused: a status and a sentence.
 
 use crate::logger::Status;
 
-/// Why a call is not done.
+/// Why a call is refused.
 #[derive(Debug)]
 pub struct Refused {
     /// What the importer gets to see.
@@ -17,7 +17,7 @@ impl Refused {
         Refused { status: Status::Error, message: message.into() }
     }
 
-    /// A value that is not taken.
+    /// A value that is refused.
     pub fn discard(message: impl Into<String>) -> Refused {
         Refused { status: Status::Discard, message: message.into() }
     }

@@ -70,8 +70,12 @@ fn stalled(i: f64, losses: Losses) -> AnnulusCooledMotor {
         law: Law::Product(Product { coefficient, factors: [None; 3] }),
     };
     let terms = [term(Port::WindingResistance, losses.resistance), term(Port::WindingHeat, losses.heat)];
-    let acting: Vec<GenericTerm> =
-        terms.into_iter().zip([losses.resistance, losses.heat]).filter(|(_, c)| *c != 0.0).map(|(t, _)| t).collect();
+    let acting: Vec<GenericTerm> = terms
+        .into_iter()
+        .zip([losses.resistance, losses.heat])
+        .filter(|(_, c)| *c != 0.0)
+        .map(|(t, _)| t)
+        .collect();
     if !acting.is_empty() {
         assert!(m.set_terms(&acting));
     }

@@ -59,8 +59,11 @@ fn a_runaway_ends_in_every_mode() {
         for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
             for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
                 // Voltage on a free shaft under a load that it cannot hold would turn it backwards for ever.
-                let mechanical =
-                    if drive == DriveMode::Current || drive == DriveMode::Power { mechanical } else { MechanicalMode::ImposedSpeed };
+                let mechanical = if drive == DriveMode::Current || drive == DriveMode::Power {
+                    mechanical
+                } else {
+                    MechanicalMode::ImposedSpeed
+                };
                 let mut m = overloaded(cooling, drive, mechanical);
                 let (time, sentence, k_t) = run_to_the_end(&mut m, 1.0, 2e4);
                 let case = format!("{cooling:?} {drive:?} {mechanical:?}: {sentence}");

@@ -86,7 +86,9 @@ pub fn outcome(
     let mut endings = Vec::new();
     for &run in &all {
         let ending = setup.bench.ending(&setup.drives[run], &setup.change(&hypothesis, run))?;
-        endings.extend(ending.map(|why| format!("{}: the repaired model does not reach the last row. {why}", experiment.runs[run].file)));
+        endings.extend(ending.map(|why| {
+            format!("{}: the repaired model does not reach the last row. {why}", experiment.runs[run].file)
+        }));
     }
     notes.extend(endings.iter().cloned());
     let mut errors = Vec::new();

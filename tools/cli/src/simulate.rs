@@ -117,7 +117,10 @@ fn remarks(recording: &Recording) {
     match (recording.ended_early, reason) {
         (Some(_), Some(reason)) => eprintln!("error: {}: {}", recording.model_name, reason.text),
         (Some(time), None) => {
-            eprintln!("error: {}: the FMU ended the simulation in the step from t = {time} s", recording.model_name);
+            eprintln!(
+                "error: {}: the FMU ended the simulation in the step from t = {time} s",
+                recording.model_name
+            );
         }
         (None, _) => {}
     }

@@ -29,7 +29,8 @@ fn written(entry: &Entry) -> String {
 
 /// The archives of a build without a preset, below `folder`.
 fn plain_build(folder: &Path) -> Vec<PathBuf> {
-    let build = Command::new(env!("CARGO_BIN_EXE_motor-fmu")).args(["build", "--out"]).arg(folder).output().unwrap();
+    let build =
+        Command::new(env!("CARGO_BIN_EXE_motor-fmu")).args(["build", "--out"]).arg(folder).output().unwrap();
     assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
     let archives = declarations().flat_map(|d| ["fmi2", "fmi3"].map(|s| (s, d.name)));
     archives.map(|(standard, name)| folder.join(standard).join(format!("{name}.fmu"))).collect()
@@ -76,8 +77,7 @@ fn parameters_md_has_the_declared_start_values() {
 #[test]
 fn studies_start_from_the_declared_values() {
     for declaration in declarations() {
-        let mut bench =
-            Setup { model: declaration.name.to_owned(), ..Setup::default() }.bench().unwrap();
+        let mut bench = Setup { model: declaration.name.to_owned(), ..Setup::default() }.bench().unwrap();
         // A study asks for a shaft at an imposed speed; see Setup::bench.
         for entry in settable(declaration).filter(|entry| entry.name != "mechanical_mode") {
             assert_eq!(bench.get(&entry.name).unwrap(), entry.row.start, "{}", entry.name);

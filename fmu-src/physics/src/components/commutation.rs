@@ -135,12 +135,9 @@ impl Phases {
     pub fn after(&self, h: f64, load: &PhaseLoad, shares: &[f64; PHASES]) -> Phases {
         let [s0, s1, s2] = *shares;
         let (b, g) = (load.per_kelvin, load.conductance);
-        let matrix = Matrix2::new(
-            b * (2.0 * s0 + s2) - g,
-            -b * (s1 - s2),
-            -b * (s0 - s2),
-            b * (2.0 * s1 + s2) - g,
-        ) / load.capacity;
+        let matrix =
+            Matrix2::new(b * (2.0 * s0 + s2) - g, -b * (s1 - s2), -b * (s0 - s2), b * (2.0 * s1 + s2) - g)
+                / load.capacity;
         let forcing = Vector2::new(3.0 * s0 - 1.0, 3.0 * s1 - 1.0) * (load.heat / load.capacity);
         let end = Phi::new(matrix, h).constant(&Vector2::new(self.above[0], self.above[1]), &forcing);
         Phases { above: [end[0], end[1], -end[0] - end[1]] }

@@ -81,7 +81,8 @@ impl Limits {
     #[inline]
     pub fn beyond(&self, at: &Extremes) -> f64 {
         let v = &self.validity;
-        let hot = (at.winding - v.winding_temperature).max(at.magnets - v.magnet_temperature.min(self.no_torque));
+        let hot =
+            (at.winding - v.winding_temperature).max(at.magnets - v.magnet_temperature.min(self.no_torque));
         hot.max(v.lowest_temperature - at.lowest)
     }
 
@@ -102,8 +103,20 @@ impl Limits {
             "losses of {losses:.4} W exceed the {cooling:.4} W that cooling removes (overload or thermal runaway)"
         );
         let hot = [
-            (at.winding - v.winding_temperature, "hottest phase of the winding", at.winding, v.winding_temperature, "validity.winding_temperature"),
-            (at.magnets - v.magnet_temperature, "temperature of the magnets", at.magnets, v.magnet_temperature, "validity.magnet_temperature"),
+            (
+                at.winding - v.winding_temperature,
+                "hottest phase of the winding",
+                at.winding,
+                v.winding_temperature,
+                "validity.winding_temperature",
+            ),
+            (
+                at.magnets - v.magnet_temperature,
+                "temperature of the magnets",
+                at.magnets,
+                v.magnet_temperature,
+                "validity.magnet_temperature",
+            ),
         ];
         let (excess, what, value, limit, name) = if hot[0].0 >= hot[1].0 { hot[0] } else { hot[1] };
         if v.lowest_temperature - at.lowest >= excess.max(at.magnets - self.no_torque) {

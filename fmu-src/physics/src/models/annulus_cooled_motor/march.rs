@@ -8,8 +8,8 @@ use super::network::{Network, Passage};
 use super::{AnnulusCooledMotor, Beyond, Inputs, Line, NODES, Parameters, Step};
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
-use crate::effects::{Effect, PerNode};
 use crate::components::validity::Extremes;
+use crate::effects::{Effect, PerNode};
 use crate::ending::Halt;
 use crate::model::Fault;
 use crate::solver::split::State;
@@ -57,7 +57,8 @@ impl AnnulusCooledMotor {
         self.split.advance(&step, &mut self.state, h).map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
         let phases = self.phases.over(&step, [&before, &self.state], h, &self.parameters);
         let [winding, core] = [self.state.temperature[0], self.state.temperature[1]];
-        let extremes = Extremes { winding: winding + phases.hottest(), magnets: core, lowest: winding.min(core) };
+        let extremes =
+            Extremes { winding: winding + phases.hottest(), magnets: core, lowest: winding.min(core) };
         if self.constants.limits().are_passed(&extremes) {
             self.state = before;
             return Err(Halt::Limit);
@@ -181,7 +182,8 @@ impl AnnulusCooledMotor {
         }
         let phases = self.phases.over(&step, [&state, &next], h, p);
         let (winding, magnets) = (next.temperature[0], network.rotor_ahead());
-        let extremes = Extremes { winding: winding + phases.hottest(), magnets, lowest: winding.min(magnets) };
+        let extremes =
+            Extremes { winding: winding + phases.hottest(), magnets, lowest: winding.min(magnets) };
         if constants.limits().are_passed(&extremes) {
             return Err(Halt::Limit);
         }

@@ -345,7 +345,8 @@ impl AnnulusCooledMotor {
         self.refresh_outputs(true);
         let books = &self.books;
         let heat = self.inputs.heat_power + self.parameters.effects.winding_heat();
-        let flows = [books.loss_copper + books.loss_friction + heat, books.heat_to_ambient - books.loss_drive];
+        let flows =
+            [books.loss_copper + books.loss_friction + heat, books.heat_to_ambient - books.loss_drive];
         self.constants.limits().sentence(&self.extremes(), time, flows)
     }
 }
