@@ -7,7 +7,6 @@ mod reproduce;
 mod simulate;
 mod study;
 mod validate;
-mod walk;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;

@@ -1,5 +1,7 @@
 //! `motor-fmu steady` and `motor-fmu sweep`: studies with the native models.
 
+mod walk;
+
 use crate::Failure;
 use ::study::StudyError;
 use ::study::reproduce::significant;
@@ -83,7 +85,7 @@ pub struct SteadyArgs {
 /// Runs `steady`.
 pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.load.load {
-        return crate::walk::run(args, file);
+        return walk::run(args, file);
     }
     let setup = args.start.setup()?;
     let mut bench = setup.bench()?;

@@ -110,7 +110,7 @@ pub struct Unit {
     pub name: String,
     /// What it is in SI base units, if the FMU says so.
     pub base: Option<BaseUnit>,
-    /// Units for people.
+    /// Display units.
     pub display_units: Vec<DisplayUnit>,
 }
 
@@ -317,7 +317,7 @@ pub struct Variable {
     pub start: Option<String>,
     /// Unit of the value.
     pub unit: Option<String>,
-    /// Unit for people.
+    /// Display unit.
     pub display_unit: Option<String>,
     /// A difference (of temperatures, say): the offset of a display unit does not apply.
     pub relative: bool,
@@ -363,8 +363,7 @@ impl ModelDescription {
         }
     }
 
-    /// How a variable is to be shown to people, if it says so and the display unit is defined. A difference has no
-    /// place on a scale with another zero and stays in its own unit.
+    /// Display unit of a variable, if it has one that is defined. Relative quantities take no display unit with an offset.
     pub fn display_unit(&self, variable: &Variable) -> Option<DisplayUnit> {
         let (unit, wanted) = (variable.unit.as_deref()?, variable.display_unit.as_deref()?);
         let unit = self.units.iter().find(|u| u.name == unit)?;

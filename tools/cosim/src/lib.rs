@@ -52,5 +52,5 @@ pub use instance::{Instance, State, Step};
 pub use log::{Log, LogMessage, Status};
 pub use recording::{Column, Recording};
 pub use simulate::{Options, simulate};
-pub use system::{Algorithm, Bond, System, SystemOptions, SystemRun, cosimulate};
+pub use system::{Algorithm, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 pub use value::Value;

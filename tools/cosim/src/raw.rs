@@ -5,13 +5,14 @@
 //! the caller: after Fatal nothing is called any more.
 use crate::log::{Callbacks, log_message};
 use crate::{Archive, Error, FmiVersion, Log, Status};
-use functions::{Handle, Text};
+use accessor::{Handle, Text};
 use libloading::Library;
 use std::ffi::{CString, c_int, c_void};
 use std::path::{Path, PathBuf};
 use std::ptr;
 use std::sync::Arc;
 
+mod accessor;
 mod calls;
 mod continuous;
 mod functions;

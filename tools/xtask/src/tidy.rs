@@ -1,6 +1,7 @@
 //! `cargo xtask tidy`: format, lints, dependencies between crates, lengths of files, generated files, licences.
 
 mod arrows;
+mod circles;
 mod lengths;
 mod modules;
 mod words;
@@ -13,6 +14,7 @@ type Check = (&'static str, fn(&Workspace) -> Outcome);
 const CHECKS: &[Check] = &[
     ("format", |w| shell::run(&mut w.cargo(&["fmt", "--all", "--check"]))),
     ("dependency arrows", arrows::check),
+    ("import circles", circles::check),
     ("file lengths", lengths::check),
     ("modules of tests", modules::check),
     ("words", words::check),

@@ -45,7 +45,7 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
         out.add(
             &rules::LICENSE_MISSING,
             "documentation/",
-            "The archive has no folder documentation/licenses, so nobody knows what may be done with it",
+            "The archive has no folder documentation/licenses, so the terms of its use are unknown",
         );
     }
     if model.version == FmiVersion::V2 {

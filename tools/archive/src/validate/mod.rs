@@ -25,9 +25,10 @@ use std::io::BufReader;
 use std::path::Path;
 use std::time::Duration;
 
-pub use self::finding::{Finding, Severity};
+pub use self::finding::Finding;
 use self::finding::{Findings, short};
 use self::model::{FmiVersion, Model};
+pub use self::rules::Severity;
 use self::xml::Xml;
 use self::zip::Archive;
 
@@ -39,7 +40,7 @@ pub struct Unreadable {
     reason: String,
 }
 
-/// A model description larger than this is an attack or a mistake.
+/// Larger model descriptions are not read.
 const LARGEST_XML: u64 = 512 << 20;
 /// How long a call may take before the FMU counts as hung.
 pub const PATIENCE: Duration = Duration::from_secs(60);
@@ -122,7 +123,7 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
     Ok(out.into_list())
 }
 
-/// A first look for the version, before the file is parsed.
+/// The version as it appears in the text, before the file is parsed.
 fn guess_version(bytes: &[u8]) -> FmiVersion {
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
     let version =
@@ -148,7 +149,7 @@ fn check_description(bytes: &[u8], archive: &mut Archive, entries: &HashSet<Stri
             out.add(&rules::VERSION, xml.place(root), message);
             return;
         }
-        // The schema rules report the missing attribute; its neighbours tell which schema was meant.
+        // The schema rules report the missing attribute; its neighbours show which schema applies.
         None if root.attribute("guid").is_some() => FmiVersion::V2,
         None => FmiVersion::V3,
     };

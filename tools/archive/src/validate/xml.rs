@@ -1,4 +1,4 @@
-//! Parses an XML file of the archive and knows the line of every node.
+//! An XML file of the archive with its name; errors of encoding and form are findings.
 
 use roxmltree::Node;
 

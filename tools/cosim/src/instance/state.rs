@@ -11,7 +11,7 @@ pub struct State {
 }
 
 impl Instance {
-    /// Saves the FMU's state. From here on the FMU is told that it may have to go back in time.
+    /// Saves the FMU's state. Later steps are no longer called with noSetFMUStatePriorToCurrentPoint.
     ///
     /// # Errors
     /// [`Error::Call`], [`Error::Unsupported`] if the FMU does not provide it.

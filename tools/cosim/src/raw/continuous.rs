@@ -4,7 +4,7 @@ use super::functions::{EventInfo, Functions};
 use crate::{FmiVersion, Status};
 use std::ffi::c_int;
 
-/// What `fmi2NewDiscreteStates` and `fmi3UpdateDiscreteStates` tell.
+/// Results of `fmi2NewDiscreteStates` and `fmi3UpdateDiscreteStates`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DiscreteUpdate {
     /// It has to be called once more.

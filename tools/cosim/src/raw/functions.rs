@@ -1,14 +1,11 @@
 //! The C functions of both standards: every name and signature once, loaded from a binary in one go.
 //!
 //! All are optional here: which ones an FMU must have depends on its interface types.
-use super::values::Accessor;
+use super::accessor::{Accessor, Handle, Text};
 use crate::FmiVersion;
 use crate::log::{Callbacks, LogCallback};
 use libloading::Library;
-use std::ffi::{c_char, c_int, c_void};
-
-pub(super) type Handle = *mut c_void;
-pub(super) type Text = *const c_char;
+use std::ffi::{c_int, c_void};
 
 /// `fmi2EventInfo`.
 #[repr(C)]

@@ -1,4 +1,4 @@
-//! What the model description promises about the running FMU, as owned data.
+//! What the model description declares about the running FMU, as owned data.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::validate::semantics::arrays;
 use crate::validate::xml::Xml;
 use cosim::xml::{parse_boolean, parse_double, parse_integer};
 
-/// Elements of an array that are read; a larger one says more of the file than of the FMU.
+/// Largest number of elements of an array that are read.
 const LARGEST_ARRAY: usize = 1 << 20;
 
 /// A variable.
@@ -84,7 +84,7 @@ impl Variable {
     }
 }
 
-/// An entry of the model structure: a variable, and what it depends on if that is said.
+/// An entry of the model structure: a variable, and its dependencies if they are declared.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     pub(super) variable: usize,

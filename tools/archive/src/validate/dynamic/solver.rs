@@ -1,6 +1,6 @@
 //! Model Exchange: the states of an instance, integrated by Dormand and Prince's method with error control.
 
-use super::probe::Fault;
+use super::report::Fault;
 use super::session::Session;
 use crate::validate::rules;
 
@@ -91,7 +91,7 @@ impl Solver {
         Ok(rates)
     }
 
-    /// Integrates to `end`, s. At an event it stops, or handles it and goes on.
+    /// Integrates to `end`, s. At an event it stops, or handles it and continues.
     pub(super) fn advance(
         &mut self,
         session: &mut Session,

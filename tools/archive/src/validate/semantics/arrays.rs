@@ -61,7 +61,7 @@ fn check_dimension(model: &Model, v: &Variable, dimension: Node, out: &mut Findi
     }
 }
 
-/// The initial number of elements, if it can be told.
+/// The initial number of elements, if it is known.
 pub(crate) fn size(model: &Model, v: &Variable) -> Option<u128> {
     children(v.typed, "Dimension").try_fold(1_u128, |product, d| {
         let length = match d.attribute("start") {

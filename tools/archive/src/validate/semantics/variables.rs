@@ -56,7 +56,7 @@ fn allowed(causality: &str, variability: &str) -> bool {
         "output" => ["constant", "discrete", "continuous"].contains(&variability),
         "local" => true,
         "independent" => variability == "continuous",
-        // Not one of the words: the schema rules have said so.
+        // Not one of the words: the schema rules report it.
         _ => true,
     }
 }

@@ -4,9 +4,10 @@ use cosim::raw::{InterfaceType, RawSetup};
 use cosim::{Kind, Log, Status};
 
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{self, Drive};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
 use crate::validate::model::FmiVersion;
 use crate::validate::rules;
@@ -52,11 +53,11 @@ fn versions(subject: &Subject, seen: &mut Seen) {
     let version = subject.binary.version().unwrap_or_default();
     // FMI 3 has maintenance releases such as 3.0.2 in its version string.
     if !(version == wanted || subject.facts.version == FmiVersion::V3 && version.starts_with("3.")) {
-        let message = format!("{function} says \"{}\" instead of \"{wanted}\"", short(&version));
+        let message = format!("{function} returns \"{}\" instead of \"{wanted}\"", short(&version));
         seen.add(&rules::VERSION_STRING, &subject.place, message);
     }
     if let Some(types) = subject.binary.types_platform().filter(|t| t != "default") {
-        let message = format!("fmi2GetTypesPlatform says \"{}\" instead of \"default\"", short(&types));
+        let message = format!("fmi2GetTypesPlatform returns \"{}\" instead of \"default\"", short(&types));
         seen.add(&rules::VERSION_STRING, &subject.place, message);
     }
 }
@@ -137,7 +138,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         raw,
         facts,
         interface: subject.interface,
-        line: subject.line,
+        pulse: subject.pulse,
         now: facts.start,
         next: None,
     };

@@ -4,8 +4,9 @@ use cosim::raw::InterfaceType;
 use cosim::{Kind, Log, Status};
 
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::report::{Fault, Seen};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
 use crate::validate::model::FmiVersion;
 use crate::validate::rules;
@@ -95,7 +96,7 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     let facts = subject.facts;
     let mut session = subject.started(&Vec::new())?;
     let highest = facts.variables.iter().map(|v| v.reference).max().unwrap_or(0);
-    // Beyond everything, and not so far beyond.
+    // Far outside the limits, and just outside.
     for reference in [u32::MAX - 1, highest.saturating_add(1000)] {
         let mut value = [0.0];
         if session.raw.get(Kind::Float64, &[reference], &mut value) <= Status::Warning {

@@ -6,9 +6,10 @@ use cosim::raw::{InterfaceType, RawState};
 
 use super::setting::{others, when};
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{self, Drive, Rows, difference};
-use crate::validate::dynamic::session::{Session, Subject, column};
+use crate::validate::dynamic::session::{Session, column};
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::rules;
 
 /// Instances made in each of three rounds, and bytes that each may leave behind.
@@ -107,7 +108,7 @@ fn resident() -> Option<f64> {
     Some(4096.0 * pages)
 }
 
-/// The least growth per piece over three rounds, in bytes; `None` where memory cannot be measured or time ran out.
+/// The least growth per repetition over three rounds, in bytes; `None` where memory cannot be measured or time ran out.
 fn growth(round: usize, mut piece: impl FnMut() -> Result<bool, Fault>) -> Result<Option<f64>, Fault> {
     let started = Instant::now();
     let mut least = f64::INFINITY;

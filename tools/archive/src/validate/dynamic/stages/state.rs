@@ -3,13 +3,14 @@
 use cosim::raw::RawState;
 
 use super::setting::when;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::model::FmiVersion;
 use crate::validate::rules::{self, Rule};
 
-/// Differences below this are rounding, which a master can live with.
+/// Differences below this are rounding.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
