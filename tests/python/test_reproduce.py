@@ -111,7 +111,7 @@ def test_sweep(motor_fmu, tmp_path):
         (["steady", "--set", "drive_mode=steam"], ["drive_mode = steam", "current"]),
         (["steady", "--set", "current_command=30"], ["does not settle", "runaway"]),
         (["steady", "--preset", "no-such"], ["no-such", "maxon-305015"]),
-        (["steady", "--model", "Motor"], ["Motor is no model"]),
+        (["steady", "--model", "Motor"], ["unknown model Motor"]),
         (["sweep", "--vary", "fan_command=0:2:3"], ["--vary fan_command", "0 ... 1"]),
         (["sweep", "--vary", "fan_command=0:1"], ["--vary", "name=from:to:n"]),
         (["sweep", "--vary", "fan_command=0:1:2", "--objective", "torque"], ["torque"]),

@@ -45,7 +45,7 @@ pub struct Args {
     /// Draw the outputs as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
-    /// Print final values and the energy books as JSON
+    /// Print final values and the energy balances of the connections as JSON
     #[arg(long)]
     json: bool,
 }
@@ -167,11 +167,11 @@ fn summary(run: &SystemRun) -> String {
         text += &format!("one row for every {} communication points\n", run.every);
     }
     text += &crate::simulate::final_values(recording);
-    text + &books(&run.bonds)
+    text + &balances(&run.bonds)
 }
 
-/// The energy books as a table.
-fn books(bonds: &[Bond]) -> String {
+/// The energy balances of the connections as a table.
+fn balances(bonds: &[Bond]) -> String {
     if bonds.is_empty() {
         return String::new();
     }

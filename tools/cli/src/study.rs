@@ -11,7 +11,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What a study starts from.
+/// Model, preset and values of a study.
 #[derive(clap::Args)]
 pub struct Start {
     /// Model
@@ -28,20 +28,20 @@ pub struct Start {
 /// A gait as the load.
 #[derive(clap::Args)]
 pub struct LoadArgs {
-    /// Walk: a TOML file with the tables [motor], [actuator] and [gait]
+    /// Gait load: a TOML file with the tables [motor], [actuator] and [gait]
     #[arg(long, value_name = "gait.toml")]
     pub load: Option<PathBuf>,
-    /// Hours that are walked at most, with --load
+    /// Longest duration of the gait in hours, with --load
     #[arg(long, value_name = "H", default_value_t = 2.0)]
     pub hours: f64,
 }
 
 impl Start {
-    /// What walks: the motor with its preset, and what is set.
+    /// The gait load: the motor with its preset and the values that are set.
     pub fn load(&self, file: &Path) -> Result<Load, Failure> {
         if self.model != ::study::walk::MOTOR {
             return Err(Failure::new(format!(
-                "--load walks with {}, and not with {}",
+                "--load needs the model {}, not {}",
                 ::study::walk::MOTOR,
                 self.model
             )));
@@ -56,21 +56,21 @@ impl Start {
     }
 }
 
-/// Thermal steady state, and the torque that can be held for ever at the winding's limit.
+/// Thermal steady state and continuous torque at the winding's temperature limit.
 ///
-/// Modes that are not set follow from the inputs: electrical_power means drive_mode power, current_command
+/// Modes that are not set follow from the inputs: electrical_power selects drive_mode power, current_command
 /// current, voltage voltage, duty pwm. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
+/// Notes on stderr, and in JSON, name values that have no effect in the selected modes.
 ///
-/// With --load the motor walks, in an actuator on a joint: the periodic steady state, the way there from a cold start, and
-/// the torque that can be walked for ever. Of what is set each name belongs to the first of motor, actuator and
-/// gait that has it.
+/// With --load the motor drives a joint in gait through an actuator: periodic steady state, transient from a cold start and
+/// continuous torque. Each name that is set belongs to the first of motor, actuator and gait that has it.
 #[derive(clap::Args)]
 pub struct SteadyArgs {
     #[command(flatten)]
     pub start: Start,
     #[command(flatten)]
     pub load: LoadArgs,
-    /// With --load: draw the winding over the walk, as SVG
+    /// With --load: draw the winding temperature over time, as SVG
     #[arg(long, value_name = "F.svg", requires = "load")]
     pub plot: Option<PathBuf>,
     /// Print everything as JSON
@@ -131,7 +131,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Three digits behind the point where that is enough; rounding noise is 0.
+/// Three decimals; rounding noise is 0.
 pub fn rounded(value: f64) -> String {
     if value.abs() < 5e-4 { "0".to_owned() } else { format!("{value:.3}") }
 }
@@ -218,7 +218,7 @@ fn summary(found: &Sweep) -> String {
     text
 }
 
-/// A pure number is written without its unit.
+/// A unit; none for a pure number.
 fn plain(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
 }
