@@ -17,7 +17,7 @@ const TERMS: [&str; 2] = ["resources", "effects.json"];
 /// known of the FMU.
 pub fn note<'a>(
     archive: &Archive,
-    sets: &[(String, String)],
+    sets: &'a [(String, String)],
     inputs: impl Iterator<Item = &'a str>,
 ) -> Option<String> {
     let description = archive.description();
