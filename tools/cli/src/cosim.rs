@@ -45,7 +45,7 @@ pub struct Args {
     /// Draw the outputs as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
-    /// Print final values and the energy books as JSON
+    /// Print final values and the energy balances of the connections as JSON
     #[arg(long)]
     json: bool,
 }

@@ -6,6 +6,7 @@ mod cosim;
 mod reproduce;
 mod simulate;
 mod study;
+mod unused;
 mod validate;
 
 use clap::{Parser, Subcommand};
@@ -14,7 +15,7 @@ use std::process::ExitCode;
 
 /// FMUs of a thermo-electromechanical motor: build, validate, simulate, calibrate.
 ///
-/// Exit codes: 0 fine, 1 the answer is no, 2 it could not be done.
+/// Exit codes: 0 = success, 1 = check failed, 2 = could not run.
 #[derive(Parser)]
 #[command(name = "motor-fmu", version)]
 struct Cli {
@@ -37,11 +38,11 @@ enum Command {
     Probe(validate::ProbeArgs),
 }
 
-/// Why a command could not be carried out: one sentence.
+/// Why a command could not run: one sentence.
 pub struct Failure(String);
 
 impl Failure {
-    /// The failure that this sentence tells.
+    /// The failure with this sentence.
     pub fn new(sentence: impl Into<String>) -> Failure {
         Failure(sentence.into())
     }
@@ -53,7 +54,7 @@ impl<E: std::error::Error> From<E> for Failure {
     }
 }
 
-/// Prints to stdout. A reader that has seen enough and closed the pipe is no failure; `print!` would panic.
+/// Prints to stdout. A closed pipe is no failure; `print!` would panic.
 pub fn say(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }

@@ -14,7 +14,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What a study starts from.
+/// Model, preset and values of a study.
 #[derive(clap::Args)]
 pub struct Start {
     /// Model
@@ -61,8 +61,9 @@ impl Start {
 
 /// Thermal steady state, and the continuous torque at the winding's temperature limit.
 ///
-/// Modes that are not set follow from the inputs: electrical_power means drive_mode power, current_command
+/// Modes that are not set follow from the inputs: electrical_power selects drive_mode power, current_command
 /// current, voltage voltage, duty pwm. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
+/// Notes on stderr, and in JSON, name values that have no effect in the selected modes.
 ///
 /// With --load the motor drives an actuator on a walking joint: periodic steady state, time to the winding's limit from a
 /// cold start, and the continuous support, the fraction of the biological torque that can be given continuously. The
@@ -141,7 +142,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Three digits behind the point where that is enough; rounding noise is 0.
+/// Three decimals; rounding noise is 0.
 pub fn rounded(value: f64) -> String {
     if value.abs() < 5e-4 { "0".to_owned() } else { format!("{value:.3}") }
 }
@@ -238,7 +239,7 @@ fn summary(found: &Sweep) -> String {
     text
 }
 
-/// A pure number is written without its unit.
+/// A unit; none for a pure number.
 fn plain(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
 }

@@ -5,9 +5,11 @@
 //! enumeration; the enumeration that makes it effective is named.
 
 use crate::dependencies::{Probe, START};
-use crate::preset::StartValues;
+use crate::preset::{Preset, StartValues};
 use physics::declare::{Causality, Kind, Unit};
-use physics::model::{Declaration, Entry, Model, Slot};
+use physics::model::{Declaration, Entry, Model, ModelType, Slot};
+use physics::models;
+use physics::terms::GenericTerm;
 
 /// What the effect is asked of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +67,37 @@ pub fn unused(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) ->
             Unused { entry, mode: reason(entry, modes) }
         })
         .collect()
+}
+
+/// A model with these start values and terms, which has not started.
+fn with_starts(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Box<dyn Model> {
+    let (mut model, declaration) = ((kind.new)(), (kind.declaration)());
+    for (reference, value) in starts.entries() {
+        if let Some(entry) = declaration.by_reference(reference) {
+            model.set(entry.slot, value);
+        }
+    }
+    model.set_terms(terms);
+    model
+}
+
+/// The inputs that have no effect in the modes of these start values.
+pub fn inputs(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Vec<Unused> {
+    let entries = &(kind.declaration)().entries;
+    let inputs: Vec<&'static Entry> =
+        entries.iter().filter(|e| e.row.causality == Causality::Input).collect();
+    unused(with_starts(kind, starts, terms).as_ref(), &inputs, Scope::Transient)
+}
+
+/// The values of a preset that have no effect in a mode that the preset itself selects.
+pub fn preset_values(preset: &Preset) -> Vec<Unused> {
+    let Some(kind) = models::by_name(&preset.model) else { return Vec::new() };
+    let declaration = (kind.declaration)();
+    let given: Vec<&'static Entry> =
+        preset.starts.entries().into_iter().filter_map(|(r, _)| declaration.by_reference(r)).collect();
+    let found = unused(with_starts(kind, &preset.starts, &[]).as_ref(), &given, Scope::Transient);
+    let selects = |mode: &Mode| given.iter().any(|e| e.name == mode.choice.name);
+    found.into_iter().filter(|u| u.mode.as_ref().is_some_and(selects)).collect()
 }
 
 /// The model with one enumeration at another item.
@@ -245,6 +278,19 @@ pub fn sentence(found: &[Unused], source: impl Fn(&Entry) -> String) -> Option<S
     (!groups.is_empty()).then(|| groups.iter().map(clause).collect::<Vec<_>>().join("; "))
 }
 
+/// Settings that make the variables effective, as `name=item`: one for each enumeration that is a reason.
+pub fn other_modes(found: &[Unused]) -> String {
+    let mut settings: Vec<String> = Vec::new();
+    for mode in found.iter().filter_map(|u| u.mode.as_ref()) {
+        let setting = format!("{}={}", mode.choice.name, mode.effective.first().copied().unwrap_or_default());
+        let start = format!("{}=", mode.choice.name);
+        if settings.iter().all(|s| !s.starts_with(&start)) {
+            settings.push(setting);
+        }
+    }
+    settings.join(", ")
+}
+
 fn listed(names: &[&str], last: &str) -> String {
     match names {
         [] => String::new(),
@@ -327,6 +373,17 @@ mod tests {
             names(rig.as_ref(), &["thermal.C_h", "thermal.C_r", "thermal.G_leads"], Scope::Steady),
             ["thermal.C_h", "thermal.C_r"]
         );
+    }
+
+    /// The preset of the rig selects one of four cooling modes and has the values of all.
+    #[test]
+    fn a_preset_is_asked_for_values_that_its_own_modes_do_not_use() {
+        let of = |name: &str| {
+            let found = preset_values(&Preset::load(name).unwrap());
+            found.into_iter().map(|u| u.entry.name.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(of("maxon-305015"), Vec::<String>::new());
+        assert_eq!(of("thesis-rig"), ["fan.turbulence_factor", "fan.decay", "annulus.factor_pull"]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 mod figures;
 
-use super::words::{driver, law, list, number, plain, port, replay as replay_words, verdict};
+use super::text::{driver, law, list, number, plain, port, replay as replay_words, verdict};
 use calibrate::experiment::{Experiment, Role};
 use calibrate::outcome::{Curves, Found, Outcome, Unexplained, Verdict};
 use calibrate::report::{ROLES, Replay, role_name};

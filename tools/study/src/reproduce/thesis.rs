@@ -25,7 +25,7 @@ pub struct CaseResult {
     pub name: &'static str,
     /// Item of the model's `cooling_mode`.
     pub cooling_mode: &'static str,
-    /// The parameter that tells the test from others of its mode, and its value in m.
+    /// The parameter that distinguishes the test from others of its mode, and its value in m.
     pub setting: Option<(&'static str, f64)>,
     /// Power put into the winding, W.
     pub power_W: f64,
@@ -47,7 +47,7 @@ pub struct CaseResult {
     pub R_ha_model: Option<f64>,
     /// 5 A times the torque constant at the measured temperature, per total mass, N.m/kg.
     pub torque_density_at_5A: f64,
-    /// Torque that can be held at a winding of 155 degC, from the measured R_ha, N.m.
+    /// Continuous torque at stall with the winding at 155 degC, from the measured R_ha, N.m.
     pub torque_at_limit: f64,
     /// The same per total mass, N.m/kg.
     pub torque_density_at_limit: f64,
@@ -116,7 +116,7 @@ pub struct Thesis {
     pub published: Published,
     /// Every published number.
     pub rows: Vec<Row>,
-    /// The answer to the thesis's question, computed.
+    /// The answer to the thesis's question, computed from the cases.
     pub conclusion: String,
     /// What the calibrated model predicts for a test that it was not calibrated with.
     pub leave_one_out: Option<Vec<LeftOut>>,
@@ -213,7 +213,7 @@ fn published_summary() -> Published {
     }
 }
 
-/// What cooling buys, from the thesis's own measurements.
+/// Effect of cooling, from the thesis's own measurements.
 fn conclusion(cases: &[CaseResult]) -> String {
     let (bare, cooled) = match cases.split_first() {
         Some((bare, cooled)) if !cooled.is_empty() => (bare, cooled),
@@ -242,8 +242,8 @@ fn conclusion(cases: &[CaseResult]) -> String {
     let (least_torque, most_torque) = range(&|c| c.torque_at_limit);
     let (least, most) = range(&|c| c.torque_density_at_limit);
     format!(
-        "At the same 5 A the best arrangement is {at_5_a} with {} N.m/kg against {} bare ({:+.1} %), so holding the \
-         current hides what cooling is for; at a winding of 155 degC the continuous stall torque rises from {} N.m \
+        "At the same 5 A the best arrangement is {at_5_a} with {} N.m/kg against {} bare ({:+.1} %), so at constant current the benefit of cooling does not \
+         show; at a winding of 155 degC the continuous stall torque rises from {} N.m \
          bare to {} N.m ({at_limit}), over all arrangements by {least_torque:.0} to {most_torque:.0} % and its density \
          by {least:.0} to {most:.0} %: cooling does improve the motor{fan_alone}.",
         significant(density_at_5_a),

@@ -1,6 +1,6 @@
 //! The figures of the page.
 
-use super::super::words::{number, plain};
+use super::super::text::{number, plain};
 use super::port;
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Curve, Curves, Follows, Outcome, Unexplained};

@@ -72,7 +72,7 @@ pub fn bare() -> Vec<Row> {
             .but(Garbled, "the unit is K/W; it belongs to the fan alone at 5 mm and to no annulus"),
         Row::new("T03", "abstract, ch. 6", "fall of R_ha", 68.0, "%").published(fall(bare.r_ha, fan.r_ha)).but(
             Inconsistent,
-            "no pair of printed resistances gives 68 %; chapter 6 credits it to r* = 0.63, where chapter 7 says 89 %",
+            "no pair of published resistances gives 68 %; chapter 6 credits it to r* = 0.63, where chapter 7 says 89 %",
         ),
         Row::new("T04", "abstract", "best torque density", 0.393, "N.m/kg")
             .published(torque_at_5_a(bare.t_w) / bare.mass)
@@ -223,7 +223,7 @@ pub fn tables(cases: &[CaseResult]) -> Vec<Row> {
         rows.push(
             row(ambient, "implied ambient", T_AMBIENT, "K")
                 .published(case.implied_ambient())
-                .note("printed nowhere: T_w - 10 W (R_ha + R_wh)"),
+                .note("not published: T_w - 10 W (R_ha + R_wh)"),
         );
     }
     rows
