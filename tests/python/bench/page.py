@@ -69,7 +69,7 @@ def shade(fraction: float, fine: bool) -> tuple:
 
 
 def cells(sets):
-    """Rows, columns, and (count, colour) of each cell: every truth against every answer, shaded by its fraction of the row."""
+    """Rows, columns, and (count, colour) of each cell: every true effect against every report, shaded by its fraction of the row."""
     columns = sorted({s.said for s in sets}, key=lambda text: (text != "nothing", " by " in text, text))
     rows, grid = [], []
     for (_, truth), group in in_rows(sets).items():
@@ -81,7 +81,7 @@ def cells(sets):
 
 
 def figure(sets, file: Path):
-    """The cells as a figure."""
+    """Draws the cells."""
     rows, columns, grid = cells(sets)
     with matplotlib.rc_context(STYLE):
         canvas = Figure(figsize=(CELL * len(columns), CELL * len(rows)))
