@@ -1,6 +1,10 @@
 """A thermal runaway ends the run at a limit of validity, through fmpy in both standards and both interfaces, with the reason in the log."""
 
 import csv
+import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -22,7 +26,8 @@ def ended(result, logged):
     """The time of the end, from a result and what was logged."""
     assert result["time"][-1] < STOP - 1.0 and np.isfinite(result["winding_temperature"]).all()
     assert result["winding_temperature"].max() <= LIMIT + 1e-3
-    assert result["winding_temperature"][-1] > LIMIT - 5.0
+    # Model Exchange is sampled every second and warms by up to 15 K in one.
+    assert result["winding_temperature"][-1] > LIMIT - 15.0
     assert (result["torque_constant"] > 0.0).all()
     (sentence,) = {line for line in logged if "validity.winding_temperature" in line}
     assert "runaway" in sentence and f"{LIMIT} K" in sentence
@@ -33,26 +38,31 @@ def ended(result, logged):
 @pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
 @pytest.mark.parametrize("fmi", STANDARDS, ids=lambda fmi: f"fmi{fmi}")
 def test_fmpy_stops_with_the_reason(fmi, kind, model):
+    # In a process of its own: fmpy keeps one FMI 2 logger for a whole process, and that of this one belongs to the clients.
+    environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
+    command = [sys.executable, __file__, str(paths.archive(model, fmi)), kind, json.dumps(OVERLOADED[model])]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    assert done.returncode == 0, done.stderr[-2000:]
+    told = json.loads(done.stdout.splitlines()[-1])
+    result = {name: np.array(column) for name, column in told["result"].items()}
+    time = ended(result, told["log"])
+    assert abs(result["time"][-1] - time) < 1.5, f"{result['time'][-1]} s and {time} s"
+
+
+def simulated(path, kind, start):
+    """A run by fmpy alone: its columns and its log."""
     logged = []
-
-    def two(environment, instance, status, category, message):
-        logged.append(message.decode())
-
-    def three(environment, status, category, message):
-        logged.append(message.decode())
-
     result = simulate_fmu(
-        str(paths.archive(model, fmi)),
+        path,
         fmi_type=kind,
         stop_time=STOP,
         output_interval=1.0,
         relative_tolerance=1e-6,
-        start_values=OVERLOADED[model],
+        start_values=start,
         output=RECORD,
-        logger=two if fmi == 2 else three,
+        logger=lambda *arguments: logged.append(arguments[-1].decode()),
     )
-    time = ended(result, logged)
-    assert abs(result["time"][-1] - time) < 1.5, f"{result['time'][-1]} s and {time} s"
+    return {"result": {name: result[name].tolist() for name in result.dtype.names}, "log": logged}
 
 
 def test_fmi_2_discards_the_step_and_tells_why(archives):
@@ -90,3 +100,8 @@ def test_simulate_writes_what_there_is_and_exits_with_1(motor_fmu, tmp_path):
             rows = list(csv.DictReader(file))
         assert 10 < len(rows) < STOP and float(rows[-1]["winding_temperature"]) <= LIMIT
         assert all(float(row["torque_constant"]) > 0.0 for row in rows)
+
+
+if __name__ == "__main__":
+    archive, interface, start_values = sys.argv[1:]
+    print(json.dumps(simulated(archive, interface, json.loads(start_values))))

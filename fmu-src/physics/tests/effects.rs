@@ -137,7 +137,7 @@ fn air_on_the_winding_and_a_tired_fan() {
     let rise = |m: &mut AnnulusCooledMotor, node: &str| output(m, node) - 298.15;
     let (w, h) = (rise(&mut m, "winding_temperature"), rise(&mut m, "housing_temperature"));
     close(0.1 * flow * w + (w - h) / 0.21, 10.0, 1e-7);
-    close((w - h) / 0.21, (0.1351 + 0.35 * flow) * h, 1e-7);
+    close((w - h) / 0.21, (0.1351 + 0.113 * flow) * h, 1e-7);
     close(output(&mut m, "heat_to_ambient"), 10.0, 1e-7);
 }
 
@@ -409,7 +409,7 @@ fn terms_act_on_the_heat() {
             assert!(m.set_terms(terms));
         })
     };
-    let g = 0.1351 + 0.35 * 0.5f64.powf(0.8);
+    let g = 0.1351 + 0.113 * 0.5f64.powf(0.8);
     let rise = |m: &mut AnnulusCooledMotor, node: &str| output(m, node) - 298.15;
     let mut m = with(&[term(Port::WindingHeat, 2.0, Driver::FanCommand, 0.0, 0.5, 1.0)]);
     close(rise(&mut m, "housing_temperature"), 12.0 / g, 1e-6);
@@ -427,7 +427,7 @@ fn terms_act_on_the_heat() {
     let (w, h) = (rise(&mut m, "winding_temperature"), rise(&mut m, "housing_temperature"));
     close(w - h, 2.1 * (1.0 + 0.1 * w / 10.0), 1e-6);
     let mut m = with(&[term(Port::FanFlow, -0.5, Driver::FanCommand, 0.0, 1.0, 1.0)]);
-    close(rise(&mut m, "housing_temperature") * (0.1351 + 0.35 * 0.375f64.powf(0.8)), 10.0, 1e-6);
+    close(rise(&mut m, "housing_temperature") * (0.1351 + 0.113 * 0.375f64.powf(0.8)), 10.0, 1e-6);
     // Off by their gain.
     let mut m = with(&[term(Port::WindingHeat, 2.0, Driver::FanCommand, 0.0, 0.5, 1.0)]);
     let gain = m.declaration().by_name("effect.generic_term.gain").unwrap().slot;

@@ -2,11 +2,16 @@
 
 mod common;
 
-use common::{motor, output};
+use common::motor;
 use physics::components::commutation::Commutation;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
 use physics::terms::{GenericTerm, Law, Port, Product};
+
+fn output(m: &mut AnnulusCooledMotor, name: &str) -> f64 {
+    let slot = m.declaration().by_name(name).unwrap().slot;
+    m.get(slot)
+}
 
 /// What the reference adds to the declared motor.
 #[derive(Clone, Copy, Default)]
