@@ -383,7 +383,8 @@ mod tests {
     }
 
     /// Mean power from the supply is the motor's electrical power plus the losses of the drive, in both drive modes and
-    /// at the current limit, where the voltage that the actuator commands is not the motor's.
+    /// at the current limit, where the voltage that the actuator commands is not the motor's; within the coupling error of
+    /// steps of 1 ms.
     #[test]
     fn the_supply_gives_the_electrical_power() {
         for drive in ["current", "voltage"] {
@@ -393,11 +394,11 @@ mod tests {
                 "{drive}: {} W from the supply, {} W electrical",
                 found.power_supply, found.power_electrical
             );
-            assert!((found.power_supply / found.power_electrical - 1.0).abs() < 1e-3, "{drive} {found:?}");
+            assert!((found.power_supply / found.power_electrical - 1.0).abs() < 6e-3, "{drive} {found:?}");
         }
         let sets = [("drive.standby_power", "7"), ("conductance.G_forced", "0.35"), ("fan_command", "1")];
         let found = periodic(&load(WALK, &sets)).unwrap();
-        assert!((found.power_supply - found.power_electrical - 7.0).abs() < 0.05, "{found:?}");
+        assert!((found.power_supply - found.power_electrical - 7.0).abs() < 0.1, "{found:?}");
     }
 
     /// Every preset's motor data reach the control; what the file sets wins, and a change of the motor is followed.

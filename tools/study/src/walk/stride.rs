@@ -112,6 +112,7 @@ impl Walker {
         };
         let links: Vec<Link> = (TO_ACTUATOR.iter().map(|l| link(ACTUATOR, l)))
             .chain(to_motor.iter().map(|l| link(MOTOR, l)))
+            // Last: the motor's power follows from its inputs.
             .chain(std::iter::once(link(ACTUATOR, &POWER)))
             .collect::<Result<_, StudyError>>()?;
         let read = Read {
@@ -164,6 +165,14 @@ impl Walker {
         }
     }
 
+    /// The motor has stepped: its power at the end of the step is known, and nothing in the step depends on it.
+    fn interpolate_power(&mut self) {
+        if let Some(Link { from, to, last: Some(last) }) = self.links.last().copied() {
+            let slope = (self.models[from.0].get(from.1) - last) / self.h;
+            self.models[to.0].set_slope(to.1, slope);
+        }
+    }
+
     /// Walks a stride.
     ///
     /// # Errors
@@ -179,8 +188,11 @@ impl Walker {
             look(self, step);
             self.exchange();
             let t = self.done as f64 * self.h;
-            for model in &mut self.models {
-                model.step(t, self.h).map_err(|fault| StudyError::new(fault.to_string()))?;
+            for k in [MOTOR, ACTUATOR, GAIT] {
+                if k == ACTUATOR {
+                    self.interpolate_power();
+                }
+                self.models[k].step(t, self.h).map_err(|fault| StudyError::new(fault.to_string()))?;
             }
             self.done += 1;
             let [motor, actuator, _] = &mut self.models;
