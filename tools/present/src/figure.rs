@@ -299,7 +299,7 @@ impl Figure {
                 path.z d={ "M" (n(left)) " " (n(y.at(*value))) "H" (n(right)) } {}
                 // Below the line where there is no room above.
                 @let dy = if y.at(*value) < LINE { LINE - 3.0 } else { -5.0 };
-                (text(right - 4.0, y.at(*value) + dy, "e o", label))
+                (text(left + 6.0, y.at(*value) + dy, "o", label))
             }
             // Below the label of a limit that is near the top.
             @let near_top = panel.limits.iter().map(|l| y.at(l.0)).filter(|py| *py < 2.5 * LINE);
