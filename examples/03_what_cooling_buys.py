@@ -186,5 +186,6 @@ if __name__ == "__main__":
     out = parser.parse_args().out
     answer = study()
     if out:
+        out.mkdir(parents=True, exist_ok=True)
         (out / "what-cooling-buys.md").write_text(markdown(answer))
     print(json.dumps(answer, indent=2))
