@@ -98,7 +98,7 @@ def standstill_words(rows: dict) -> str:
         {fan["torque_Nm"]:.3f} N.m ({percent(fan["torque_gain_percent"])}) and the torque per mass by
         {percent(fan["density_gain_percent"])}: the fan gains {pays}. With the 40 mm annulus, {tube:.1f} g more, the torque is
         {annulus["torque_Nm"]:.3f} N.m ({percent(annulus["torque_gain_percent"])}, per mass
-        {percent(annulus["density_gain_percent"])}): the annulus {verdict}. The highest torque per mass has: {best}."""
+        {percent(annulus["density_gain_percent"])}): the annulus {verdict}. Highest torque per mass: {best}."""
 
 
 def current_words(tests: dict) -> str:
@@ -108,8 +108,8 @@ def current_words(tests: dict) -> str:
     gain = 100.0 * (tests[best]["torque_density_at_5A"] / bare - 1.0)
     at_limit = 100.0 * (max(t["torque_at_limit"] for t in tests.values()) / tests["bare"]["torque_at_limit"] - 1.0)
     return f"""The thesis compares torques at 5 A. At equal current the highest torque density of these arrangements is
-        {percent(gain)} above that of the bare motor ({best}); at equal winding temperature the torque, from the measured thermal
-        resistances, is up to {percent(at_limit)} higher."""
+        {gain:.1f} % above that of the bare motor ({best}); at equal winding temperature the torque, from the measured thermal
+        resistances, is up to {at_limit:.0f} % higher."""
 
 
 def prediction_words(answer: dict) -> str:
@@ -122,8 +122,8 @@ def prediction_words(answer: dict) -> str:
     leak, deviation = (SQUARE_CM * answer["leak_area_m2"][key] for key in ("value", "deviation"))
     if max(annuli) < 0.0:
         cause = f"""The untuned model cools the annuli more than the rig did. The fit explains the difference by a leak of
-            {leak:.1f} ± {deviation:.1f} cm² between fan and annulus; `motor-fmu reproduce thesis` lists other causes that explain
-            it as well."""
+            {leak:.1f} ± {deviation:.1f} cm² between fan and annulus; `motor-fmu reproduce thesis --out DIR` fits other causes in
+            its place."""
     else:
         cause = "The untuned model does not cool all annuli more than the rig did."
     return f"""The rig's preset is fitted to these temperatures: its rms error of {rms(fit):.1f} K over the four tests is that of a
@@ -186,5 +186,6 @@ if __name__ == "__main__":
     out = parser.parse_args().out
     answer = study()
     if out:
+        out.mkdir(parents=True, exist_ok=True)
         (out / "what-cooling-buys.md").write_text(markdown(answer))
     print(json.dumps(answer, indent=2))

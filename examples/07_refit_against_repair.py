@@ -102,7 +102,7 @@ def parameters(motor: dict) -> str:
 
 def larger(percent: float) -> str:
     """A deviation in words."""
-    return f"{abs(percent):.0f} % too {'large' if percent > 0.0 else 'small'}"
+    return f"{abs(percent):.2g} % too {'large' if percent > 0.0 else 'small'}"
 
 
 def biased(motor: dict) -> list[str]:
@@ -174,6 +174,7 @@ if __name__ == "__main__":
         answer = {name: compare(name, Path(temporary) / name) for name in MOTORS}
         drawn = figure((Path(temporary) / SHOWN / "report.html").read_text(encoding="utf-8"))
     if out:
+        out.mkdir(parents=True, exist_ok=True)
         (out / "refit-against-repair.md").write_text(page(answer), encoding="utf-8")
         (out / FIGURE).write_text(drawn, encoding="utf-8")
     print(json.dumps(answer, indent=2))

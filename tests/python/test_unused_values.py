@@ -67,7 +67,7 @@ def test_the_page_of_an_archive_names_unused_inputs(motor_fmu, tmp_path):
     assert "note: motor.L (preset bench) has no effect with drive_mode = current" in done.stderr
     with zipfile.ZipFile(tmp_path / "out" / "fmi3" / f"{MOTOR}.fmu") as archive:
         page = archive.read("documentation/index.html").decode()
-    assert "voltage and duty have no effect with drive_mode = current" in page
+    assert "voltage has no effect with drive_mode = current, only with drive_mode = voltage or pwm" in page
 
 
 def test_version_names_the_product(program):

@@ -2,7 +2,7 @@
 
 use crate::Failure;
 use ::study::reproduce::paper::{Compared, paper};
-use ::study::reproduce::thesis::{CaseResult, thesis};
+use ::study::reproduce::thesis::{CaseResult, Fits, thesis};
 use ::study::reproduce::{Basis, Printed, Row, report, significant};
 use clap::ValueEnum;
 use serde_json::Value;
@@ -29,7 +29,7 @@ pub struct Args {
     /// Print everything as JSON
     #[arg(long)]
     json: bool,
-    /// Write a page with the figures, and the figures as SVG, into this folder
+    /// Write a page with the figures, and the figures as SVG, into this folder; for the thesis also with fits of other causes
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -38,7 +38,8 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let (json, rows, conclusion, page) = match args.which {
         Which::Thesis => {
-            let found = thesis(true)?;
+            let fits = if args.out.is_some() { Fits::Alternatives } else { Fits::Rig };
+            let found = thesis(fits)?;
             let page = report::thesis(&found);
             let conclusion = format!("{}\n{}\n", cases(&found.cases), found.conclusion);
             (serde_json::to_value(&found)?, found.rows, conclusion, page)

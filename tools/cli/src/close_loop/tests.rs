@@ -69,7 +69,7 @@ fn verdicts_are_sentences() {
         ["iron loss", "k = 9.5e-5 N.m.s^0.5", "run-1.csv only"],
         ["one of iron loss or viscous friction", "do not distinguish", "iron loss"],
         ["the torque against the motion", "follows the speed", "not in the list"],
-        ["no missing effect", "other parameter values"],
+        ["no missing effect", "is detected", "other parameter values"],
     ]) {
         let sentence = text::verdict(&sample::outcome(*verdict));
         assert!(words.iter().all(|w| sentence.contains(w)), "{sentence}");

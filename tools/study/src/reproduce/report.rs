@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn pages_are_complete_in_themselves() {
         for page in [
-            thesis(&crate::reproduce::thesis::thesis(false).unwrap()),
+            thesis(&crate::reproduce::thesis::thesis(crate::reproduce::thesis::Fits::None).unwrap()),
             paper(&crate::reproduce::paper::paper().unwrap()),
         ] {
             assert_eq!(present::check::faults(&page.html), Vec::<String>::new(), "{}", page.name);

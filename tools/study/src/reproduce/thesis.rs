@@ -128,17 +128,31 @@ pub struct Thesis {
     pub absent: Option<String>,
 }
 
-/// Recomputes the thesis; with `fit`, also what its tests can identify.
+/// Which fits are made: each costs seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fits {
+    /// None.
+    None,
+    /// The fit of the rig, and that without each test.
+    Rig,
+    /// Also fits with other causes in place of fitted parameters.
+    Alternatives,
+}
+
+/// Recomputes the thesis.
 ///
 /// # Errors
 /// A native model that does not settle.
-pub fn thesis(fit: bool) -> Result<Thesis, StudyError> {
+pub fn thesis(fits: Fits) -> Result<Thesis, StudyError> {
     let native = Native::find();
     let (leave_one_out, identifiability, alternatives) = match fit_thesis_rig(&native, &FITTED) {
-        Some(problem) if fit => {
+        Some(problem) if fits != Fits::None => {
             let problem = problem?;
             let fit = problem.fit()?;
-            let others = identified::alternatives(&native)?;
+            let others = match fits {
+                Fits::Alternatives => identified::alternatives(&native)?,
+                _ => Vec::new(),
+            };
             (Some(problem.leave_one_out(&fit)?), Some(fit), others)
         }
         _ => (None, None, Vec::new()),
@@ -261,7 +275,7 @@ mod tests {
     /// The audit's numbers: T26, T41, T50; the conclusion names what they say.
     #[test]
     fn the_thesis_comes_out() {
-        let thesis = thesis(false).unwrap();
+        let thesis = thesis(Fits::None).unwrap();
         let bare = &thesis.cases[0];
         assert_eq!((bare.name, bare.T_w_as_published_K), ("bare", None));
         assert!((bare.torque_density_at_5A - 0.394).abs() < 1e-3);

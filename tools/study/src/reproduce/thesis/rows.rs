@@ -23,12 +23,13 @@ pub fn rows(native: &Native, cases: &[CaseResult]) -> Vec<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reproduce::thesis::Fits;
     use crate::reproduce::{Basis, Printed, Verdict};
 
     /// What a fitted model gives is marked as such and stands beside the predictions.
     #[test]
     fn a_fit_is_not_shown_as_a_prediction() {
-        let found = crate::reproduce::thesis::thesis(true).unwrap();
+        let found = crate::reproduce::thesis::thesis(Fits::Rig).unwrap();
         let fitted: Vec<&Row> = found.rows.iter().filter(|r| r.basis == Some(Basis::Fitted)).collect();
         assert_eq!(fitted.len(), 2 * 7, "T_w and R_ha of the seven columns");
         for row in fitted {
@@ -56,7 +57,7 @@ mod tests {
     /// What holds agrees with what is published to a percent, and every audit number from T01 to T59 is there.
     #[test]
     fn verdicts_follow_from_the_numbers() {
-        let rows = crate::reproduce::thesis::thesis(false).unwrap().rows;
+        let rows = crate::reproduce::thesis::thesis(Fits::None).unwrap().rows;
         for k in 1..=59 {
             let id = format!("T{k:02}");
             assert!(rows.iter().any(|r| r.id.starts_with(&id)), "{id}");
