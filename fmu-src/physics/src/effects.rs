@@ -36,7 +36,7 @@ pub use dead_time::DeadTime;
 pub use demagnetisation::Demagnetisation;
 pub use drive_loss::DriveLoss;
 pub use fan_back_pressure::FanBackPressure;
-pub use forced_convection::{CooledNode, Draught, ForcedConvection};
+pub use forced_convection::{ConvectionDriver, CooledNode, ForcedConvection};
 pub use generic_term::GenericTerms;
 pub use housing_radiation::HousingRadiation;
 pub use housing_sensor_lag::HousingSensorLag;

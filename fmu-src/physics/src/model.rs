@@ -324,7 +324,7 @@ pub enum Node {
     Stator,
     /// The rotor with its magnets.
     Magnets,
-    /// The housing.
+    /// Housing.
     Housing,
     /// The box around the motor.
     Box,
@@ -457,8 +457,8 @@ pub type Declared = OnceLock<Declaration>;
 
 /// Log categories of every FMU: name and description.
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
-    ("logStatusError", "Calls that are not allowed and failures of the model"),
-    ("logStatusDiscard", "Values and steps that are refused"),
-    ("logStatusWarning", "Calls that are done, with something to say"),
+    ("logStatusError", "Calls that are not allowed, and errors of the model"),
+    ("logStatusDiscard", "Rejected values and steps"),
+    ("logStatusWarning", "Successful calls with a remark"),
     ("logEvents", "Steps of the life cycle"),
 ];

@@ -1,7 +1,7 @@
 //! What single effects do to the motor as a whole, against numbers computed by hand.
 
 use crate::common::{all_effects, motor};
-use physics::effects::{CooledNode, Draught, Effect, Effects, PerNode};
+use physics::effects::{ConvectionDriver, CooledNode, Effect, Effects, PerNode};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode, Temperatures,
@@ -131,7 +131,7 @@ fn air_on_the_winding_and_a_tired_fan() {
         effects.fan_back_pressure.k = 0.3;
         effects.forced_convection.G = 0.1;
         effects.forced_convection.node = CooledNode::Winding;
-        effects.forced_convection.driver = Draught::FanCommand;
+        effects.forced_convection.driver = ConvectionDriver::FanCommand;
     });
     let flow = 0.425f64.powf(0.8);
     let rise = |m: &mut AnnulusCooledMotor, node: &str| output(m, node) - 298.15;

@@ -38,21 +38,21 @@ variables! {
         /// Mass of the tube
         mass: f64 = Variable::tunable(2, 0.0155, Unit::Kilogram, 1e-5, 100.0).log()
             .source("thesis, table 2"),
-        /// Specific heat of the tube
+        /// Specific heat capacity of the tube (ABS)
         specific_heat: f64 = Variable::tunable(3, 1400.0, Unit::JoulePerKilogramKelvin, 100.0, 1e4)
             .source("ABS, typical"),
-        /// Area of the leak between fan and annular gap; 0 for none
+        /// Leak area between fan and annulus; 0 = no leak
         leak_area: f64 = Variable::tunable(4, 0.0, Unit::SquareMetre, 0.0, 1.0).nominal(1e-3),
-        /// Factor on the heat transfer in the gap when the fan pushes
+        /// Factor on the heat transfer coefficient in the annulus, fan pushing
         factor_push: f64 = Variable::tunable(5, 1.0, Unit::One, 0.1, 10.0).log()
             .source("neutral"),
-        /// Factor on the heat transfer in the gap when the fan pulls
+        /// Factor on the heat transfer coefficient in the annulus, fan pulling
         factor_pull: f64 = Variable::tunable(6, 1.0, Unit::One, 0.1, 10.0).log()
             .source("neutral"),
         /// Emissivity of the tube's inner surface
         emissivity: f64 = Variable::tunable(7, 0.9, Unit::One, 0.0, 1.0)
             .source("plastics, typical"),
-        /// Heat transfer coefficient from the tube to ambient; 0 for a tube insulated outside
+        /// Heat transfer coefficient from the tube to ambient; 0 = insulated tube
         U_outside: f64 = Variable::tunable(8, 8.0, Unit::WattPerSquareMetreKelvin, 0.0, 1e3)
             .source("estimate: natural convection and radiation"),
     }
@@ -60,7 +60,7 @@ variables! {
 
 /// Which way the fan moves the air.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Draught {
+pub enum FlowDirection {
     /// From the fan into the gap.
     Push,
     /// From the gap into the fan.
@@ -86,20 +86,20 @@ pub struct Gap {
     /// Losses of the entrance and exit that do not depend on the flow.
     fixed_loss: f64,
     leak_area: f64,
-    draught: Draught,
+    draught: FlowDirection,
 }
 
 impl Gap {
     /// The gap between a motor and a tube before a fan with the given opening, m2.
-    pub fn new(annulus: &Annulus, housing: &Housing, opening: f64, draught: Draught) -> Gap {
+    pub fn new(annulus: &Annulus, housing: &Housing, opening: f64, draught: FlowDirection) -> Gap {
         let (d_i, d_o) = (housing.diameter, annulus.outer_diameter.max(1.001 * housing.diameter));
         let length = annulus.length.min(housing.length);
         let section = FRAC_PI_4 * (d_o - d_i) * (d_o + d_i);
         let ratio = d_i / d_o;
         let sigma = (section / opening).min(1.0);
         let fixed_loss = match draught {
-            Draught::Push => 1.0 - sigma * sigma + contraction(sigma, 1.0),
-            Draught::Pull => contraction(0.0, 1.0),
+            FlowDirection::Push => 1.0 - sigma * sigma + contraction(sigma, 1.0),
+            FlowDirection::Pull => contraction(0.0, 1.0),
         };
         Gap {
             section,
@@ -125,8 +125,8 @@ impl Gap {
         let u = m / (air.rho * self.section);
         let re = self.reynolds(m, air);
         let loss = match self.draught {
-            Draught::Push => self.fixed_loss,
-            Draught::Pull => self.fixed_loss + expansion(self.sigma, momentum_ratio(re)),
+            FlowDirection::Push => self.fixed_loss,
+            FlowDirection::Pull => self.fixed_loss + expansion(self.sigma, momentum_ratio(re)),
         };
         let f_re = friction::f_re(re, self.ratio, self.length / self.d_h);
         0.5 * air.rho * u * u * loss + friction::pressure_drop(f_re, air.mu, u, self.length, self.d_h)
@@ -145,10 +145,10 @@ impl Annulus {
     }
 
     /// Factor on the heat transfer for a direction of the fan.
-    pub fn factor(&self, draught: Draught) -> f64 {
+    pub fn factor(&self, draught: FlowDirection) -> f64 {
         match draught {
-            Draught::Push => self.factor_push,
-            Draught::Pull => self.factor_pull,
+            FlowDirection::Push => self.factor_push,
+            FlowDirection::Pull => self.factor_pull,
         }
     }
 
@@ -168,7 +168,7 @@ impl Annulus {
 mod tests {
     use super::*;
 
-    fn gap(d_o: f64, draught: Draught) -> Gap {
+    fn gap(d_o: f64, draught: FlowDirection) -> Gap {
         let annulus = Annulus { outer_diameter: d_o, ..Annulus::default() };
         Gap::new(&annulus, &Housing::default(), FRAC_PI_4 * 0.038 * 0.038, draught)
     }
@@ -176,7 +176,7 @@ mod tests {
     /// The thesis's 40 mm tube: section pi/4 (40^2 - 30^2) = 549.8 mm2, D_h = 10 mm.
     #[test]
     fn size_of_the_gap_of_the_thesis() {
-        let g = gap(0.040, Draught::Push);
+        let g = gap(0.040, FlowDirection::Push);
         assert!((g.section - 549.78e-6).abs() < 1e-8 && (g.d_h - 0.010).abs() < 1e-15);
     }
 
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn pressure_rises_from_zero() {
         let air = Air::at(300.0, 101_325.0);
-        let (push, pull) = (gap(0.040, Draught::Push), gap(0.040, Draught::Pull));
+        let (push, pull) = (gap(0.040, FlowDirection::Push), gap(0.040, FlowDirection::Pull));
         assert_eq!(push.pressure(0.0, &air), 0.0);
         let mut last = 0.0;
         for k in 1..50 {
@@ -202,7 +202,7 @@ mod tests {
     fn no_jump_where_the_gap_outgrows_the_fan() {
         let air = Air::at(300.0, 101_325.0);
         let d = (0.030f64.powi(2) + 0.038f64.powi(2)).sqrt();
-        for draught in [Draught::Push, Draught::Pull] {
+        for draught in [FlowDirection::Push, FlowDirection::Pull] {
             let p = |d: f64| gap(d, draught).pressure(3e-3, &air);
             assert!((p(d * (1.0 + 1e-7)) / p(d * (1.0 - 1e-7)) - 1.0).abs() < 1e-3);
         }
@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn a_leak_is_an_orifice() {
         let annulus = Annulus { leak_area: 1e-3, ..Annulus::default() };
-        let g = Gap::new(&annulus, &Housing::default(), 1e-3, Draught::Push);
+        let g = Gap::new(&annulus, &Housing::default(), 1e-3, FlowDirection::Push);
         assert!((g.leak(60.0, 1.2) - 1e-2).abs() < 1e-15);
         assert_eq!(g.leak(-1.0, 1.2), 0.0);
     }

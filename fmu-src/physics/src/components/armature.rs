@@ -13,7 +13,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Data of the motor in front of the gear.
     pub struct Armature {
-        /// Resistance between the terminals at T_ref, brushes included
+        /// Terminal resistance at T_ref, brushes included
         R_ref: f64 = Variable::tunable(0, 9.20, Unit::Ohm, 1e-4, 1e4).log()
             .source("paper in seeds (gearmotor 37D), section 2.5: LCR meter"),
         /// Reference temperature of R_ref and k_t
@@ -22,7 +22,7 @@ variables! {
         /// Temperature coefficient of the winding's resistance
         alpha: f64 = Variable::tunable(2, 0.004, Unit::PerKelvin, 0.0, 0.0045)
             .source("paper in seeds (gearmotor 37D): copper"),
-        /// Inductance between the terminals
+        /// Terminal inductance
         L: f64 = Variable::tunable(3, 1.803e-3, Unit::Henry, 1e-7, 10.0).log()
             .source("paper in seeds (gearmotor 37D), section 2.5: LCR meter"),
         /// Torque constant at the rotor at T_ref, equal to the back-EMF constant in V.s/rad

@@ -37,11 +37,11 @@ use crate::number::Number;
 use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {
-    /// Where the current runs while the supply is off.
+    /// Path of the freewheeling current.
     pub enum Decay {
-        /// Through a closed switch and a diode, around the supply.
+        /// Slow decay: through a closed switch and a diode, not through the supply.
         Slow = 1, "slow";
-        /// Through two diodes, back into the supply; all switches are open.
+        /// Fast decay: through two diodes into the supply; all switches are open.
         Fast = 2, "fast";
     }
 }

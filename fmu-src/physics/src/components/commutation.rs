@@ -28,13 +28,13 @@ use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::{FRAC_PI_3, PI, TAU};
 
 enumeration! {
-    /// How current is given to the phases.
+    /// Distribution of the current to the phases.
     pub enum Commutation {
-        /// As if by brushes: every phase alike.
+        /// Equivalent DC motor: all phases have the same loss.
         EquivalentDc = 1, "equivalent_dc";
-        /// Six steps; two phases carry the current.
+        /// Block commutation: six steps, two phases carry the current.
         Block = 2, "block";
-        /// Three sinusoidal currents.
+        /// Sinusoidal commutation: three sinusoidal currents.
         Sinusoidal = 3, "sinusoidal";
     }
 }

@@ -32,7 +32,7 @@ variables! {
         /// Diameter of the fan's opening
         bore: f64 = Variable::tunable(4, 0.038, Unit::Metre, 1e-3, 2.0).log()
             .source("estimate: typical of 40 x 40 x 10 mm fans"),
-        /// Diameter of the hub
+        /// Diameter of the fan's hub
         hub: f64 = Variable::tunable(5, 0.024, Unit::Metre, 0.0, 2.0)
             .source("estimate: typical of 40 x 40 x 10 mm fans"),
         /// Distance from the fan to the motor's surface (cooling_mode fan_crossflow)
@@ -46,10 +46,10 @@ variables! {
             .source("neutral"),
         /// Fraction of the pressure lost in the middle of the stall; 0 for none
         stall_depth: f64 = Variable::tunable(9, 0.0, Unit::One, 0.0, 0.95),
-        /// Flow in the middle of the stall over flow_max
+        /// Flow rate at the centre of the stall region, divided by flow_max
         stall_centre: f64 = Variable::tunable(10, 0.4, Unit::One, 0.0, 1.0)
             .source("estimate; without effect while stall_depth is 0"),
-        /// Half-width of the stall over flow_max
+        /// Half-width of the stall region, divided by flow_max
         stall_width: f64 = Variable::tunable(11, 0.1, Unit::One, 1e-3, 1.0)
             .source("estimate; without effect while stall_depth is 0"),
         /// Air density at which the fan's data hold
@@ -58,16 +58,16 @@ variables! {
         /// Exponent of the jet's decay with its cross section: 0.5 conserves momentum, 1 volume flow (swirl)
         decay: f64 = Variable::tunable(13, 0.5, Unit::One, 0.5, 1.0)
             .source("momentum of a free jet"),
-        /// Pressure over pressure_max at 20 % of flow_max
+        /// Pressure divided by pressure_max at 20 % of flow_max
         p_20: f64 = Variable::tunable(20, 0.8, Unit::One, 0.0, 1.0)
             .source("assumption: straight fan curve"),
-        /// Pressure over pressure_max at 40 % of flow_max
+        /// Pressure divided by pressure_max at 40 % of flow_max
         p_40: f64 = Variable::tunable(21, 0.6, Unit::One, 0.0, 1.0)
             .source("assumption: straight fan curve"),
-        /// Pressure over pressure_max at 60 % of flow_max
+        /// Pressure divided by pressure_max at 60 % of flow_max
         p_60: f64 = Variable::tunable(22, 0.4, Unit::One, 0.0, 1.0)
             .source("assumption: straight fan curve"),
-        /// Pressure over pressure_max at 80 % of flow_max
+        /// Pressure divided by pressure_max at 80 % of flow_max
         p_80: f64 = Variable::tunable(23, 0.2, Unit::One, 0.0, 1.0)
             .source("assumption: straight fan curve"),
     }

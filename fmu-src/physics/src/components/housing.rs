@@ -21,11 +21,11 @@ use std::f64::consts::PI;
 pub const GRAVITY: f64 = 9.80665;
 
 enumeration! {
-    /// How the motor's axis lies.
+    /// Orientation of the motor's axis.
     pub enum Orientation {
-        /// Axis level.
+        /// Horizontal axis.
         Horizontal = 1, "horizontal";
-        /// Axis upright.
+        /// Vertical axis.
         Vertical = 2, "vertical";
     }
 }
@@ -39,7 +39,7 @@ variables! {
         /// Length of the motor without its shaft
         length: f64 = Variable::tunable(1, 0.064, Unit::Metre, 1e-3, 2.0).log()
             .source("estimate: not in the text of the datasheet"),
-        /// Thickness of the housing's wall, which conducts along the axis
+        /// Wall thickness of the housing, for axial conduction
         thickness: f64 = Variable::tunable(2, 0.002, Unit::Metre, 1e-5, 0.1).log()
             .source("estimate"),
         /// Thermal conductivity of the housing's wall

@@ -37,7 +37,7 @@ variables! {
         /// Moment of inertia of the rotor
         J: f64 = Variable::tunable(6, 33.3e-7, Unit::KilogramSquareMetre, 1e-10, 10.0).log()
             .source("maxon datasheet 305015"),
-        /// Pole pairs: electrical over mechanical angle
+        /// Number of pole pairs
         pole_pairs: i32 = Variable::tunable_count(7, 2, 1, 100)
             .source("maxon datasheet 305015 (4 poles)"),
         /// Mass of the motor

@@ -41,7 +41,7 @@ variables! {
         /// Conductance from rotor to housing, through the bearings (not in cooling_mode conductance)
         G_rh: f64 = Variable::tunable(6, 0.10, Unit::WattPerKelvin, 0.0, 1e3)
             .source("estimate: bearings"),
-        /// Thermal resistance of the contact between stator and housing (not in cooling_mode conductance)
+        /// Thermal resistance between stator and housing (not in cooling_mode conductance)
         R_sh: f64 = Variable::tunable(7, 0.05, Unit::KelvinPerWatt, 1e-3, 1e3).log()
             .source("estimate: press fit"),
         /// Fraction of the heat capacity of stator and housing that is the stator's (not in cooling_mode conductance)

@@ -10,21 +10,21 @@ use super::ports::{Effect, PerNode};
 use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {
-    /// What forced convection cools.
+    /// Node with forced convection.
     pub enum CooledNode {
-        /// The housing.
+        /// Housing.
         Housing = 1, "housing";
-        /// The winding, by air inside the motor.
+        /// Winding, by air inside the motor.
         Winding = 2, "winding";
     }
 }
 
 enumeration! {
-    /// What drives forced convection.
-    pub enum Draught {
-        /// Always the same.
+    /// Driver of forced convection.
+    pub enum ConvectionDriver {
+        /// Constant.
         Constant = 1, "constant";
-        /// As the fan's flow, fan_command^0.8.
+        /// Proportional to fan_command^0.8.
         FanCommand = 2, "fan_command";
     }
 }
@@ -34,10 +34,10 @@ variables! {
     pub struct ForcedConvection {
         /// Conductance to ambient (driver fan_command: at full speed); 0 switches the effect off
         G: f64 = Variable::tunable(0, 0.0, Unit::WattPerKelvin, 0.0, 1e4).nominal(0.05),
-        /// Node that is cooled
+        /// Cooled node
         node: CooledNode = Variable::choice(1, 1),
         /// Driver of the conductance
-        driver: Draught = Variable::choice(2, 1),
+        driver: ConvectionDriver = Variable::choice(2, 1),
     }
 }
 
@@ -54,8 +54,8 @@ impl Effect for ForcedConvection {
             return conductance;
         }
         let g = match self.driver {
-            Draught::Constant => self.G,
-            Draught::FanCommand => self.G * flow,
+            ConvectionDriver::Constant => self.G,
+            ConvectionDriver::FanCommand => self.G * flow,
         };
         match self.node {
             CooledNode::Housing => conductance.housing = g,
@@ -73,7 +73,7 @@ mod tests {
     fn at_the_node_and_with_the_driver_that_are_chosen() {
         let mut forced = ForcedConvection { G: 0.2, ..ForcedConvection::default() };
         assert_eq!(forced.ambient_conductance(0.5), PerNode { winding: 0.0, housing: 0.2 });
-        forced.driver = Draught::FanCommand;
+        forced.driver = ConvectionDriver::FanCommand;
         assert_eq!(forced.ambient_conductance(0.5), PerNode { winding: 0.0, housing: 0.1 });
         forced.node = CooledNode::Winding;
         assert_eq!(forced.ambient_conductance(0.5), PerNode { winding: 0.1, housing: 0.0 });

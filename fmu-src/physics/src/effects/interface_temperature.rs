@@ -19,7 +19,7 @@ const LEAST: f64 = 0.1;
 variables! {
     /// Answer of the interface to temperature.
     pub struct InterfaceTemperature {
-        /// Relative change of thermal.R_wh per kelvin of the winding; 0 switches the effect off
+        /// Relative change of thermal.R_wh per kelvin of winding temperature; 0 switches the effect off
         beta: f64 = Variable::tunable(0, 0.0, Unit::PerKelvin, -0.05, 0.05).nominal(0.003),
     }
 }

@@ -43,7 +43,7 @@ pub fn all_effects() -> Effects {
         forced_convection: ForcedConvection {
             G: 0.03,
             node: CooledNode::Winding,
-            driver: Draught::FanCommand,
+            driver: ConvectionDriver::FanCommand,
         },
         fan_back_pressure: FanBackPressure { k: 0.3 },
         demagnetisation: Demagnetisation { fraction: 0.1, time: 0.25 },

@@ -132,8 +132,8 @@ mod tests {
     #[test]
     fn letters_are_in_every_match() {
         for (pattern, expected) in [
-            ("for ?ever", "ever"),
-            ("contenders?", "contender"),
+            ("red herring", "herring"),
+            ("herrings?", "herring"),
             ("a|b", ""),
             ("(ab|cd) efg?h", "ef"),
             ("(a|b)c", "c"),

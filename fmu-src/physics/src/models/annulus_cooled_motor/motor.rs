@@ -122,7 +122,7 @@ impl AnnulusCooledMotor {
         DECLARED.get_or_init(|| {
             Declaration::new(
                 "AnnulusCooledMotor",
-                "Thermo-electromechanical motor: terminals, shaft, winding and housing temperature, cooling",
+                "Thermo-electromechanical motor with thermal network and cooling: electrical terminals, shaft, winding and housing temperature",
                 Self::groups(),
                 STATES,
             )

@@ -4,41 +4,41 @@ use crate::components::commutation::Commutation;
 use declare::{Group, Unit, Variable, enumeration, variables};
 
 enumeration! {
-    /// What drives the winding.
+    /// Quantity that is imposed at the terminals.
     pub enum DriveMode {
-        /// The input voltage lies at the terminals.
+        /// Voltage: the input voltage is applied to the terminals.
         Voltage = 1, "voltage";
-        /// The mean of a chopped supply, duty times voltage, lies at the terminals.
+        /// PWM: the mean voltage, duty times voltage, is applied to the terminals.
         Pwm = 2, "pwm";
-        /// An ideal source drives current_command; its own voltage covers the inductance.
+        /// Current: an ideal current source imposes current_command.
         Current = 3, "current";
-        /// The input electrical_power heats the winding; no torque.
+        /// Power: the input electrical_power heats the winding; there is no torque.
         Power = 4, "power";
     }
 }
 
 enumeration! {
-    /// What the shaft is coupled to.
+    /// Mechanical boundary condition of the shaft.
     pub enum MechanicalMode {
-        /// The rotor accelerates under load_torque.
+        /// Free shaft: the rotor accelerates under load_torque.
         FreeShaft = 1, "free_shaft";
-        /// The shaft turns at imposed_speed; what imposes it also accelerates the rotor.
+        /// Imposed speed: the shaft turns at imposed_speed.
         ImposedSpeed = 2, "imposed_speed";
     }
 }
 
 enumeration! {
-    /// How heat leaves the housing.
+    /// Path of the heat from the housing to ambient.
     pub enum CoolingMode {
-        /// Through a conductance that the fan raises; winding and housing are the only nodes.
+        /// Ambient conductance that the fan increases; the only nodes are winding and housing.
         Conductance = 1, "conductance";
-        /// Natural convection and radiation in a still room.
+        /// Natural convection and radiation in still air.
         Bare = 2, "bare";
-        /// A fan that blows across the motor.
+        /// Fan in crossflow.
         FanCrossflow = 3, "fan_crossflow";
-        /// A fan that pushes air through a tube around the motor.
+        /// Annulus: a fan pushes air through a tube around the motor.
         AnnulusPush = 4, "annulus_push";
-        /// A fan that pulls air through a tube around the motor.
+        /// Annulus: a fan pulls air through a tube around the motor.
         AnnulusPull = 5, "annulus_pull";
     }
 }
@@ -54,7 +54,7 @@ variables! {
         cooling_mode: CoolingMode = Variable::choice(82, 1),
         /// Commutation of the phase currents
         commutation: Commutation = Variable::choice(83, 1),
-        /// Segments of the housing along its axis (not in cooling_mode conductance)
+        /// Number of housing segments along the axis (not in cooling_mode conductance)
         air_segments: i32 = Variable::count(84, 8, 1, 64)
             .source("grid study: physics/tests/network.rs"),
     }
@@ -65,7 +65,7 @@ variables! {
     pub struct Inputs {
         /// Voltage at the terminals (drive_mode voltage) or of the supply (drive_mode pwm)
         voltage: f64 = Variable::input(1, 0.0, Unit::Volt, -1e4, 1e4).nominal(48.0),
-        /// Current to be driven (drive_mode current)
+        /// Imposed current (drive_mode current)
         current_command: f64 = Variable::input(2, 0.0, Unit::Ampere, -1e4, 1e4).nominal(5.0),
         /// Duty cycle: mean terminal voltage over supply voltage, negative for reverse (drive_mode pwm)
         duty: f64 = Variable::input(3, 0.0, Unit::One, -1.0, 1.0),
@@ -101,9 +101,9 @@ variables! {
         shaft_torque: f64 = Variable::output(23, Unit::NewtonMetre).nominal(0.1),
         /// Indicated winding temperature (effects winding_sensor_*); true mean temperature without these effects
         winding_temperature: f64 = Variable::output(24, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the stator; the housing's in cooling_mode conductance
+        /// Temperature of the stator; equal to the housing's in cooling_mode conductance
         stator_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the magnets; the housing's in cooling_mode conductance
+        /// Temperature of the magnets; equal to the housing's in cooling_mode conductance
         magnet_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
         /// Indicated housing temperature (effects housing_sensor_*); true mean temperature without these effects
         housing_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),

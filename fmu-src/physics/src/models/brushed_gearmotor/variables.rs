@@ -39,15 +39,15 @@ variables! {
         box_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
         /// Voltage across the winding's resistance and the contacts: R I and contact voltage drop
         voltage_electrical: f64 = Variable::output(30, Unit::Volt),
-        /// Voltage across the inductance: L dI/dt
+        /// Inductive voltage L dI/dt
         voltage_magnetic: f64 = Variable::output(31, Unit::Volt),
-        /// Back-EMF: torque constant times ratio times speed of the output shaft
+        /// Back-EMF: torque constant times gear ratio times speed of the output shaft
         voltage_mechanical: f64 = Variable::output(32, Unit::Volt).nominal(10.0),
         /// Sum of the three voltages: terminal voltage
         voltage_total: f64 = Variable::output(33, Unit::Volt).nominal(12.0),
         /// Losses in the winding: voltage_electrical times current, and ripple loss R (<i2> - I2)
         power_electrical: f64 = Variable::output(34, Unit::Watt),
-        /// Power into the magnetic field: voltage_magnetic times the current
+        /// Power into the magnetic field: voltage_magnetic times current
         power_magnetic: f64 = Variable::output(35, Unit::Watt),
         /// Air-gap power: voltage_mechanical times current, friction losses included
         power_mechanical: f64 = Variable::output(36, Unit::Watt),
@@ -103,7 +103,7 @@ variables! {
     pub struct Indicators {
         /// Excess of the winding over thermal.T_w_max
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
-        /// Duty, whose sign is the direction of the bridge
+        /// Duty cycle, whose sign is the direction of the bridge
         bridge_direction: f64 = Variable::local(902, Unit::One),
         /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
         validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),

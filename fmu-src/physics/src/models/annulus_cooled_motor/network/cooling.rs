@@ -15,7 +15,7 @@
 //! *Source*: (2) Incropera, 7th ed., eq. 8.41; the correlations in `correlations/`.
 
 use super::body::SEGMENTS;
-use crate::components::annulus::{Draught, Gap};
+use crate::components::annulus::{FlowDirection, Gap};
 use crate::components::conductance::Conductance;
 use crate::components::fan::Fan;
 use crate::components::housing::StillAir;
@@ -216,8 +216,8 @@ impl Cooling {
         let p = parameters;
         let gap = |draught| Gap::new(&p.annulus, &p.housing, p.fan.opening(), draught);
         let gap = match p.choices.cooling_mode {
-            CoolingMode::AnnulusPush => Some(gap(Draught::Push)),
-            CoolingMode::AnnulusPull => Some(gap(Draught::Pull)),
+            CoolingMode::AnnulusPush => Some(gap(FlowDirection::Push)),
+            CoolingMode::AnnulusPull => Some(gap(FlowDirection::Pull)),
             CoolingMode::Conductance | CoolingMode::Bare | CoolingMode::FanCrossflow => None,
         };
         Cooling { segments, gap }
@@ -299,8 +299,8 @@ impl Cooling {
     ) {
         let (housing, annulus, fan) = (&p.housing, &p.annulus, &p.fan);
         let draught = match p.choices.cooling_mode {
-            CoolingMode::AnnulusPull => Draught::Pull,
-            _ => Draught::Push,
+            CoolingMode::AnnulusPull => FlowDirection::Pull,
+            _ => FlowDirection::Push,
         };
         let factor = annulus.factor(draught);
         let (n, rho) = (self.segments, density(at.ambient, at.pressure));
@@ -327,7 +327,7 @@ impl Cooling {
             mean = at.ambient + (at.surface - at.ambient) * (1.0 - (1.0 - (-ntu).exp()) / ntu);
         }
         c.pressure_drop = gap.pressure(mass_flow, &air);
-        if draught == Draught::Push && c.stream > 0.0 {
+        if draught == FlowDirection::Push && c.stream > 0.0 {
             c.fan_power = self.warming(fan, command, rho, c, gap);
             c.inlet_rise = c.fan_power / c.stream;
         }
