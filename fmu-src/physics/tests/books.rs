@@ -175,7 +175,6 @@ fn signs() {
 /// the motor's 48 kJ of heat round to 7e-12 J.
 #[test]
 fn the_residual_is_not_the_rounding_of_heat_above_0_k() {
-    use physics::exchange::Exchange;
     for name in ["AnnulusCooledMotor", "BrushedGearmotor"] {
         let mut m = (physics::models::by_name(name).unwrap().new)();
         let slot = |name: &str| m.declaration().by_name(name).unwrap().slot;
