@@ -373,11 +373,11 @@ mod tests {
         assert!(fan.support > 1.3 * still.support);
     }
 
-    /// A supply of 12 V limits the speed before the winding is warm, and is named.
+    /// A drive of 8 A limits the torque before the winding is warm, and is named.
     #[test]
     fn the_limit_is_named() {
         let found =
-            continuous_support(&load(WALK, &[("fan_command", "1"), ("supply_voltage", "14")])).unwrap();
+            continuous_support(&load(WALK, &[("fan_command", "1"), ("control.current_max", "8")])).unwrap();
         assert_eq!(found.limited_by, Limit::TorqueError, "{found:?}");
         assert!(found.at.winding_temperature < 420.0);
     }

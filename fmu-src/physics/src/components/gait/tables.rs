@@ -221,7 +221,9 @@ fn stairs(way: usize, joint: usize) -> Cycle {
     let power = equidistant(STAIRS[way][joint]);
     let peak = match PEAK_TORQUE[way][joint] {
         Peak::Published(torque) => torque,
-        Peak::LevelWalking => low_pass(&equidistant(ADULT[joint][0])).iter().fold(0.0, |most, torque| torque.max(most)),
+        Peak::LevelWalking => {
+            low_pass(&equidistant(ADULT[joint][0])).iter().fold(0.0, |most, torque| torque.max(most))
+        }
     };
     let stride_time = adult_stride_time(["stairs_up", "stairs_down"][way]);
     let most = power.iter().fold(0.0f64, |most, p| most.max(p.abs()));
