@@ -8,8 +8,21 @@ import pytest
 from clients import paths
 from clients.fmu import Archive
 
-# The files whose tests take longest, longest first: begun last, one of them would keep one process busy alone.
-LONGEST = ()
+# Files and tests that take longest, first in the run: begun last, one of them would keep one process busy alone.
+# `cargo xtask test` prints the durations.
+LONGEST = (
+    "test_example[08_walking_study]",
+    "test_close_loop_hard",
+    "test_validator_faults",
+    "test_example[12_coupling_error]",
+    "test_example[07_refit_against_repair]",
+    "test_example[04_close_the_loop_bench]",
+    "test_example[02_walking]",
+    "test_close_loop",
+    "test_bench_rig",
+    "test_reproduce",
+    "test_derivatives",
+)
 
 MODEL = "AnnulusCooledMotor"
 STANDARDS = (2, 3)
