@@ -12,8 +12,6 @@ use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 /// Where time starts, s; late, so that what drifts has moved far enough to flip a flag.
@@ -342,18 +340,22 @@ impl Note<'_> {
     }
 }
 
-/// Random numbers, the same at every run.
-struct Probe(Pcg64Mcg);
+/// Numbers without pattern, the same at every run.
+struct Probe(u64);
 
 impl Probe {
     /// Those of one point of one combination, whichever is looked at first.
     fn new(combination: usize, point: usize) -> Probe {
-        Probe(Pcg64Mcg::seed_from_u64((combination as u64) << 32 | point as u64))
+        Probe((combination as u64) << 40 | (point as u64) << 32)
     }
 
-    /// A fraction between 0.05 and 0.95.
+    /// A share in (0, 1): a counter whose bits are mixed (Steele, Lea, Flood 2014, SplitMix64), so that no two uses keep step.
     fn share(&mut self) -> f64 {
-        self.0.random_range(0.05..0.95)
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) as f64 / u64::MAX as f64).clamp(0.05, 0.95)
     }
 
     /// About half of these.
