@@ -46,7 +46,7 @@ fn of_element(node: Node) -> Vec<String> {
     let begin = || all.chars().take(60).collect::<String>();
     match name {
         "table" => {
-            if !node.parent().is_some_and(|p| p.attribute("class") == Some("wide")) {
+            if node.parent().is_none_or(|p| p.attribute("class") != Some("wide")) {
                 faults.push(format!("table without a container that scrolls: {}", begin()));
             }
             let rows = || node.descendants().filter(|n| n.tag_name().name() == "tr");
@@ -56,12 +56,11 @@ fn of_element(node: Node) -> Vec<String> {
                 faults.push(format!("table with rows of several lengths: {}", begin()));
             }
         }
-        "svg" => {
+        "svg"
             if node.attribute("aria-label").is_none() && node.attribute("role") == Some("img")
-                || !node.ancestors().any(|a| a.children().any(|c| c.has_tag_name("figcaption")))
-            {
-                faults.push("svg without a label or a caption".to_owned());
-            }
+                || !node.ancestors().any(|a| a.children().any(|c| c.has_tag_name("figcaption"))) =>
+        {
+            faults.push("svg without a label or a caption".to_owned());
         }
         "h1" | "h2" | "h3" => {
             let first = all.split(' ').next().unwrap_or_default();
