@@ -290,7 +290,7 @@ impl Figure {
                 @let px = x.at(*value);
                 path.g d={ "M" (n(px)) " 0V" (n(height)) } {}
                 @for (k, line) in wrap(name, slot).iter().enumerate().filter(|_| lowest) {
-                    (text(px, height + LINE * (k as f64 + 1.0), "m", line))
+                    (layout::below(px, height + LINE * (k as f64 + 1.0), line))
                 }
             }
             path.a d={ "M" (n(left)) " 0V" (n(height)) "H" (n(right)) } {}
@@ -486,7 +486,12 @@ mod tests {
                 marks: vec![(0, Mark::Bar(1.0, "100 %".into())), (1, Mark::Point(0.5, (0.2, 0.9)))],
             }],
         );
-        for svg in [parsed(&figure), parsed(&rows)] {
+        // The last tick of each is at the frame.
+        let ends =
+            Figure::new("", Axis::new("x").from_to(0.7, 0.9), Axis::new("y")).points("", vec![(0.8, 1.0)]);
+        let negative = Row { name: "a".into(), marks: vec![(0, Mark::Bar(-2000.0, String::new()))] };
+        let negative = Rows::new("", "", &[], vec![negative]);
+        for svg in [parsed(&figure), parsed(&rows), parsed(&ends), parsed(&negative)] {
             let document = roxmltree::Document::parse(&svg).unwrap();
             for text in document.descendants().filter(|n| n.has_tag_name("text")) {
                 let x: f64 = text.attribute("x").unwrap().parse().unwrap();
