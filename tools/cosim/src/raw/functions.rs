@@ -70,7 +70,7 @@ macro_rules! functions {
                 $(if self.$must.is_none() && pick(names::$must) != "_" {
                     return Some(pick(names::$must));
                 })*
-                $(if pick([$two_of, $three_of]) != "" {
+                $(if !pick([$two_of, $three_of]).is_empty() {
                     let (has_get, has_set) = self.$value.has();
                     if !has_get {
                         return Some(pick([concat!("fmi2Get", $two_of), concat!("fmi3Get", $three_of)]));
