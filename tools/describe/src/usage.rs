@@ -236,7 +236,9 @@ pub fn is_integral(entry: &Entry) -> bool {
 }
 
 fn differ(before: &[Reading; 2], after: &[Reading; 2], scope: Scope) -> bool {
-    let differs = |a: f64, b: f64, floor: f64| !((a - b).abs() <= ROUNDING * a.abs().max(b.abs()).max(floor));
+    // A value that is not a number differs from every other.
+    let same = |a: f64, b: f64, floor: f64| (a - b).abs() <= ROUNDING * a.abs().max(b.abs()).max(floor);
+    let differs = |a: f64, b: f64, floor: f64| !same(a, b, floor);
     let outputs = before
         .iter()
         .zip(after)
