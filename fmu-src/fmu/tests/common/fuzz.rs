@@ -140,8 +140,11 @@ impl TestInstance {
             declaration.entries.iter().map(|e| e.value_reference).chain([0, 99, u32::MAX]).collect();
         let seen: Vec<u32> =
             declaration.entries.iter().filter(|e| e.is_intermediate()).map(|e| e.value_reference).collect();
-        let mut looker =
-            Box::new(Looker { handle: null_mut(), rng: Rng::new(rng.next()), references: references.clone() });
+        let mut looker = Box::new(Looker {
+            handle: null_mut(),
+            rng: Rng::new(rng.next()),
+            references: references.clone(),
+        });
         let (events, early, looks) = (rng.below(2) as u8, rng.below(2) as u8, rng.below(3) == 0);
         let token = CString::new(declaration.token.clone()).unwrap();
         let (three, exchange) = (rng.below(2) == 1, rng.below(2) == 1);
