@@ -338,7 +338,7 @@ mod tests {
     /// The envelope against every stride, from cold to the limit.
     #[test]
     fn the_envelope_is_the_walk() {
-        let load = load(WALK, &[("gait.support", "1")]);
+        let load = load(WALK, &[("gait.support", "0.85")]);
         let found = walk(&load, 2.0).unwrap();
         let mut walker = load.walker().unwrap();
         let mut exact = Vec::new();
