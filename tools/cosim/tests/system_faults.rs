@@ -160,7 +160,7 @@ fn options_that_make_no_sense() {
     for (flag, expected) in [
         (
             "canGetAndSetFMUstate=\"true\"",
-            "tolerance = 0.001 asks for steps made twice, and rotor cannot save its state",
+            "tolerance = 0.001 asks for repeated steps, and rotor cannot save its state",
         ),
         (
             "canHandleVariableCommunicationStepSize=\"true\"",
