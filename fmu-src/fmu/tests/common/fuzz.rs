@@ -47,11 +47,11 @@ unsafe extern "C" fn logger3(
 }
 
 /// Random numbers, the same for the same seed.
-pub struct Rng(Pcg64Mcg);
+pub struct Source(Pcg64Mcg);
 
-impl Rng {
-    fn new(seed: u64) -> Rng {
-        Rng(Pcg64Mcg::seed_from_u64(seed))
+impl Source {
+    fn new(seed: u64) -> Source {
+        Source(Pcg64Mcg::seed_from_u64(seed))
     }
 
     fn next(&mut self) -> u64 {
@@ -83,7 +83,7 @@ impl Rng {
 /// What an intermediate update needs.
 struct Looker {
     handle: *mut c_void,
-    rng: Rng,
+    rng: Source,
     references: Vec<u32>,
 }
 
@@ -133,7 +133,7 @@ struct TestInstance {
 }
 
 impl TestInstance {
-    fn new(rng: &mut Rng, kind: Option<&'static ModelType>) -> TestInstance {
+    fn new(rng: &mut Source, kind: Option<&'static ModelType>) -> TestInstance {
         let kind = kind.unwrap_or_else(|| &physics::models::ALL[rng.below(physics::models::ALL.len())]);
         let declaration = (kind.declaration)();
         let references: Vec<u32> =
@@ -142,7 +142,7 @@ impl TestInstance {
             declaration.entries.iter().filter(|e| e.is_intermediate()).map(|e| e.value_reference).collect();
         let mut looker = Box::new(Looker {
             handle: null_mut(),
-            rng: Rng::new(rng.next()),
+            rng: Source::new(rng.next()),
             references: references.clone(),
         });
         let (events, early, looks) = (rng.below(2) as u8, rng.below(2) as u8, rng.below(3) == 0);
@@ -220,7 +220,7 @@ impl TestInstance {
     }
 
     /// One call; the outcome's status.
-    fn call(&mut self, rng: &mut Rng) -> Status {
+    fn call(&mut self, rng: &mut Source) -> Status {
         let h = self.handle;
         let n = rng.below(4);
         let vr: Vec<u32> = (0..n).map(|_| rng.one(&self.references)).collect();
@@ -393,7 +393,7 @@ impl TestInstance {
     }
 
     /// Another number of elements, if this is the time for it.
-    fn configure(&mut self, rng: &mut Rng) -> Status {
+    fn configure(&mut self, rng: &mut Source) -> Status {
         let h = self.handle;
         let (size, count) = (rng.one(&[&self.sizes[..], &[99]].concat()), rng.below(70) as u64);
         unsafe {
@@ -409,7 +409,7 @@ impl TestInstance {
     }
 
     /// A saved state through its bytes, some of them spoilt now and then.
-    fn through_bytes(&mut self, rng: &mut Rng, slot: usize, size: &mut usize) -> Status {
+    fn through_bytes(&mut self, rng: &mut Source, slot: usize, size: &mut usize) -> Status {
         let (h, state) = (self.handle, self.saved.get(slot).copied().unwrap_or(null_mut()));
         unsafe {
             if fmi2SerializedFMUstateSize(h, state, size) != Status::Ok {
@@ -453,7 +453,7 @@ const CALLS: u64 = 400;
 pub fn run(instances: u64, seed: u64, kind: Option<&'static ModelType>) -> (u64, u64) {
     let (mut calls, mut done) = (0, 0);
     for seed in seed..seed + instances {
-        let mut rng = Rng::new(seed);
+        let mut rng = Source::new(seed);
         let mut instance = TestInstance::new(&mut rng, kind);
         for _ in 0..CALLS {
             calls += 1;
