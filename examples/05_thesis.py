@@ -1,5 +1,5 @@
-"""The thesis's eight tests close the loop: what the data sheet's motor misses, what a fit of the unknown makes of it, and what
-these tests cannot tell apart.
+"""The thesis's eight tests close the loop: the error of the data sheet's motor, the fit of the unknown parameters, which of them
+the tests do not separate, and the predictions of the tests that the fit did not use.
 
 Run it with `motor-fmu` on the path; `--write` writes the runs of `05_thesis/` anew from `motor-fmu reproduce`.
 """
@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 
 from clients.loop import close_loop, summary
-from clients.seeds import thesis_runs, write
+from clients.seeds import thesis_predictions, thesis_runs, write
 
 FOLDER = Path(__file__).resolve().parent / "05_thesis"
 
@@ -18,4 +18,5 @@ if __name__ == "__main__":
     parser.add_argument("--write", action="store_true", help="write the runs anew")
     if parser.parse_args().write:
         write(thesis_runs(), FOLDER)
-    print(json.dumps(summary(close_loop(FOLDER / "EXPERIMENT.toml")), indent=2))
+    answer = summary(close_loop(FOLDER / "EXPERIMENT.toml")) | {"winding_temperature_K": thesis_predictions()}
+    print(json.dumps(answer, indent=2))

@@ -1,6 +1,6 @@
-"""Fitting the known parameters once more, against finding what the model lacks: which of the two still holds where nobody measured?
+"""Refit of the known parameters against repair of the model: which of the two still predicts outside the fitted range?
 
-Two synthetic motors with a drag that the model has not, so that the truth is known. Their test runs are faster and hotter than
+Two synthetic motors with a drag that the model lacks, so that the truth is known. Their test runs are faster and hotter than
 what is fitted. Run it with `motor-fmu` on the path; `--out FOLDER` also writes the answer as a page of Markdown with a figure.
 """
 
@@ -16,8 +16,8 @@ from clients.paths import ROOT
 from clients.program import motor_fmu
 
 SETS = ROOT / "tests" / "reference" / "bench-synthetic"
-MOTORS = {"iron-loss": "an iron loss, ~ speed^0.5", "drag-power-075": "a drag of no list, ~ speed^0.75"}
-ROLES = {"fit": "fitted runs", "validate": "deciding run", "test": "test run, outside the fitted range"}
+MOTORS = {"iron-loss": "an iron loss, ~ speed^0.5", "drag-power-075": "an unlisted drag, ~ speed^0.75"}
+ROLES = {"fit": "fitted runs", "validate": "validation run", "test": "test run, outside the fitted range"}
 STAGES = ("before", "refit", "after", "floor")
 # The figure is of this motor's winding over its test run.
 SHOWN, PLATE = "drag-power-075", "winding temperature, without the preset"
@@ -75,7 +75,7 @@ def compare(name: str, folder: Path) -> dict:
 
 
 def figure(report: str) -> str:
-    """What refit and repair leave of the winding's temperature over the test run, as report.html draws it."""
+    """Residuals of refit and repair in the winding temperature over the test run, as report.html draws them."""
     test = report[report.index("(test)</summary>") :]
     drawn = re.search(rf'<svg [^>]*aria-label="{PLATE}".*?</svg>', test, re.DOTALL).group(0)
     return drawn.replace(PLATE, "winding temperature in the test run") + "\n"
@@ -83,7 +83,7 @@ def figure(report: str) -> str:
 
 def errors(answer: dict) -> str:
     """Winding errors as Markdown."""
-    lines = ["| the winding's error, K | before | refit | after | noise |", "|---|---|---|---|---|"]
+    lines = ["| RMSE of the winding temperature, K | before | refit | after | noise |", "|---|---|---|---|---|"]
     for name, what in MOTORS.items():
         for role, words in ROLES.items():
             e = answer[name]["error"][role]["winding_temperature_degC"]
@@ -93,46 +93,75 @@ def errors(answer: dict) -> str:
 
 def parameters(motor: dict) -> str:
     """Parameters as Markdown."""
-    lines = ["| parameter | true | refit | is off by | repaired | is off by |", "|---|---|---|---|---|---|"]
-    said = lambda p: f"{p['value']:g} | {p['percent_off']:+g} %, {abs(p['own_deviations_off']):g} of its deviations"  # noqa: E731
+    lines = ["| parameter | true | refit | error | repaired | error |", "|---|---|---|---|---|---|"]
+    said = lambda p: f"{p['value']:g} | {p['percent_off']:+g} %, {abs(p['own_deviations_off']):g} standard deviations"  # noqa: E731
     for key, p in motor["parameters"].items():
         lines.append(f"| `{key}` | {p['true']:g} | {said(p['refit'])} | {said(p['after'])} |")
     return "\n".join(lines)
 
 
+def larger(percent: float) -> str:
+    """A deviation in words."""
+    return f"{abs(percent):.2g} % too {'large' if percent > 0.0 else 'small'}"
+
+
+def biased(motor: dict) -> list[str]:
+    """Parameters of the refit that are further from the truth than its intervals of 95 % allow, worst first."""
+    off = lambda key: abs(motor["parameters"][key]["refit"]["own_deviations_off"])  # noqa: E731
+    return sorted((key for key in motor["parameters"] if off(key) > WITHIN_95), key=off, reverse=True)
+
+
+def refit_words(motor: dict) -> str:
+    """The refit on its own runs, and its parameters."""
+    winding = motor["error"]["fit"]["winding_temperature_degC"]
+    better = "falls" if winding["refit"] < winding["before"] else "does not fall"
+    wrong = biased(motor)
+    each = "; ".join(
+        f"`{key}` is {larger(p['percent_off'])}, {abs(p['own_deviations_off']):.0f} of its own standard deviations"
+        for key, p in ((key, motor["parameters"][key]["refit"]) for key in wrong)
+    )
+    verdict = (
+        f"""{len(wrong)} of {len(motor["parameters"])} refitted parameters are outside their own 95 % intervals: {each}. The interval
+        of a fit holds if the model is true, and this model lacks a drag."""
+        if wrong
+        else "All refitted parameters are within their own 95 % intervals."
+    )
+    return f"""On the fitted runs the error of the refit {better} from {winding["before"]:.2g} to {winding["refit"]:.2g} K.
+        {verdict}"""
+
+
+def test_words(answer: dict) -> str:
+    """Refit and repair outside the fitted range."""
+    motor = answer[SHOWN]
+    speed, heat = motor["reached"]["speed_rad_per_s"], motor["reached"]["winding_temperature_degC"]
+    lines = []
+    for name, what in MOTORS.items():
+        e = answer[name]["error"]["test"]["winding_temperature_degC"]
+        times = lambda stage: f"{e[stage]:.2g} K, {e[stage] / e['floor']:.1f} times the noise"  # noqa: B023, E731
+        lines.append(f"{what}: refit {times('refit')}; repaired {times('after')}")
+    sizes = [abs(p["after"]["own_deviations_off"]) for m in answer.values() for p in m["parameters"].values()]
+    inside = sum(size <= WITHIN_95 for size in sizes)
+    return f"""The fitted runs reach {speed["fitted"]:.0f} rad/s and {heat["fitted"]:.0f} °C, the test run {speed["tested"]:.0f} rad/s
+        and {heat["tested"]:.0f} °C. Error of the winding temperature there: {". ".join(lines)}. {inside} of the {len(sizes)}
+        parameters of the repaired models are within their own 95 % intervals of the truth; the largest deviation is
+        {max(sizes):.1f} standard deviations."""
+
+
 def page(answer: dict) -> str:
-    """The answer with its numbers."""
-    iron, other = answer["iron-loss"], answer[SHOWN]
-    winding = {role: other["error"][role]["winding_temperature_degC"] for role in ROLES}
-    friction, still = (other["parameters"][key]["refit"] for key in ("effect.coulomb_friction.tau_c", "conductance.G_still"))
-    speed, heat = other["reached"]["speed_rad_per_s"], other["reached"]["winding_temperature_degC"]
-    ironed = iron["error"]["test"]["winding_temperature_degC"]
-    sizes = [abs(p["after"]["own_deviations_off"]) for motor in answer.values() for p in motor["parameters"].values()]
+    """The answer with its numbers; each conclusion is computed from them."""
+    other = answer[SHOWN]
     intro = """Made by `examples/07_refit_against_repair.py`; the tests run it and compare this page. The two motors are synthetic (see
         `tests/reference/bench-synthetic/SOURCE.md`), so that the truth is known. Each has a drag that the model lacks. Refit: the
-        model's own parameters fitted once more, as one does by hand. After: what `motor-fmu close-loop` makes of the same runs."""
-    why = f"""On what it was fitted to, the refit looks like an answer: {winding["fit"]["refit"]:.2g} K instead of
-        {winding["fit"]["before"]:.2g} K. It has no drag that grows with speed, so it makes the friction that it has
-        {friction["percent_off"]:.0f} % too large, and the conductance to the room {still["percent_off"]:.0f} % too large to be rid of
-        the heat. By its own reckoning those two are off by {friction["own_deviations_off"]:.0f} and
-        {still["own_deviations_off"]:.0f} standard deviations: the interval of a fit tells how well the runs fix a number in a model
-        that is true, and this one is not."""
-    fails = f"""Such errors cancel in the runs that made them, and nowhere else: at a higher speed that friction is too small after
-        all, and the conductance carries off what the motor in fact keeps. The fitted runs reach {speed["fitted"]:.0f} rad/s and
-        {heat["fitted"]:.0f} °C, the test run {speed["tested"]:.0f} rad/s and {heat["tested"]:.0f} °C. There the refit is
-        {winding["test"]["refit"]:.1f} K off, {winding["test"]["refit"] / winding["test"]["floor"]:.0f} times the noise, the repaired model
-        {winding["test"]["after"]:.2g} K, which is the noise. With the iron loss it is {ironed["refit"]:.1f} K against
-        {ironed["after"]:.2g} K. The repaired model holds because its parameters are the specimen's: none of the
-        {len(sizes)} is further from the truth than {max(sizes):.1f} of its deviations."""
+        model's own parameters fitted again. After: the model that `motor-fmu close-loop` makes of the same runs."""
     fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128)  # noqa: E731
     parts = [
         "# A refit against a repair",
         fill(intro),
         errors(answer),
-        fill(why),
+        fill(refit_words(other)),
         parameters(other),
-        fill(fails),
-        f"![What refit and repair leave of the winding's temperature over the test run]({FIGURE})",
+        fill(test_words(answer)),
+        f"![Residual of refit and repair in the winding temperature over the test run]({FIGURE})",
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -145,6 +174,7 @@ if __name__ == "__main__":
         answer = {name: compare(name, Path(temporary) / name) for name in MOTORS}
         drawn = figure((Path(temporary) / SHOWN / "report.html").read_text(encoding="utf-8"))
     if out:
+        out.mkdir(parents=True, exist_ok=True)
         (out / "refit-against-repair.md").write_text(page(answer), encoding="utf-8")
         (out / FIGURE).write_text(drawn, encoding="utf-8")
     print(json.dumps(answer, indent=2))

@@ -1,4 +1,4 @@
-"""The figure of a walk: one stride in detail above, the temperatures of the whole walk below."""
+"""Figure of a walk: one stride above, temperatures over the whole walk below."""
 
 import matplotlib
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from clients.walking import KELVIN, STEP
 
-# Okabe and Ito's colours: told apart by colour-blind readers too.
+# Okabe and Ito's colours, distinguishable for colour-blind readers.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#666666"
 CURVES = (RED, BLUE, GREEN, ORANGE)
 STYLE = {
@@ -27,7 +27,7 @@ STYLE = {
     "svg.hashsalt": "motor-fmu",  # the same run gives the same bytes
     "svg.fonttype": "path",
 }
-POINTS = 1500  # per curve of the long panel; more cannot be seen
+POINTS = 1500  # per curve of the long panel; more is not visible
 
 
 def write(runs: dict, title: str, stem):
@@ -53,8 +53,8 @@ def _stride(axes, name, run):
     m = {name: values[rows] for name, values in run.motor.items()}
     torque, electric, power = axes
 
-    torque.plot(percent, run.torque_demand[rows], color=GREY, lw=3.5, alpha=0.4, label="asked")
-    torque.plot(percent, run.joint_torque[rows], color=BLUE, label="given")
+    torque.plot(percent, run.torque_demand[rows], color=GREY, lw=3.5, alpha=0.4, label="demanded")
+    torque.plot(percent, run.joint_torque[rows], color=BLUE, label="delivered")
     torque.set(title="Joint torque", ylabel="N·m")
     torque.legend()
 
@@ -108,7 +108,7 @@ def _temperatures(panel, runs):
         color=GREY,
     )
     end = max(run.time[-1] for run in runs.values()) / 60.0
-    panel.set(title="Temperatures (band: within a stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, end))
+    panel.set(title="Temperatures (band: within a stride)", xlabel="minutes of walking", ylabel="°C", xlim=(0, 1.01 * end))
     panel.legend(loc="lower right", ncols=2, bbox_to_anchor=(1.0, 0.04))
     panel.margins(y=0.12)
 

@@ -35,6 +35,7 @@ JOINTS = ("hip", "knee", "ankle")
 BODY_MASS_MIN, BODY_MASS_MAX = 20.0, 200.0
 SUPPORT_MAX = 2.0
 POINTS = 100  # equidistant points of the adults' stride
+HARMONICS = 12  # kept of it, 10.5 Hz: above lies the ripple of the digitisation
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,10 @@ def _adult_cycle(joint: str):
 
     def curve(quantity):
         percent, values = np.array([[float(cell) for cell in row.values()] for row in _rows(ADULTS / f"walking_{joint}_{quantity}.csv")]).T
-        return np.interp(phase, percent / 100.0, values, period=1.0)
+        waves = np.fft.rfft(np.interp(phase[:-1], percent / 100.0, values, period=1.0))
+        waves[HARMONICS + 1 :] = 0.0
+        smooth = np.fft.irfft(waves, POINTS)
+        return np.append(smooth, smooth[0])
 
     speed = np.radians(curve("angle_velocity"))
     speed -= speed[:-1].mean()

@@ -27,6 +27,14 @@ def thesis_runs() -> dict[str, str]:
     return files
 
 
+def thesis_predictions() -> dict[str, dict[str, float]]:
+    """Winding temperatures of the eight tests, K: measured, fitted to all tests, fitted to the other seven, untuned."""
+    keys = {"measured": "T_w_measured_K", "fitted": "T_w_model_K", "leave_one_out": "T_w_leave_one_out_K", "untuned": "T_w_untuned_K"}
+    cases = json.loads(motor_fmu("reproduce", "thesis", "--json"))["cases"]
+    # Two digits: a fit ends where its steps no longer matter.
+    return {case["name"]: {name: round(case[key], 2) for name, key in keys.items()} for case in cases}
+
+
 def paper_runs() -> dict[str, str]:
     """Files of the paper's five runs, by name."""
     files = {}

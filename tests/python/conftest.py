@@ -8,8 +8,40 @@ import pytest
 from clients import paths
 from clients.fmu import Archive
 
+# Files and tests that take longest, first in the run: begun last, one of them would keep one process busy alone.
+# `cargo xtask test` prints the durations.
+LONGEST = (
+    "test_example[08_walking_study]",
+    "test_close_loop_hard",
+    "test_validator_faults",
+    "test_example[12_coupling_error]",
+    "test_example[07_refit_against_repair]",
+    "test_example[04_close_the_loop_bench]",
+    "test_example[02_walking]",
+    "test_close_loop",
+    "test_bench_rig",
+    "test_reproduce",
+    "test_derivatives",
+)
+
 MODEL = "AnnulusCooledMotor"
 STANDARDS = (2, 3)
+
+
+def pytest_collection_modifyitems(items):
+    """With several processes: the tests of a file share its fixtures, so they stay together; each example is on its own."""
+
+    def group(item):
+        file = item.path.stem
+        return item.nodeid if file == "test_examples" else file
+
+    def rank(item):
+        names = [item.path.stem, item.name]
+        return min((k for k, name in enumerate(LONGEST) if name in names), default=len(LONGEST))
+
+    for item in items:
+        item.add_marker(pytest.mark.xdist_group(group(item)))
+    items.sort(key=rank)
 
 
 @pytest.fixture(scope="session")

@@ -10,10 +10,9 @@ import os
 import re
 import subprocess
 import sys
-from importlib.util import find_spec
 
-import pytest
 from clients import paths
+from requirements import where_demanded
 
 STEP_NS, STEPS = 1_953_125, 512
 READ = (
@@ -25,12 +24,10 @@ READ = (
     ("motor", "winding_temperature"),
     ("actuator", "energy_joint"),
 )
-# libcosimpy has packages for some machines alone; test_importers.py holds that it is there where it can be.
-MASTERS = ["libcosim"] if find_spec("libcosimpy") else []
 
 
-@pytest.mark.parametrize("master", MASTERS)
-def test_the_same_bits(master, motor_fmu, tmp_path):
+@where_demanded("libcosimpy")
+def test_the_same_bits(motor_fmu, tmp_path):
     text = re.sub(r'"\.\./\.\./dist/', f'"{paths.dist()}/', (paths.EXAMPLES / "systems" / "actuator-gait.toml").read_text())
     (tmp_path / "walk.toml").write_text(text)
     made = motor_fmu("ssp", "walk.toml")

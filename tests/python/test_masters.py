@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 from clients import paths
+from requirements import where_demanded
 
 STEP, STEPS = 2.0**-10, 512
 READ = ("gait.joint_angle", "motor.shaft_speed", "motor.current", "actuator.energy_joint", "motor.winding_temperature")
-ECOS = ["ecos"] if importlib.util.find_spec("ecospy") else []
 
 
 @pytest.fixture
@@ -49,8 +49,8 @@ def test_the_plain_master_gives_the_same_bits(ours):
     assert max(abs(row[1]) for row in rows) > 100.0
 
 
-@pytest.mark.parametrize("master", ECOS)
-def test_ecos_opens_the_archive_and_agrees(master, ours, system, motor_fmu, tmp_path):
+@where_demanded("ecospy")
+def test_ecos_opens_the_archive_and_agrees(ours, system, motor_fmu, tmp_path):
     assert motor_fmu("ssp", system, "--out", tmp_path / "ankle.ssp").returncode == 0
     theirs = tmp_path / "theirs.json"
     command = [sys.executable, __file__, str(tmp_path / "ankle.ssp"), str(theirs)]

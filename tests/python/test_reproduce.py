@@ -66,6 +66,31 @@ def test_left_out_cases(thesis):
     assert all(abs(case["error"]) < 2.5 for case in left_out.values())
 
 
+def test_predictions_stand_beside_the_fit(thesis):
+    """Each case has the leave-one-out prediction; rows say which corrected values are fitted; other causes fit as well."""
+    found = thesis[0]
+    left_out = {case["case"]: case["predicted"] for case in found["leave_one_out"]}
+    for case in found["cases"]:
+        assert case["T_w_leave_one_out_K"] == left_out[case["name"]]
+        errors = {key: abs(case[f"T_w_{key}_K"] - case["T_w_measured_K"]) for key in ("model", "leave_one_out", "untuned")}
+        assert errors["model"] < errors["leave_one_out"], case["name"]
+    rms = lambda key: sum((c[key] - c["T_w_measured_K"]) ** 2 for c in found["cases"]) ** 0.5  # noqa: E731
+    assert rms("T_w_model_K") < rms("T_w_leave_one_out_K") < rms("T_w_untuned_K")
+    fitted = [row["id"] for row in found["rows"] if row["basis"] == "fitted"]
+    assert len(fitted) == 14 and all(row.startswith(("T24", "T25")) for row in fitted)
+    others = [f for f in found["findings"] if "in place of" in f]
+    assert others and all("K)" in f for f in others), found["findings"]
+
+
+def test_the_paper_separates_fitted_from_predicted(motor_fmu):
+    compared = json.loads(motor_fmu("reproduce", "paper", "--json").stdout)["compared"]
+    assert {c["used_in_fit"] for c in compared} == {True, False}
+    for c in compared:
+        assert bool(c["fitted"]) == c["used_in_fit"], c
+        if c["used_in_fit"]:
+            assert c["simulated"] == pytest.approx(c["published"], rel=0.03), c["quantity"]
+
+
 def test_pages_stand_alone(thesis):
     page = (thesis[1] / "thesis.html").read_text()
     assert page.count("<svg") == len(list(thesis[1].glob("*.svg"))) >= 7
@@ -120,7 +145,7 @@ def test_a_motor_without_a_steady_state(motor_fmu):
         (["steady", "--set", "motor.R_ref=-1"], ["motor.R_ref = -1 Ohm", "0.0001"]),
         (["steady", "--set", "drive_mode=steam"], ["drive_mode = steam", "current"]),
         (["steady", "--preset", "no-such"], ["no-such", "maxon-305015"]),
-        (["steady", "--model", "Motor"], ["Motor is no model"]),
+        (["steady", "--model", "Motor"], ["unknown model Motor"]),
         (["sweep", "--vary", "fan_command=0:2:3"], ["--vary fan_command", "0 ... 1"]),
         (["sweep", "--vary", "fan_command=0:1"], ["--vary", "name=from:to:n"]),
         (["sweep", "--vary", "fan_command=0:1:2", "--objective", "torque"], ["torque"]),

@@ -36,7 +36,7 @@ def test_cooling_and_less_torque_have_a_steady_state(motor_fmu):
     assert fan["forever"]["winding_temperature"] < fan["limit"]
     assert 0.0 < fan["forever"]["power_joint"] < fan["forever"]["power_electrical"]
     # Mean power from the supply is the motor's electrical power, although the motor follows a current.
-    assert fan["forever"]["power_supply"] == pytest.approx(fan["forever"]["power_electrical"], rel=1e-3)
+    assert fan["forever"]["power_supply"] == pytest.approx(fan["forever"]["power_electrical"], rel=6e-3)
     derived = {d["name"]: d["value"] for d in fan["derived"]}
     assert derived["control.k_t"] == 0.0276 and derived["control.tau_c"] == 9.83e-3
     cold = ask(motor_fmu, "--set", "fan_command=1", "--set", "gait.support=0.6", "--set", "ambient_temperature=273.15")

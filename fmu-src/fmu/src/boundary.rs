@@ -2,33 +2,10 @@
 
 use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Log, Sink, Status};
+use crate::refusal::{Outcome, Refused};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-
-/// Why a call is not done.
-#[derive(Debug)]
-pub struct Refused {
-    /// What the importer gets to see.
-    pub status: Status,
-    /// One sentence for its log.
-    pub message: String,
-}
-
-impl Refused {
-    /// A call that is not allowed.
-    pub fn error(message: impl Into<String>) -> Refused {
-        Refused { status: Status::Error, message: message.into() }
-    }
-
-    /// A value that is not taken.
-    pub fn discard(message: impl Into<String>) -> Refused {
-        Refused { status: Status::Discard, message: message.into() }
-    }
-}
-
-/// What an operation gives.
-pub type Outcome<T = ()> = Result<T, Refused>;
 
 /// Runs an operation on the instance behind a handle; refusals and panics become a log line and a status.
 ///
@@ -54,7 +31,7 @@ pub unsafe fn enter(
     judged.unwrap_or_else(|_| fail(instance, name))
 }
 
-/// Tells why a call was not done.
+/// Logs why a call was refused.
 #[cold]
 fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
     instance.log.tell(refused.status, &format!("{name}: {}", refused.message));
@@ -64,7 +41,7 @@ fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
 /// After a panic.
 #[cold]
 fn fail(instance: &mut Instance, name: &str) -> Status {
-    instance.break_down();
+    instance.enter_error_state();
     instance.log.tell(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
     Status::Error
 }
@@ -75,59 +52,64 @@ fn missing(n: usize, what: &str) -> Refused {
     Refused::error(format!("{what} is NULL though {n} elements are announced."))
 }
 
-/// What an importer says of an instance that it wants.
-pub struct Wanted {
+/// Arguments of an instantiation.
+pub struct Instantiation {
     /// The constructor that it calls.
     pub function: &'static str,
-    /// Which standard it speaks.
+    /// The standard.
     pub standard: Standard,
-    /// Who is to integrate.
+    /// The interface type.
     pub interface: Interface,
-    /// What it takes part in.
+    /// Optional features that it uses.
     pub part: Part,
     /// Name of the instance.
     pub name: *const c_char,
     /// GUID or instantiation token.
     pub token: *const c_char,
-    /// Where the archive's resources are; NULL where they are not wanted.
+    /// Where the archive's resources are; NULL where there are none.
     pub resources: *const c_char,
     /// Reads that text.
     pub locate: fn(&str) -> Option<PathBuf>,
     /// Where messages are to go.
     pub sink: Sink,
-    /// Whether events are told too.
+    /// Whether events are logged too.
     pub logging_on: bool,
-    /// Something it asks for that is not in this FMU: one sentence.
-    pub beyond: Option<String>,
+    /// A requested feature that this FMU does not have: one sentence.
+    pub unsupported: Option<String>,
 }
 
 /// Makes an instance and hands it to the importer; NULL and a message where that fails.
 ///
 /// # Safety
 /// The texts are NULL or end in zero.
-pub unsafe fn hand_out(wanted: Wanted) -> *mut c_void {
+pub unsafe fn instantiate(instantiation: Instantiation) -> *mut c_void {
     // SAFETY: by contract.
-    let (name, token, resources) =
-        unsafe { (text(wanted.name).unwrap_or_default(), text(wanted.token), text(wanted.resources)) };
+    let (name, token, resources) = unsafe {
+        (
+            text(instantiation.name).unwrap_or_default(),
+            text(instantiation.token),
+            text(instantiation.resources),
+        )
+    };
     let made = catch_unwind(AssertUnwindSafe(|| {
         if name.is_empty() {
             return Err(Refused::error("the instance name is missing."));
         }
-        if let Some(sentence) = wanted.beyond {
+        if let Some(sentence) = instantiation.unsupported {
             return Err(Refused::error(sentence));
         }
-        let resources = resources.as_deref().and_then(wanted.locate);
-        let log = Log::new(wanted.sink, &name, wanted.logging_on);
-        let kind = (wanted.standard, wanted.interface);
-        Instance::new(token.as_deref(), resources.as_deref(), kind, wanted.part, log)
+        let resources = resources.as_deref().and_then(instantiation.locate);
+        let log = Log::new(instantiation.sink, &name, instantiation.logging_on);
+        let kind = (instantiation.standard, instantiation.interface);
+        Instance::new(token.as_deref(), resources.as_deref(), kind, instantiation.part, log)
     }));
     let refused = match made {
         Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
         Ok(Err(refused)) => refused,
         Err(_) => Refused::error("internal failure."),
     };
-    Log::new(wanted.sink, &name, false)
-        .tell(refused.status, &format!("{}: {}", wanted.function, refused.message));
+    Log::new(instantiation.sink, &name, false)
+        .tell(refused.status, &format!("{}: {}", instantiation.function, refused.message));
     std::ptr::null_mut()
 }
 
@@ -170,13 +152,13 @@ macro_rules! life_cycle {
 ///
 /// # Safety
 /// As [`enter`]; the handle is dead afterwards.
-pub unsafe fn take_back(handle: *mut c_void) {
+pub unsafe fn free_instance(handle: *mut c_void) {
     if !handle.is_null() {
-        // SAFETY: by contract the handle came from `hand_out`.
+        // SAFETY: by contract the handle came from `instantiate`.
         let instance = unsafe { &*handle.cast::<Instance>() };
-        if instance.is_in_the_middle() {
-            // The step goes on after the look, and would go on in memory that is gone.
-            instance.log.tell(Status::Error, "an instance cannot be freed in the middle of its step.");
+        if instance.is_in_intermediate_update() {
+            // The step continues after the callback, in memory that would be freed.
+            instance.log.tell(Status::Error, "an instance cannot be freed in intermediate update mode.");
             return;
         }
         // SAFETY: as above.

@@ -8,11 +8,12 @@ mod exchange;
 pub use exchange::*;
 
 use crate::boundary::{
-    self, Outcome, Refused, Wanted, array, array_mut, enter, hand_out, place, set_logging, take_back,
+    self, Instantiation, array, array_mut, enter, free_instance, instantiate, place, set_logging,
 };
 use crate::instance::{Interface, Part, Standard, Type};
 use crate::life_cycle;
 use crate::logger::{Logger2, Sink, Status};
+use crate::refusal::{Outcome, Refused};
 use crate::resources::of_uri;
 use crate::saved_handle::{self, deserialize, free, save, serialize, serialized_size};
 use std::ffi::{c_char, c_int, c_void};
@@ -95,7 +96,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             }
             _ => Sink::None,
         };
-        let (known, beyond) = match interface {
+        let (known, unsupported) = match interface {
             MODEL_EXCHANGE => (Interface::ModelExchange, None),
             CO_SIMULATION => (Interface::CoSimulation, None),
             other => (
@@ -106,7 +107,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             ),
         };
         let logging_on = logging_on != 0;
-        hand_out(Wanted {
+        instantiate(Instantiation {
             function: "fmi2Instantiate",
             standard: Standard::Two,
             interface: known,
@@ -117,7 +118,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             locate: of_uri,
             sink,
             logging_on,
-            beyond,
+            unsupported,
         })
     }
 }
@@ -125,7 +126,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
 /// Drops an instance; section 2.1.5.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
-    unsafe { take_back(c) }
+    unsafe { free_instance(c) }
 }
 
 /// Announces the window of time; section 2.1.6.

@@ -17,7 +17,7 @@ pub use slopes::*;
 pub use stepping::*;
 pub use values::*;
 
-use crate::boundary::{enter, set_logging, take_back};
+use crate::boundary::{enter, free_instance, set_logging};
 use crate::life_cycle;
 use crate::logger::{Logger3, Sink, Status};
 use crate::saved_handle;
@@ -56,7 +56,7 @@ fn sink(log_message: Option<Logger3>, environment: *mut c_void) -> Sink {
 /// Drops an instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: InstanceHandle) {
-    unsafe { take_back(instance) }
+    unsafe { free_instance(instance) }
 }
 
 /// Announces the window of time and begins initialization.

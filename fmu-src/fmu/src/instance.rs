@@ -1,19 +1,19 @@
 //! An instance: its life cycle, and what it refuses.
 
+mod cache;
 mod exchange;
-mod known;
 mod mode;
 mod slopes;
 mod stepping;
 mod values;
 
 pub use mode::{Interface, Mode, Standard, Type};
-pub use stepping::{Course, Ended, IntermediateUpdate, Look, Part, View};
+pub use stepping::{Ended, IntermediateUpdate, IntermediateUpdates, Part, StepInParts, View};
 
-use crate::boundary::{Outcome, Refused};
 use crate::logger::{CATEGORIES, Log, Status, c_string};
+use crate::refusal::{Outcome, Refused};
 use crate::saved::Saved;
-use known::Known;
+use cache::Cache;
 use mode::LIVING;
 use physics::model::{Fault, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
@@ -30,15 +30,15 @@ pub struct Instance {
     terms: Vec<GenericTerm>,
     standard: Standard,
     interface: Interface,
-    /// What the importer takes part in.
+    /// Optional features that the importer uses.
     part: Part,
-    /// Where its discrete outputs are, with what they show since the last event; without event mode there is none.
+    /// Discrete outputs and their values since the last event; empty without event mode.
     discrete: Vec<Slot>,
-    held: Vec<f64>,
-    /// The model where the present step, or the present part of it, began: for steps that may be taken back.
-    begun: Option<Box<dyn Model>>,
-    /// The model where a step that is looked into began.
-    looked_from: Option<Box<dyn Model>>,
+    discrete_pre: Vec<f64>,
+    /// The model at the start of the present step, or of its present part, for rollback.
+    step_start: Option<Box<dyn Model>>,
+    /// The model at the start of a step with intermediate updates.
+    update_start: Option<Box<dyn Model>>,
     /// How many elements its variables have whose number a parameter says. In FMI 2 that of the archive.
     elements: u32,
     mode: Mode,
@@ -46,10 +46,10 @@ pub struct Instance {
     window: (f64, f64),
     /// Values were set since the model last started, during initialization.
     unsettled: bool,
-    /// What a running instance was asked to read, to set and to let run along slopes the last time.
-    read: Known,
-    written: Known,
-    sloped: Known,
+    /// Cached lists of value references: read, set, and set with derivatives.
+    read: Cache,
+    written: Cache,
+    sloped: Cache,
     /// Why the run is over, where the model has reached a limit of validity.
     ended: Option<CString>,
     /// Where messages go.
@@ -97,10 +97,10 @@ impl Instance {
             standard,
             interface,
             part,
-            held: vec![0.0; discrete.len()],
+            discrete_pre: vec![0.0; discrete.len()],
             discrete,
-            begun: None,
-            looked_from: None,
+            step_start: None,
+            update_start: None,
             scratch: None,
             elements: counted(model.as_mut()),
             model,
@@ -108,9 +108,9 @@ impl Instance {
             mode: Mode::Instantiated,
             window: (0.0, f64::INFINITY),
             unsettled: true,
-            read: Known::NOTHING,
-            written: Known::NOTHING,
-            sloped: Known::NOTHING,
+            read: Cache::EMPTY,
+            written: Cache::EMPTY,
+            sloped: Cache::EMPTY,
             ended: None,
             log,
         })
@@ -126,12 +126,12 @@ impl Instance {
         Refused::error(format!("not allowed while the instance is {}.", self.mode.words()))
     }
 
-    /// After a panic: nothing but reset and free is allowed.
-    pub fn break_down(&mut self) {
-        self.mode = Mode::Broken;
+    /// After a panic: only reset and free are allowed.
+    pub fn enter_error_state(&mut self) {
+        self.mode = Mode::Error;
     }
 
-    /// Turns the telling of events on or off; refuses a category that does not exist.
+    /// Turns the logging of events on or off; refuses a category that does not exist.
     pub fn set_logging(&mut self, on: bool, categories: &[Option<String>]) -> Outcome {
         for category in categories {
             let category = category.as_deref().unwrap_or("NULL");
@@ -341,8 +341,8 @@ impl Instance {
         self.model.time()
     }
 
-    /// Whether a step is under way and the importer looks in.
-    pub fn is_in_the_middle(&self) -> bool {
+    /// Whether the importer is in its intermediate update callback.
+    pub fn is_in_intermediate_update(&self) -> bool {
         self.mode == Mode::Intermediate
     }
 
@@ -371,11 +371,17 @@ impl Instance {
             && old.model.copy_from(self.model.as_ref())
         {
             (old.mode, old.window) = (mode, window);
-            old.held.clone_from(&self.held);
+            old.discrete_pre.clone_from(&self.discrete_pre);
             return Ok(None);
         }
         let interface = self.interface;
-        Ok(Some(Saved { model: self.model.boxed_clone(), interface, mode, window, held: self.held.clone() }))
+        Ok(Some(Saved {
+            model: self.model.boxed_clone(),
+            interface,
+            mode,
+            window,
+            discrete_pre: self.discrete_pre.clone(),
+        }))
     }
 
     /// Takes the instance back to what was saved.
@@ -398,8 +404,8 @@ impl Instance {
         (self.mode, self.window, self.unsettled) = (saved.mode, saved.window, true);
         self.ended = None;
         self.count();
-        if saved.held.len() == self.held.len() {
-            self.held.clone_from(&saved.held);
+        if saved.discrete_pre.len() == self.discrete_pre.len() {
+            self.discrete_pre.clone_from(&saved.discrete_pre);
         } else {
             self.hold();
         }

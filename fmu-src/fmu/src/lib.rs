@@ -18,6 +18,7 @@ pub mod fmi2;
 pub mod fmi3;
 pub mod instance;
 pub mod logger;
+pub mod refusal;
 pub mod resources;
 pub mod saved;
 pub mod saved_handle;

@@ -1,7 +1,7 @@
 //! Saved instances: in memory for get and set, as bytes for serialization.
 
-use crate::boundary::{Outcome, Refused};
 use crate::instance::{Interface, Mode};
+use crate::refusal::{Outcome, Refused};
 use physics::declare::Causality;
 use physics::model::Model;
 
@@ -19,15 +19,15 @@ pub struct Saved {
     /// The window of time the importer announced, s.
     pub window: (f64, f64),
     /// What discrete outputs show since the last event, where the importer handles events.
-    pub held: Vec<f64>,
+    pub discrete_pre: Vec<f64>,
 }
 
 impl Saved {
     /// The state as bytes: magic, interface, mode, token, count of numbers, and these: window, how many discrete outputs are
-    /// held, what they show, the model.
+    /// discrete_pre, what they show, the model.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut numbers = vec![self.window.0, self.window.1, self.held.len() as f64];
-        numbers.extend(&self.held);
+        let mut numbers = vec![self.window.0, self.window.1, self.discrete_pre.len() as f64];
+        numbers.extend(&self.discrete_pre);
         self.model.save(&mut numbers);
         let token = self.model.declaration().token.as_bytes();
         let mut bytes = Vec::with_capacity(MAGIC.len() + 10 + token.len() + 8 * numbers.len());
@@ -68,11 +68,11 @@ impl Saved {
             .map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()))
             .collect();
         let mut model = like.boxed_clone();
-        let (window, held, numbers) = parts(&numbers).ok_or_else(|| bad("is damaged"))?;
+        let (window, discrete_pre, numbers) = parts(&numbers).ok_or_else(|| bad("is damaged"))?;
         if !rest.is_empty() || !model.restore(numbers) || !is_sound(model.as_mut()) {
             return Err(bad("is damaged"));
         }
-        Ok(Saved { model, interface, mode, window, held: held.to_vec() })
+        Ok(Saved { model, interface, mode, window, discrete_pre: discrete_pre.to_vec() })
     }
 }
 
@@ -92,6 +92,6 @@ type Parts<'a> = ((f64, f64), &'a [f64], &'a [f64]);
 fn parts(numbers: &[f64]) -> Option<Parts<'_>> {
     let (&[start, stop, count], rest) = numbers.split_first_chunk()?;
     // A count that was no number casts to one that is too large or to none, and the model's numbers do not fit.
-    let (held, model) = rest.split_at_checked(count as usize)?;
-    Some(((start, stop), held, model))
+    let (discrete_pre, model) = rest.split_at_checked(count as usize)?;
+    Some(((start, stop), discrete_pre, model))
 }

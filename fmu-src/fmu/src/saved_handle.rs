@@ -1,7 +1,8 @@
 //! The importer's handles to saved states, the same for both standards.
 
-use crate::boundary::{Outcome, Refused, array, array_mut, place};
+use crate::boundary::{array, array_mut, place};
 use crate::instance::Instance;
+use crate::refusal::{Outcome, Refused};
 use crate::saved::Saved;
 use std::ffi::c_void;
 

@@ -1,8 +1,7 @@
 //! FMI 3 arrays: the segments of the housing, as many as a structural parameter says.
 
-mod common;
-use common::three::Three;
-use common::vr;
+use crate::common::three::Three;
+use crate::common::vr;
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
 use std::ptr::null_mut;

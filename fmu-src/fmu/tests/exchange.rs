@@ -1,8 +1,7 @@
 //! Model Exchange through the C functions: the life cycle, what a state is, and that what is read depends on what was put alone.
 
-mod common;
-use common::exchanged::{Exchanged, Named, count, some};
-use common::vr;
+use crate::common::exchanged::{Exchanged, Named, count, some};
+use crate::common::vr;
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::{
     fmi3EnterContinuousTimeMode, fmi3EnterInitializationMode, fmi3ExitInitializationMode, fmi3FreeInstance,

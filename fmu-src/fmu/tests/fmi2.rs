@@ -1,7 +1,6 @@
 //! FMI 2.0 through the C functions: life cycle, values, refusals, saved states.
 
-mod common;
-use common::{Motor2, said, token, vr};
+use crate::common::{Motor2, said, token, vr};
 use motor_fmu::fmi2::*;
 use motor_fmu::logger::Status;
 use std::ffi::{CStr, c_int};

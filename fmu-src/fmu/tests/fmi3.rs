@@ -1,7 +1,6 @@
 //! FMI 3.0 through the C functions: what differs from FMI 2.0, and that both give the same numbers.
 
-mod common;
-use common::{Motor2, token, vr};
+use crate::common::{Motor2, token, vr};
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
 use std::ffi::{CStr, c_void};

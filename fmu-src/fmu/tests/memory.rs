@@ -1,34 +1,14 @@
 //! A thousand instances in one process: an allocator that counts sees every byte come back.
 
+use crate::counting::live;
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::{
     fmi3EnterInitializationMode, fmi3ExitInitializationMode, fmi3FreeInstance, fmi3InstantiateModelExchange,
 };
 use motor_fmu::logger::Status;
 use physics::declare::{Causality, Kind};
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
-use std::sync::atomic::{AtomicIsize, Ordering};
-
-static LIVE: AtomicIsize = AtomicIsize::new(0);
-
-struct Counting;
-
-// SAFETY: everything is passed on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        LIVE.fetch_add(layout.size() as isize, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        LIVE.fetch_sub(layout.size() as isize, Ordering::Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// A thousand instances alive together, of all kinds, each stepped, saved and asked for a derivative; then none.
 fn a_thousand() -> isize {
@@ -72,7 +52,7 @@ fn a_thousand() -> isize {
             alive.push((c, three));
         }
     }
-    let most = LIVE.load(Ordering::Relaxed);
+    let most = live();
     for (c, three) in alive {
         unsafe { if three { fmi3FreeInstance(c) } else { fmi2FreeInstance(c) } }
     }
@@ -83,8 +63,8 @@ fn a_thousand() -> isize {
 fn a_thousand_instances_leave_nothing() {
     // Declarations are made once, and stay.
     a_thousand();
-    let before = LIVE.load(Ordering::Relaxed);
+    let before = live();
     let most = a_thousand();
-    assert_eq!(LIVE.load(Ordering::Relaxed), before);
+    assert_eq!(live(), before);
     assert!(most - before > 1000 * 1000, "the counter counts: {}", most - before);
 }

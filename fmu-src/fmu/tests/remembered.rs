@@ -1,8 +1,7 @@
 //! What an instance remembers from call to call changes no value: the lists of references that it was asked for, and the step
 //! that served.
 
-mod common;
-use common::{Motor2, said, vr};
+use crate::common::{Motor2, said, vr};
 use motor_fmu::fmi2::*;
 use motor_fmu::logger::Status;
 use std::ptr::null_mut;

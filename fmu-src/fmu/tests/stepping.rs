@@ -1,8 +1,7 @@
 //! FMI 3 Co-Simulation where the importer takes part: events, early return, looks into steps.
 
-mod common;
-use common::three::Three;
-use common::{Motor2, vr};
+use crate::common::three::Three;
+use crate::common::{Motor2, vr};
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
 use std::ffi::c_void;
@@ -88,11 +87,11 @@ fn events_by_time_are_announced_and_stop_a_step() {
 }
 
 trait AfterEvent {
-    fn step_after_event(&self, h: f64) -> common::three::Ended;
+    fn step_after_event(&self, h: f64) -> crate::common::three::Ended;
 }
 
 impl AfterEvent for Three {
-    fn step_after_event(&self, h: f64) -> common::three::Ended {
+    fn step_after_event(&self, h: f64) -> crate::common::three::Ended {
         self.handle_event();
         self.step(0.0, h)
     }

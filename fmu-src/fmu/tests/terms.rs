@@ -1,7 +1,6 @@
 //! Terms that are data, from the archive's resources to the motor, through the C functions of both standards.
 
-mod common;
-use common::{Motor2, said, token};
+use crate::common::{Motor2, said, token};
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::{fmi3FreeInstance, fmi3InstantiateCoSimulation};
 use motor_fmu::logger::Status;

@@ -1,5 +1,5 @@
 //! Writes the solution of the joined equations of motor, actuator and gait as CSV:
-//! `cargo run --release -p physics --features reference --example joined_ankle > tests/reference/coupled-ankle/joined.csv`
+//! `cargo run --release -p physics --example joined_ankle > tests/reference/coupled-ankle/joined.csv`
 
 #[path = "../tests/common/walker.rs"]
 mod walker;

@@ -337,6 +337,17 @@ impl Node {
     }
 }
 
+/// Heat flow from the housing to ambient, and the temperatures at both ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HousingHeat {
+    /// Mean temperature of the housing, K.
+    pub housing: f64,
+    /// Temperature of ambient, K.
+    pub ambient: f64,
+    /// Heat flow by all paths: convection, radiation, mount, air flow and tube, W.
+    pub flow: f64,
+}
+
 /// A model as the FMI layer and the tools see it.
 ///
 /// Values are numbers in SI units, whole ones for integers; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
@@ -385,6 +396,11 @@ pub trait Model: Exchange + Send + Sync {
     /// Lets the steps err by this factor more than they do by default, until the next start: for searches that repeat
     /// a run many times and look at the answer alone.
     fn ease(&mut self, factor: f64);
+    /// Heat flow from the housing to ambient at the present time, with the true temperatures, not those of sensors;
+    /// `None` where the housing is not in contact with ambient.
+    fn housing_heat(&mut self) -> Option<HousingHeat> {
+        None
+    }
     /// What terms may follow, at the present time.
     fn drivers(&self) -> Drivers;
     /// Everything that the future depends on, as numbers.

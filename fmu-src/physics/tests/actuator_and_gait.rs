@@ -1,16 +1,13 @@
 //! Motor, actuator and gait: the actuator's books and closed forms, and the three coupled against one integration of their
 //! joined equations.
 
-#[path = "common/walker.rs"]
-mod walker;
-
+use crate::walker::{COMMAND, GAIT, LOOKED_AT, MOTOR, POWER, System, TIMES, get, joined, set};
 use physics::components::transmission::Coupling;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::DriveMode;
 use physics::models::series_elastic_actuator::SeriesElasticActuator;
-use physics::solver::reference::{Tolerance, integrate};
+use reference::{Tolerance, integrate};
 use std::cell::RefCell;
-use walker::{COMMAND, GAIT, LOOKED_AT, MOTOR, POWER, System, TIMES, get, joined, set};
 
 /// An actuator that holds a fixed joint with a motor at this angle, started relaxed.
 fn twisted(turn: f64, change: impl Fn(&mut SeriesElasticActuator)) -> SeriesElasticActuator {
@@ -217,9 +214,10 @@ fn the_supply_gives_what_the_motor_takes() {
             set(&mut s.actuator, "drive.regeneration", 0.0);
             set(&mut s.motor, "ambient_temperature", 340.0);
             set(&mut s.gait, "gait.body_mass", 90.0);
-            let h = 1e-3;
+            // The coupling error falls with the square of the step: 3e-3 at 1 ms.
+            let h = 2.5e-4;
             let (mut last, mut drawn) = (Vec::new(), 0.0);
-            for k in 0..6000u32 {
+            for k in 0..8000u32 {
                 s.connect();
                 last = s.slope(&last, h);
                 let t = f64::from(k) * h;
@@ -231,7 +229,7 @@ fn the_supply_gives_what_the_motor_takes() {
             }
             let supplied = get(&mut s.actuator, "energy_supply");
             println!("{drive:?} {efficiency}: {supplied} J from the supply, {drawn} J drawn");
-            assert!(drawn > 100.0 && (supplied / drawn - 1.0).abs() < 2e-3, "{supplied} {drawn}");
+            assert!(drawn > 50.0 && (supplied / drawn - 1.0).abs() < 1e-3, "{supplied} {drawn}");
         }
     }
 }

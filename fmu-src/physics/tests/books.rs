@@ -1,12 +1,12 @@
 //! The energy books, instantaneous and integrated, in every mode.
 
-mod common;
-use common::{all_effects, friction, motor};
-use physics::declare::Kind;
+use crate::common::{all_effects, friction, motor};
+use physics::declare::{Causality, Kind};
 use physics::effects::{Effect, Effects};
-use physics::model::Model;
-use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
+use physics::model::{Entry, Model};
+use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
 use physics::terms::{Driver, Factor, GenericTerm, Law, MOST_TERMS, Port, Product};
+use std::collections::BTreeSet;
 
 const DRIVES: [DriveMode; 4] = [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power];
 const COUPLINGS: [MechanicalMode; 2] = [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed];
@@ -175,7 +175,6 @@ fn signs() {
 /// the motor's 48 kJ of heat round to 7e-12 J.
 #[test]
 fn the_residual_is_not_the_rounding_of_heat_above_0_k() {
-    use physics::exchange::Exchange;
     for name in ["AnnulusCooledMotor", "BrushedGearmotor"] {
         let mut m = (physics::models::by_name(name).unwrap().new)();
         let slot = |name: &str| m.declaration().by_name(name).unwrap().slot;
@@ -215,53 +214,80 @@ fn input_parameter(m: &mut AnnulusCooledMotor, name: &str, value: f64) {
     assert!(m.set(slot, value));
 }
 
+/// A second in which everything moves; all outputs and states at its end, bit for bit.
+fn bits(drive: DriveMode, cooling: CoolingMode, change: impl Fn(&Entry) -> Option<f64>) -> Vec<u64> {
+    let mut m = motor(drive, MechanicalMode::FreeShaft);
+    m.parameters.choices.cooling_mode = cooling;
+    let entries = || m.declaration().entries.iter().filter(|e| e.name.starts_with("effect."));
+    let changes: Vec<_> = entries().filter_map(|e| change(e).map(|value| (e.slot, value))).collect();
+    for (slot, value) in changes {
+        assert!(m.set(slot, value));
+    }
+    m.inputs.load_torque = 0.03;
+    m.inputs.electrical_power = 20.0;
+    m.start(0.0).unwrap();
+    for k in 0..100 {
+        let x = f64::from(k);
+        input(&mut m, "voltage", if drive == DriveMode::Pwm { 24.0 } else { 20.0 * (0.1 * x).sin() }, 0.0);
+        input(&mut m, "duty", 0.8 * (0.1 * x).sin(), 3.0);
+        input(&mut m, "current_command", 4.0 * (0.1 * x).sin(), 3.0);
+        input(&mut m, "fan_command", 0.008 * x, 0.8);
+        m.step(m.time(), 1e-2).unwrap();
+    }
+    let shown: Vec<_> = m
+        .declaration()
+        .entries
+        .iter()
+        .filter(|e| e.row.causality == Causality::Output)
+        .map(|e| e.slot)
+        .collect();
+    let outputs: Vec<u64> = shown.into_iter().map(|slot| m.get(slot).to_bits()).collect();
+    m.state().to_numbers().map(f64::to_bits).chain(outputs).collect()
+}
+
+/// A parameter that switches its effect: it starts at 0, where the effect is off.
+fn is_switch(entry: &Entry) -> bool {
+    entry.row.kind == Kind::Real && entry.row.start == 0.0 && entry.name != "effect.demagnetisation.time"
+}
+
+/// The effect of a parameter, `effect.ID.parameter`.
+fn effect(entry: &Entry) -> &str {
+    entry.name.split('.').nth(1).unwrap()
+}
+
+/// The greatest value of a number, the last choice of an enumeration.
+fn extreme(entry: &Entry) -> f64 {
+    match entry.row.kind {
+        Kind::Enumeration(t) => t.items.last().map_or(1.0, |i| f64::from(i.value)),
+        _ => entry.row.max,
+    }
+}
+
 /// All effects are off by default, and their other parameters then do nothing, to the bit.
 #[test]
 fn an_effect_that_is_off_is_not_there() {
-    let bits = |change: bool| {
-        let mut m = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
-        let switches = [
-            "coulomb_friction.tau_c",
-            "viscous_friction.k",
-            "iron_loss.k",
-            "windage.k",
-            "load_dependent_friction.mu",
-            "contact_drop.V_b",
-            "housing_radiation.k",
-            "interface_temperature.beta",
-            "forced_convection.G",
-            "fan_back_pressure.k",
-            "demagnetisation.fraction",
-            "ambient_drift.rate",
-            "drive_loss.share",
-            "housing_sensor_lag.tau",
-            "winding_sensor_stem_loss.k",
-            "housing_sensor_stem_loss.k",
-            "winding_sensor_offset.offset",
-            "housing_sensor_offset.offset",
-            "stator_node.C_s",
-        ];
-        let declaration = m.declaration();
-        for entry in declaration.entries.iter().filter(|e| e.name.starts_with("effect.")) {
-            let is_switch = switches.iter().any(|s| entry.name == format!("effect.{s}"));
-            assert!(!is_switch || entry.row.start == 0.0, "{} is on by default", entry.name);
-            if change && !is_switch {
-                // The greatest value of a number, the last choice of an enumeration.
-                let value = match entry.row.kind {
-                    Kind::Enumeration(t) => t.items.last().map_or(1.0, |i| f64::from(i.value)),
-                    _ => entry.row.max,
-                };
-                assert!(m.set(entry.slot, value));
-            }
+    for drive in DRIVES {
+        for cooling in [CoolingMode::Conductance, CoolingMode::AnnulusPush] {
+            let others = bits(drive, cooling, |e| (!is_switch(e)).then(|| extreme(e)));
+            assert_eq!(bits(drive, cooling, |_| None), others, "{drive:?} {cooling:?}");
         }
-        m.inputs.load_torque = 0.03;
-        m.start(0.0).unwrap();
-        for k in 0..200 {
-            input(&mut m, "voltage", 20.0 * (0.05 * f64::from(k)).sin(), 3.0);
-            input(&mut m, "fan_command", 0.004 * f64::from(k), 4.0);
-            m.step(m.time(), 1e-3).unwrap();
-        }
-        m.state().to_numbers().map(f64::to_bits).collect::<Vec<_>>()
-    };
-    assert_eq!(bits(false), bits(true));
+    }
+}
+
+/// Each effect of the table has a switch, and with it on something moves: else the test above would show nothing.
+#[test]
+fn an_effect_that_is_on_is_seen() {
+    let m = motor(DriveMode::Pwm, MechanicalMode::FreeShaft);
+    let entries = m.declaration().entries.iter().filter(|e| e.name.starts_with("effect."));
+    // Terms have a gain, which starts at 1, and no term.
+    let ids: BTreeSet<&str> = entries.map(effect).filter(|id| *id != "generic_term").collect();
+    assert!(ids.len() >= 22, "{ids:?}");
+    for id in ids {
+        let on = |e: &Entry| (effect(e) == id && is_switch(e)).then_some(e.row.nominal.min(0.5 * e.row.max));
+        let moves = |drive| {
+            bits(drive, CoolingMode::Conductance, |_| None) != bits(drive, CoolingMode::Conductance, on)
+        };
+        // A drive with its bridge, and one that has losses of its own.
+        assert!([DriveMode::Pwm, DriveMode::Power].into_iter().any(moves), "{id} does nothing");
+    }
 }

@@ -7,8 +7,8 @@ use physics::model::{Model, Slot};
 use physics::models::brushed_gearmotor::{
     BrushedGearmotor, Constants, Inputs, NODES, STATES, Step, Temperatures,
 };
-use physics::solver::reference::{Tolerance, integrate};
 use physics::solver::split::{Fast, System};
+use reference::{Tolerance, integrate};
 
 /// The reference's tolerances.
 const TIGHT: Tolerance = Tolerance { relative: 1e-10, absolute: 1e-12 };
@@ -284,14 +284,16 @@ fn cold(duty: f64, change: impl Fn(&mut BrushedGearmotor)) -> BrushedGearmotor {
     m
 }
 
-fn near(found: f64, printed: f64, share: f64) {
-    assert!((found - printed).abs() <= share * printed, "{found} where {printed} is printed");
+fn near(found: f64, published: f64, relative: f64) {
+    assert!((found - published).abs() <= relative * published, "{found} where {published} is published");
 }
 
+/// A consistency check of the fit and no prediction: drive.drop, motor.k_t, gear.tau_c and gear.k of the preset are fitted to these
+/// published numbers (study, `reproduce::paper::FITTED`).
 #[test]
-fn the_papers_numbers_at_full_duty() {
+fn the_preset_reproduces_the_numbers_of_its_fit() {
     let mut m = cold(1.0, |_| ());
-    for (name, printed) in [
+    for (name, published) in [
         ("voltage", 9.7876),
         ("current", 0.1800),
         ("voltage_electrical", 1.656),
@@ -299,15 +301,25 @@ fn the_papers_numbers_at_full_duty() {
         ("power_electrical", 0.2981),
         ("power_mechanical", 1.4638),
     ] {
-        near(get(&mut m, name), printed, 3e-3);
+        near(get(&mut m, name), published, 3e-3);
     }
-    assert!(get(&mut m, "voltage_magnetic").abs() < 1e-8, "no inductive voltage in steady state");
     near(get(&mut m, "shaft_speed") * 30.0 / std::f64::consts::PI, 77.7, 3e-3);
-    // A quarter of an hour, with the winding as warm as it gets.
+}
+
+/// Published numbers that the preset is not fitted to: the inductive voltage is 0 and not the published 48.67 uV; the works of a
+/// quarter of an hour with a warming winding, 1582.7 J in all and 267.79 J thermal; and by the balance of the supply, 12 V, the
+/// bridge loses what the motor does not take.
+#[test]
+fn predictions_at_full_duty() {
+    let mut m = cold(1.0, |_| ());
+    assert!(get(&mut m, "voltage_magnetic").abs() < 1e-8, "no inductive voltage in steady state");
     let mut m = started(1.0);
     run(&mut m, 900, 1.0);
-    let work = get(&mut m, "work_total");
-    assert!(work > 1583.0 * 0.997 && work < 1585.6 * 1.003, "{work} J");
+    near(get(&mut m, "work_total"), 1582.7, 3e-3);
+    near(get(&mut m, "work_electrical"), 267.79, 0.06);
+    let lost = get(&mut m, "energy_supply") - get(&mut m, "work_total");
+    let by_hand = 2.2124 * get(&mut m, "current") * 900.0;
+    near(lost, by_hand, 0.02);
 }
 
 /// Slope and r2 of the regression line of y over 20, 40, 60, 80, 100 %.
@@ -319,7 +331,8 @@ fn regression(y: [f64; 5]) -> (f64, f64) {
     (xy / 4000.0, xy * xy / (4000.0 * yy))
 }
 
-/// 91.62 mV and 1.04 mA per per cent of duty, as the paper prints; its r2 of 0.9922 and 0.9991 are not met.
+/// 91.62 mV and 1.04 mA per per cent of duty as published: gear.tau_c, gear.k and drive.pwm_frequency are fitted to them, so
+/// that agreement is a consistency check. The published r2 of 0.9922 and 0.9991 are predictions, and not met.
 #[test]
 fn the_papers_slopes_over_the_duty() {
     let slopes = |change: fn(&mut BrushedGearmotor)| {

@@ -1,7 +1,6 @@
 //! What single effects do to the motor as a whole, against numbers computed by hand.
 
-mod common;
-use common::{all_effects, motor};
+use crate::common::{all_effects, motor};
 use physics::effects::{ConvectionDriver, CooledNode, Effect, Effects, PerNode};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{
@@ -138,7 +137,7 @@ fn air_on_the_winding_and_a_tired_fan() {
     let rise = |m: &mut AnnulusCooledMotor, node: &str| output(m, node) - 298.15;
     let (w, h) = (rise(&mut m, "winding_temperature"), rise(&mut m, "housing_temperature"));
     close(0.1 * flow * w + (w - h) / 0.21, 10.0, 1e-7);
-    close((w - h) / 0.21, (0.1351 + 0.35 * flow) * h, 1e-7);
+    close((w - h) / 0.21, (0.1351 + 0.113 * flow) * h, 1e-7);
     close(output(&mut m, "heat_to_ambient"), 10.0, 1e-7);
 }
 
@@ -300,6 +299,17 @@ fn the_matrices_are_the_derivatives() {
     }
 }
 
+/// `all_effects` has every effect on: a parameter that switches an effect is 0 where the effect is off.
+#[test]
+fn all_effects_are_on() {
+    let mut m = motor(DriveMode::Pwm, MechanicalMode::FreeShaft);
+    m.parameters.effects = all_effects();
+    let switches = m.declaration().entries.iter();
+    let switches = switches.filter(|e| e.name.starts_with("effect.") && e.row.start == 0.0);
+    let off: Vec<&str> = switches.filter(|e| m.get(e.slot) == 0.0).map(|e| e.name.as_str()).collect();
+    assert_eq!(off, Vec::<&str>::new());
+}
+
 /// The contract's list: every effect has its parameters, in the declaration of the motor, and is neutral at their
 /// start values.
 #[test]
@@ -399,7 +409,7 @@ fn terms_act_on_the_heat() {
             assert!(m.set_terms(terms));
         })
     };
-    let g = 0.1351 + 0.35 * 0.5f64.powf(0.8);
+    let g = 0.1351 + 0.113 * 0.5f64.powf(0.8);
     let rise = |m: &mut AnnulusCooledMotor, node: &str| output(m, node) - 298.15;
     let mut m = with(&[term(Port::WindingHeat, 2.0, Driver::FanCommand, 0.0, 0.5, 1.0)]);
     close(rise(&mut m, "housing_temperature"), 12.0 / g, 1e-6);
@@ -417,7 +427,7 @@ fn terms_act_on_the_heat() {
     let (w, h) = (rise(&mut m, "winding_temperature"), rise(&mut m, "housing_temperature"));
     close(w - h, 2.1 * (1.0 + 0.1 * w / 10.0), 1e-6);
     let mut m = with(&[term(Port::FanFlow, -0.5, Driver::FanCommand, 0.0, 1.0, 1.0)]);
-    close(rise(&mut m, "housing_temperature") * (0.1351 + 0.35 * 0.375f64.powf(0.8)), 10.0, 1e-6);
+    close(rise(&mut m, "housing_temperature") * (0.1351 + 0.113 * 0.375f64.powf(0.8)), 10.0, 1e-6);
     // Off by their gain.
     let mut m = with(&[term(Port::WindingHeat, 2.0, Driver::FanCommand, 0.0, 0.5, 1.0)]);
     let gain = m.declaration().by_name("effect.generic_term.gain").unwrap().slot;

@@ -1,7 +1,6 @@
 //! Cases with a known answer: closed forms, the matrix exponential, and the order of the split.
 
-mod common;
-use common::{friction, motor};
+use crate::common::{friction, motor};
 use nalgebra::{Matrix2, Vector2};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};

@@ -1,7 +1,6 @@
 //! The network of rotor, housing segments and tube in every mode of cooling: books, accuracy, grid, rollback.
 
-mod common;
-use common::{all_effects, motor};
+use crate::common::{all_effects, motor};
 use declare::Group;
 use physics::components::commutation::Commutation;
 use physics::model::{Model, Slot};

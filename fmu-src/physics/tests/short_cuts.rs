@@ -1,17 +1,13 @@
 //! What actuator and gait take instead of the general integrator, against Runge and Kutta on the same equations along the
 //! same lines.
 
-#[path = "common/walker.rs"]
-#[allow(dead_code)]
-mod walker;
-
+use crate::walker::{get, set};
 use declare::Group;
 use physics::explicit::{Law, Line};
 use physics::model::{Model, Slot};
 use physics::models::gait_load::GaitLoad;
 use physics::models::series_elastic_actuator::{Inputs, SeriesElasticActuator};
 use std::cell::RefCell;
-use walker::{get, set};
 
 /// What moves the actuator: input, size, frequency, rad/s.
 const MOTION: [(&str, f64, f64); 6] = [

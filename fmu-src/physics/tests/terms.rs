@@ -1,7 +1,6 @@
 //! Terms that are data over a step: what they hold of their drivers.
 
-mod common;
-use common::motor;
+use crate::common::motor;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
 use physics::terms::{Driver, Factor, GenericTerm, Law, Port, Product};

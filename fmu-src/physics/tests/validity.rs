@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::{motor, output};
+use common::motor;
 use physics::components::commutation::Commutation;
-use physics::exchange::Exchange;
 use physics::model::Model;
 use physics::models;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
@@ -69,7 +68,7 @@ fn a_runaway_ends_in_every_mode() {
                 let case = format!("{cooling:?} {drive:?} {mechanical:?}: {sentence}");
                 assert!(time > 1.0 && sentence.contains("validity.winding_temperature = 543.15 K"), "{case}");
                 assert!(sentence.contains("runaway") && k_t > 0.0, "{case}");
-                let hot = output(&mut m, "winding_hot_spot_temperature");
+                let hot = get(&mut m, "winding_hot_spot_temperature");
                 assert!(hot < 543.15 && hot > 543.15 - 1e-3, "{hot} K, {case}");
                 // Whoever tries again is told the same, and nothing moves.
                 let again = m.step(time, 1.0).unwrap_err();

@@ -1,7 +1,6 @@
 //! A motor that starts warm: every node where it was put, and books that close from there.
 
-mod common;
-use common::{all_effects, motor};
+use crate::common::{all_effects, motor};
 use physics::model::{Model, Node};
 use physics::models::annulus_cooled_motor::{CoolingMode, DriveMode, MechanicalMode};
 use physics::models::brushed_gearmotor::BrushedGearmotor;

@@ -5,7 +5,7 @@ mod figures;
 use crate::native::Native;
 use crate::{reference, terminals};
 use describe::markdown::{self, Section};
-use describe::{DEFAULT_STEP, DEFAULT_STOP, Preset, VERSION};
+use describe::{DEFAULT_STEP, DEFAULT_STOP, Preset, VERSION, usage};
 use maud::{Markup, html};
 use present::page::{Cell, page as page_of, plates, table};
 
@@ -23,6 +23,7 @@ pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
     let body = html! {
         p.lead { (declaration.description) "." }
         @if let Some(preset) = preset { p { "Start values: " (preset.name) " (" (preset.description) ")." } }
+        @if let Some(unused) = unused_inputs(native) { p { "Inputs in the start modes: " (unused) "." } }
         h2 { "Behaviour" }
         (plates(&figures::of(native).into_iter().map(figures::Captioned::plate).collect::<Vec<_>>()))
         h2 { "First simulation" }
@@ -41,6 +42,11 @@ pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
         @for section in markdown::sections(native.kind, native.starts) { (variables(&section)) }
     };
     page_of(&format!("{name} {VERSION}"), body)
+}
+
+/// The inputs that have no effect in the modes in which the FMU starts, in a sentence.
+fn unused_inputs(native: &Native<'_>) -> Option<String> {
+    usage::sentence(&usage::inputs(native.kind, native.starts, native.terms), |_| String::new())
 }
 
 /// Variables of one role; those of a component or an effect together, to be opened.
@@ -115,6 +121,15 @@ mod tests {
             let page = page(&Native { kind, starts: &StartValues::default(), terms: &[] }, None);
             assert_eq!(present::check::faults(&page), Vec::<String>::new(), "{kind:?}");
         }
+    }
+
+    /// The page names the inputs that the start modes ignore.
+    #[test]
+    fn unused_inputs_are_named() {
+        let kind = models::by_name("AnnulusCooledMotor").unwrap();
+        let page = page(&Native { kind, starts: &StartValues::default(), terms: &[] }, None);
+        assert!(page.contains("imposed_speed has no effect with mechanical_mode = free_shaft"), "{page}");
+        assert!(!page.contains("voltage has no effect"));
     }
 
     #[test]

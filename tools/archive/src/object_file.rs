@@ -1,4 +1,4 @@
-//! What a library says of itself: the platform that it is for, what it exports, and which C library it needs.
+//! The header of a library: its platform, its exports, and the C library that it needs.
 
 use object::elf::FileHeader64;
 use object::read::elf::FileHeader;

@@ -63,7 +63,7 @@ impl Library {
         Library { platform: HERE, path: path.to_path_buf() }
     }
 
-    /// What it needs of a machine, as a person is told.
+    /// Requirements of the machine, as text.
     pub fn needs(&self) -> String {
         let glibc = std::fs::read(&self.path).ok().and_then(|bytes| object_file::glibc(&bytes));
         let glibc = glibc.map(|(a, b)| format!(" with glibc {a}.{b} or later")).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Reference results that an archive carries, in the place and with the manifest of the layered standard FMI-LS-REF:
 //! a table of inputs that every importer can play, and what the native model answers.
 //!
-//! The drive knows no model: one after the other, each input goes from its start value to its nominal value. Between two
+//! The excitation is the same for all models: one after the other, each input goes from its start value to its nominal value. Between two
 //! jumps inputs stand still, so that it does not matter whether an importer holds them or draws lines.
 
 use crate::native::Native;

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 
 /// A step that lowers (1) by less than `decrease` is the last.
 const OPTIONS: Options = Options {
+    damping: 1e-6,
     linearisations: 6,
     chords: 5,
     relative_decrease: 0.0,

@@ -164,7 +164,7 @@ mod tests {
     }
 
     /// Noise of fan, room and winding in an experiment of one run, where they read what the three functions say at each row.
-    fn noises(stated: &str, read: impl Fn(usize, &mut u64) -> [f64; 3]) -> Vec<f64> {
+    fn noises(stated: &str, read: impl Fn(usize, &mut Pcg64Mcg) -> [f64; 3]) -> Vec<f64> {
         let folder = tempfile::tempdir().unwrap();
         let mut rows = String::from(
             "time_s,current_A,speed_rad_per_s,fan_command_1,ambient_temperature_degC,winding_temperature_degC\n",

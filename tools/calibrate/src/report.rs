@@ -12,6 +12,25 @@ use std::collections::BTreeMap;
 /// The roles in the order in which they are told.
 pub const ROLES: [Role; 3] = [Role::Fit, Role::Validate, Role::Test];
 
+/// A column in words without its unit, and the unit of a difference in it.
+pub fn column_words(column: &str) -> (String, &'static str) {
+    for (end, unit) in [
+        ("rad_per_s", "rad/s"),
+        ("degC", "K"),
+        ("Nm", "N·m"),
+        ("Pa", "Pa"),
+        ("V", "V"),
+        ("A", "A"),
+        ("W", "W"),
+        ("1", ""),
+    ] {
+        if let Some(name) = column.strip_suffix(end) {
+            return (name.trim_end_matches('_').replace('_', " "), unit);
+        }
+    }
+    (column.replace('_', " "), "")
+}
+
 /// Name of a role in experiments and reports.
 pub fn role_name(role: Role) -> &'static str {
     match role {

@@ -2,11 +2,11 @@
 
 use crate::CalibrateError;
 use crate::close_loop::Judgement;
-use crate::experiment::Role;
+use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Setting, Verdict, Whiteness};
 use crate::point::Point;
-use crate::report::ROLES;
+use crate::report::{ROLES, column_words};
 use crate::rounds::LEAST;
 use crate::setup::{Setup, Shown};
 use nalgebra::DMatrix;
@@ -193,12 +193,16 @@ fn estimates(
     (all, correlation)
 }
 
-/// How far the last addition moves each output at most, in words.
+/// The greatest change of each output by the last addition, in words.
 pub fn magnitude(point: &Point) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
-    let parts: Vec<String> =
-        parts.map(|(channel, reach)| format!("{} by {reach:.3}", channel.column)).collect();
-    format!("moves at most {}", parts.join(", "))
+    let change = |(channel, reach): (&&Channel, f64)| {
+        let (name, unit) = column_words(channel.column);
+        let digits = (2.0 - reach.log10().floor()).clamp(0.0, 9.0) as usize;
+        format!("{name} by {reach:.digits$} {unit}")
+    };
+    let parts: Vec<String> = parts.map(change).collect();
+    format!("changes at most {}", parts.join(", "))
 }
 
 fn limits(point: &Point) -> Vec<Limit> {

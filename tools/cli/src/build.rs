@@ -4,7 +4,7 @@ use crate::Failure;
 use archive::build::{Contents, Library, Standard, TermsFile, build_for, library_path};
 use archive::platform;
 use clap::ValueEnum;
-use describe::{ModelType, Preset, models};
+use describe::{ModelType, Preset, models, usage};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -34,10 +34,10 @@ pub struct Args {
     /// data of its control from a preset of the motor.
     #[arg(long, value_name = "NAME|FILE")]
     preset: Option<String>,
-    /// Terms found in data, to be carried as resources/effects.json.
+    /// Terms found in data, written to resources/effects.json of the archives.
     #[arg(long, value_name = "FILE")]
     effects: Option<PathBuf>,
-    /// Platforms to hold a library for, as far as `cargo xtask cross` has made it: x86_64-linux, x86_64-windows,
+    /// Platforms whose libraries the archives hold, built before by `cargo xtask cross`: x86_64-linux, x86_64-windows,
     /// aarch64-linux, ...; the one that this program runs on if none is named.
     #[arg(long, value_name = "P,...", value_delimiter = ',')]
     platform: Vec<String>,
@@ -73,6 +73,10 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
             }
         }
         paths.extend(build_for(kind, standards, contents, &libraries, &args.out)?);
+        if let Some(preset) = contents.preset {
+            let from = format!("preset {}", preset.name);
+            crate::remark(usage::sentence(&usage::preset_values(preset), |_| from.clone()).as_slice());
+        }
     }
     let needs: Vec<String> = libraries.iter().map(Library::needs).collect();
     crate::say(&format!("libraries for {}\n", needs.join(", ")));
@@ -111,7 +115,7 @@ fn chosen(names: &[String]) -> Result<Vec<&'static ModelType>, Failure> {
     let find = |name: &String| {
         models::by_name(name).ok_or_else(|| {
             let known: Vec<&str> = models::ALL.iter().map(|m| (m.declaration)().name).collect();
-            Failure::new(format!("{name} is no model; there is {}", known.join(", ")))
+            Failure::new(format!("unknown model {name}; models: {}", known.join(", ")))
         })
     };
     names.iter().map(find).collect()

@@ -1,9 +1,9 @@
-//! `motor-fmu close-loop`: from bench data to the effect that the model lacks, and to FMUs that have it.
+//! `motor-fmu close-loop`: finds the effect that the model lacks in bench data and adds it to the FMUs.
 
 mod export;
 mod page;
 mod replay;
-mod words;
+mod text;
 
 #[cfg(test)]
 mod sample;
@@ -22,14 +22,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
 
-/// Find what the model misses in bench data, add it to the FMU, and say how large the error was and is.
+/// Find the effects that the model lacks in bench data, add them to the FMUs and report the errors before and after.
 ///
-/// Writes report.json and report.html, preset.toml with the calibrated values, effects.json where the model was given
-/// terms, and the FMUs of both standards, which are run against the data once more.
-/// Exit code 0 whatever the verdict; 1 if an FMU does not show what the report says.
+/// Writes report.json and report.html, preset.toml with the calibrated values, effects.json with the terms that were added, and
+/// the FMUs of both standards, which are then run on the data.
+/// Exit code 0 for any verdict; 1 if the outputs of an FMU differ from the report or the validator finds errors in it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The experiment: TOML file with the runs, their roles, and what may differ from specimen to specimen
+    /// The experiment: TOML file with the runs, their roles and the priors of the parameters
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
     /// Folder to write to
@@ -40,7 +40,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Share of the progress that the search takes; the rest is export and replay.
+/// Fraction of the progress that the search takes; the rest is export and replay.
 const SEARCH: f64 = 0.9;
 
 /// Runs the command.
@@ -71,8 +71,9 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
     let mut notes = outcome.notes.clone();
     notes.extend(findings.iter().cloned());
+    notes.extend(text::unused_inputs(exported.kind, &exported.preset.starts, &outcome.export.terms));
     if !replay.agrees || !replay.left_out.is_empty() || replay.channels.is_empty() {
-        notes.push(words::replay(&replay));
+        notes.push(text::replay(&replay));
     }
     let report = Report::new(&outcome, &exported.names, Some(&replay), &notes, begun.elapsed().as_secs_f64());
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
@@ -80,7 +81,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let page = page::page(&experiment, &outcome, &replay, &notes, (exported.kind.declaration)());
     put(&args.out.join("report.html"), &page)?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
-    // FMI 3 has no slopes of inputs, so that a term which stands still over a row stands still over its parts there.
+    // FMI 3 has no input derivatives: a term with constant drivers over a row has them constant over each substep there.
     let faithful = replay.channels.iter().all(|c| c.standard != "fmi2" || c.difference <= replay.limit);
     outcome.endings.iter().for_each(|why| eprintln!("error: {why}"));
     Ok(crate::outcome(faithful && findings.is_empty() && outcome.endings.is_empty()))
@@ -113,20 +114,20 @@ fn put(path: &Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text).map_err(|e| unwritten(path, &e))
 }
 
-/// What a person wants to know first.
+/// The text on the terminal.
 fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> String {
-    let mut text = format!("{}: {}\n", outcome.name, words::verdict(outcome));
+    let mut text = format!("{}: {}\n", outcome.name, text::verdict(outcome));
     text += &format!(
         "\n{:8} {:30} {:>10} {:>10} {:>10} {:>10}\n",
         "role", "error (RMSE) of", "before", "refit", "after", "noise"
     );
     for e in &outcome.errors {
-        let [before, refit, after, floor] = [e.before, e.refit, e.after, e.floor].map(words::number);
+        let [before, refit, after, floor] = [e.before, e.refit, e.after, e.floor].map(text::number);
         let role = calibrate::report::role_name(e.role);
         text += &format!("{role:8} {:30} {before:>10} {refit:>10} {after:>10} {floor:>10}\n", e.column);
     }
-    text += &format!("\n{}\n", words::replay(replay));
-    for note in notes.iter().filter(|n| **n != words::replay(replay)) {
+    text += &format!("\n{}\n", text::replay(replay));
+    for note in notes.iter().filter(|n| **n != text::replay(replay)) {
         text += &format!("note: {note}\n");
     }
     text + &format!("{}: report.html, report.json, preset.toml, fmi2, fmi3\n", out.display())

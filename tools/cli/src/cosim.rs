@@ -2,7 +2,7 @@
 use crate::Failure;
 use crate::simulate::{progress_bar, setting, significant};
 use clap::ValueEnum;
-use cosim::{Algorithm, Bond, Log, Status, System, SystemOptions, SystemRun, cosimulate};
+use cosim::{Algorithm, Log, PowerBond, Status, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -45,7 +45,7 @@ pub struct Args {
     /// Draw the outputs as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
-    /// Print final values and the energy books as JSON
+    /// Print final values and the energy balances of the connections as JSON
     #[arg(long)]
     json: bool,
 }
@@ -171,28 +171,28 @@ fn summary(run: &SystemRun) -> String {
         text += &format!("one row for every {} communication points\n", run.every);
     }
     text += &crate::simulate::final_values(recording);
-    text + &books(&run.bonds)
+    text + &power_bonds(&run.bonds)
 }
 
-/// The energy books as a table.
-fn books(bonds: &[Bond]) -> String {
+/// The power bonds as a table.
+fn power_bonds(bonds: &[PowerBond]) -> String {
     if bonds.is_empty() {
         return String::new();
     }
     let names: Vec<String> = bonds.iter().map(|b| format!("{} | {}", b.forth, b.back)).collect();
     let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
     let mut text = format!(
-        "energy through connections\n  {:width$}  {:>12} {:>12} {:>12} {:>10} {:>10}\n",
-        "", "net J", "through J", "error J", "error", "gross"
+        "power bonds\n  {:width$}  {:>12} {:>12} {:>12} {:>10} {:>10}\n",
+        "", "energy J", "throughput J", "residual J", "relative", "gross"
     );
     for (name, bond) in names.iter().zip(bonds) {
         text += &format!(
             "  {name:width$}  {:>12} {:>12} {:>12} {:>8.4} % {:>8.4} %\n",
             significant(bond.energy),
             significant(bond.throughput),
-            significant(bond.error),
-            100.0 * bond.share(),
-            100.0 * bond.gross_share()
+            significant(bond.residual),
+            100.0 * bond.relative_residual(),
+            100.0 * bond.relative_gross_residual()
         );
     }
     text
@@ -209,8 +209,8 @@ fn machine(file: &str, run: &SystemRun) -> Value {
             json!({
                 "forth": b.forth, "back": b.back,
                 "energy_J": b.energy, "throughput_J": b.throughput,
-                "error_J": b.error, "gross_error_J": b.gross_error,
-                "share": b.share(), "gross_share": b.gross_share(),
+                "error_J": b.residual, "gross_error_J": b.gross_residual,
+                "share": b.relative_residual(), "gross_share": b.relative_gross_residual(),
             })
         })
         .collect();
@@ -220,7 +220,7 @@ fn machine(file: &str, run: &SystemRun) -> Value {
         "order": run.order,
         "steps": recording.steps,
         "rejected": run.rejected,
-        "slopes": run.slopes,
+        "slopes": run.input_derivatives,
         "every": run.every,
         "rows": recording.times.len(),
         "seconds_wall": recording.seconds_wall,

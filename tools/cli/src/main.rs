@@ -6,8 +6,8 @@ mod cosim;
 mod reproduce;
 mod simulate;
 mod study;
+mod unused;
 mod validate;
-mod walk;
 
 use clap::{Parser, Subcommand};
 use std::io::Write;
@@ -15,9 +15,9 @@ use std::process::ExitCode;
 
 /// FMUs of a thermo-electromechanical motor: build, validate, simulate, calibrate.
 ///
-/// Exit codes: 0 fine, 1 the answer is no, 2 it could not be done.
+/// Exit codes: 0 = success, 1 = check failed, 2 = could not run.
 #[derive(Parser)]
-#[command(version)]
+#[command(name = "motor-fmu", version)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -38,11 +38,11 @@ enum Command {
     Probe(validate::ProbeArgs),
 }
 
-/// Why a command could not be carried out: one sentence.
+/// Why a command could not run: one sentence.
 pub struct Failure(String);
 
 impl Failure {
-    /// The failure that this sentence tells.
+    /// The failure with this sentence.
     pub fn new(sentence: impl Into<String>) -> Failure {
         Failure(sentence.into())
     }
@@ -54,12 +54,19 @@ impl<E: std::error::Error> From<E> for Failure {
     }
 }
 
-/// Prints to stdout. A reader that has seen enough and closed the pipe is no failure; `print!` would panic.
+/// Prints to stdout. A closed pipe is no failure; `print!` would panic.
 pub fn say(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
-/// 0, or 1 where the command was carried out and the answer is no: a check failed, a simulation ended before its stop time.
+/// Prints notes to stderr, a line each.
+pub fn remark(notes: &[String]) {
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+}
+
+/// 0, or 1 where the command was carried out and a check failed, or a simulation ended before its stop time.
 pub fn outcome(yes: bool) -> ExitCode {
     ExitCode::from(u8::from(!yes))
 }

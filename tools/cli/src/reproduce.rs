@@ -1,8 +1,9 @@
 //! `motor-fmu reproduce`: the numbers of the two published systems.
 
 use crate::Failure;
-use ::study::reproduce::{Printed, Row, report, significant};
-use ::study::reproduce::{paper::paper, thesis::thesis};
+use ::study::reproduce::paper::{Compared, paper};
+use ::study::reproduce::thesis::{CaseResult, Fits, thesis};
+use ::study::reproduce::{Basis, Printed, Row, report, significant};
 use clap::ValueEnum;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,10 @@ pub enum Which {
     Paper,
 }
 
-/// Recompute every number of a published system: as printed, as published, put right, measured.
+/// Recompute every number of a published system: published, recomputed by the published equations, corrected, measured.
+///
+/// Where the corrected value comes from a fitted model, the table says so: "fitted" if the published value was used in the fit,
+/// "predicted" if it was not.
 #[derive(clap::Args)]
 pub struct Args {
     /// Which one
@@ -25,7 +29,7 @@ pub struct Args {
     /// Print everything as JSON
     #[arg(long)]
     json: bool,
-    /// Write a page with the figures, and the figures as SVG, into this folder
+    /// Write a page with the figures, and the figures as SVG, into this folder; for the thesis also with fits of other causes
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -34,14 +38,17 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let (json, rows, conclusion, page) = match args.which {
         Which::Thesis => {
-            let found = thesis(args.json || args.out.is_some())?;
+            let fits = if args.out.is_some() { Fits::Alternatives } else { Fits::Rig };
+            let found = thesis(fits)?;
             let page = report::thesis(&found);
-            (serde_json::to_value(&found)?, found.rows, found.conclusion, page)
+            let conclusion = format!("{}\n{}\n", cases(&found.cases), found.conclusion);
+            (serde_json::to_value(&found)?, found.rows, conclusion, page)
         }
         Which::Paper => {
             let found = paper()?;
             let page = report::paper(&found);
-            (serde_json::to_value(&found)?, found.rows, found.conclusion, page)
+            let conclusion = format!("{}\n{}\n", compared(&found.compared), found.conclusion);
+            (serde_json::to_value(&found)?, found.rows, conclusion, page)
         }
     };
     if let Some(folder) = &args.out {
@@ -74,8 +81,8 @@ fn write(folder: &Path, page: &report::Page) -> Result<(), Failure> {
 fn table(rows: &[Row], conclusion: &str) -> String {
     let number = |value: Option<f64>| value.map_or("-".to_owned(), significant);
     let mut text = format!(
-        "{:14} {:44} {:>12} {:>12} {:>12}  {:8} {}\n",
-        "id", "quantity", "printed", "as published", "corrected", "unit", "verdict"
+        "{:14} {:44} {:>12} {:>12} {:>12} {:9}  {:8} {}\n",
+        "id", "quantity", "published", "recomputed", "corrected", "", "unit", "verdict"
     );
     for row in rows {
         let printed = match &row.printed {
@@ -83,17 +90,56 @@ fn table(rows: &[Row], conclusion: &str) -> String {
             Printed::Text(_) => "-".to_owned(),
         };
         text += &format!(
-            "{:14} {:44} {:>12} {:>12} {:>12}  {:8} {}\n",
+            "{:14} {:44} {:>12} {:>12} {:>12} {:9}  {:8} {}\n",
             row.id,
             shortened(&row.quantity, 44),
             printed,
             number(row.as_published),
             number(row.corrected),
+            row.basis.map_or("", Basis::text),
             row.unit,
-            row.verdict.words()
+            row.verdict.text()
         );
     }
-    format!("{text}\n{conclusion}\n")
+    format!("{text}\n{conclusion}")
+}
+
+/// Winding temperatures of the thesis's tests: measured, and with errors those of the fit and of both predictions.
+fn cases(cases: &[CaseResult]) -> String {
+    let mut text = format!(
+        "{:16} {:>10} {:>18} {:>18} {:>18}\n",
+        "T_w in K", "measured", "fitted", "leave-one-out", "untuned"
+    );
+    for case in cases {
+        let with_error = |value: Option<f64>| {
+            value.map_or("-".to_owned(), |t| format!("{t:.1} ({:+.1})", t - case.T_w_measured_K))
+        };
+        text += &format!(
+            "{:16} {:>10.1} {:>18} {:>18} {:>18}\n",
+            case.name,
+            case.T_w_measured_K,
+            with_error(case.T_w_model_K),
+            with_error(case.T_w_leave_one_out_K),
+            with_error(case.T_w_untuned_K)
+        );
+    }
+    text
+}
+
+/// Published quantities of the paper beside the simulated ones.
+fn compared(all: &[Compared]) -> String {
+    let mut text =
+        format!("{:34} {:>12} {:>12} {:6} {}\n", "quantity", "published", "simulated", "unit", "basis");
+    for c in all {
+        let basis = if c.used_in_fit {
+            format!("{}: {}", Basis::Fitted.text(), c.fitted.join(", "))
+        } else {
+            Basis::Predicted.text().to_owned()
+        };
+        let (published, simulated) = (significant(c.published), significant(c.simulated));
+        text += &format!("{:34} {published:>12} {simulated:>12} {:6} {basis}\n", c.quantity, c.unit);
+    }
+    text
 }
 
 fn shortened(text: &str, length: usize) -> String {

@@ -7,10 +7,12 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Messages of the FMU that are repeated to the user.
+/// Messages of the FMU that are printed at most.
 const MAX_MESSAGES: usize = 5;
 
-/// Simulate one FMU (FMI 2.0 or 3.0, Co-Simulation), ours or not.
+/// Simulate one FMU (FMI 2.0 or 3.0, Co-Simulation), of this product or any other.
+///
+/// Values set without effect in the selected modes are named on stderr; for FMUs of this product only.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The FMU
@@ -36,7 +38,7 @@ pub struct Args {
     /// Draw the outputs as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
-    /// Hold inputs during a step, also where the FMU could take their slopes
+    /// Hold inputs constant over a step, also if the FMU accepts input derivatives
     #[arg(long)]
     held_inputs: bool,
     /// Print the final values as JSON
@@ -52,6 +54,8 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
     let archive = Archive::open(&args.file)?;
     let input =
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
+    let columns = input.iter().flat_map(|table| table.names());
+    let unused = crate::unused::note(&archive, &args.sets, columns);
     let options = Options {
         start: args.start,
         stop: args.stop,
@@ -73,8 +77,11 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         recording.plot_svg(path)?;
     }
     remarks(&recording);
+    crate::remark(unused.as_slice());
     let text = if args.json {
-        format!("{}\n", machine(&args.file.to_string_lossy(), &recording))
+        let mut result = machine(&args.file.to_string_lossy(), &recording);
+        result["notes"] = json!(unused.as_slice());
+        format!("{result}\n")
     } else {
         summary(&recording)
     };
@@ -137,7 +144,7 @@ fn summary(recording: &Recording) -> String {
     text
 }
 
-/// A line for each output with its last value, in the unit for people.
+/// A line for each output with its last value, in its display unit.
 pub fn final_values(recording: &Recording) -> String {
     let mut text = String::new();
     let width = recording.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);

@@ -1,5 +1,7 @@
 //! `motor-fmu steady` and `motor-fmu sweep`: studies with the native models.
 
+mod walk;
+
 use crate::Failure;
 use ::study::StudyError;
 use ::study::reproduce::significant;
@@ -12,7 +14,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What a study starts from.
+/// Model, preset and values of a study.
 #[derive(clap::Args)]
 pub struct Start {
     /// Model
@@ -59,8 +61,9 @@ impl Start {
 
 /// Thermal steady state, and the continuous torque at the winding's temperature limit.
 ///
-/// Modes that are not set follow from the inputs: electrical_power means drive_mode power, current_command
+/// Modes that are not set follow from the inputs: electrical_power selects drive_mode power, current_command
 /// current, voltage voltage, duty pwm. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
+/// Notes on stderr, and in JSON, name values that have no effect in the selected modes.
 ///
 /// With --load the motor drives an actuator on a walking joint: periodic steady state, time to the winding's limit from a
 /// cold start, and the continuous support, the fraction of the biological torque that can be given continuously. The
@@ -83,9 +86,10 @@ pub struct SteadyArgs {
 /// Runs `steady`.
 pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.load.load {
-        return crate::walk::run(args, file);
+        return walk::run(args, file);
     }
-    let mut bench = args.start.setup()?.bench()?;
+    let setup = args.start.setup()?;
+    let mut bench = setup.bench()?;
     let continuous = continuous_torque(&bench);
     let found = match steady(&mut bench) {
         Err(StudyError::Unsettled(sentence)) => {
@@ -94,6 +98,8 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
         }
         found => found?,
     };
+    let notes = setup.notes(&[])?;
+    crate::remark(&notes);
     if args.json {
         let outputs: serde_json::Map<_, _> =
             found.outputs.iter().map(|v| (v.name.clone(), json!(v.value))).collect();
@@ -103,6 +109,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
             "R_ha": found.r_ha,
             "continuous": continuous.as_ref().ok(),
             "no_continuous_torque": continuous.as_ref().err().map(ToString::to_string),
+            "notes": notes,
         });
         crate::say(&format!("{}\n", serde_json::to_string_pretty(&result)?));
         return Ok(ExitCode::SUCCESS);
@@ -135,7 +142,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Three digits behind the point where that is enough; rounding noise is 0.
+/// Three decimals; rounding noise is 0.
 pub fn rounded(value: f64) -> String {
     if value.abs() < 5e-4 { "0".to_owned() } else { format!("{value:.3}") }
 }
@@ -172,16 +179,22 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
     let bar = progress_bar(points);
     let done = |n: usize| bar.set_position(n as u64);
-    let case: Box<dyn Case> = match &args.load.load {
-        Some(file) => Box::new(Walking {
-            load: args.start.load(file)?,
-            objective: Objective::named(&args.objective, args.load.hours)?,
-        }),
-        None => Box::new(ConstantInputs { setup: args.start.setup()?, objective: args.objective.clone() }),
+    let (case, notes): (Box<dyn Case>, Vec<String>) = match &args.load.load {
+        Some(file) => {
+            let objective = Objective::named(&args.objective, args.load.hours)?;
+            (Box::new(Walking { load: args.start.load(file)?, objective }), Vec::new())
+        }
+        None => {
+            let setup = args.start.setup()?;
+            let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
+            let notes = setup.notes(&varied)?;
+            (Box::new(ConstantInputs { setup, objective: args.objective.clone() }), notes)
+        }
     };
     let found = sweep(case.as_ref(), &vary, done);
     bar.finish_and_clear();
     let found = found?;
+    crate::remark(&notes);
     if let Some(path) = &args.output {
         write(path, &found.csv())?;
     }
@@ -189,7 +202,9 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         write(path, &found.figure()?.svg())?;
     }
     crate::say(&if args.json {
-        format!("{}\n", serde_json::to_string_pretty(&found)?)
+        let mut result = serde_json::to_value(&found)?;
+        result["notes"] = json!(notes);
+        format!("{}\n", serde_json::to_string_pretty(&result)?)
     } else {
         summary(&found)
     });
@@ -224,7 +239,7 @@ fn summary(found: &Sweep) -> String {
     text
 }
 
-/// A pure number is written without its unit.
+/// A unit; none for a pure number.
 fn plain(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
 }

@@ -1,4 +1,4 @@
-//! `motor-fmu validate`: what is wrong with an FMU, ours or not.
+//! `motor-fmu validate`: checks of any FMU.
 
 use crate::Failure;
 use archive::validate::{Finding, PATIENCE, Severity, dynamic, validate_within};
@@ -19,7 +19,7 @@ pub struct Args {
     /// Print the findings as JSON.
     #[arg(long)]
     json: bool,
-    /// How long a call may take; after that the FMU counts as hung.
+    /// Time limit of a call; a longer call is reported as a hang.
     #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs_f64(), value_parser = seconds)]
     patience: f64,
 }
@@ -42,8 +42,8 @@ pub fn report(files: &[PathBuf], as_json: bool) -> Result<ExitCode, Failure> {
 }
 
 fn report_within(files: &[PathBuf], as_json: bool, patience: f64) -> Result<ExitCode, Failure> {
-    let program =
-        std::env::current_exe().map_err(|e| Failure::new(format!("this program is not to be found: {e}")))?;
+    let program = std::env::current_exe()
+        .map_err(|e| Failure::new(format!("the path of this program cannot be determined: {e}")))?;
     let mut reports = Vec::new();
     for file in files {
         reports.push((file, validate_within(file, &program, Duration::from_secs_f64(patience))?));

@@ -1,8 +1,5 @@
 //! What `modelDescription.xml` says, in one shape for FMI 2.0 and 3.0. The reader is in `description/parse.rs`.
 mod parse;
-mod structure;
-
-pub(crate) use parse::base_unit;
 
 use std::fmt;
 
@@ -113,7 +110,7 @@ pub struct Unit {
     pub name: String,
     /// What it is in SI base units, if the FMU says so.
     pub base: Option<BaseUnit>,
-    /// Units for people.
+    /// Display units.
     pub display_units: Vec<DisplayUnit>,
 }
 
@@ -193,6 +190,34 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// The type behind the name of an element; FMI 2 `Real` and `Integer` are `Float64` and `Int32`.
+    pub fn of(version: FmiVersion, element: &str) -> Option<Self> {
+        Some(match (version, element) {
+            (FmiVersion::V2, "Real") | (FmiVersion::V3, "Float64") => Self::Float64,
+            (FmiVersion::V2, "Integer") | (FmiVersion::V3, "Int32") => Self::Int32,
+            (_, "Boolean") => Self::Boolean,
+            (_, "String") => Self::String,
+            (_, "Enumeration") => Self::Enumeration,
+            (FmiVersion::V2, _) => return None,
+            (_, "Float32") => Self::Float32,
+            (_, "Int8") => Self::Int8,
+            (_, "UInt8") => Self::UInt8,
+            (_, "Int16") => Self::Int16,
+            (_, "UInt16") => Self::UInt16,
+            (_, "UInt32") => Self::UInt32,
+            (_, "Int64") => Self::Int64,
+            (_, "UInt64") => Self::UInt64,
+            (_, "Binary") => Self::Binary,
+            (_, "Clock") => Self::Clock,
+            _ => return None,
+        })
+    }
+
+    /// Any integer type, enumerations included.
+    pub fn is_integer(self) -> bool {
+        self.is_numeric() && !self.is_float() && self != Self::Boolean
+    }
+
     /// `Float64` or `Float32`.
     pub fn is_float(self) -> bool {
         matches!(self, Self::Float64 | Self::Float32)
@@ -292,7 +317,7 @@ pub struct Variable {
     pub start: Option<String>,
     /// Unit of the value.
     pub unit: Option<String>,
-    /// Unit for people.
+    /// Display unit.
     pub display_unit: Option<String>,
     /// A difference (of temperatures, say): the offset of a display unit does not apply.
     pub relative: bool,
@@ -321,6 +346,13 @@ impl ModelDescription {
         self.variables.iter().filter(|v| v.causality == Causality::Output)
     }
 
+    /// The inputs that the variable at place `output` passes on without a step in between; `None` if the FMU leaves
+    /// that open, and then it may be all of them.
+    pub fn feedthrough(&self, output: usize) -> Option<Vec<usize>> {
+        let on = self.output_dependencies.iter().find(|d| d.output == output)?.on.as_ref()?;
+        Some(on.iter().copied().filter(|i| self.variables[*i].causality == Causality::Input).collect())
+    }
+
     /// The enumeration type of a variable.
     pub fn enumeration(&self, variable: &Variable) -> Option<&Enumeration> {
         let name = variable.declared_type.as_deref()?;
@@ -331,8 +363,7 @@ impl ModelDescription {
         }
     }
 
-    /// How a variable is to be shown to people, if it says so and the display unit is defined. A difference has no
-    /// place on a scale with another zero and stays in its own unit.
+    /// Display unit of a variable, if it has one that is defined. Relative quantities take no display unit with an offset.
     pub fn display_unit(&self, variable: &Variable) -> Option<DisplayUnit> {
         let (unit, wanted) = (variable.unit.as_deref()?, variable.display_unit.as_deref()?);
         let unit = self.units.iter().find(|u| u.name == unit)?;

@@ -1,27 +1,14 @@
-//! One instance of an FMU, the same for FMI 2.0 and 3.0.
-use crate::fmi2::{Fmi2, c_string};
-use crate::fmi3::Fmi3;
+//! One instance of an FMU, the same for FMI 2.0 and 3.0: the raw calls with checks before and errors after.
+use crate::raw::{Functions, InterfaceType, RawBinary, RawInstance, RawSetup, RawState, names};
 use crate::{Archive, Error, FmiVersion, Log, Status};
-use libloading::Library;
-use std::ffi::{CString, c_int, c_void};
-use std::mem::ManuallyDrop;
-use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 mod access;
-mod convert;
 mod state;
-pub(crate) use convert::{convert_get, convert_set};
 pub use state::State;
 
-/// What both standards need to instantiate.
-pub(crate) struct Setup<'a> {
-    pub(crate) name: CString,
-    pub(crate) token: CString,
-    /// The unpacked archive.
-    pub(crate) dir: &'a Path,
-}
+/// The names of one function in both standards, for messages.
+type Names = [&'static str; 2];
 
 /// How a communication step ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,11 +19,6 @@ pub enum Step {
     Terminated,
 }
 
-enum Backend {
-    Two(Fmi2),
-    Three(Fmi3),
-}
-
 /// A Co-Simulation instance of an FMU.
 ///
 /// Warnings go to the [`Log`]; Discard, Error and Fatal become [`Error::Call`] with the FMU's own words. After
@@ -45,29 +27,24 @@ enum Backend {
 /// Get, set and step do not allocate for scalars, apart from strings.
 pub struct Instance {
     name: String,
-    log: Log,
-    backend: Backend,
-    /// Fatal was reported, or a step never ended.
-    dead: bool,
+    raw: RawInstance,
     /// Tells this instance's states from others'.
     id: u64,
-    /// States of the FMU by slot; NULL where freed.
-    states: Vec<*mut c_void>,
+    /// States of the FMU by slot; none where freed.
+    states: Vec<RawState>,
     /// Slots of `states` that no [`State`] refers to.
     free_slots: Vec<usize>,
     /// A state was saved once, so the FMU may have to go back in time.
     saved: bool,
-    library: ManuallyDrop<Library>,
-    _files: Arc<tempfile::TempDir>,
 }
 
-// SAFETY: the standards let any thread call an instance as long as calls do not overlap, which `&mut self` ensures;
-// the log may be written from any thread.
+// SAFETY: as for `RawInstance`; saved states are used with this instance alone.
 unsafe impl Send for Instance {}
 
 impl std::fmt::Debug for Instance {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Instance").field("name", &self.name).field("dead", &self.dead).finish_non_exhaustive()
+        let dead = self.raw.is_dead();
+        f.debug_struct("Instance").field("name", &self.name).field("dead", &dead).finish_non_exhaustive()
     }
 }
 
@@ -79,7 +56,7 @@ impl Instance {
     /// an FMU that refuses.
     pub fn instantiate(archive: &Archive, name: &str, log: Log) -> Result<Self, Error> {
         let description = archive.description();
-        let path = archive.path().to_owned();
+        let path = archive.path();
         let Some(interface) = &description.co_simulation else {
             let what = if description.model_exchange.is_some() {
                 "is for Model Exchange only"
@@ -91,34 +68,25 @@ impl Instance {
                 reason: format!("cannot be stepped: it {what}"),
             });
         };
-        let binary = archive.binary_of(interface)?;
-        let library = load(&binary).map_err(|e| Error::Library {
-            path: path.clone(),
-            binary: binary.strip_prefix(archive.dir()).unwrap_or(&binary).to_owned(),
-            reason: loader_says(&e),
-        })?;
-        let setup = Setup { name: c_string(name), token: c_string(&description.token), dir: archive.dir() };
+        let binary = RawBinary::load(archive, &interface.model_identifier)?;
+        if let Some(symbol) = binary.missing() {
+            return Err(Error::Symbol { path: path.to_owned(), symbol });
+        }
+        let token = &description.token;
+        let setup = RawSetup { interface: InterfaceType::CoSimulation, token, name, event_mode: false };
         let mark = log.mark();
-        let backend = match description.fmi_version {
-            FmiVersion::V2 => Fmi2::instantiate(&library, &setup, &log).map(|i| i.map(Backend::Two)),
-            FmiVersion::V3 => Fmi3::instantiate(&library, &setup, &log).map(|i| i.map(Backend::Three)),
-        };
-        let backend = backend.map_err(|symbol| Error::Symbol { path: path.clone(), symbol })?;
-        let Some(backend) = backend else {
-            return Err(Error::Instantiate { path, name: name.to_owned(), messages: log.since(mark) });
+        let Some(raw) = binary.instantiate(&setup, &log) else {
+            let (path, name) = (path.to_owned(), name.to_owned());
+            return Err(Error::Instantiate { path, name, messages: log.since(mark) });
         };
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Ok(Self {
             name: name.to_owned(),
-            log,
-            backend,
-            dead: false,
+            raw,
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             states: Vec::new(),
             free_slots: Vec::new(),
             saved: false,
-            library: ManuallyDrop::new(library),
-            _files: archive.keep(),
         })
     }
 
@@ -129,7 +97,7 @@ impl Instance {
 
     /// The sink of the FMU's messages.
     pub fn log(&self) -> &Log {
-        &self.log
+        self.raw.log()
     }
 
     /// FMI 3: enters configuration mode, in which structural parameters can be set.
@@ -137,10 +105,8 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`]; [`Error::Unsupported`] for FMI 2.
     pub fn enter_configuration_mode(&mut self) -> Result<(), Error> {
-        self.call_optional(["configuration mode", "fmi3EnterConfigurationMode"], |b| match b {
-            Backend::Two(_) => None,
-            Backend::Three(i) => i.enter_configuration(),
-        })
+        let names = ["configuration mode", names::enter_configuration[1]];
+        self.call_optional(names, |f| f.enter_configuration.is_some(), RawInstance::enter_configuration)
     }
 
     /// FMI 3: leaves configuration mode.
@@ -148,10 +114,8 @@ impl Instance {
     /// # Errors
     /// As [`Self::enter_configuration_mode`].
     pub fn exit_configuration_mode(&mut self) -> Result<(), Error> {
-        self.call_optional(["configuration mode", "fmi3ExitConfigurationMode"], |b| match b {
-            Backend::Two(_) => None,
-            Backend::Three(i) => i.exit_configuration(),
-        })
+        let names = ["configuration mode", names::exit_configuration[1]];
+        self.call_optional(names, |f| f.exit_configuration.is_some(), RawInstance::exit_configuration)
     }
 
     /// Tells the FMU its start time, stop time (s) and relative tolerance, and enters initialization mode.
@@ -164,10 +128,8 @@ impl Instance {
         stop: Option<f64>,
         tolerance: Option<f64>,
     ) -> Result<(), Error> {
-        self.call(["fmi2EnterInitializationMode", "fmi3EnterInitializationMode"], |b| match b {
-            Backend::Two(i) => i.enter_initialization(start, stop, tolerance),
-            Backend::Three(i) => i.enter_initialization(start, stop, tolerance),
-        })
+        let names = [names::enter_initialization2[0], names::enter_initialization3[1]];
+        self.call(names, |raw| raw.enter_initialization(start, stop, tolerance))
     }
 
     /// Leaves initialization mode: the FMU is ready to step.
@@ -175,25 +137,20 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`].
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
-        self.call(["fmi2ExitInitializationMode", "fmi3ExitInitializationMode"], |b| match b {
-            Backend::Two(i) => i.exit_initialization(),
-            Backend::Three(i) => i.exit_initialization(),
-        })
+        self.call(names::exit_initialization, RawInstance::exit_initialization)
     }
 
-    /// FMI 2: the slopes (per s) of real inputs over the next step.
+    /// FMI 2: the derivatives (per s) of real inputs over the next step.
     ///
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length, [`Error::Unsupported`] for FMI 3.
     pub fn set_input_derivatives(&mut self, vrs: &[u32], slopes: &[f64]) -> Result<(), Error> {
-        let functions = ["fmi2SetRealInputDerivatives", "derivatives of inputs"];
-        if !self.fits(functions, vrs.len(), slopes.len())? {
+        let names = [names::set_input_derivatives[0], "derivatives of inputs"];
+        if !self.fits(names, vrs.len(), slopes.len())? {
             return Ok(());
         }
-        self.call_optional(functions, |b| match b {
-            Backend::Two(i) => i.set_input_derivatives(vrs, slopes),
-            Backend::Three(_) => None,
-        })
+        let has = |f: &Functions| f.set_input_derivatives.is_some();
+        self.call_optional(names, has, |raw| raw.set_input_derivatives(vrs, slopes))
     }
 
     /// One communication step from `t` to `t + h` (s).
@@ -203,26 +160,18 @@ impl Instance {
     pub fn do_step(&mut self, t: f64, h: f64) -> Result<Step, Error> {
         let no_rollback = !self.saved;
         let (mut terminated, mut early) = (false, false);
-        let functions = ["fmi2DoStep", "fmi3DoStep"];
-        self.call_at(functions, Some(t), |b| match b {
-            Backend::Two(i) => {
-                let status = i.do_step(t, h, no_rollback);
-                // FMI 2 has no other way to ask for the end than to discard the step.
-                terminated = Status::from_c(status) == Status::Discard && i.wants_to_end();
-                if terminated { 0 } else { status }
-            }
-            Backend::Three(i) => {
-                let (status, end, short) = i.do_step(t, h, no_rollback);
-                (terminated, early) = (end, short);
-                status
-            }
+        let names = [names::do_step2[0], names::do_step3[1]];
+        self.call_at(names, Some(t), |raw| {
+            let step = raw.do_step(t, h, no_rollback);
+            (terminated, early) = (step.terminated, step.early);
+            step.status
         })?;
         if terminated {
             return Ok(Step::Terminated);
         }
         if early {
             return Err(
-                self.misuse(functions, format!("it returned early from t = {t} s, which was not allowed"))
+                self.misuse(names, format!("it returned early from t = {t} s, which was not allowed"))
             );
         }
         Ok(Step::Done)
@@ -233,10 +182,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`].
     pub fn terminate(&mut self) -> Result<(), Error> {
-        self.call(["fmi2Terminate", "fmi3Terminate"], |b| match b {
-            Backend::Two(i) => i.terminate(),
-            Backend::Three(i) => i.terminate(),
-        })
+        self.call(names::terminate, RawInstance::terminate)
     }
 
     /// Back to the state after instantiation.
@@ -244,129 +190,67 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`].
     pub fn reset(&mut self) -> Result<(), Error> {
-        self.call(["fmi2Reset", "fmi3Reset"], |b| match b {
-            Backend::Two(i) => i.reset(),
-            Backend::Three(i) => i.reset(),
-        })
+        self.call(names::reset, RawInstance::reset)
     }
 
     #[inline]
-    fn call(
-        &mut self,
-        functions: [&'static str; 2],
-        f: impl FnOnce(&mut Backend) -> c_int,
-    ) -> Result<(), Error> {
-        self.call_at(functions, None, f)
+    fn call(&mut self, names: Names, f: impl FnOnce(&mut RawInstance) -> Status) -> Result<(), Error> {
+        self.call_at(names, None, f)
     }
 
     /// The one place where the FMU's status is judged; all calls but free go through here.
     #[inline]
     fn call_at(
         &mut self,
-        functions: [&'static str; 2],
+        names: Names,
         time: Option<f64>,
-        f: impl FnOnce(&mut Backend) -> c_int,
+        f: impl FnOnce(&mut RawInstance) -> Status,
     ) -> Result<(), Error> {
-        if self.dead {
-            return Err(Error::Dead { instance: self.name.clone(), function: self.pick(functions) });
+        if self.raw.is_dead() {
+            return Err(Error::Dead { instance: self.name.clone(), function: self.pick(names) });
         }
-        let mark = self.log.mark();
-        let status = Status::from_c(f(&mut self.backend));
-        if status <= Status::Warning {
-            return Ok(());
-        }
-        Err(self.failed(functions, time, status, mark))
+        let mark = self.raw.log().mark();
+        let status = f(&mut self.raw);
+        if status <= Status::Warning { Ok(()) } else { Err(self.failed(names, time, status, mark)) }
     }
 
     #[cold]
-    fn failed(
-        &mut self,
-        functions: [&'static str; 2],
-        time: Option<f64>,
-        status: Status,
-        mark: u64,
-    ) -> Error {
-        // A pending step still uses the instance in another thread: as untouchable as after Fatal.
-        self.dead = status >= Status::Fatal;
+    fn failed(&self, names: Names, time: Option<f64>, status: Status, mark: u64) -> Error {
         Error::Call {
             instance: self.name.clone(),
-            function: self.pick(functions),
+            function: self.pick(names),
             status,
             time,
-            messages: self.log.since(mark),
+            messages: self.raw.log().since(mark),
         }
     }
 
-    /// As `call`, for a function that the FMU may lack: then `f` gives `None`.
+    /// As `call`, for a function that the FMU may lack.
+    #[inline]
     fn call_optional(
         &mut self,
-        functions: [&'static str; 2],
-        f: impl FnOnce(&mut Backend) -> Option<c_int>,
+        names: Names,
+        has: impl Fn(&Functions) -> bool,
+        f: impl FnOnce(&mut RawInstance) -> Status,
     ) -> Result<(), Error> {
-        let mut lacking = false;
-        self.call(functions, |b| {
-            f(b).unwrap_or_else(|| {
-                lacking = true;
-                0
-            })
-        })?;
-        if lacking {
+        if !self.raw.is_dead() && !has(self.raw.functions()) {
             return Err(Error::Unsupported {
                 name: self.name.clone(),
-                reason: format!("does not provide {}", self.pick(functions)),
+                reason: format!("does not provide {}", self.pick(names)),
             });
         }
-        Ok(())
+        self.call(names, f)
     }
 
-    fn pick(&self, functions: [&'static str; 2]) -> &'static str {
-        match self.backend {
-            Backend::Two(_) => functions[0],
-            Backend::Three(_) => functions[1],
-        }
+    fn is_fmi2(&self) -> bool {
+        self.raw.version() == FmiVersion::V2
     }
 
-    fn misuse(&self, functions: [&'static str; 2], reason: String) -> Error {
-        Error::Misuse { instance: self.name.clone(), function: self.pick(functions), reason }
+    fn pick(&self, names: Names) -> &'static str {
+        names[usize::from(!self.is_fmi2())]
     }
-}
 
-impl Drop for Instance {
-    fn drop(&mut self) {
-        if self.dead {
-            // The library stays loaded, and what it may still call or write to stays valid: its threads may run on.
-            std::mem::forget(self.log.clone());
-            if let Backend::Two(i) = &mut self.backend {
-                i.leak_callbacks();
-            }
-            return;
-        }
-        self.free_all_states();
-        match &mut self.backend {
-            Backend::Two(i) => i.free(),
-            Backend::Three(i) => i.free(),
-        }
-        // SAFETY: dropped once, here; nothing of the library is used afterwards, as the backend's pointers are data.
-        unsafe { ManuallyDrop::drop(&mut self.library) };
-    }
-}
-
-/// The loader's own words, which the error keeps one level down.
-pub(crate) fn loader_says(error: &libloading::Error) -> String {
-    std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
-}
-
-/// Opens the binary with all symbols resolved at once, so that a missing one is an error here and no crash later.
-pub(crate) fn load(binary: &Path) -> Result<Library, libloading::Error> {
-    #[cfg(unix)]
-    {
-        use libloading::os::unix::{Library as Unix, RTLD_LOCAL, RTLD_NOW};
-        // SAFETY: initialisers of the binary run; whoever opens an FMU trusts it to run code.
-        unsafe { Unix::open(Some(binary), RTLD_NOW | RTLD_LOCAL) }.map(Library::from)
-    }
-    #[cfg(not(unix))]
-    // SAFETY: as above.
-    unsafe {
-        Library::new(binary)
+    fn misuse(&self, names: Names, reason: String) -> Error {
+        Error::Misuse { instance: self.name.clone(), function: self.pick(names), reason }
     }
 }

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | unpack the archive, safely | [`Archive`] |
 //! | read `modelDescription.xml` | [`ModelDescription`], [`Variable`] |
+//! | read its elements with their lines, right or wrong | [`elements`], [`xml`] |
 //! | turn text into a checked value | [`ModelDescription::parse_value`], [`Value`] |
 //! | call the binary | [`Instance`], [`State`], [`Log`] |
 //! | time tables for the inputs | [`InputTable`] |
@@ -26,10 +27,8 @@
 
 mod archive;
 mod description;
+pub mod elements;
 mod error;
-mod fmi2;
-mod fmi3;
-mod functions;
 mod grid;
 mod input;
 mod instance;
@@ -40,6 +39,7 @@ mod recording;
 mod simulate;
 mod system;
 mod value;
+pub mod xml;
 
 pub use archive::Archive;
 pub use description::{
@@ -52,5 +52,5 @@ pub use instance::{Instance, State, Step};
 pub use log::{Log, LogMessage, Status};
 pub use recording::{Column, Recording};
 pub use simulate::{Options, simulate};
-pub use system::{Algorithm, Bond, System, SystemOptions, SystemRun, cosimulate};
+pub use system::{Algorithm, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 pub use value::Value;

@@ -140,7 +140,10 @@ pub(crate) unsafe fn text_of(text: *const c_char) -> String {
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
-/// The FMI 3 callback `fmi3LogMessageCallback`.
+/// `fmi3LogMessageCallback`
+pub(crate) type LogCallback = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char);
+
+/// The log callback of FMI 3.
 pub(crate) unsafe extern "C" fn log_message(
     environment: *mut c_void,
     status: c_int,
@@ -179,4 +182,29 @@ pub(crate) unsafe extern "C" fn log_fmi2(
     let text = if follow && is_plain_string { argument } else { message };
     // SAFETY: the format "%s" promises a C string in `argument`; the rest as in `log_message`.
     unsafe { log_message(environment, status, category, text) }
+}
+
+/// `fmi2CallbackFunctions`. The logger is variadic in C, see [`log_fmi2`].
+#[repr(C)]
+pub(crate) struct Callbacks {
+    logger:
+        unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, *const c_char),
+    allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    free: unsafe extern "C" fn(*mut c_void),
+    step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    environment: *mut c_void,
+}
+
+// SAFETY: the C library that the standard library links has both, with these signatures.
+unsafe extern "C" {
+    fn calloc(count: usize, size: usize) -> *mut c_void;
+    fn free(pointer: *mut c_void);
+}
+
+impl Callbacks {
+    /// The FMU keeps a pointer to them, hence the box.
+    pub(crate) fn new(log: &Log) -> Box<Self> {
+        let environment = log.environment();
+        Box::new(Self { logger: log_fmi2, allocate: calloc, free, step_finished: None, environment })
+    }
 }

@@ -3,17 +3,16 @@
 //! [`Instance`](crate::Instance) keeps its caller from mistakes; here a wrong token, a call out of order or a NaN reaches
 //! the FMU, each call gives the bare [`Status`], and all interface types can be instantiated. The one promise kept for
 //! the caller: after Fatal nothing is called any more.
-use crate::fmi2::Callbacks;
-use crate::fmi2::{c_string, file_uri};
-use crate::log::text_of;
+use crate::log::{Callbacks, log_message};
 use crate::{Archive, Error, FmiVersion, Log, Status};
-use functions::{Api, Common, Functions2, Functions3, Handle, LOG_MESSAGE};
+use accessor::{Handle, Text};
 use libloading::Library;
-use std::ffi::c_int;
-use std::path::PathBuf;
+use std::ffi::{CString, c_int, c_void};
+use std::path::{Path, PathBuf};
 use std::ptr;
 use std::sync::Arc;
 
+mod accessor;
 mod calls;
 mod continuous;
 mod functions;
@@ -21,6 +20,8 @@ mod values;
 
 pub use calls::{RawState, RawStep};
 pub use continuous::DiscreteUpdate;
+pub(crate) use functions::{Functions, names};
+pub(crate) use values::Number;
 
 /// An interface type of the standards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,15 +35,14 @@ pub enum InterfaceType {
 /// A loaded library of an FMU. It stays loaded for as long as an instance of it lives.
 #[derive(Clone)]
 pub struct RawBinary {
-    shared: Arc<Shared>,
+    loaded: Arc<Loaded>,
+    resources: PathBuf,
+    files: Arc<tempfile::TempDir>,
 }
 
-struct Shared {
-    api: Api,
+struct Loaded {
+    functions: Functions,
     version: FmiVersion,
-    resources: PathBuf,
-    _files: Arc<tempfile::TempDir>,
-    /// Last, so that it is unloaded last.
     _library: Library,
 }
 
@@ -61,13 +61,13 @@ pub struct RawSetup<'a> {
 
 /// An instance. Freed when dropped, unless the FMU reported Fatal.
 pub struct RawInstance {
-    shared: Arc<Shared>,
-    common: Common,
+    loaded: Arc<Loaded>,
     handle: Handle,
     log: Log,
     dead: bool,
     /// The FMU keeps a pointer to it, hence the box.
-    _callbacks: Option<Box<Callbacks>>,
+    callbacks: Option<Box<Callbacks>>,
+    _files: Arc<tempfile::TempDir>,
 }
 
 // SAFETY: the standards let any thread call an instance as long as calls do not overlap, which `&mut self` ensures.
@@ -82,118 +82,115 @@ impl RawBinary {
         let interface =
             crate::Interface { model_identifier: model_identifier.to_owned(), ..Default::default() };
         let binary = archive.binary_of(&interface)?;
-        let library = crate::instance::load(&binary).map_err(|e| Error::Library {
+        let library = load(&binary).map_err(|e| Error::Library {
             path: archive.path().to_owned(),
             binary: binary.strip_prefix(archive.dir()).unwrap_or(&binary).to_owned(),
-            reason: crate::instance::loader_says(&e),
+            // The loader's own words, which the error keeps one level down.
+            reason: std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string),
         })?;
-        let missing = |symbol| Error::Symbol { path: archive.path().to_owned(), symbol };
         let version = archive.description().fmi_version;
-        let api = match version {
-            FmiVersion::V2 => Api::Two(Box::new(Functions2::load(&library).map_err(missing)?)),
-            FmiVersion::V3 => Api::Three(Box::new(Functions3::load(&library).map_err(missing)?)),
-        };
-        let resources = archive.dir().join("resources");
-        let shared = Shared { api, version, resources, _files: archive.keep(), _library: library };
-        Ok(Self { shared: Arc::new(shared) })
+        let functions = Functions::load(&library, version);
+        Ok(Self {
+            loaded: Arc::new(Loaded { functions, version, _library: library }),
+            resources: archive.dir().join("resources"),
+            files: archive.keep(),
+        })
+    }
+
+    /// The first function that every Co-Simulation FMU must have and this binary lacks.
+    pub(crate) fn missing(&self) -> Option<&'static str> {
+        self.loaded.functions.missing(self.loaded.version)
     }
 
     /// What `fmiXGetVersion` says; `None` without that function.
     pub fn version(&self) -> Option<String> {
-        let version = match &self.shared.api {
-            Api::Two(f) => f.version,
-            Api::Three(f) => f.version,
-        };
         // SAFETY: it takes nothing and gives a static C string or NULL.
-        version.map(|f| unsafe { text_of(f()) })
+        self.loaded.functions.version.map(|f| unsafe { crate::log::text_of(f()) })
     }
 
     /// What `fmi2GetTypesPlatform` says; `None` without that function, as in FMI 3.
     pub fn types_platform(&self) -> Option<String> {
-        match &self.shared.api {
-            // SAFETY: as for `version`.
-            Api::Two(f) => f.types_platform.map(|f| unsafe { text_of(f()) }),
-            Api::Three(_) => None,
-        }
+        // SAFETY: as for `version`.
+        self.loaded.functions.types_platform.map(|f| unsafe { crate::log::text_of(f()) })
     }
 
     /// Makes an instance; `None` if the FMU refuses or lacks the function.
     pub fn instantiate(&self, setup: &RawSetup, log: &Log) -> Option<RawInstance> {
-        let (name, token) = (c_string(setup.name), c_string(setup.token));
-        let resources = &self.shared.resources;
-        let (n, t) = (name.as_ptr(), token.as_ptr());
         let mut callbacks = None;
-        let handle = match &self.shared.api {
-            Api::Two(f) => {
-                let kind: c_int = match setup.interface {
-                    InterfaceType::ModelExchange => 0,
-                    InterfaceType::CoSimulation => 1,
-                    InterfaceType::ScheduledExecution => return None,
-                };
-                let uri = c_string(&file_uri(resources));
-                let kept = callbacks.insert(Callbacks::new(log));
-                let instantiate = f.instantiate?;
-                // SAFETY: C strings that outlive the call; the callbacks are boxed and kept.
-                unsafe { instantiate(n, kind, t, uri.as_ptr(), &**kept, 0, log.debug().into()) }
-            }
-            Api::Three(f) => {
-                let separator = std::path::MAIN_SEPARATOR;
-                let path =
-                    resources.is_dir().then(|| c_string(&format!("{}{separator}", resources.display())));
-                let (path, debug) = (path.as_ref().map_or(ptr::null(), |p| p.as_ptr()), log.debug());
-                let (environment, none) = (log.environment(), ptr::null());
-                // SAFETY: C strings that outlive the call; NULL is allowed for callbacks that are not offered.
-                unsafe {
-                    match setup.interface {
-                        InterfaceType::CoSimulation => (f.co_simulation?)(
-                            n,
-                            t,
-                            path,
-                            false,
-                            debug,
-                            setup.event_mode,
-                            false,
-                            ptr::null(),
-                            0,
-                            environment,
-                            LOG_MESSAGE,
-                            none,
-                        ),
-                        InterfaceType::ModelExchange => {
-                            (f.model_exchange?)(n, t, path, false, debug, environment, LOG_MESSAGE)
-                        }
-                        InterfaceType::ScheduledExecution => {
-                            let nothing = ignore as *const std::ffi::c_void;
-                            (f.scheduled?)(
-                                n,
-                                t,
-                                path,
-                                false,
-                                debug,
-                                environment,
-                                LOG_MESSAGE,
-                                nothing,
-                                nothing,
-                                nothing,
-                            )
-                        }
-                    }
-                }
-            }
+        let handle = match self.loaded.version {
+            FmiVersion::V2 => self.instantiate2(setup, log, callbacks.insert(Callbacks::new(log)))?,
+            FmiVersion::V3 => self.instantiate3(setup, log)?,
         };
         (!handle.is_null()).then(|| RawInstance {
-            shared: Arc::clone(&self.shared),
-            common: self.shared.api.common(),
+            loaded: Arc::clone(&self.loaded),
             handle,
             log: log.clone(),
             dead: false,
-            _callbacks: callbacks,
+            callbacks,
+            _files: Arc::clone(&self.files),
+        })
+    }
+
+    fn instantiate2(&self, setup: &RawSetup, log: &Log, callbacks: &Callbacks) -> Option<Handle> {
+        let kind: c_int = match setup.interface {
+            InterfaceType::ModelExchange => 0,
+            InterfaceType::CoSimulation => 1,
+            InterfaceType::ScheduledExecution => return None,
+        };
+        let (name, token) = (c_string(setup.name), c_string(setup.token));
+        let uri = c_string(&file_uri(&self.resources));
+        let f = self.loaded.functions.instantiate?;
+        // SAFETY: C strings that outlive the call; the callbacks are boxed and kept.
+        Some(unsafe {
+            f(name.as_ptr(), kind, token.as_ptr(), uri.as_ptr(), callbacks, 0, log.debug().into())
+        })
+    }
+
+    fn instantiate3(&self, setup: &RawSetup, log: &Log) -> Option<Handle> {
+        let f = &self.loaded.functions;
+        let (name, token) = (c_string(setup.name), c_string(setup.token));
+        let (n, t): (Text, Text) = (name.as_ptr(), token.as_ptr());
+        // The standard wants a trailing separator, and NULL if there is no such directory.
+        let separator = std::path::MAIN_SEPARATOR;
+        let path =
+            self.resources.is_dir().then(|| c_string(&format!("{}{separator}", self.resources.display())));
+        let path = path.as_ref().map_or(ptr::null(), |p| p.as_ptr());
+        let (debug, environment, none) = (log.debug(), log.environment(), ptr::null());
+        // SAFETY: C strings that outlive the call; NULL is allowed for callbacks that are not offered.
+        Some(unsafe {
+            match setup.interface {
+                InterfaceType::CoSimulation => {
+                    let (event_mode, inputs) = (setup.event_mode, ptr::null());
+                    let new = f.co_simulation?;
+                    new(
+                        n,
+                        t,
+                        path,
+                        false,
+                        debug,
+                        event_mode,
+                        false,
+                        inputs,
+                        0,
+                        environment,
+                        log_message,
+                        none,
+                    )
+                }
+                InterfaceType::ModelExchange => {
+                    (f.model_exchange?)(n, t, path, false, debug, environment, log_message)
+                }
+                InterfaceType::ScheduledExecution => {
+                    let (new, no) = (f.scheduled?, ignore as *const c_void);
+                    new(n, t, path, false, debug, environment, log_message, no, no, no)
+                }
+            }
         })
     }
 
     /// Calls the free function with NULL, which the standards define to do nothing.
     pub fn free_null(&self) {
-        if let Some(free) = self.shared.api.common().free_instance {
+        if let Some(free) = self.loaded.functions.free_instance {
             // SAFETY: NULL is allowed.
             unsafe { free(ptr::null_mut()) }
         }
@@ -205,8 +202,9 @@ extern "C" fn ignore() {}
 
 impl RawInstance {
     /// The standard it follows.
+    #[inline]
     pub fn version(&self) -> FmiVersion {
-        self.shared.version
+        self.loaded.version
     }
 
     /// The sink of the FMU's messages.
@@ -214,12 +212,26 @@ impl RawInstance {
         &self.log
     }
 
+    /// Whether nothing is called any more.
+    #[inline]
+    pub(crate) fn is_dead(&self) -> bool {
+        self.dead
+    }
+
+    /// The functions of the binary, to see which are there.
+    #[inline]
+    pub(crate) fn functions(&self) -> &Functions {
+        &self.loaded.functions
+    }
+
     /// All calls go through here: `None` stands for a function that the binary lacks, which counts as Error.
-    fn status(&mut self, call: impl FnOnce(&Api, &Common, Handle) -> Option<c_int>) -> Status {
+    #[inline]
+    fn status(&mut self, call: impl FnOnce(&Functions, Handle) -> Option<c_int>) -> Status {
         if self.dead {
             return Status::Fatal;
         }
-        let status = call(&self.shared.api, &self.common, self.handle).map_or(Status::Error, Status::from_c);
+        let status = call(&self.loaded.functions, self.handle).map_or(Status::Error, Status::from_c);
+        // A pending step still uses the instance in another thread: as untouchable as after Fatal.
         self.dead = status >= Status::Fatal;
         status
     }
@@ -228,13 +240,56 @@ impl RawInstance {
 impl Drop for RawInstance {
     fn drop(&mut self) {
         if self.dead {
-            // What the FMU may still write to stays valid.
+            // The library stays loaded, and what it may still call or write to stays valid: its threads may run on.
             std::mem::forget(self.log.clone());
-            std::mem::forget(self._callbacks.take());
-            std::mem::forget(Arc::clone(&self.shared));
-        } else if let Some(free) = self.common.free_instance {
+            std::mem::forget(self.callbacks.take());
+            std::mem::forget(Arc::clone(&self.loaded));
+        } else if let Some(free) = self.loaded.functions.free_instance {
             // SAFETY: the handle came from this binary and is not used afterwards.
             unsafe { free(self.handle) }
         }
+    }
+}
+
+/// Opens the binary with all symbols resolved at once, so that a missing one is an error here and no crash later.
+fn load(binary: &Path) -> Result<Library, libloading::Error> {
+    #[cfg(unix)]
+    {
+        use libloading::os::unix::{Library as Unix, RTLD_LOCAL, RTLD_NOW};
+        // SAFETY: initialisers of the binary run; whoever opens an FMU trusts it to run code.
+        unsafe { Unix::open(Some(binary), RTLD_NOW | RTLD_LOCAL) }.map(Library::from)
+    }
+    #[cfg(not(unix))]
+    // SAFETY: as above.
+    unsafe {
+        Library::new(binary)
+    }
+}
+
+/// A C string; text from XML and arguments has no NUL, and if it had, it would end there.
+pub(crate) fn c_string(text: &str) -> CString {
+    let end = text.find('\0').unwrap_or(text.len());
+    CString::new(&text[..end]).unwrap_or_default()
+}
+
+/// `path` as a `file:///` URI, with everything but unreserved characters percent-encoded.
+fn file_uri(path: &Path) -> String {
+    let text = path.to_string_lossy().replace('\\', "/");
+    let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
+    for byte in text.bytes() {
+        if byte.is_ascii_alphanumeric() || b"/-._~:".contains(&byte) {
+            uri.push(byte.into());
+        } else {
+            uri.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    uri
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn uris_are_encoded() {
+        assert_eq!(super::file_uri("/tmp/a b/ü".as_ref()), "file:///tmp/a%20b/%C3%BC");
     }
 }

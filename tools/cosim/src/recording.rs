@@ -1,5 +1,7 @@
-//! What a run gives: time and outputs, and the CSV file of them. The figure is in `plot.rs`.
-use crate::{DisplayUnit, Error, Kind, LogMessage, plot};
+//! The result of a run: time and outputs, and their CSV file.
+mod figure;
+
+use crate::{DisplayUnit, Error, Kind, LogMessage};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -33,14 +35,14 @@ pub struct Column {
     pub kind: Kind,
     /// Unit of the values.
     pub unit: Option<String>,
-    /// The unit for people, if the FMU defines one.
+    /// The display unit, if the FMU defines one.
     pub display_unit: Option<DisplayUnit>,
     /// One value for each time.
     pub values: Vec<f64>,
 }
 
 impl Column {
-    /// The last value, in the unit for people, and that unit's name ("" for none).
+    /// The last value, in the display unit, and that unit's name ("" for none).
     pub fn last_shown(&self) -> Option<(f64, &str)> {
         let value = *self.values.last()?;
         Some(match &self.display_unit {
@@ -80,19 +82,6 @@ impl Recording {
             writeln!(out)?;
         }
         Ok(())
-    }
-
-    /// Draws the outputs over time as SVG: one panel for each unit, kelvin as degC where the FMU says so.
-    ///
-    /// # Errors
-    /// [`Error::Plot`], [`Error::Io`].
-    pub fn plot_svg(&self, path: &Path) -> Result<(), Error> {
-        let svg = plot::svg(self).map_err(|reason| Error::Plot { path: path.to_owned(), reason })?;
-        std::fs::write(path, svg).map_err(|source| Error::Io {
-            action: "write",
-            path: path.to_owned(),
-            source,
-        })
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Options {
     pub sets: Vec<(String, String)>,
     /// Inputs over time.
     pub input: Option<InputTable>,
-    /// Send the slopes of continuous inputs to FMI 2 FMUs that understand them; otherwise inputs hold during a step.
+    /// Set the derivatives of continuous inputs of FMI 2 FMUs that take them; otherwise inputs are constant during a step.
     pub input_slopes: bool,
     /// Where the FMU's messages go.
     pub log: Log,
@@ -47,7 +47,7 @@ const MAX_ELEMENTS: u64 = 100_000;
 ///
 /// Parameters are set before initialization, inputs during it. At each communication point the inputs are set, then
 /// the FMU steps, then the outputs are read, so an output with direct feedthrough shows the input of the step that
-/// ends there. `progress` is told the share that is done, 0 ... 1, at most about 200 times.
+/// ends there. `progress` gets the fraction of the time that is simulated, 0 ... 1, at most about 200 times.
 ///
 /// # Errors
 /// Bad options (see [`Options`] and [`ModelDescription::parse_value`]), and all that [`Instance`] reports.
@@ -190,7 +190,7 @@ impl Group {
 struct Drive<'a> {
     table: &'a InputTable,
     groups: Vec<Group>,
-    /// The continuous reals, if their slopes are wanted.
+    /// The continuous reals, if their derivatives are set.
     slopes: Option<Group>,
     slack: f64,
 }
@@ -224,7 +224,7 @@ impl<'a> Drive<'a> {
         Ok(())
     }
 
-    /// The mean slope over the step: it meets the table at both ends of the step.
+    /// The mean derivative over the step: the input meets the table at both ends of the step.
     fn set_slopes(&mut self, instance: &mut Instance, t: f64, h: f64) -> Result<(), Error> {
         let Some(group) = &mut self.slopes else { return Ok(()) };
         for (slope, column) in group.values.iter_mut().zip(&group.columns) {

@@ -3,35 +3,36 @@
 //! | file | holds |
 //! |---|---|
 //! | `structure.rs` | what a file says, with its lines; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
-//! | `wiring.rs`, `ends.rs`, `settings.rs`, `units.rs` | the same held against the FMUs: who feeds whom, converted how, values |
+//! | `connections.rs`, `ends.rs`, `settings.rs`, `units.rs` | their names resolved in the FMUs: sources of inputs, unit conversions, values |
 //! | `order.rs` | what passes through without a step; algebraic loops |
-//! | `bus.rs`, `batch.rs` | instances and one macro step |
+//! | `master.rs`, `batch.rs` | instances and one macro step |
 //! | `master.rs`, `variable.rs` | the run, with a fixed or a variable step |
-//! | `energy.rs`, `record.rs` | the books of the coupling; the rows that are kept |
+//! | `energy.rs`, `record.rs` | the bonds of the coupling; the rows that are kept |
 mod batch;
-mod bus;
+mod connections;
 mod ends;
-mod energy;
 mod master;
 mod order;
 mod package;
+mod parts;
+mod power_bonds;
 mod record;
+mod run;
 mod settings;
 mod ssd;
 mod structure;
 mod text;
 mod units;
-mod variable;
-mod wiring;
+mod variable_step;
 
-pub use bus::Algorithm;
-pub use energy::Bond;
-pub use master::{SystemOptions, SystemRun, cosimulate};
+pub use master::Algorithm;
+pub use power_bonds::PowerBond;
+pub use run::{SystemOptions, SystemRun, cosimulate};
 
 use crate::{Archive, Error};
+use parts::Parts;
 use std::path::Path;
 use structure::Structure;
-use wiring::Parts;
 
 /// A system of FMUs: components, connections, values. Each archive is unpacked once, however many components use it.
 #[derive(Clone, Debug)]
@@ -63,7 +64,7 @@ impl System {
             }
             let archive = match earlier.iter().position(|c| c.path == component.path) {
                 Some(same) => archives[same].clone(),
-                // Where an archive was unpacked to says nothing to people.
+                // The name of the temporary folder means nothing to the user.
                 None => Archive::open(&component.path).map_err(|e| {
                     fault(e.to_string().replace(&component.path.display().to_string(), &component.source))
                 })?,

@@ -1,10 +1,7 @@
 //! Set, step and get must not allocate.
-mod common;
-#[path = "common/counting.rs"]
-mod counting;
-use common::*;
+use crate::common::*;
+use crate::counting::allocations;
 use cosim::{FmiVersion, Instance, Kind, Log};
-use counting::allocations;
 
 #[test]
 fn hot_calls_do_not_allocate() {

@@ -1,6 +1,5 @@
 //! Archives and descriptions, good and broken: each fault gives its one sentence.
-mod common;
-use common::*;
+use crate::common::*;
 use cosim::{Archive, Causality, Dimension, FmiVersion, Kind, ModelDescription, Variability};
 use std::fs;
 

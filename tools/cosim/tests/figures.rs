@@ -1,6 +1,5 @@
 //! The figure of a run.
-mod common;
-use common::*;
+use crate::common::*;
 use cosim::{Column, DisplayUnit, FmiVersion, Kind, Options, Recording};
 
 #[test]

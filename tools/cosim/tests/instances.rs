@@ -1,6 +1,5 @@
 //! The uniform interface over both standards: values, statuses, states.
-mod common;
-use common::*;
+use crate::common::*;
 use cosim::{Archive, FmiVersion, Instance, Kind, Log, Status, Step, Value};
 
 const U: u32 = 1;

@@ -1,6 +1,5 @@
 //! Whole runs, held against the closed form; and every bad option.
-mod common;
-use common::*;
+use crate::common::*;
 use cosim::{FmiVersion, Options, simulate};
 
 /// A step of the input to `u` at t = 0: x = u (1 - exp(-t / tau)).

@@ -1,11 +1,7 @@
 //! A step of a system must not allocate.
-mod common;
-#[path = "common/counting.rs"]
-mod counting;
-mod parts;
+use crate::counting::allocations;
+use crate::parts::*;
 use cosim::{Algorithm, SystemOptions, cosimulate};
-use counting::allocations;
-use parts::*;
 
 #[test]
 fn ten_times_the_steps_take_no_more_allocations() {

@@ -1,9 +1,7 @@
 //! What is wrong with a system is told in one sentence, with component, connector, file and line.
-mod common;
-mod parts;
-use common::sets;
+use crate::common::sets;
+use crate::parts::*;
 use cosim::SystemOptions;
-use parts::*;
 
 #[test]
 fn connections_in_toml() {
@@ -162,7 +160,7 @@ fn options_that_make_no_sense() {
     for (flag, expected) in [
         (
             "canGetAndSetFMUstate=\"true\"",
-            "tolerance = 0.001 asks for steps made twice, and rotor cannot save its state",
+            "tolerance = 0.001 asks for repeated steps, and rotor cannot save its state",
         ),
         (
             "canHandleVariableCommunicationStepSize=\"true\"",

@@ -1,8 +1,6 @@
 //! SSP as others write it: values inline and in files, with prefixes and units, connectors of the system, conversions.
-mod common;
-mod parts;
+use crate::parts::*;
 use cosim::{SystemOptions, SystemRun, cosimulate};
-use parts::*;
 
 /// Two components, everything that is read; `%` stands for what a test puts there.
 pub const SSD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -90,7 +88,7 @@ pub const SSV: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 
 fn run(ssd: &str, sets: &[(&str, &str)]) -> SystemRun {
     let system = Folder::new().ssp(ssd, &[("resources/all.ssv", SSV)]).unwrap();
-    let options = SystemOptions { sets: common::sets(sets), ..SystemOptions::default() };
+    let options = SystemOptions { sets: crate::common::sets(sets), ..SystemOptions::default() };
     cosimulate(&system, &options, &mut |_| ()).unwrap()
 }
 

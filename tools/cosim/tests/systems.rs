@@ -1,8 +1,6 @@
 //! Systems of FMUs: orders of accuracy against the closed form, the energy books, what is bitwise the same.
-mod common;
-mod parts;
+use crate::parts::*;
 use cosim::{Algorithm, SystemOptions, SystemRun, cosimulate};
-use parts::*;
 
 fn options(algorithm: Algorithm, held_inputs: bool, step: f64) -> SystemOptions {
     SystemOptions { algorithm, held_inputs, step: Some(step), ..SystemOptions::default() }
@@ -40,13 +38,13 @@ fn the_energy_error_falls_as_the_solution_s_does() {
             assert_eq!(bond[0].forth, "rotor.speed -> spring.speed");
             assert_eq!(bond[0].back, "spring.torque -> rotor.torque");
         }
-        let order = slope(&bonds.clone().map(|b| b[0].gross_error));
+        let order = slope(&bonds.clone().map(|b| b[0].gross_residual));
         assert!((order - expected).abs() < 0.2, "held {held}: order {order}");
         // What left the rotor: its kinetic energy then and now.
         let energy = 0.5 * 2.0 * (1.0 - exact(6.0)[0].powi(2));
         let bond = &bonds[3][0];
         assert!((bond.energy - energy).abs() < 0.02, "{} {energy}", bond.energy);
-        assert!(bond.throughput > energy && bond.gross_error >= bond.error.abs());
+        assert!(bond.throughput > energy && bond.gross_residual >= bond.residual.abs());
     }
 }
 
@@ -59,7 +57,7 @@ fn what_the_coupling_makes_is_what_the_masses_have_too_much() {
     let made = stored - 0.5 * 2.0;
     // The rotor gives too little, or the spring gets too much: the rotor's side less the spring's is what vanished.
     assert!(made > 0.01, "held inputs make energy: {made}");
-    assert!((made + run.bonds[0].error).abs() < 0.02 * made, "{made} {}", run.bonds[0].error);
+    assert!((made + run.bonds[0].residual).abs() < 0.02 * made, "{made} {}", run.bonds[0].residual);
 }
 
 #[test]
@@ -116,7 +114,7 @@ fn a_step_that_is_refused_is_made_shorter_where_that_is_possible() {
     assert!(run.rejected > 0 && run.recording.steps >= 200);
     // Steps that were taken back are not in the books: the halves are at most half as long as what the rotor takes.
     let halves = pair(&options(Algorithm::Jacobi, false, 0.0075));
-    assert!(run.bonds[0].gross_error < 1.1 * halves.bonds[0].gross_error);
+    assert!(run.bonds[0].gross_residual < 1.1 * halves.bonds[0].gross_residual);
     assert!((run.bonds[0].throughput / halves.bonds[0].throughput - 1.0).abs() < 1e-3);
     let folder = Folder::new();
     let fixed = SystemOptions { sets, ..options(Algorithm::Jacobi, false, 0.02) };

@@ -12,12 +12,10 @@ use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 /// Start time, s; late, so that a drift has become large enough to change a Boolean output.
-const START: f64 = 1e5;
+pub(crate) const START: f64 = 1e5;
 
 /// A computed variable and its dependencies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -342,18 +340,23 @@ impl Note<'_> {
     }
 }
 
-/// Pseudo-random numbers, the same in every run.
-struct Probe(Pcg64Mcg);
+/// Pseudo-random numbers, the same in every run: a hash of combination, point and count, because features of `rand` in a product
+/// crate would compile it twice.
+pub(crate) struct Probe(u64);
 
 impl Probe {
     /// The numbers of one point of one combination, independent of the order of evaluation.
-    fn new(combination: usize, point: usize) -> Probe {
-        Probe(Pcg64Mcg::seed_from_u64((combination as u64) << 32 | point as u64))
+    pub(crate) fn new(combination: usize, point: usize) -> Probe {
+        Probe((combination as u64) << 40 | (point as u64) << 32)
     }
 
-    /// A number between 0.05 and 0.95.
-    fn fraction(&mut self) -> f64 {
-        self.0.random_range(0.05..0.95)
+    /// A fraction between 0.05 and 0.95: SplitMix64 (Steele, Lea, Flood 2014).
+    pub(crate) fn fraction(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) as f64 / u64::MAX as f64).clamp(0.05, 0.95)
     }
 
     /// About half of these, at random.
@@ -362,7 +365,7 @@ impl Probe {
     }
 
     /// Changes every state of a started model by a fraction of its nominal value; false if it has no derivatives there.
-    fn push(&mut self, model: &mut dyn Model, count: usize) -> bool {
+    pub(crate) fn push(&mut self, model: &mut dyn Model, count: usize) -> bool {
         let declaration = model.declaration();
         let mut states = vec![0.0; count];
         model.read_states(&mut states);
@@ -375,7 +378,7 @@ impl Probe {
     }
 
     /// A value within the limits, of nominal size, different from the start value; integers and enumerations at their start.
-    fn generic(&mut self, entry: &Entry, starts: &StartValues) -> f64 {
+    pub(crate) fn generic(&mut self, entry: &Entry, starts: &StartValues) -> f64 {
         let row = entry.row;
         match row.kind {
             Kind::Real => {

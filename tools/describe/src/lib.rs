@@ -11,6 +11,7 @@ pub mod generated;
 pub mod lock;
 pub mod markdown;
 pub mod preset;
+pub mod usage;
 mod xml;
 
 pub use dependencies::{Dependencies, Unknown};

@@ -14,8 +14,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// First damping.
-const DAMPING: f64 = 1e-3;
 /// Damping at which no step can help.
 const MOST_DAMPING: f64 = 1e12;
 /// Least ratio of decrease to predicted decrease of a step that is accepted.
@@ -62,6 +60,8 @@ pub trait Problem {
 /// When to stop, and how often slopes are used.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
+    /// First damping: small for a start near the answer.
+    pub damping: f64,
     /// Most linearisations.
     pub linearisations: usize,
     /// Most steps with the same slopes (chords).
@@ -79,6 +79,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Options {
         Options {
+            damping: 1e-3,
             linearisations: 200,
             chords: 1,
             relative_decrease: 1e-12,
@@ -132,7 +133,7 @@ pub fn minimise<P: Problem>(
     let mut point = problem.evaluate(&x)?;
     let mut cost = problem.cost(&point);
     let mut scale = DVector::<f64>::zeros(x.len());
-    let (mut damping, mut growth) = (DAMPING, 2.0);
+    let (mut damping, mut growth) = (options.damping, 2.0);
     let (mut evaluations, mut linearisations) = (1, 0);
     loop {
         let slopes = problem.linearise(&x, &point)?;

@@ -63,10 +63,10 @@ fn rosenbrock(x: &DVector<f64>) -> Vec<f64> {
 
 #[test]
 fn rosenbrock_from_the_usual_start_and_from_far() {
-    for start in [[-1.2, 1.0], [-12.0, 10.0], [120.0, -100.0]] {
+    for (start, most) in [([-1.2, 1.0], 40), ([-12.0, 10.0], 60), ([120.0, -100.0], 160)] {
         let found = solve(rosenbrock, &start, &[FREE; 2], Options::default());
         assert_near(&found.x, &[1.0, 1.0], 1e-8);
-        assert!(found.evaluations < 130, "{} evaluations", found.evaluations);
+        assert!(found.evaluations < most, "{} evaluations", found.evaluations);
     }
 }
 

@@ -46,7 +46,7 @@ fn of_element(node: Node) -> Vec<String> {
     let begin = || all.chars().take(60).collect::<String>();
     match name {
         "table" => {
-            if !node.parent().is_some_and(|p| p.attribute("class") == Some("wide")) {
+            if node.parent().is_none_or(|p| p.attribute("class") != Some("wide")) {
                 faults.push(format!("table without a container that scrolls: {}", begin()));
             }
             let rows = || node.descendants().filter(|n| n.tag_name().name() == "tr");
@@ -56,12 +56,11 @@ fn of_element(node: Node) -> Vec<String> {
                 faults.push(format!("table with rows of several lengths: {}", begin()));
             }
         }
-        "svg" => {
+        "svg"
             if node.attribute("aria-label").is_none() && node.attribute("role") == Some("img")
-                || !node.ancestors().any(|a| a.children().any(|c| c.has_tag_name("figcaption")))
-            {
-                faults.push("svg without a label or a caption".to_owned());
-            }
+                || !node.ancestors().any(|a| a.children().any(|c| c.has_tag_name("figcaption"))) =>
+        {
+            faults.push("svg without a label or a caption".to_owned());
         }
         "h1" | "h2" | "h3" => {
             let first = all.split(' ').next().unwrap_or_default();
@@ -93,8 +92,16 @@ fn of_element(node: Node) -> Vec<String> {
     faults
 }
 
-/// A name as programs write it, with at least two letters on both sides of an underscore. T_w and R_ha are symbols.
+/// A name as programs write it, with at least two letters on both sides of an underscore. T_w and R_ha are symbols, and the structured
+/// name of a variable (motor.R_ref, effect.iron_loss.k) is its only name.
 fn is_key(word: &str) -> bool {
+    let is_letter = |c: Option<char>| c.is_some_and(|c| c.is_ascii_alphabetic());
+    if word
+        .match_indices('.')
+        .any(|(at, _)| is_letter(word[..at].chars().next_back()) && is_letter(word[at + 1..].chars().next()))
+    {
+        return false;
+    }
     let long = |part: &str| part.chars().take_while(|c| c.is_ascii_alphabetic()).count() >= 2;
     word.match_indices('_').any(|(at, _)| {
         let before: String = word[..at].chars().rev().collect();
@@ -102,8 +109,10 @@ fn is_key(word: &str) -> bool {
     })
 }
 
+/// More than six significant digits after a point.
 fn has_long_fraction(word: &str) -> bool {
-    word.split('.').skip(1).any(|part| part.chars().take_while(char::is_ascii_digit).count() > 6)
+    let digits = |part: &str| part.trim_start_matches('0').chars().take_while(char::is_ascii_digit).count();
+    word.split('.').skip(1).any(|part| digits(part) > 6)
 }
 
 #[cfg(test)]
@@ -139,7 +148,7 @@ mod tests {
             let found = faults(&page("Title", html! { (PreEscaped(body)) }));
             assert!(found.len() == 1 && found[0].contains(fault), "{fault}: {found:?}");
         }
-        let fine = "<h2>Winding R_ha of <code>motor.k_t</code></h2><p>fan_command, 0.3865</p>";
+        let fine = "<h2>Winding R_ha of <code>motor.k_t</code></h2><p>fan_command, 0.3865, 0.0009822</p><h3>effect.iron_loss.k</h3>";
         assert_eq!(faults(&page("Title", html! { (PreEscaped(fine)) })), Vec::<String>::new());
         assert_eq!(faults("<html></html>").len(), 4);
     }

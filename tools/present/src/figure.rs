@@ -290,7 +290,7 @@ impl Figure {
                 @let px = x.at(*value);
                 path.g d={ "M" (n(px)) " 0V" (n(height)) } {}
                 @for (k, line) in wrap(name, slot).iter().enumerate().filter(|_| lowest) {
-                    (text(px, height + LINE * (k as f64 + 1.0), "m", line))
+                    (layout::below(px, height + LINE * (k as f64 + 1.0), line))
                 }
             }
             path.a d={ "M" (n(left)) " 0V" (n(height)) "H" (n(right)) } {}
@@ -299,7 +299,7 @@ impl Figure {
                 path.z d={ "M" (n(left)) " " (n(y.at(*value))) "H" (n(right)) } {}
                 // Below the line where there is no room above.
                 @let dy = if y.at(*value) < LINE { LINE - 3.0 } else { -5.0 };
-                (text(right - 4.0, y.at(*value) + dy, "e o", label))
+                (text(left + 6.0, y.at(*value) + dy, "o", label))
             }
             // Below the label of a limit that is near the top.
             @let near_top = panel.limits.iter().map(|l| y.at(l.0)).filter(|py| *py < 2.5 * LINE);
@@ -486,7 +486,12 @@ mod tests {
                 marks: vec![(0, Mark::Bar(1.0, "100 %".into())), (1, Mark::Point(0.5, (0.2, 0.9)))],
             }],
         );
-        for svg in [parsed(&figure), parsed(&rows)] {
+        // The last tick of each is at the frame.
+        let ends =
+            Figure::new("", Axis::new("x").from_to(0.7, 0.9), Axis::new("y")).points("", vec![(0.8, 1.0)]);
+        let negative = Row { name: "a".into(), marks: vec![(0, Mark::Bar(-2000.0, String::new()))] };
+        let negative = Rows::new("", "", &[], vec![negative]);
+        for svg in [parsed(&figure), parsed(&rows), parsed(&ends), parsed(&negative)] {
             let document = roxmltree::Document::parse(&svg).unwrap();
             for text in document.descendants().filter(|n| n.has_tag_name("text")) {
                 let x: f64 = text.attribute("x").unwrap().parse().unwrap();

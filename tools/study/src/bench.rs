@@ -1,19 +1,20 @@
-//! A native model on a bench: made by name, set and read by variable name, run to its steady state.
+//! A native model by name: set and read by variable name, run to its steady state.
 
 use crate::StudyError;
+use describe::usage::{Scope, Unused};
 use describe::{Preset, StartValues, models};
 use physics::declare::{Causality, Kind, Unit};
-use physics::model::{Declaration, Entry, Model};
+use physics::model::{Declaration, Entry, HousingHeat, Model};
 
 /// Length of the first stretch on the way to the steady state, s.
 const FIRST_STRETCH: f64 = 10.0;
-/// How far from its limit a temperature may be where it counts as steady, K.
+/// Largest distance of a temperature from its steady value at which it counts as steady, K.
 pub(crate) const STEADY: f64 = 1e-4;
-/// Steady means steady within this time, s: a year and a half. Thermal time constants are minutes to hours.
+/// Longest time to a steady state, s: a year and a half. Thermal time constants are minutes to hours.
 const LONGEST: f64 = 5e7;
 /// Stretches do not grow while a temperature changes by more than this within one, K.
 const FAR: f64 = 100.0;
-/// A temperature beyond this is that of no motor: it runs away, K.
+/// Above this temperature the run ends as a thermal runaway, K.
 const RUNAWAY: f64 = 2000.0;
 
 /// A model with the values that were set on it, and the time that it has reached.
@@ -38,7 +39,7 @@ impl Bench {
     pub fn new(model: &str, preset: Option<&Preset>) -> Result<Bench, StudyError> {
         let kind = models::by_name(model).ok_or_else(|| {
             let known: Vec<&str> = models::ALL.iter().map(|m| (m.declaration)().name).collect();
-            StudyError::new(format!("{model} is no model; there is {}", known.join(", ")))
+            StudyError::new(format!("unknown model {model}; models: {}", known.join(", ")))
         })?;
         let declaration = (kind.declaration)();
         let mut bench = Bench { declaration, model: (kind.new)(), time: 0.0, running: false };
@@ -148,7 +149,7 @@ impl Bench {
         }
     }
 
-    /// Ends the setting up: every state takes its start.
+    /// Ends the configuration: every state takes its start value.
     ///
     /// # Errors
     /// Parameters that contradict each other.
@@ -183,6 +184,16 @@ impl Bench {
         Ok(self.model.get(slot))
     }
 
+    /// Heat flow from the housing to ambient; `None` where the model has none.
+    pub fn housing_heat(&mut self) -> Option<HousingHeat> {
+        self.model.housing_heat()
+    }
+
+    /// Those of `candidates` that have no effect with the values set so far; asked before the start.
+    pub fn unused(&self, candidates: &[&'static Entry], scope: Scope) -> Vec<Unused> {
+        describe::usage::unused(self.model.as_ref(), candidates, scope)
+    }
+
     /// The declared outputs that are temperatures.
     pub fn temperatures(&self) -> impl Iterator<Item = &'static Entry> + use<> {
         self.declaration
@@ -200,14 +211,14 @@ impl Bench {
         self.settle()
     }
 
-    /// Runs on from the present state with constant inputs until every temperature stands still.
+    /// Runs on from the present state with constant inputs until every temperature is steady.
     ///
     /// The stretches grow until each leaves a small share of the distance that the one before has left. From
     /// two changes d1, d2 of a temperature over equal stretches what is still to come follows as that of a
     /// geometric sequence, d2^2/(d1 - d2) (Aitken); the model is steady where that is below 1e-4 K.
     ///
     /// # Errors
-    /// The model has no steady state: the winding runs away, or something turns ever faster.
+    /// The model has no steady state: thermal runaway, or a speed that grows without limit.
     pub fn settle(&mut self) -> Result<(), StudyError> {
         let end = self.time + LONGEST;
         let slots: Vec<_> = self.temperatures().collect();
@@ -231,7 +242,7 @@ impl Bench {
                 }
                 let slow =
                     last.iter().zip(&change).any(|(d1, d2)| d2.abs() > 0.3 * d1.abs() && d2.abs() > STEADY);
-                // A temperature that runs away does so exponentially: no longer stretches for it.
+                // A thermal runaway is exponential: no longer stretches for it.
                 let far = change.iter().any(|d| d.abs() > FAR);
                 if slow && !far {
                     stretch *= 2.0;
@@ -263,14 +274,14 @@ impl Bench {
 /// What is still to come of a quantity that changed by `d1` and then, over an equal stretch, by `d2`.
 fn to_come(d1: f64, d2: f64) -> f64 {
     let (d1, d2) = (d1.abs(), d2.abs());
-    // Rounding noise of a quantity that stands still has no ratio.
+    // Rounding noise of a constant quantity has no ratio.
     if d2 < 1e-9 {
         return d2;
     }
     if d2 >= d1 { f64::INFINITY } else { d2 * d2 / (d1 - d2) }
 }
 
-/// One sentence about a text that stands for no value of the variable.
+/// One sentence about a text that is not a value of the variable.
 fn not_a_value(entry: &Entry, text: &str) -> String {
     let expected = match entry.row.kind {
         Kind::Enumeration(t) => t.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", "),
@@ -279,7 +290,7 @@ fn not_a_value(entry: &Entry, text: &str) -> String {
             format!("a number in {}, {} ... {}", entry.row.unit.name(), entry.row.min, entry.row.max)
         }
     };
-    format!("{} = {text} is none of its values: {expected}", entry.name)
+    format!("{} = {text} is not a valid value: {expected}", entry.name)
 }
 
 #[cfg(test)]
@@ -303,7 +314,7 @@ mod tests {
         assert!((bench.get("heat_to_ambient").unwrap() - 10.0).abs() < 1e-4);
     }
 
-    /// The claim of a millikelvin, in every way of cooling: a day and a half more moves nothing.
+    /// Steady within a millikelvin in every cooling mode: a day and a half later nothing has changed.
     #[test]
     fn steady_means_steady() {
         let mut bench = Bench::new("AnnulusCooledMotor", Some(&Preset::load("thesis-rig").unwrap())).unwrap();
@@ -352,7 +363,7 @@ mod tests {
             (refusal(bench.step(1.0)), &["not been started"]),
             (
                 Bench::new("Motor", None).err().unwrap().to_string(),
-                &["Motor is no model", "AnnulusCooledMotor"],
+                &["unknown model Motor", "AnnulusCooledMotor"],
             ),
         ] {
             assert!(words.iter().all(|w| error.contains(w)), "{words:?} in {error}");

@@ -18,6 +18,7 @@ use std::sync::{Mutex, PoisonError};
 const DIFFERENCE: f64 = 5e-3;
 /// When a fit ends: what a smaller decrease or step would add is noise of the steady states.
 const OPTIONS: Options = Options {
+    damping: 1e-3,
     linearisations: 40,
     chords: 1,
     relative_decrease: 1e-5,
@@ -26,7 +27,7 @@ const OPTIONS: Options = Options {
     gradient: 1e-9,
 };
 /// The same for a fit without one observation.
-const REFIT: Options = Options { step: 1e-5, ..OPTIONS };
+const REFIT: Options = Options { damping: 1e-6, step: 1e-5, ..OPTIONS };
 
 /// A steady state that was measured.
 #[derive(Clone, Debug)]

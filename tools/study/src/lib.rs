@@ -11,7 +11,7 @@ pub mod steady;
 pub mod sweep;
 pub mod walk;
 
-/// Why a study could not be done: one sentence.
+/// Why a study could not run: one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StudyError {
     /// The model has no steady state at these values.
@@ -23,7 +23,7 @@ pub enum StudyError {
 }
 
 impl StudyError {
-    /// The error that this sentence tells.
+    /// The error with this sentence.
     pub fn new(sentence: impl Into<String>) -> StudyError {
         StudyError::Other(sentence.into())
     }

@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(root(|_| f64::NAN, -1.0, 1.0, 1e-12), None);
     }
 
-    /// A function that runs away before its root: the edge is found, by bisection.
+    /// A function without a value beyond a limit before its root: the limit is found, by bisection.
     #[test]
     fn the_edge_of_a_runaway_is_a_root() {
         let edge = root(|x| if x > 0.75 { f64::INFINITY } else { -1.0 }, 0.0, 1.0, 1e-9);

@@ -1,17 +1,18 @@
-//! Thermal steady state at given inputs, and the torque that can be held for ever.
+//! Thermal steady state at given inputs, and the continuous torque.
 //!
-//! R_ha = (T_w - T_a)/Q - R_wh, Q the heat that leaves the motor                            (1)
+//! R_ha = (T_h - T_a)/Q_h, Q_h the heat flow from the housing to ambient                    (1)
 //! continuous torque: the torque at the current whose steady winding temperature is thermal.T_w_max (2)
 
 use crate::StudyError;
 use crate::bench::Bench;
 use crate::numeric::try_root;
 use describe::Preset;
-use physics::declare::{Causality, Kind, Unit};
+use describe::usage::{self, Scope, is_integral};
+use physics::declare::{Causality, Kind};
 use physics::model::Entry;
 use serde::Serialize;
 
-/// Heat flows below this say nothing about a resistance, W.
+/// Smallest heat flow from which a thermal resistance is computed, W.
 const LEAST_HEAT: f64 = 1e-3;
 /// Relative width of the bracket about the continuous current squared at which the search ends.
 const CURRENT_TOLERANCE: f64 = 1e-8;
@@ -56,6 +57,40 @@ impl Setup {
         }
         Ok(bench)
     }
+
+    /// What the user set without effect on the steady state in the selected modes, in one sentence each for the values
+    /// set by name, with the names in `varied`, and for the values of the preset. A value of the preset counts if it has
+    /// an effect in the modes that the preset itself selects.
+    ///
+    /// # Errors
+    /// As [`bench`](Setup::bench).
+    pub fn notes(&self, varied: &[&str]) -> Result<Vec<String>, StudyError> {
+        let bench = self.bench()?;
+        let mut notes = Vec::new();
+        let mut by_name: Vec<&'static Entry> = Vec::new();
+        for name in self.sets.iter().map(|(name, _)| name.as_str()).chain(varied.iter().copied()) {
+            let entry = bench.entry(name)?;
+            if by_name.iter().all(|other| other.name != entry.name) {
+                by_name.push(entry);
+            }
+        }
+        let unused = bench.unused(&by_name, Scope::Steady);
+        notes.extend(usage::sentence(&unused, |entry| {
+            if varied.contains(&entry.name.as_str()) { "--vary" } else { "--set" }.to_owned()
+        }));
+        if let Some(preset) = &self.preset {
+            let own = Bench::new(&self.model, Some(preset))?;
+            let given =
+                preset.starts.entries().into_iter().filter_map(|(r, _)| own.declaration().by_reference(r));
+            let given: Vec<&'static Entry> =
+                given.filter(|e| by_name.iter().all(|other| other.name != e.name)).collect();
+            let without = own.unused(&given, Scope::Steady);
+            let used = given.into_iter().filter(|e| without.iter().all(|u| u.entry.name != e.name));
+            let dropped = bench.unused(&used.collect::<Vec<_>>(), Scope::Steady);
+            notes.extend(usage::sentence(&dropped, |_| format!("preset {}", preset.name)));
+        }
+        Ok(notes)
+    }
 }
 
 /// A value that a model computed.
@@ -74,7 +109,8 @@ pub struct Value {
 pub struct Steady {
     /// All outputs that are no integrals over time.
     pub outputs: Vec<Value>,
-    /// Housing to ambient, K/W, eq. (1); absent where next to no heat flows or the model has no such parts.
+    /// Thermal resistance from housing to ambient, K/W, eq. (1); absent where less than a milliwatt flows or the model has
+    /// no housing in contact with ambient.
     #[serde(rename = "R_ha")]
     pub r_ha: Option<f64>,
 }
@@ -91,7 +127,7 @@ impl Steady {
     }
 }
 
-/// Torque without end.
+/// Continuous torque.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Continuous {
     /// Current, A.
@@ -118,25 +154,17 @@ pub fn steady(bench: &mut Bench) -> Result<Steady, StudyError> {
         }
     }
     let mut found = Steady { outputs, r_ha: None };
-    if let (Some(t_w), Some(heat)) = (found.get("winding_temperature"), found.get("heat_to_ambient")) {
-        let heat = heat - found.get("loss_drive").unwrap_or(0.0);
-        if heat > LEAST_HEAT && bench.knows("thermal.R_wh", None) {
-            let (t_a, r_wh) = (bench.get("ambient_temperature")?, bench.get("thermal.R_wh")?);
-            found.r_ha = Some((t_w - t_a) / heat - r_wh);
-        }
-    }
+    found.r_ha = bench
+        .housing_heat()
+        .filter(|heat| heat.flow.abs() > LEAST_HEAT)
+        .map(|heat| (heat.housing - heat.ambient) / heat.flow);
     Ok(found)
 }
 
-/// Energies and angles grow for ever; they are no part of a steady state.
-fn is_integral(entry: &Entry) -> bool {
-    matches!(entry.row.unit, Unit::Joule | Unit::Radian)
-}
-
-/// The torque that the model can hold for ever at its imposed_speed, eq. (2).
+/// The continuous torque of the model at its imposed_speed, eq. (2).
 ///
 /// The search runs in the square of the current, to which the temperature is nearly proportional; a current
-/// at which the winding runs away is too high.
+/// with thermal runaway is too high.
 ///
 /// # Errors
 /// A model without a current to command or a limit; a winding that is too hot without current, or never.
@@ -204,7 +232,7 @@ mod tests {
         }
     }
 
-    /// The thesis's way back: T_w, 10 W and R_wh give 1/G = 1/0.1351 K/W.
+    /// 10 W through 1/G = 1/0.1351 K/W.
     #[test]
     fn resistance_to_ambient_comes_back() {
         let mut bench = setup(&[("electrical_power", "10")]).bench().unwrap();
@@ -227,6 +255,94 @@ mod tests {
         assert!((found.torque / (k_t * current) - 1.0).abs() < 1e-5, "{found:?}");
         assert!((found.torque_density - found.torque / 0.3).abs() < 1e-9);
         assert!((found.winding_temperature - 428.15).abs() < 1e-3);
+    }
+
+    /// With friction, R_ha is still the reciprocal of the conductance that is set: 4.65 K/W.
+    #[test]
+    fn friction_leaves_the_resistance_of_the_housing() {
+        let sets =
+            [("conductance.G_still", "0.21505376344086"), ("current_command", "2"), ("imposed_speed", "300")];
+        let found = steady(&mut setup(&sets).bench().unwrap()).unwrap();
+        assert!(found.get("loss_friction").unwrap() > 2.0, "{found:?}");
+        assert!((found.r_ha.unwrap() - 4.65).abs() < 1e-5, "{:?}", found.r_ha);
+    }
+
+    /// What does not leave by leads and by air inside the motor leaves from the housing: the balance of the whole motor gives
+    /// the same resistance, in every cooling mode and with every path of heat.
+    #[test]
+    fn the_balance_of_the_motor_gives_the_resistance_of_the_housing() {
+        let (leads, inside) = (0.03, 0.02);
+        let text = |number: f64| number.to_string();
+        let (leads_text, inside_text) = (text(leads), text(inside));
+        let effects = [
+            ("current_command", "2"),
+            ("imposed_speed", "300"),
+            ("fan_command", "0.8"),
+            ("heat_power", "1.5"),
+            ("thermal.G_leads", leads_text.as_str()),
+            ("thermal.G_mount", "0.05"),
+            ("effect.iron_loss.k", "1e-4"),
+            ("effect.housing_radiation.k", "1e-10"),
+            ("effect.contact_drop.V_b", "0.2"),
+            ("effect.load_dependent_friction.mu", "0.05"),
+            ("effect.interface_temperature.beta", "1e-3"),
+            ("effect.forced_convection.G", inside_text.as_str()),
+            ("effect.forced_convection.node", "winding"),
+            ("effect.ambient_drift.rate", "0"),
+        ];
+        for preset in ["maxon-305015", "thesis-rig"] {
+            for mode in ["conductance", "bare", "fan_crossflow", "annulus_push", "annulus_pull"] {
+                let mut setup = setup(&effects);
+                setup.preset = Some(Preset::load(preset).unwrap());
+                setup.sets.push(("cooling_mode".to_owned(), mode.to_owned()));
+                let mut bench = setup.bench().unwrap();
+                let found = steady(&mut bench).unwrap();
+                let of = |name: &str| found.get(name).unwrap();
+                let ambient = bench.get("ambient_temperature").unwrap();
+                let from_winding = if mode == "conductance" { inside } else { inside + leads };
+                let heat = of("power_electrical") + 1.5
+                    - of("power_mechanical")
+                    - of("loss_drive")
+                    - from_winding * (of("winding_temperature") - ambient);
+                let balance = (of("housing_temperature") - ambient) / heat;
+                let r_ha = found.r_ha.unwrap();
+                assert!((r_ha / balance - 1.0).abs() < 1e-5, "{preset}, {mode}: {r_ha} and {balance} K/W");
+            }
+        }
+    }
+
+    /// A resistance of the data sheet that the selected cooling mode drops is named, and one that it uses is not.
+    #[test]
+    fn values_without_effect_are_named() {
+        let notes = |sets: &[(&str, &str)]| setup(sets).notes(&[]).unwrap();
+        let power = ("electrical_power", "10");
+        assert_eq!(notes(&[power]), Vec::<String>::new());
+        let dropped = notes(&[power, ("cooling_mode", "bare")]);
+        assert_eq!(
+            dropped,
+            [
+                "conductance.G_still (preset maxon-305015) has no effect with cooling_mode = bare, only with cooling_mode = conductance"
+            ]
+        );
+        let set = notes(&[
+            power,
+            ("conductance.G_forced", "0.2"),
+            ("cooling_mode", "annulus_push"),
+            ("voltage", "3"),
+        ]);
+        assert_eq!(set.len(), 2, "{set:?}");
+        for words in [
+            "conductance.G_forced (--set) has no effect with cooling_mode = annulus_push",
+            "voltage (--set) has no effect with drive_mode = power, only with drive_mode = voltage or pwm",
+        ] {
+            assert!(set[0].contains(words), "{words} in {set:?}");
+        }
+        assert!(set[1].starts_with("conductance.G_still (preset"), "{set:?}");
+        let varied = setup(&[power]).notes(&["fan.flow_max"]).unwrap();
+        assert!(
+            varied[0].starts_with("fan.flow_max (--vary) has no effect with cooling_mode = conductance"),
+            "{varied:?}"
+        );
     }
 
     /// Better cooling, more torque; friction at speed, less.

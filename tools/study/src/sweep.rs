@@ -349,12 +349,13 @@ impl Sweep {
     /// The figure: the objective over the first variable, a line for each value of the second.
     ///
     /// # Errors
-    /// More than two variables, or more lines than an eye can tell apart.
+    /// More than two variables, or more lines than are distinguishable.
     pub fn figure(&self) -> Result<Figure, StudyError> {
         const MAX_LINES: usize = 8;
         let axis = |name: &str, unit: &str| Axis::new(&format!("{name} {}", in_unit(unit)));
+        let source = self.source.as_ref().map_or(String::new(), |source| format!(". {source}"));
         let mut figure = Figure::new(
-            &format!("{} over {}", self.objective, self.varied.join(" and ")),
+            &format!("{} over {}{source}", self.objective, self.varied.join(" and ")),
             axis(&self.varied[0], self.units[0]),
             axis(&self.objective, self.objective_unit),
         );

@@ -1,6 +1,6 @@
 //! `cargo xtask bench`: the benches of every crate that has some.
 
-use crate::{Outcome, shell, workspace::Workspace};
+use crate::{Outcome, product, shell, workspace::Workspace};
 
 /// Runs them; `arguments` go to the benches (a name filter, `--save-baseline`, ...).
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
@@ -14,6 +14,8 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     if !any {
         return Err("no crate of the workspace has a bench".into());
     }
+    // The benches load the library as an importer does.
+    product::build(workspace)?;
     shell::stage("benchmarks");
     shell::run(command.arg("--").args(arguments))
 }

@@ -139,7 +139,7 @@ fn built(one: &Target, target: &Path) -> PathBuf {
     target.join(one.triple).join("release")
 }
 
-/// The archives, with the checks that hold for them: size, and the glibc that they need.
+/// Builds the archives and checks their size and the glibc that they need.
 fn pack(workspace: &Workspace, dist: &Path) -> Outcome {
     let platforms = TARGETS.map(|t| t.platform).join(",");
     let mut command = product::motor_fmu(workspace);

@@ -19,7 +19,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     if let Some(extra) = arguments.first() {
         return Err(format!("`demo` takes no arguments, got {extra:?}"));
     }
-    // First, because a missing Python should not be found out after minutes of compiling.
+    // First, so that a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace)?;
     shell::stage("building everything");
     product::build(workspace)?;

@@ -2,7 +2,7 @@
 
 use crate::{Outcome, shell, workspace::Workspace};
 
-/// Writes it anew; with `--check` compares it only.
+/// Writes it; with `--check` compares only.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     let mut command = workspace.cargo(&["run", "--release", "--quiet", "--package", "describe", "--"]);
     shell::run(command.args(arguments))

@@ -1,5 +1,5 @@
-//! `cargo xtask importers`: our archives in other people's Rust importers. Compiling these takes longer than the product
-//! itself, so it is no stage of `cargo xtask test`; their Python counterparts are.
+//! `cargo xtask importers`: the archives in third-party Rust importers. These take longer to compile than the product
+//! itself, so they are a stage of `cargo xtask nightly`; the Python importers are part of the everyday run.
 
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! `cargo xtask licenses`: whose work is compiled into the FMU library, with the licences, for the archives.
+//! `cargo xtask licenses`: the list of third-party crates in the FMU library with their licences, for the archives.
 
 use crate::{Outcome, shell, workspace::Workspace};
 use serde_json::Value;

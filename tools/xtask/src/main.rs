@@ -9,8 +9,10 @@ mod fuzz;
 mod importers;
 mod licenses;
 mod mutants;
+mod nightly;
 mod product;
 mod shell;
+mod stages;
 mod test;
 mod tidy;
 mod venv;
@@ -19,46 +21,47 @@ mod workspace;
 use std::process::ExitCode;
 use workspace::Workspace;
 
-/// A failure as one clear sentence.
+/// A failure as one sentence.
 type Outcome<T = ()> = Result<T, String>;
 
-/// A command: its name, what it does, and the function that does it with the arguments that follow.
+/// A command: name, description, and the function that takes the arguments.
 type Command = (&'static str, &'static str, fn(&Workspace, &[String]) -> Outcome);
 
-/// In the order in which a newcomer needs them.
+/// In the order in which a new user needs them.
 const COMMANDS: &[Command] = &[
     (
         "demo",
         "build and validate the FMUs, walk for 20 minutes, close the loop on bench data, write dist/index.html",
         demo::run,
     ),
-    ("test", "every check there is: tidy, Rust, FMUs, Python, removals, mutants", test::run),
+    ("test", "runs the everyday tests: sources, Rust, FMUs, Python, mutants of changed files", test::run),
+    (
+        "nightly",
+        "runs all tests: also removals, all mutants, fuzz, cross, importers, blind, bench",
+        nightly::run,
+    ),
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
-    ("describe", "write model-description/ anew (with --check: compare only)", describe::run),
-    (
-        "licenses",
-        "write the list of licences for the archives anew (with --check: compare only)",
-        licenses::run,
-    ),
-    ("bench", "benchmarks; further arguments go to criterion", bench::run),
-    (
-        "blind",
-        "a hundred and more synthetic benches through the closed loop, into docs/blind-suite.md",
-        blind::run,
-    ),
+    ("describe", "write model-description/ (with --check: compare only)", describe::run),
+    ("licenses", "write the list of licences for the archives (with --check: compare only)", licenses::run),
+    ("bench", "run the benchmarks; further arguments go to criterion", bench::run),
+    ("blind", "run close-loop on 120 synthetic benches and write docs/blind-suite.md", blind::run),
     (
         "fuzz",
-        "calls without order into both C interfaces, --seconds 60 for each model; --valgrind watches memory",
+        "random calls of both C interfaces, --calls 2000000 of each model; --valgrind checks memory",
         fuzz::run,
     ),
-    ("importers", "the archives in other people's Rust importers", importers::run),
+    ("importers", "run the archives in third-party Rust importers", importers::run),
     (
         "cross",
-        "one archive for three platforms, run on each; --toolchain DIR names a Rust with the sources of its library",
+        "build one archive for three platforms and run it on each; --toolchain DIR names a Rust with library sources",
         cross::run,
     ),
-    ("mutants", "break the physics by hand and see the tests fail; arguments name mutants", mutants::run),
-    ("removals", "take each effect out in turn and see the physics compile", mutants::removal::run),
+    (
+        "mutants",
+        "apply each mutation of the table and expect the tests to fail; arguments name mutants",
+        mutants::run,
+    ),
+    ("removals", "remove each effect in turn and compile the physics", mutants::removal::run),
 ];
 
 fn main() -> ExitCode {

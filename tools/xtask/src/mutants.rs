@@ -1,11 +1,12 @@
-//! `cargo xtask mutants`: breaks a copy of the physics by hand, one way at a time, and expects its tests to fail.
+//! `cargo xtask mutants`: applies each mutation of a table to a copy of the sources and expects the tests to fail.
 //!
-//! A test can pass with the physics upside down. Each mutant of the table is one such physics; one that survives
-//! shows a hole in the tests. A mutant must compile (else nothing is shown) and its text must stand in the source
-//! exactly once (else it breaks something other than it says).
+//! A test can pass with the physics upside down; a mutant that survives shows a hole in the tests. All mutants are
+//! compiled into one program, which reads from an environment variable the one that applies: a mutant then costs a run
+//! of the tests and no compilation. A mutant must be an expression whose text occurs exactly once in its file.
 
 mod copy;
 pub mod removal;
+mod schema;
 mod table;
 
 use crate::{
@@ -15,137 +16,208 @@ use crate::{
 };
 use copy::Copy;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// The crate whose tests must notice.
-const PACKAGE: &str = "physics";
-/// A mutant may make a loop endless. The honest tests take seconds.
-const TIME_LIMIT: Duration = Duration::from_secs(120);
-
-/// One way to break the physics.
+/// One way to break the code.
 #[derive(Clone, Copy, Debug)]
 pub struct Mutant {
     /// What to call it on the command line.
     name: &'static str,
+    /// The crates whose tests must notice.
+    noticed_by: &'static [&'static str],
     /// The file, from the root of the workspace.
     file: &'static str,
-    /// A text that stands there exactly once.
+    /// An expression that occurs there exactly once.
     text: &'static str,
     /// What to put in its place.
     replacement: &'static str,
-    /// The physics that is wrong then.
+    /// What is wrong then.
     breaks: &'static str,
+}
+
+/// What the tests say of a mutant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    Noticed,
+    Survived,
+    /// The tests did not end in time. No test has failed, so this counts as a failure.
+    TimedOut,
+}
+
+/// A test program with the folder that it runs in, its crate, and how long it takes without a mutant.
+struct Program {
+    file: PathBuf,
+    folder: PathBuf,
+    package: String,
+    time: Duration,
 }
 
 /// Runs the mutants named, or all.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    let (closing, outcome) = summary(workspace, arguments);
+    let chosen = choose(arguments)?;
+    report(summary(workspace, &chosen))
+}
+
+/// All mutants, with the closing line.
+pub fn all(workspace: &Workspace) -> (Vec<String>, Outcome) {
+    summary(workspace, &table::all().collect::<Vec<_>>())
+}
+
+/// The mutants of files that differ from the last commit that the branch shares with `main`, committed or not. A clean
+/// checkout of `main` has none.
+pub fn changed(workspace: &Workspace) -> (Vec<String>, Outcome) {
+    let files = match changed_files(workspace) {
+        Ok(files) => files,
+        Err(sentence) => return (Vec::new(), Err(sentence)),
+    };
+    let chosen: Vec<&Mutant> = table::all().filter(|m| files.contains(m.file)).collect();
+    if chosen.is_empty() {
+        let closing = format!(
+            "no file that has mutants differs from main, so none of the {} is run; `cargo xtask nightly` runs all",
+            table::all().count()
+        );
+        return (vec![closing], Ok(()));
+    }
+    summary(workspace, &chosen)
+}
+
+/// Files of the working tree that differ from the last commit that HEAD shares with `main` (or `origin/main`).
+fn changed_files(workspace: &Workspace) -> Outcome<BTreeSet<String>> {
+    let git =
+        |arguments: &[&str]| shell::output(Command::new("git").current_dir(&workspace.root).args(arguments));
+    let Some(base) = ["main", "origin/main"].iter().find_map(|m| git(&["merge-base", "HEAD", m]).ok()) else {
+        eprintln!("mutants: there is no branch main to compare with");
+        return Ok(BTreeSet::new());
+    };
+    let text = git(&["diff", "--name-only", "--relative", &base])?;
+    Ok(text.lines().map(String::from).collect())
+}
+
+fn report((closing, outcome): (Vec<String>, Outcome)) -> Outcome {
     closing.iter().for_each(|line| println!("{line}"));
     outcome
 }
 
-/// The same, with the closing line for a summary.
-pub fn summary(workspace: &Workspace, arguments: &[String]) -> (Vec<String>, Outcome) {
-    match try_all(workspace, arguments) {
-        Ok((tried, survivors)) => {
-            let closing = format!("{} of {tried} mutants noticed", tried - survivors.len());
-            let outcome = match survivors.as_slice() {
-                [] => Ok(()),
-                some => Err(format!("the tests of {PACKAGE} do not notice {}", some.join(", "))),
-            };
-            (vec![closing], outcome)
-        }
+fn summary(workspace: &Workspace, chosen: &[&Mutant]) -> (Vec<String>, Outcome) {
+    match judge(workspace, chosen) {
         Err(sentence) => (Vec::new(), Err(sentence)),
+        Ok(verdicts) => {
+            let of = |wanted: Verdict| -> Vec<&str> {
+                chosen.iter().zip(&verdicts).filter(|(_, v)| **v == wanted).map(|(m, _)| m.name).collect()
+            };
+            let closing = format!("{} of {} mutants noticed", of(Verdict::Noticed).len(), chosen.len());
+            let mut wrong = Vec::new();
+            for (verdict, what) in [(Verdict::Survived, "survived"), (Verdict::TimedOut, "timed out")] {
+                let names = of(verdict);
+                if !names.is_empty() {
+                    wrong.push(format!("{what}: {}", names.join(", ")));
+                }
+            }
+            (vec![closing], if wrong.is_empty() { Ok(()) } else { Err(wrong.join("; ")) })
+        }
     }
 }
 
-fn try_all(workspace: &Workspace, names: &[String]) -> Outcome<(usize, Vec<String>)> {
-    let chosen = choose(names)?;
-    // All texts first: a table that is out of date should not be found out after minutes.
-    for mutant in &chosen {
-        let source = read(&workspace.root.join(mutant.file))?;
-        mutated(mutant, &source)?;
-    }
+fn judge(workspace: &Workspace, chosen: &[&Mutant]) -> Outcome<Vec<Verdict>> {
     let copy = Copy::of(workspace, "mutants")?;
-    shell::stage("mutants: the unbroken copy must pass");
-    match test(workspace, copy.root())? {
-        Ending::Success => {}
-        _ => return Err(format!("the tests of {PACKAGE} fail without any mutant, so they cannot show one")),
+    schema::apply(copy.root(), chosen)?;
+    let packages: BTreeSet<&str> = chosen.iter().flat_map(|m| m.noticed_by).copied().collect();
+    shell::stage(&format!("mutants: compiling {} of them into {:?}", chosen.len(), packages));
+    let mut programs = compile(workspace, copy.root(), &packages)?;
+    shell::stage("mutants: the tests must pass without a mutant");
+    for program in &mut programs {
+        let begin = Instant::now();
+        if run_one(program, 0, Duration::MAX)? != Verdict::Survived {
+            return Err(format!("the tests of {} fail without a mutant", program.package));
+        }
+        program.time = begin.elapsed();
     }
-    let mut survivors = Vec::new();
+    let mut verdicts = Vec::new();
     for (k, mutant) in chosen.iter().enumerate() {
-        shell::stage(&format!("mutant {} of {}: {}: {}", k + 1, chosen.len(), mutant.name, mutant.breaks));
-        let path = copy.root().join(mutant.file);
-        let original = read(&path)?;
-        write(&path, &mutated(mutant, &original)?)?;
-        let ending = test(workspace, copy.root());
-        write(&path, &original)?;
-        match ending.map_err(|e| format!("mutant {}: {e}", mutant.name))? {
-            Ending::Success => {
-                eprintln!("survived: {} ({})", mutant.name, mutant.file);
-                survivors.push(mutant.name.to_owned());
-            }
-            Ending::Failure => eprintln!("noticed"),
-            Ending::TimeUp => eprintln!("noticed: the tests did not end within {} s", TIME_LIMIT.as_secs()),
+        let begin = Instant::now();
+        let verdict = verdict(mutant, k + 1, &programs)?;
+        eprintln!(
+            "{} of {}: {}: {verdict:?} after {:.0} s ({}, {})",
+            k + 1,
+            chosen.len(),
+            mutant.name,
+            begin.elapsed().as_secs_f64(),
+            mutant.breaks,
+            mutant.file
+        );
+        verdicts.push(verdict);
+    }
+    Ok(verdicts)
+}
+
+/// Runs the programs of the mutant's crates until one notices.
+fn verdict(mutant: &Mutant, number: usize, programs: &[Program]) -> Outcome<Verdict> {
+    let mut worst = Verdict::Survived;
+    for program in programs.iter().filter(|p| mutant.noticed_by.contains(&p.package.as_str())) {
+        // A mutant may slow a loop down or make it endless.
+        match run_one(program, number, 5 * program.time + Duration::from_secs(30))? {
+            Verdict::Noticed => return Ok(Verdict::Noticed),
+            Verdict::TimedOut => worst = Verdict::TimedOut,
+            Verdict::Survived => {}
         }
     }
-    Ok((chosen.len(), survivors))
+    Ok(worst)
+}
+
+fn run_one(program: &Program, number: usize, limit: Duration) -> Outcome<Verdict> {
+    let mut command = Command::new(&program.file);
+    command.current_dir(&program.folder).env(schema::VARIABLE, number.to_string());
+    // One failed test is enough.
+    let failed = |line: &str| line.starts_with("test ") && line.ends_with("FAILED");
+    Ok(match shell::run_until(&mut command, failed, limit)? {
+        Ending::Success => Verdict::Survived,
+        Ending::Failure => Verdict::Noticed,
+        Ending::TimeUp => Verdict::TimedOut,
+    })
 }
 
 fn choose(names: &[String]) -> Outcome<Vec<&'static Mutant>> {
     if names.is_empty() {
-        return Ok(table::MUTANTS.iter().collect());
+        return Ok(table::all().collect());
     }
     let find = |name: &String| {
-        table::MUTANTS.iter().find(|m| m.name == name).ok_or_else(|| {
-            let known: Vec<&str> = table::MUTANTS.iter().map(|m| m.name).collect();
+        table::all().find(|m| m.name == name).ok_or_else(|| {
+            let known: Vec<&str> = table::all().map(|m| m.name).collect();
             format!("there is no mutant {name:?}; there are {}", known.join(", "))
         })
     };
     names.iter().map(find).collect()
 }
 
-/// A source with the mutant in it.
-fn mutated(mutant: &Mutant, source: &str) -> Outcome<String> {
-    match source.matches(mutant.text).count() {
-        1 => Ok(source.replacen(mutant.text, mutant.replacement, 1)),
-        n => Err(format!(
-            "mutant {}: {:?} stands {n} times in {}, not once; bring tools/xtask/src/mutants/table.rs up to date",
-            mutant.name, mutant.text, mutant.file
-        )),
-    }
-}
-
-/// Builds and runs the tests in a folder. They share our target folder, so only the changed crates are built.
-fn test(workspace: &Workspace, root: &Path) -> Outcome<Ending> {
+/// Builds the tests in a folder. They share our target folder, so only crates of ours are compiled.
+fn compile(workspace: &Workspace, root: &Path, packages: &BTreeSet<&str>) -> Outcome<Vec<Program>> {
     let mut build = workspace.cargo(&["test", "--release", "--no-run", "--message-format", "json"]);
-    // Doc examples say nothing about physics and take as long as all else.
-    build.args(["--package", PACKAGE, "--lib", "--tests"]);
+    build.args(["--lib", "--tests"]).args(packages.iter().flat_map(|p| ["--package", p]));
     build.current_dir(root).env("CARGO_TARGET_DIR", &workspace.target);
-    let messages = shell::output(&mut build).map_err(|e| format!("the tests do not compile: {e}"))?;
+    let messages = shell::output(&mut build).map_err(|e| format!("the mutants do not compile: {e}"))?;
     let programs = programs(&messages);
-    if programs.is_empty() {
-        return Err(format!("{PACKAGE} has no tests"));
+    match packages.iter().find(|package| !programs.iter().any(|p| p.package == **package)) {
+        Some(package) => Err(format!("{package} has no tests")),
+        None => Ok(programs),
     }
-    // Run without cargo in between, so that one which hangs can be stopped.
-    for (program, folder) in programs {
-        let ending = shell::run_for(Command::new(program).current_dir(folder), TIME_LIMIT)?;
-        if ending != Ending::Success {
-            return Ok(ending);
-        }
-    }
-    Ok(Ending::Success)
 }
 
-/// Test programs that cargo has built, each with the folder of its crate, from cargo's messages.
-fn programs(messages: &str) -> Vec<(PathBuf, PathBuf)> {
+/// Test programs that cargo has built, from cargo's messages.
+fn programs(messages: &str) -> Vec<Program> {
     let parsed = messages.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
     parsed
+        .filter(|message| message["profile"]["test"] == true)
         .filter_map(|message| {
             let folder = Path::new(message["manifest_path"].as_str()?).parent()?;
-            Some((message["executable"].as_str()?.into(), folder.into()))
+            Some(Program {
+                file: message["executable"].as_str()?.into(),
+                folder: folder.into(),
+                package: folder.file_name()?.to_str()?.into(),
+                time: Duration::ZERO,
+            })
         })
         .collect()
 }
@@ -161,45 +233,64 @@ fn write(path: &Path, text: &str) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::BTreeSet;
-
-    const SWAP: Mutant =
-        Mutant { name: "swap", file: "a.rs", text: "a - b", replacement: "b - a", breaks: "the direction" };
-
-    #[test]
-    fn a_text_that_stands_once_is_replaced() {
-        assert_eq!(mutated(&SWAP, "let q = (a - b) / r;").unwrap(), "let q = (b - a) / r;");
-    }
-
-    #[test]
-    fn a_text_that_is_gone_or_not_alone_is_an_error() {
-        for source in ["nothing", "a - b; a - b"] {
-            let error = mutated(&SWAP, source).unwrap_err();
-            assert!(error.contains("swap") && error.contains("a.rs"), "{error}");
-        }
-    }
 
     #[test]
     fn the_table_fits_the_sources_of_now() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        for mutant in table::MUTANTS {
-            mutated(mutant, &read(&root.join(mutant.file)).unwrap()).unwrap();
+        let workspace = Workspace::find().unwrap();
+        let all: Vec<&Mutant> = table::all().collect();
+        for (file, mutants) in schema::by_file(&all) {
+            schema::mutated(&read(&root.join(file)).unwrap(), &mutants).unwrap();
+        }
+        for mutant in table::all() {
             assert_ne!(mutant.text, mutant.replacement, "{}", mutant.name);
+            assert!(!mutant.noticed_by.is_empty(), "{}", mutant.name);
+            for package in mutant.noticed_by {
+                assert!(workspace.packages.iter().any(|p| p.name == *package), "{package}");
+            }
         }
     }
 
     #[test]
     fn programs_are_found_among_cargos_messages() {
-        let messages = r#"{"reason": "compiler-artifact", "manifest_path": "/w/a/Cargo.toml", "executable": null}
-{"reason": "compiler-artifact", "manifest_path": "/w/a/Cargo.toml", "executable": "/t/a-1"}
+        let messages = r#"{"reason": "compiler-artifact", "manifest_path": "/w/a/Cargo.toml", "profile": {"test": true}, "executable": null}
+{"reason": "compiler-artifact", "manifest_path": "/w/a/Cargo.toml", "profile": {"test": true}, "executable": "/t/a-1"}
+{"reason": "compiler-artifact", "manifest_path": "/w/a/Cargo.toml", "profile": {"test": false}, "executable": "/t/a"}
 {"reason": "build-finished", "success": true}"#;
-        assert_eq!(programs(messages), [("/t/a-1".into(), "/w/a".into())]);
+        let found = programs(messages);
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].file.to_str(), found[0].package.as_str()), (Some("/t/a-1"), "a"));
     }
 
     #[test]
     fn names_are_unique_and_an_unknown_one_is_an_error() {
-        let names: BTreeSet<&str> = table::MUTANTS.iter().map(|m| m.name).collect();
-        assert_eq!(names.len(), table::MUTANTS.len());
+        let names: BTreeSet<&str> = table::all().map(|m| m.name).collect();
+        assert_eq!(names.len(), table::all().count());
         assert!(choose(&["no-such-mutant".into()]).unwrap_err().contains("no-such-mutant"));
+    }
+
+    #[test]
+    fn a_test_that_hangs_has_not_noticed() {
+        let shell = |script: &str| {
+            let folder =
+                std::env::temp_dir().join(format!("mutants-{}-{}", std::process::id(), script.len()));
+            std::fs::write(&folder, format!("#!/bin/sh\n{script}\n")).unwrap();
+            let mut permissions = std::fs::metadata(&folder).unwrap().permissions();
+            std::os::unix::fs::PermissionsExt::set_mode(&mut permissions, 0o755);
+            std::fs::set_permissions(&folder, permissions).unwrap();
+            Program { file: folder, folder: "/".into(), package: "a".into(), time: Duration::ZERO }
+        };
+        let cases = [
+            ("exec sleep 60", Verdict::TimedOut),
+            ("echo 'test a ... FAILED'; exec sleep 61", Verdict::Noticed),
+            ("exit 101", Verdict::Noticed),
+            ("echo 'test a ... ok'", Verdict::Survived),
+        ];
+        for (script, verdict) in cases {
+            let program = shell(script);
+            let found = run_one(&program, 1, Duration::from_millis(500));
+            std::fs::remove_file(&program.file).unwrap();
+            assert_eq!(found.unwrap(), verdict, "{script}");
+        }
     }
 }

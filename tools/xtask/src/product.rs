@@ -1,4 +1,4 @@
-//! The product: the `motor-fmu` program, the archives it builds, and an environment that finds both.
+//! The product: the `motor-fmu` program, the archives it builds, and a Python environment with the paths of both.
 
 use crate::{Outcome, shell, workspace::Workspace};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub fn archives(workspace: &Workspace) -> Outcome {
     shell::run(motor_fmu(workspace).arg("build").args(models).args(["--preset", preset, "--out"]).arg(out))
 }
 
-/// Validates every archive in dist/; that there is none is an error.
+/// Validates every archive in dist/; an empty folder is an error.
 pub fn validate(workspace: &Workspace) -> Outcome {
     let mut files = Vec::new();
     for standard in ["fmi2", "fmi3"] {
@@ -45,7 +45,7 @@ pub fn motor_fmu(workspace: &Workspace) -> Command {
     command
 }
 
-/// Python that finds archives and program.
+/// Python with the paths of archives and program.
 pub fn python(workspace: &Workspace, python: &Path) -> Command {
     let mut command = Command::new(python);
     command
@@ -53,7 +53,7 @@ pub fn python(workspace: &Workspace, python: &Path) -> Command {
         .env("MOTOR_FMU_DIST", workspace.dist())
         .env("MOTOR_FMU_BIN", workspace.program("motor-fmu"))
         .env("PYTHONDONTWRITEBYTECODE", "1")
-        // Into a pipe Python would else write its progress in blocks of minutes.
+        // Else Python buffers its progress for minutes when it writes to a pipe.
         .env("PYTHONUNBUFFERED", "1");
     command
 }

@@ -3,6 +3,7 @@
 use crate::Outcome;
 use std::io::{BufRead, BufReader, IsTerminal};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 /// Announces a stage of work.
@@ -77,23 +78,32 @@ pub enum Ending {
     TimeUp,
 }
 
-/// Runs a command silently, and stops it when the time is up.
-pub fn run_for(command: &mut Command, limit: Duration) -> Outcome<Ending> {
+/// Runs a command silently, and stops it when the time is up or when a line of its output has the answer no.
+pub fn run_until(command: &mut Command, no: impl Fn(&str) -> bool, limit: Duration) -> Outcome<Ending> {
     let begin = Instant::now();
-    let mut child = start(command.stdout(Stdio::null()).stderr(Stdio::null()))?;
+    let mut child = start(command.stdout(Stdio::piped()).stderr(Stdio::null()))?;
+    let (sender, lines) = std::sync::mpsc::channel();
+    let output = BufReader::new(child.stdout.take().expect("stdout is piped"));
+    // Not joined: it ends with the output, which a grandchild may keep open.
+    std::thread::spawn(move || output.lines().map_while(Result::ok).all(|line| sender.send(line).is_ok()));
+    let mut stop = |ending| {
+        // It may end by itself between the two calls; then there is nothing to stop.
+        let _ = child.kill();
+        let _ = child.wait();
+        Ok(ending)
+    };
     loop {
-        match child.try_wait().map_err(|e| format!("`{}` was lost: {e}", spelled(command)))? {
-            Some(status) if status.success() => return Ok(Ending::Success),
-            Some(_) => return Ok(Ending::Failure),
-            None if begin.elapsed() > limit => {
-                // It may end by itself between the two calls; then there is nothing to stop.
-                let _ = child.kill();
-                let _ = child.wait();
-                return Ok(Ending::TimeUp);
-            }
-            None => std::thread::sleep(Duration::from_millis(20)),
+        let left = limit.saturating_sub(begin.elapsed());
+        match lines.recv_timeout(left.min(Duration::from_secs(3600))) {
+            Ok(line) if no(&line) => return stop(Ending::Failure),
+            Ok(_) => {}
+            Err(RecvTimeoutError::Timeout) if left.is_zero() => return stop(Ending::TimeUp),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
         }
     }
+    let status = child.wait().map_err(|e| format!("`{}` was lost: {e}", spelled(command)))?;
+    Ok(if status.success() { Ending::Success } else { Ending::Failure })
 }
 
 #[cfg(all(test, unix))]
@@ -128,9 +138,12 @@ mod tests {
 
     #[test]
     fn a_command_that_hangs_is_stopped() {
-        let limit = Duration::from_millis(100);
-        assert_eq!(run_for(Command::new("sleep").arg("60"), limit).unwrap(), Ending::TimeUp);
-        assert_eq!(run_for(&mut sh("exit 1"), Duration::from_secs(60)).unwrap(), Ending::Failure);
-        assert_eq!(run_for(&mut sh("exit 0"), Duration::from_secs(60)).unwrap(), Ending::Success);
+        let run = |script: &str, limit: u64| {
+            run_until(&mut sh(script), |line| line == "no", Duration::from_millis(limit)).unwrap()
+        };
+        assert_eq!(run("exec sleep 60", 100), Ending::TimeUp);
+        assert_eq!(run("echo no; exec sleep 61", 60_000), Ending::Failure);
+        assert_eq!(run("exit 1", 60_000), Ending::Failure);
+        assert_eq!(run("echo yes", 60_000), Ending::Success);
     }
 }

@@ -1,69 +1,79 @@
-//! `cargo xtask test`: every check there is. A failed stage does not stop the others.
+//! `cargo xtask test`: all tests of the everyday run. `cargo xtask nightly` adds those that take longer.
 
-use crate::{Outcome, mutants, product, shell, tidy, venv, workspace::Workspace};
+use crate::{Outcome, mutants, product, shell, stages::Stages, tidy, venv, workspace::Workspace};
+use std::path::PathBuf;
+use std::process::Command;
 
-/// What the stages have said.
-#[derive(Default)]
-struct Summary {
-    lines: Vec<String>,
-    failures: usize,
+/// Targets that are compiled for the tests: one set, so that no later stage compiles anything again.
+const TARGETS: [&str; 5] = ["--release", "--workspace", "--lib", "--bins", "--tests"];
+
+/// Which tests of pytest, and which mutants.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// Tests without the mark `nightly`; mutants of changed files.
+    Everyday,
+    /// All.
+    Full,
 }
 
-impl Summary {
-    /// Runs a stage and keeps its closing lines.
-    fn stage(&mut self, name: &str, run: impl FnOnce() -> (Vec<String>, Outcome)) -> bool {
-        shell::stage(name);
-        let (closing, outcome) = run();
-        self.lines.extend(closing.into_iter().map(|line| format!("{name}: {line}")));
-        match &outcome {
-            Ok(()) => self.lines.push(format!("{name}: ok")),
-            Err(sentence) => {
-                self.failures += 1;
-                eprintln!("{name}: {sentence}");
-                self.lines.push(format!("{name}: FAILED: {sentence}"));
-            }
-        }
-        outcome.is_ok()
-    }
-}
-
-/// Runs all stages. Takes no arguments.
+/// Runs the everyday stages. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     if let Some(extra) = arguments.first() {
         return Err(format!("`test` takes no arguments, got {extra:?}"));
     }
-    let mut summary = Summary::default();
-    summary.stage("tidy", || (Vec::new(), tidy::run(workspace, &[])));
-    summary.stage("cargo test", || {
-        let mut command = workspace.cargo(&["test", "--release", "--workspace", "--no-fail-fast"]);
-        shell::run_keeping(&mut command, |line| line.starts_with("test result:"))
-    });
-    let built = summary.stage("build", || {
-        (Vec::new(), product::build(workspace).and_then(|()| product::archives(workspace)))
-    });
-    summary.stage("pytest", || match python_tests(workspace, built) {
-        Ok(mut command) => shell::run_keeping(&mut command, is_pytest_closing),
-        Err(sentence) => (Vec::new(), Err(sentence)),
-    });
-    summary.stage("removals", || mutants::removal::summary(workspace));
-    summary.stage("mutants", || mutants::summary(workspace, &[]));
-
-    shell::stage("summary");
-    summary.lines.iter().for_each(|line| println!("{line}"));
-    match summary.failures {
-        0 => Ok(()),
-        1 => Err("1 stage failed".into()),
-        n => Err(format!("{n} stages failed")),
-    }
+    let mut stages = Stages::default();
+    common(workspace, Extent::Everyday, &mut stages);
+    stages.keeping("mutants of changed files", || mutants::changed(workspace));
+    stages.finish()
 }
 
-fn python_tests(workspace: &Workspace, built: bool) -> Outcome<std::process::Command> {
+/// The stages that both runs have: compiler, checks of the sources, Rust tests, archives, Python tests.
+pub fn common(workspace: &Workspace, extent: Extent, stages: &mut Stages) {
+    std::thread::scope(|scope| {
+        // Packages come from the network while the compiler has the processors.
+        let python = scope.spawn(|| venv::python(workspace));
+        let compiled = stages.run("compile", || shell::run(workspace.cargo(&["build"]).args(TARGETS)));
+        // The tests of `describe` compare the generated files, so `tidy` need not.
+        stages.run("tidy", || tidy::sources(workspace));
+        stages.keeping("cargo test", || {
+            let mut command = workspace.cargo(&["test", "--no-fail-fast"]);
+            shell::run_keeping(command.args(TARGETS), is_cargo_closing)
+        });
+        stages.keeping("cargo test --doc", || {
+            let mut command =
+                workspace.cargo(&["test", "--no-fail-fast", "--release", "--workspace", "--doc"]);
+            shell::run_keeping(&mut command, is_cargo_closing)
+        });
+        let built = compiled && stages.run("archives", || product::archives(workspace));
+        stages.keeping("pytest", || {
+            let python = python.join().unwrap_or_else(|_| Err("the set-up of Python panicked".into()));
+            match python_tests(workspace, built, extent, python) {
+                Ok(mut command) => shell::run_keeping(&mut command, is_pytest_closing),
+                Err(sentence) => (Vec::new(), Err(sentence)),
+            }
+        });
+    });
+}
+
+fn python_tests(
+    workspace: &Workspace,
+    built: bool,
+    extent: Extent,
+    python: Outcome<PathBuf>,
+) -> Outcome<Command> {
     if !built {
-        return Err("there are no fresh archives to test, because the build failed".into());
+        return Err("there are no new archives to test, because the build failed".into());
     }
-    let mut command = product::python(workspace, &venv::python(workspace)?);
-    command.args(["-m", "pytest", "tests/python"]);
+    let mut command = product::python(workspace, &python?);
+    command.args(["-m", "pytest", "tests/python", "--durations=15", "--numprocesses=2", "--dist=loadgroup"]);
+    if extent == Extent::Everyday {
+        command.args(["-m", "not nightly"]);
+    }
     Ok(command)
+}
+
+fn is_cargo_closing(line: &str) -> bool {
+    line.starts_with("test result:")
 }
 
 /// pytest's last line, `12 passed in 3.4s` with or without a frame.
@@ -80,19 +90,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_closing_line_is_told_from_others() {
+    fn the_closing_line_is_distinguished_from_others() {
         assert!(is_pytest_closing("12 passed in 3.41s"));
         assert!(is_pytest_closing("===== 1 failed, 11 passed in 3.41s ====="));
         assert!(!is_pytest_closing("tests/python/test_gait.py ....  [ 10%]"));
         assert!(!is_pytest_closing("E   assert 12 passed"));
-    }
-
-    #[test]
-    fn a_failed_stage_is_counted_and_the_next_one_runs() {
-        let mut summary = Summary::default();
-        assert!(!summary.stage("a", || (vec!["1 failed".into()], Err("no".into()))));
-        assert!(summary.stage("b", || (Vec::new(), Ok(()))));
-        assert_eq!(summary.failures, 1);
-        assert_eq!(summary.lines, ["a: 1 failed", "a: FAILED: no", "b: ok"]);
     }
 }

@@ -1,18 +1,22 @@
-//! `cargo xtask tidy`: what a reader relies on without looking.
+//! `cargo xtask tidy`: format, lints, dependencies between crates, lengths of files, generated files, licences.
 
 mod arrows;
+mod circles;
 mod lengths;
+mod modules;
 mod words;
 
 use crate::{Outcome, describe, licenses, shell, workspace::Workspace};
 
-/// A check: what it is called while it runs, and the check.
+/// A check with its name.
 type Check = (&'static str, fn(&Workspace) -> Outcome);
 
 const CHECKS: &[Check] = &[
     ("format", |w| shell::run(&mut w.cargo(&["fmt", "--all", "--check"]))),
     ("dependency arrows", arrows::check),
+    ("import circles", circles::check),
     ("file lengths", lengths::check),
+    ("modules of tests", modules::check),
     ("words", words::check),
     ("lints", |w| {
         shell::run(&mut w.cargo(&[
@@ -26,17 +30,28 @@ const CHECKS: &[Check] = &[
             "warnings",
         ]))
     }),
-    ("generated files", describe::check),
     ("licences", licenses::check),
 ];
+
+/// The tests of `describe` do the same, so `cargo xtask test` need not.
+const GENERATED: Check = ("generated files", describe::check);
 
 /// Runs every check, failed or not. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     if let Some(extra) = arguments.first() {
         return Err(format!("`tidy` takes no arguments, got {extra:?}"));
     }
+    all(workspace, CHECKS.iter().chain([&GENERATED]))
+}
+
+/// Runs the checks that no test repeats.
+pub fn sources(workspace: &Workspace) -> Outcome {
+    all(workspace, CHECKS.iter())
+}
+
+fn all<'a>(workspace: &Workspace, checks: impl Iterator<Item = &'a Check>) -> Outcome {
     let mut failed = Vec::new();
-    for (name, check) in CHECKS {
+    for (name, check) in checks {
         shell::stage(&format!("tidy: {name}"));
         if let Err(sentence) = check(workspace) {
             eprintln!("{name}: {sentence}");

@@ -12,7 +12,7 @@ const CROSS: &str = "tools/xtask/cross-requirements.txt";
 /// Of `cargo xtask importers`: what bindings to C are made with.
 const IMPORTERS: &str = "tests/importers/requirements.txt";
 const OLDEST: (u32, u32) = (3, 10);
-/// Says which requirements the venv has, so that it is made again when they change and only then.
+/// The requirements of the venv; it is made again when they change.
 const STAMP: &str = "requirements.stamp";
 
 /// The Python of tests and examples, made first if it is not there or has other packages.

@@ -1,18 +1,18 @@
-//! What cargo knows of the workspace: where it is, where it builds, and what depends on what.
+//! The workspace as cargo describes it: folders, packages and their dependencies.
 
 use crate::{Outcome, shell};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A crate of ours.
+/// A crate of the workspace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Package {
     /// Its name.
     pub name: String,
-    /// Crates of ours that it needs in the product (normal dependencies).
+    /// Crates of the workspace that it needs in the product (normal dependencies).
     pub needs: Vec<String>,
-    /// Crates of ours that only its tests and benches need.
+    /// Crates of the workspace that only its tests and benches need.
     pub needs_in_tests: Vec<String>,
     /// Its benches have a target.
     pub has_benches: bool,
@@ -25,7 +25,7 @@ pub struct Workspace {
     pub root: PathBuf,
     /// The folder that cargo builds in.
     pub target: PathBuf,
-    /// All crates of ours.
+    /// All crates of the workspace.
     pub packages: Vec<Package>,
 }
 
@@ -74,7 +74,7 @@ impl Workspace {
         command
     }
 
-    /// A program of ours, built in the release profile.
+    /// A program of the workspace, built in the release profile.
     pub fn program(&self, name: &str) -> PathBuf {
         self.target.join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kinds_of_dependencies_are_told_apart_and_others_crates_left_out() {
+    fn kinds_of_dependencies_are_distinguished_and_third_party_crates_left_out() {
         let metadata = serde_json::json!({
             "workspace_root": "/w", "target_directory": "/t",
             "packages": [

@@ -1,9 +1,10 @@
 //! FMI 2.0: the functions of Model Exchange, section 3.2 of the standard.
 
 use super::{Boolean, Component};
-use crate::boundary::{Outcome, array, array_mut, enter, place};
+use crate::boundary::{array, array_mut, enter, place};
 use crate::instance::{Instance, Interface};
 use crate::logger::Status;
+use crate::refusal::Outcome;
 
 /// What an event brought about.
 #[repr(C)]

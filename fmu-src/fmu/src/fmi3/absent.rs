@@ -1,9 +1,10 @@
 //! Functions that importers resolve when they load the library and that these FMUs declare not to have.
 
 use super::{Boolean, InstanceHandle};
-use crate::boundary::{Refused, Wanted, enter, hand_out};
+use crate::boundary::{Instantiation, enter, instantiate};
 use crate::instance::{Interface, Part, Standard};
 use crate::logger::{Logger3, Status};
+use crate::refusal::Refused;
 use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
 
@@ -27,11 +28,11 @@ unsafe fn refuse_to_make(
     environment: *mut c_void,
     log_message: Option<Logger3>,
 ) -> InstanceHandle {
-    let beyond = Some(format!("{interface} is not in this FMU; Model Exchange and Co-Simulation are."));
+    let unsupported = Some(format!("{interface} is not in this FMU; Model Exchange and Co-Simulation are."));
     let sink = super::sink(log_message, environment);
     // SAFETY: as the crate's documentation says.
     unsafe {
-        hand_out(Wanted {
+        instantiate(Instantiation {
             function,
             standard: Standard::Three,
             interface: Interface::CoSimulation,
@@ -42,7 +43,7 @@ unsafe fn refuse_to_make(
             locate: of_path,
             sink,
             logging_on: false,
-            beyond,
+            unsupported,
         })
     }
 }

@@ -1,9 +1,10 @@
 //! FMI 3.0: Model Exchange, and the events that it shares with Co-Simulation.
 
 use super::{Boolean, InstanceHandle, sink};
-use crate::boundary::{Outcome, Wanted, array, array_mut, enter, hand_out, place, write};
+use crate::boundary::{Instantiation, array, array_mut, enter, instantiate, place, write};
 use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Logger3, Status};
+use crate::refusal::Outcome;
 use crate::resources::of_path;
 use std::ffi::{c_char, c_void};
 
@@ -20,7 +21,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
 ) -> InstanceHandle {
     // SAFETY: as the crate's documentation says; so for every block below.
     unsafe {
-        hand_out(Wanted {
+        instantiate(Instantiation {
             function: "fmi3InstantiateModelExchange",
             standard: Standard::Three,
             interface: Interface::ModelExchange,
@@ -31,7 +32,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
             locate: of_path,
             sink: sink(log_message, environment),
             logging_on: logging_on != 0,
-            beyond: None,
+            unsupported: None,
         })
     }
 }
@@ -66,7 +67,7 @@ pub unsafe extern "C" fn fmi3EvaluateDiscreteStates(instance: InstanceHandle) ->
     unsafe { enter(instance, "fmi3EvaluateDiscreteStates", |i| i.require_event()) }
 }
 
-/// Lets what is held between events follow.
+/// Updates the discrete outputs, which are constant between events.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     instance: InstanceHandle,

@@ -1,8 +1,10 @@
-//! FMI 3.0: Co-Simulation, with events, early return and looks into steps where the importer takes part in them.
+//! FMI 3.0: Co-Simulation, with event mode, early return and intermediate update where the importer uses them.
 
 use super::{Boolean, InstanceHandle, sink};
-use crate::boundary::{Wanted, array, enter, hand_out, write};
-use crate::instance::{Course, Ended, Instance, Interface, IntermediateUpdate, Look, Part, Standard};
+use crate::boundary::{Instantiation, array, enter, instantiate, write};
+use crate::instance::{
+    Ended, Instance, Interface, IntermediateUpdate, IntermediateUpdates, Part, Standard, StepInParts,
+};
 use crate::life_cycle;
 use crate::logger::{Logger3, Status};
 use crate::resources::of_path;
@@ -26,17 +28,18 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
 ) -> InstanceHandle {
     // SAFETY: as the crate's documentation says; so for every block below.
     let references = unsafe { array(intermediate, n_intermediate, "requiredIntermediateVariables") };
-    let (references, beyond) = match (references, intermediate_update) {
+    let (references, unsupported) = match (references, intermediate_update) {
         (Err(refused), _) => (Vec::new(), Some(refused.message)),
         (Ok([_, ..]), None) => {
             (Vec::new(), Some("there are intermediate variables and no intermediateUpdate.".to_string()))
         }
         (Ok(references), _) => (references.to_vec(), None),
     };
-    let look = intermediate_update.map(|callback| Look { callback, environment, references });
-    let part = Part { event_mode: event_mode_used != 0, early_return: early_return_allowed != 0, look };
+    let updates =
+        intermediate_update.map(|callback| IntermediateUpdates { callback, environment, references });
+    let part = Part { event_mode: event_mode_used != 0, early_return: early_return_allowed != 0, updates };
     unsafe {
-        hand_out(Wanted {
+        instantiate(Instantiation {
             function: "fmi3InstantiateCoSimulation",
             standard: Standard::Three,
             interface: Interface::CoSimulation,
@@ -47,7 +50,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             locate: of_path,
             sink: sink(log_message, environment),
             logging_on: logging_on != 0,
-            beyond,
+            unsupported,
         })
     }
 }
@@ -70,12 +73,12 @@ pub unsafe extern "C" fn fmi3DoStep(
     early_return: *mut Boolean,
     last_successful_time: *mut f64,
 ) -> Status {
-    let mut course = None;
+    let mut parts = None;
     let (mut ended, mut over) = (Ended::default(), false);
     unsafe {
         let mut status = enter(instance, "fmi3DoStep", |i| {
-            let outcome = if i.is_looked_into() {
-                i.begin(at, h).map(|begun| course = Some(begun))
+            let outcome = if i.has_intermediate_updates() {
+                i.begin(at, h).map(|begun| parts = Some(begun))
             } else {
                 i.stride(at, h).map(|there| ended = there)
             };
@@ -84,9 +87,9 @@ pub unsafe extern "C" fn fmi3DoStep(
             ended.early = over && i.may_return_early();
             i.unless_over("fmi3DoStep", outcome)
         });
-        if let (Some(course), Status::Ok) = (&mut course, status) {
-            status = look_on(instance, course, last_successful_time, &mut over);
-            ended = course.ended;
+        if let (Some(parts), Status::Ok) = (&mut parts, status) {
+            status = step_with_updates(instance, parts, last_successful_time, &mut over);
+            ended = parts.ended;
         }
         write(event_handling_needed, Boolean::from(ended.event));
         write(terminate_simulation, Boolean::from(over));
@@ -95,10 +98,10 @@ pub unsafe extern "C" fn fmi3DoStep(
     }
 }
 
-/// Takes a step part by part. The importer looks in while nothing here refers to the instance.
-unsafe fn look_on(
+/// Takes a step in parts. The intermediate update callback runs while nothing here refers to the instance.
+unsafe fn step_with_updates(
     instance: InstanceHandle,
-    course: &mut Course,
+    parts: &mut StepInParts,
     last_successful_time: *mut f64,
     over: &mut bool,
 ) -> Status {
@@ -106,10 +109,10 @@ unsafe fn look_on(
         let mut view = None;
         let status = unsafe {
             enter(instance, "fmi3DoStep", |i| {
-                let outcome = i.part(course).map(|seen| view = seen);
+                let outcome = i.part(parts).map(|seen| view = seen);
                 write(last_successful_time, i.time());
                 *over = i.end().is_some();
-                course.ended.early |= *over && i.may_return_early();
+                parts.ended.early |= *over && i.may_return_early();
                 i.unless_over("fmi3DoStep", outcome)
             })
         };
@@ -128,7 +131,7 @@ unsafe fn look_on(
             );
         }
         let until = (requested != 0 && view.may_return).then_some(until);
-        let status = unsafe { enter(instance, "fmi3DoStep", |i| Instance::looked(i, course, until)) };
+        let status = unsafe { enter(instance, "fmi3DoStep", |i| Instance::after_update(i, parts, until)) };
         if status != Status::Ok {
             return status;
         }

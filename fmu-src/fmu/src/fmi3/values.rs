@@ -39,7 +39,7 @@ macro_rules! values {
     )*};
 }
 
-/// A type without variables: what is read is never used, what is set never looked at.
+/// A type without variables: the values are neither written nor read.
 fn none<T>(_: T) -> f64 {
     f64::NAN
 }

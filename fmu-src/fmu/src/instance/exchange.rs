@@ -1,7 +1,7 @@
 //! Model Exchange: what an importer may ask of an instance that it integrates itself.
 
 use super::{Instance, Mode};
-use crate::boundary::{Outcome, Refused};
+use crate::refusal::{Outcome, Refused};
 use physics::model::Fault;
 
 /// Where derivatives, states and indicators may be read.

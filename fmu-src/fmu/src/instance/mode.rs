@@ -1,9 +1,9 @@
-//! What instances and their calls are told apart by.
+//! Standards, interface types, modes and types of the C interface.
 
 use physics::declare::Kind;
 use physics::model::Entry;
 
-/// Which standard an importer speaks.
+/// The standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standard {
     /// FMI 2.0.
@@ -12,13 +12,13 @@ pub enum Standard {
     Three,
 }
 
-/// Who integrates.
+/// The interface type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Interface {
-    /// The instance, from one communication point to the next.
+    /// The instance integrates from one communication point to the next.
     CoSimulation = 0,
-    /// The importer.
+    /// The importer integrates.
     ModelExchange = 1,
 }
 
@@ -31,11 +31,11 @@ impl Interface {
     }
 }
 
-/// Where an instance is in its life cycle.
+/// State of the life cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Mode {
-    /// Made, not yet initializing.
+    /// Instantiated, before initialization.
     Instantiated = 0,
     /// Between entering and exiting initialization.
     Initialization = 1,
@@ -43,15 +43,15 @@ pub enum Mode {
     Step = 2,
     /// Terminated.
     Terminated = 3,
-    /// An internal failure left it in doubt.
-    Broken = 4,
+    /// Error state after an internal failure: only reset and free remain.
+    Error = 4,
     /// At an event.
     Event = 5,
     /// Between events of Model Exchange.
     Continuous = 6,
     /// Before initialization, where sizes of arrays are chosen.
     Configuration = 7,
-    /// In the middle of a step, while the importer looks in.
+    /// Intermediate update mode, within a step.
     Intermediate = 8,
 }
 
@@ -67,16 +67,16 @@ impl Mode {
             Mode::Initialization => "in initialization mode",
             Mode::Step => "in step mode",
             Mode::Terminated => "terminated",
-            Mode::Broken => "broken by an internal failure",
+            Mode::Error => "in error state after an internal failure",
             Mode::Event => "in event mode",
             Mode::Continuous => "in continuous-time mode",
             Mode::Configuration => "in configuration mode",
-            Mode::Intermediate => "in the middle of a step",
+            Mode::Intermediate => "in intermediate update mode",
         }
     }
 }
 
-/// Every mode in which an instance can be saved: not after a failure, nor in the middle of a step.
+/// Every mode in which an instance can be saved: neither error state nor intermediate update mode.
 pub(super) const LIVING: &[Mode] = &[
     Mode::Instantiated,
     Mode::Initialization,
@@ -87,7 +87,7 @@ pub(super) const LIVING: &[Mode] = &[
     Mode::Configuration,
 ];
 
-/// Which of the interface's types a call speaks of.
+/// The type of the variables of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
     /// FMI 2 Real, FMI 3 Float64.

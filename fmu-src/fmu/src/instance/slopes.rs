@@ -1,7 +1,7 @@
 //! Directional and adjoint derivatives: what may be asked for, and of what (`physics/src/slopes.rs` takes them).
 
 use super::{Instance, Interface, Mode, Type};
-use crate::boundary::{Outcome, Refused};
+use crate::refusal::{Outcome, Refused};
 use physics::declare::{Causality, Kind, Variability};
 use physics::model::{Entry, Slot, TIME};
 use physics::slopes::{Known, Move, SHORT_WAY, Slope, Slopes, Unknown, WAY};

@@ -1,57 +1,57 @@
-//! Steps that an importer of FMI 3 takes part in: it handles events, lets steps return early, and looks in on the way.
+//! Co-Simulation steps of FMI 3 with event mode, early return and intermediate update.
 //!
 //! *Events* are what changes a discrete output, and what comes at a time that is known. A sector of commutation or a bridge that
 //! turns round changes nothing that an importer could see at once: the step takes these by itself, as it takes all of them
 //! where the importer has no event mode. A discrete output stands from one event to the next.
 //! *Early return*: at an event the step ends, found by halving to [`NEAR`] of the step, with the output on its new side.
-//! *Looks*: a step is taken in [`PARTS`] equal parts, each accurate by itself, and after each the importer may read what it
-//! named, set continuous inputs, and end the step there or later. A step that fails in any part has not been taken.
+//! *Intermediate update*: a step is taken in [`PARTS`] equal parts, each accurate by itself, and after each the importer may read its
+//! intermediate variables, set continuous inputs, and end the step there or later. A step that fails in any part is undone.
 //!
-//! An importer that takes no part gets the plain step, bit for bit.
+//! Without these features the result is that of the plain step, bit for bit.
 
 use super::{Instance, Interface, Mode};
-use crate::boundary::{Outcome, Refused};
+use crate::refusal::{Outcome, Refused};
 use physics::declare::{Causality, Variability};
 use physics::effects::IMMINENT;
 use physics::exchange::Update;
 use physics::model::{Declaration, Entry, Model, Slot};
 use std::ffi::c_void;
 
-/// Parts of a step that is looked into.
+/// Parts of a step with intermediate updates.
 const PARTS: u32 = 4;
-/// How near an event is found, as a share of the step.
+/// Tolerance of the event time, relative to the step.
 const NEAR: f64 = 1e-6;
 
 /// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether values may be read, whether the part is final,
 /// whether the step may end here; whether it is to end, and when. Booleans are bytes, as everywhere here.
 pub type IntermediateUpdate = unsafe extern "C" fn(*mut c_void, f64, u8, u8, u8, u8, *mut u8, *mut f64);
 
-/// How an importer looks into steps.
+/// The intermediate update callback and its variables.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct IntermediateUpdates {
     /// Called after each part.
     pub callback: IntermediateUpdate,
-    /// Handed back to it.
+    /// Its first argument.
     pub environment: *mut c_void,
-    /// What it reads and sets.
+    /// Intermediate variables.
     pub references: Vec<u32>,
 }
 
-/// What an importer takes part in.
+/// Optional features of Co-Simulation that the importer uses.
 #[derive(Clone, Debug, Default)]
 pub struct Part {
-    /// It handles events.
+    /// Event mode.
     pub event_mode: bool,
-    /// A step may end before its end.
+    /// Early return.
     pub early_return: bool,
-    /// It looks into steps.
-    pub look: Option<Look>,
+    /// Intermediate update.
+    pub updates: Option<IntermediateUpdates>,
 }
 
 impl Part {
-    /// Refuses a look at what cannot be seen.
+    /// Refuses intermediate variables that are no continuous inputs or outputs.
     pub(super) fn check(&self, declaration: &Declaration) -> Outcome {
-        for &reference in self.look.iter().flat_map(|look| &look.references) {
+        for &reference in self.updates.iter().flat_map(|updates| &updates.references) {
             let entry = declaration.by_reference(reference);
             if !entry.is_some_and(Entry::is_intermediate) {
                 let name = entry.map_or_else(|| format!("value reference {reference}"), |e| e.name.clone());
@@ -64,7 +64,7 @@ impl Part {
         Ok(())
     }
 
-    /// Where the outputs are that change at events alone.
+    /// Places of the discrete outputs.
     pub(super) fn discrete(&self, declaration: &Declaration) -> Vec<Slot> {
         let shown = |entry: &&Entry| {
             entry.row.causality == Causality::Output && entry.row.variability == Variability::Discrete
@@ -72,9 +72,9 @@ impl Part {
         declaration.entries.iter().filter(shown).map(|entry| entry.slot).collect()
     }
 
-    /// Whether a variable is among those that are looked at.
-    pub(super) fn sees(&self, entry: &Entry) -> bool {
-        self.look.as_ref().is_some_and(|look| look.references.contains(&entry.value_reference))
+    /// Whether it is an intermediate variable.
+    pub(super) fn has_intermediate(&self, entry: &Entry) -> bool {
+        self.updates.as_ref().is_some_and(|updates| updates.references.contains(&entry.value_reference))
     }
 }
 
@@ -87,11 +87,11 @@ pub struct Ended {
     pub early: bool,
 }
 
-/// A step that is looked into.
+/// A step with intermediate updates.
 #[derive(Clone, Copy, Debug)]
-pub struct Course {
-    /// Where it began and where it is to end, s.
-    begun: f64,
+pub struct StepInParts {
+    /// Start and end, s.
+    start: f64,
     end: f64,
     /// The length that was asked for, s.
     h: f64,
@@ -102,16 +102,16 @@ pub struct Course {
     pub ended: Ended,
 }
 
-/// What the importer is shown between two parts.
+/// One intermediate update.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// Its function.
     pub callback: IntermediateUpdate,
-    /// Handed back to it.
+    /// Its first argument.
     pub environment: *mut c_void,
     /// The time reached, s.
     pub time: f64,
-    /// Whether inputs are among what it named.
+    /// Whether inputs are among the intermediate variables.
     pub sets: bool,
     /// Whether the step may end here.
     pub may_return: bool,
@@ -134,7 +134,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Lets what is held between events follow.
+    /// Updates the discrete outputs, which are constant between events.
     pub fn update(&mut self) -> Outcome<Update> {
         self.require(&[Mode::Event])?;
         if self.interface == Interface::ModelExchange {
@@ -148,27 +148,30 @@ impl Instance {
 
     /// Discrete outputs show what they are now.
     pub(super) fn hold(&mut self) {
-        for (held, slot) in self.held.iter_mut().zip(&self.discrete) {
-            *held = self.model.get(*slot);
+        for (discrete_pre, slot) in self.discrete_pre.iter_mut().zip(&self.discrete) {
+            *discrete_pre = self.model.get(*slot);
         }
     }
 
     /// What a discrete output shows since the last event.
-    pub(super) fn held(&mut self, slot: Slot) -> f64 {
+    pub(super) fn discrete_pre(&mut self, slot: Slot) -> f64 {
         match self.discrete.iter().position(|s| *s == slot) {
-            Some(k) => self.held[k],
+            Some(k) => self.discrete_pre[k],
             None => self.model.get(slot),
         }
     }
 
     /// Whether a discrete output is no longer what it shows.
     fn is_due(&mut self) -> bool {
-        self.held.iter().zip(&self.discrete).any(|(held, slot)| self.model.get(*slot) != *held)
+        self.discrete_pre
+            .iter()
+            .zip(&self.discrete)
+            .any(|(discrete_pre, slot)| self.model.get(*slot) != *discrete_pre)
     }
 
-    /// Whether the importer looks into steps.
-    pub fn is_looked_into(&self) -> bool {
-        self.part.look.is_some()
+    /// Whether steps have intermediate updates.
+    pub fn has_intermediate_updates(&self) -> bool {
+        self.part.updates.is_some()
     }
 
     /// A step from the communication point `at`, s, by `h` seconds, or to an event within it.
@@ -195,9 +198,9 @@ impl Instance {
         }
         // What the importer has not yet handled is no reason to stop again.
         let due = self.is_due();
-        let before = copy(self.begun.take(), self.model.as_ref());
+        let before = copy(self.step_start.take(), self.model.as_ref());
         if let Err(fault) = self.model.step(at, way) {
-            self.begun = Some(before);
+            self.step_start = Some(before);
             return Err(self.halted(fault));
         }
         let new = !due && self.is_due();
@@ -205,7 +208,7 @@ impl Instance {
         if found.is_err() {
             self.model.copy_from(before.as_ref());
         }
-        self.begun = Some(before);
+        self.step_start = Some(before);
         let found = found?;
         ended.early |= found < way;
         ended.event = due || new || (ahead && timed <= at + way + IMMINENT);
@@ -233,25 +236,25 @@ impl Instance {
         Ok(high)
     }
 
-    /// Begins a step that is looked into.
-    pub fn begin(&mut self, at: f64, h: f64) -> Outcome<Course> {
+    /// Begins a step with intermediate updates.
+    pub fn begin(&mut self, at: f64, h: f64) -> Outcome<StepInParts> {
         self.require_step(at, h)?;
-        let looked = self.looked_from.take();
-        self.looked_from = Some(copy(looked, self.model.as_ref()));
-        Ok(Course { begun: at, end: at + h, h, taken: 0, done: false, ended: Ended::default() })
+        let earlier = self.update_start.take();
+        self.update_start = Some(copy(earlier, self.model.as_ref()));
+        Ok(StepInParts { start: at, end: at + h, h, taken: 0, done: false, ended: Ended::default() })
     }
 
     /// The next part of a step; `None` when it has ended.
-    pub fn part(&mut self, course: &mut Course) -> Outcome<Option<View>> {
-        if course.done {
+    pub fn part(&mut self, parts: &mut StepInParts) -> Outcome<Option<View>> {
+        if parts.done {
             return Ok(None);
         }
-        course.taken += 1;
-        let at = if course.taken == 1 { course.begun } else { self.model.time() };
-        let whole = course.begun + course.h;
-        let share = f64::from(course.taken) / f64::from(PARTS);
-        let next = if course.taken >= PARTS { whole } else { course.begun + course.h * share };
-        let to = next.min(course.end);
+        parts.taken += 1;
+        let at = if parts.taken == 1 { parts.start } else { self.model.time() };
+        let whole = parts.start + parts.h;
+        let share = f64::from(parts.taken) / f64::from(PARTS);
+        let next = if parts.taken >= PARTS { whole } else { parts.start + parts.h * share };
+        let to = next.min(parts.end);
         let outcome = if self.part.event_mode {
             self.advance_to_event(at, to - at)
         } else {
@@ -260,35 +263,35 @@ impl Instance {
         let ended = match outcome {
             Ok(ended) => ended,
             Err(refused) => {
-                if let (Some(before), None) = (&self.looked_from, &self.ended) {
+                if let (Some(before), None) = (&self.update_start, &self.ended) {
                     self.model.copy_from(before.as_ref());
                 }
                 return Err(refused);
             }
         };
-        course.ended.event |= ended.event;
-        course.ended.early |= ended.early || (to >= course.end && course.end < whole);
-        course.done = ended.early || to >= course.end;
-        let Some(look) = &self.part.look else { return Ok(None) };
-        let (callback, environment) = (look.callback, look.environment);
+        parts.ended.event |= ended.event;
+        parts.ended.early |= ended.early || (to >= parts.end && parts.end < whole);
+        parts.done = ended.early || to >= parts.end;
+        let Some(updates) = &self.part.updates else { return Ok(None) };
+        let (callback, environment) = (updates.callback, updates.environment);
         let declaration = self.model.declaration();
         let input = |reference: &u32| declaration.by_reference(*reference).is_some_and(Entry::is_settable);
-        let sets = look.references.iter().any(input);
+        let sets = updates.references.iter().any(input);
         self.mode = Mode::Intermediate;
-        let may_return = self.part.early_return && !course.done;
+        let may_return = self.part.early_return && !parts.done;
         Ok(Some(View { callback, environment, time: self.model.time(), sets, may_return }))
     }
 
-    /// After a look: `until` where the importer wants the step to end, s.
-    pub fn looked(&mut self, course: &mut Course, until: Option<f64>) -> Outcome {
+    /// After an intermediate update: `until` is where the importer wants the step to end, s.
+    pub fn after_update(&mut self, parts: &mut StepInParts, until: Option<f64>) -> Outcome {
         self.require(&[Mode::Intermediate])?;
         self.mode = Mode::Step;
         let now = self.model.time();
-        if let Some(until) = until.filter(|until| until.is_finite() && !course.done && self.part.early_return)
+        if let Some(until) = until.filter(|until| until.is_finite() && !parts.done && self.part.early_return)
         {
-            course.end = course.end.min(until);
-            if course.end <= now + IMMINENT.min(NEAR * course.h) {
-                (course.done, course.ended.early) = (true, true);
+            parts.end = parts.end.min(until);
+            if parts.end <= now + IMMINENT.min(NEAR * parts.h) {
+                (parts.done, parts.ended.early) = (true, true);
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 //! FMI 2 has scalars alone, and an element is a variable of its own. In FMI 3 the elements are one variable with the reference of the first.
 
 use super::{Instance, Interface, Mode, Standard, Type};
-use crate::boundary::{Outcome, Refused};
+use crate::refusal::{Outcome, Refused};
 use physics::declare::{Elements, Kind, Variability};
 use physics::model::{Element, Entry, Refusal, Slot, TIME};
 
@@ -99,7 +99,7 @@ impl Instance {
             self.require_readable()?;
             self.settle()?;
         }
-        // With event mode some outputs are held.
+        // With event mode discrete outputs are constant between events.
         let plain = running && of == Type::Real && n == references.len() && !self.part.event_mode;
         if plain && let Some(places) = self.read.places(references) {
             for (k, place) in places.iter().enumerate() {
@@ -138,7 +138,7 @@ impl Instance {
             return Err(wrong_number(references.len(), place, n));
         }
         if plain {
-            self.read.learn(self.model.declaration(), references);
+            self.read.store(self.model.declaration(), references);
         }
         Ok(())
     }
@@ -149,25 +149,25 @@ impl Instance {
             && entry.row.variability == Variability::Discrete
             && self.mode != Mode::Initialization
         {
-            return self.held(slot);
+            return self.discrete_pre(slot);
         }
         self.model.get(slot)
     }
 
     #[inline]
     fn require_readable(&self) -> Outcome {
-        if self.mode == Mode::Broken || self.mode == Mode::Instantiated && self.standard == Standard::Two {
+        if self.mode == Mode::Error || self.mode == Mode::Instantiated && self.standard == Standard::Two {
             return self.require(&[]);
         }
         Ok(())
     }
 
-    /// Before initialization there are start values alone, in the middle of a step what was asked for.
+    /// Before initialization there are start values alone, in intermediate update mode the intermediate variables.
     #[inline]
     pub(super) fn require_to_read(&self, entry: &Entry) -> Outcome {
         let allowed = match self.mode {
             Mode::Instantiated | Mode::Configuration => entry.is_settable(),
-            Mode::Intermediate => self.part.sees(entry),
+            Mode::Intermediate => self.part.has_intermediate(entry),
             _ => true,
         };
         if allowed {
@@ -183,7 +183,7 @@ impl Instance {
     /// Sets `n` values, all or none.
     #[inline]
     pub fn set(&mut self, references: &[u32], of: Type, n: usize, value: impl Fn(usize) -> f64) -> Outcome {
-        if matches!(self.mode, Mode::Terminated | Mode::Broken) {
+        if matches!(self.mode, Mode::Terminated | Mode::Error) {
             return self.require(&[]);
         }
         let plain = self.mode == Mode::Step && of == Type::Real && n == references.len();
@@ -237,7 +237,7 @@ impl Instance {
         }
         self.unsettled = true;
         if plain {
-            self.written.learn(self.model.declaration(), references);
+            self.written.store(self.model.declaration(), references);
         }
         Ok(())
     }
@@ -250,7 +250,7 @@ impl Instance {
         }
         let when = match self.mode {
             Mode::Continuous if !entry.is_continuous_input() => "at an event alone",
-            Mode::Intermediate if !(entry.is_continuous_input() && self.part.sees(entry)) => {
+            Mode::Intermediate if !(entry.is_continuous_input() && self.part.has_intermediate(entry)) => {
                 "between steps alone"
             }
             Mode::Configuration if !self.is_structural(entry) => "outside configuration mode alone",
@@ -303,7 +303,7 @@ impl Instance {
             let slot = self.entry(value_reference, Type::Real)?.slot;
             self.model.set_slope(slot, slope);
         }
-        self.sloped.learn(self.model.declaration(), references);
+        self.sloped.store(self.model.declaration(), references);
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
-//! Calls without order: every function of both C interfaces, with arguments that make sense and arguments that do not.
+//! Random calls: every function of both C interfaces, with arguments that make sense and arguments that do not.
 //!
 //! Only what C cannot check is kept honest: handles are alive, arrays are as long as their lengths say. Nothing may crash, every
-//! status is one of the standards', and no call may meet an internal failure, which is what a panic inside is told as.
+//! status is one of the standards', and no call may meet an internal failure, which is how a panic inside is reported.
 
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::*;
@@ -14,9 +14,8 @@ use rand_pcg::Pcg64Mcg;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
 
-/// What the library has said of internal failures.
+/// Internal failures that the library has reported.
 static FAILURES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 fn hear(message: *const c_char) {
@@ -48,11 +47,11 @@ unsafe extern "C" fn logger3(
 }
 
 /// Random numbers, the same for the same seed.
-pub struct Dice(Pcg64Mcg);
+pub struct Source(Pcg64Mcg);
 
-impl Dice {
-    fn new(seed: u64) -> Dice {
-        Dice(Pcg64Mcg::seed_from_u64(seed))
+impl Source {
+    fn new(seed: u64) -> Source {
+        Source(Pcg64Mcg::seed_from_u64(seed))
     }
 
     fn next(&mut self) -> u64 {
@@ -81,14 +80,14 @@ impl Dice {
     }
 }
 
-/// What a look into a step needs.
+/// What an intermediate update needs.
 struct Looker {
     handle: *mut c_void,
-    dice: Dice,
+    rng: Source,
     references: Vec<u32>,
 }
 
-/// Looks into a step with calls that are fitting and calls that are not, and now and then ends it.
+/// An intermediate update with calls that are allowed and calls that are not; now and then it asks for an early return.
 unsafe extern "C" fn look(
     environment: *mut c_void,
     time: f64,
@@ -100,10 +99,10 @@ unsafe extern "C" fn look(
     until: *mut f64,
 ) {
     let looker = unsafe { &mut *environment.cast::<Looker>() };
-    let (h, dice) = (looker.handle, &mut looker.dice);
-    let (vr, mut value) = (dice.one(&looker.references), dice.number());
+    let (h, rng) = (looker.handle, &mut looker.rng);
+    let (vr, mut value) = (rng.one(&looker.references), rng.number());
     unsafe {
-        match dice.below(8) {
+        match rng.below(8) {
             0 | 1 => fmi3SetFloat64(h, &vr, 1, &value, 1),
             2 => fmi3DoStep(h, time, 1e-3, 1, null_mut(), null_mut(), null_mut(), null_mut()),
             3 => fmi3Reset(h),
@@ -112,14 +111,14 @@ unsafe extern "C" fn look(
             _ => fmi3GetFloat64(h, &vr, 1, &mut value, 1),
         };
         fmi3FreeInstance(h);
-        if dice.below(4) == 0 {
-            (*requested, *until) = (1, time + dice.number() * 1e-3);
+        if rng.below(4) == 0 {
+            (*requested, *until) = (1, time + rng.number() * 1e-3);
         }
     }
 }
 
-/// One instance in the hands of the dice.
-struct Toy {
+/// One instance under test.
+struct TestInstance {
     handle: *mut c_void,
     three: bool,
     references: Vec<u32>,
@@ -133,9 +132,9 @@ struct Toy {
     saved: Vec<*mut c_void>,
 }
 
-impl Toy {
-    fn new(dice: &mut Dice, kind: Option<&'static ModelType>) -> Toy {
-        let kind = kind.unwrap_or_else(|| &physics::models::ALL[dice.below(physics::models::ALL.len())]);
+impl TestInstance {
+    fn new(rng: &mut Source, kind: Option<&'static ModelType>) -> TestInstance {
+        let kind = kind.unwrap_or_else(|| &physics::models::ALL[rng.below(physics::models::ALL.len())]);
         let declaration = (kind.declaration)();
         let references: Vec<u32> =
             declaration.entries.iter().map(|e| e.value_reference).chain([0, 99, u32::MAX]).collect();
@@ -143,13 +142,13 @@ impl Toy {
             declaration.entries.iter().filter(|e| e.is_intermediate()).map(|e| e.value_reference).collect();
         let mut looker = Box::new(Looker {
             handle: null_mut(),
-            dice: Dice::new(dice.next()),
+            rng: Source::new(rng.next()),
             references: references.clone(),
         });
-        let (events, early, looks) = (dice.below(2) as u8, dice.below(2) as u8, dice.below(3) == 0);
+        let (events, early, looks) = (rng.below(2) as u8, rng.below(2) as u8, rng.below(3) == 0);
         let token = CString::new(declaration.token.clone()).unwrap();
-        let (three, exchange) = (dice.below(2) == 1, dice.below(2) == 1);
-        let on = dice.below(2) as u8;
+        let (three, exchange) = (rng.below(2) == 1, rng.below(2) == 1);
+        let on = rng.below(2) as u8;
         let handle = unsafe {
             if !three {
                 let logger = std::mem::transmute::<*const c_void, motor_fmu::logger::Logger2>(
@@ -163,7 +162,7 @@ impl Toy {
                     environment: null_mut(),
                 };
                 fmi2Instantiate(
-                    c"toy".as_ptr(),
+                    c"test".as_ptr(),
                     c_int::from(!exchange),
                     token.as_ptr(),
                     null(),
@@ -173,7 +172,7 @@ impl Toy {
                 )
             } else if exchange {
                 fmi3InstantiateModelExchange(
-                    c"toy".as_ptr(),
+                    c"test".as_ptr(),
                     token.as_ptr(),
                     null(),
                     0,
@@ -183,7 +182,7 @@ impl Toy {
                 )
             } else {
                 fmi3InstantiateCoSimulation(
-                    c"toy".as_ptr(),
+                    c"test".as_ptr(),
                     token.as_ptr(),
                     null(),
                     0,
@@ -208,24 +207,33 @@ impl Toy {
             _ => true,
         };
         let states = declaration.states.iter().filter(shown).count();
-        Toy { handle, three, references, sizes, _looker: looker, states, time: 0.0, saved: Vec::new() }
+        TestInstance {
+            handle,
+            three,
+            references,
+            sizes,
+            _looker: looker,
+            states,
+            time: 0.0,
+            saved: Vec::new(),
+        }
     }
 
     /// One call; the outcome's status.
-    fn play(&mut self, dice: &mut Dice) -> Status {
+    fn call(&mut self, rng: &mut Source) -> Status {
         let h = self.handle;
-        let n = dice.below(4);
-        let vr: Vec<u32> = (0..n).map(|_| dice.one(&self.references)).collect();
-        let mut values: Vec<f64> = (0..n).map(|_| dice.number()).collect();
+        let n = rng.below(4);
+        let vr: Vec<u32> = (0..n).map(|_| rng.one(&self.references)).collect();
+        let mut values: Vec<f64> = (0..n).map(|_| rng.number()).collect();
         let mut whole: Vec<i64> = values.iter().map(|v| *v as i64).collect();
-        let count = if dice.below(9) == 0 { dice.below(30) } else { self.states };
-        let mut x: Vec<f64> = (0..count).map(|_| dice.number()).collect();
+        let count = if rng.below(9) == 0 { rng.below(30) } else { self.states };
+        let mut x: Vec<f64> = (0..count).map(|_| rng.number()).collect();
         let (mut a, mut b, mut size) = (0, 0, 0usize);
         let orders = vec![1; n];
         let three = self.three;
-        let slot = dice.below(self.saved.len().max(1));
+        let slot = rng.below(self.saved.len().max(1));
         unsafe {
-            match dice.below(30) {
+            match rng.below(30) {
                 0 if three => fmi3EnterInitializationMode(h, 0, 0.0, 0.0, 0, 0.0),
                 0 => {
                     fmi2SetupExperiment(h, 0, 0.0, 0.0, 0, 0.0);
@@ -245,14 +253,14 @@ impl Toy {
                 7 if three => fmi3GetInt64(h, vr.as_ptr(), n, whole.as_mut_ptr(), n),
                 7 => fmi2GetInteger(h, vr.as_ptr(), n, orders.clone().as_mut_ptr()),
                 26 if three => fmi3EnterStepMode(h),
-                27 if three && dice.below(4) > 0 => self.configure(dice),
+                27 if three && rng.below(4) > 0 => self.configure(rng),
                 28 if three => {
-                    let mut all = vec![0.0; dice.below(80)];
+                    let mut all = vec![0.0; rng.below(80)];
                     fmi3GetFloat64(h, vr.as_ptr(), n, all.as_mut_ptr(), all.len())
                 }
                 8..=10 => {
-                    let step = dice.one(&[1e-6, 1e-3, 1e-3, 1e-2, 0.3, 5.0, 0.0, -1.0, f64::NAN]);
-                    let at = if dice.below(9) == 0 { dice.number() } else { self.time };
+                    let step = rng.one(&[1e-6, 1e-3, 1e-3, 1e-2, 0.3, 5.0, 0.0, -1.0, f64::NAN]);
+                    let at = if rng.below(9) == 0 { rng.number() } else { self.time };
                     let mut last = at + step;
                     let status = if three {
                         fmi3DoStep(h, at, step, 1, &mut a, &mut b, null_mut(), &mut last)
@@ -287,15 +295,15 @@ impl Toy {
                 14 => fmi2GetDerivatives(h, x.as_mut_ptr(), count),
                 15 if three => fmi3GetEventIndicators(h, x.as_mut_ptr(), count.min(2)),
                 15 => fmi2GetEventIndicators(h, x.as_mut_ptr(), count.min(2)),
-                16 if three => fmi3SetTime(h, dice.number()),
-                16 => fmi2SetTime(h, dice.number()),
+                16 if three => fmi3SetTime(h, rng.number()),
+                16 => fmi2SetTime(h, rng.number()),
                 17 if three => fmi3CompletedIntegratorStep(h, 1, &mut a, &mut b),
                 17 => fmi2CompletedIntegratorStep(h, 1, &mut c_int::from(a), &mut c_int::from(b)),
                 18 if three => fmi3EnterEventMode(h),
                 18 => fmi2EnterEventMode(h),
                 19 => {
-                    let known = [dice.one(&self.references)];
-                    let seed = [dice.number()];
+                    let known = [rng.one(&self.references)];
+                    let seed = [rng.number()];
                     if three {
                         fmi3GetDirectionalDerivative(
                             h,
@@ -338,7 +346,7 @@ impl Toy {
                     }
                     status
                 }
-                22 => self.through_bytes(dice, slot, &mut size),
+                22 => self.through_bytes(rng, slot, &mut size),
                 23 if three => {
                     fmi3GetOutputDerivatives(h, vr.as_ptr(), n, orders.as_ptr(), values.as_mut_ptr(), n)
                 }
@@ -355,7 +363,7 @@ impl Toy {
                     n,
                 ),
                 24 => fmi2SetRealInputDerivatives(h, vr.as_ptr(), n, orders.as_ptr(), values.as_ptr()),
-                25 if dice.below(20) == 0 => {
+                25 if rng.below(20) == 0 => {
                     self.time = 0.0;
                     if three { fmi3Reset(h) } else { fmi2Reset(h) }
                 }
@@ -366,7 +374,7 @@ impl Toy {
                         fmi2SetReal(h, null(), n, null())
                     }
                 }
-                _ if dice.below(20) == 0 => {
+                _ if rng.below(20) == 0 => {
                     if three {
                         fmi3Terminate(h)
                     } else {
@@ -385,9 +393,9 @@ impl Toy {
     }
 
     /// Another number of elements, if this is the time for it.
-    fn configure(&mut self, dice: &mut Dice) -> Status {
+    fn configure(&mut self, rng: &mut Source) -> Status {
         let h = self.handle;
-        let (size, count) = (dice.one(&[&self.sizes[..], &[99]].concat()), dice.below(70) as u64);
+        let (size, count) = (rng.one(&[&self.sizes[..], &[99]].concat()), rng.below(70) as u64);
         unsafe {
             let status = fmi3EnterConfigurationMode(h);
             fmi3SetUInt64(h, &size, 1, &count, 1);
@@ -401,7 +409,7 @@ impl Toy {
     }
 
     /// A saved state through its bytes, some of them spoilt now and then.
-    fn through_bytes(&mut self, dice: &mut Dice, slot: usize, size: &mut usize) -> Status {
+    fn through_bytes(&mut self, rng: &mut Source, slot: usize, size: &mut usize) -> Status {
         let (h, state) = (self.handle, self.saved.get(slot).copied().unwrap_or(null_mut()));
         unsafe {
             if fmi2SerializedFMUstateSize(h, state, size) != Status::Ok {
@@ -409,11 +417,11 @@ impl Toy {
             }
             let mut bytes = vec![0u8; *size];
             assert_eq!(fmi2SerializeFMUstate(h, state, bytes.as_mut_ptr(), *size), Status::Ok);
-            if dice.below(2) == 0 {
-                let k = dice.below(bytes.len());
-                bytes[k] ^= 1 << dice.below(8);
+            if rng.below(2) == 0 {
+                let k = rng.below(bytes.len());
+                bytes[k] ^= 1 << rng.below(8);
             }
-            let keep = if dice.below(4) == 0 { dice.below(*size + 1) } else { *size };
+            let keep = if rng.below(4) == 0 { rng.below(*size + 1) } else { *size };
             let mut made = null_mut();
             let status = fmi2DeSerializeFMUstate(h, bytes.as_ptr(), keep, &mut made);
             if !made.is_null() {
@@ -424,7 +432,7 @@ impl Toy {
     }
 }
 
-impl Drop for Toy {
+impl Drop for TestInstance {
     fn drop(&mut self) {
         unsafe {
             for state in &mut self.saved {
@@ -435,29 +443,30 @@ impl Drop for Toy {
     }
 }
 
-/// Plays for so long, with one model or with all; how many calls there were, and how many of them were done.
+/// Calls of one instance.
+const CALLS: u64 = 400;
+
+/// Calls functions of `instances` instances, of one model or of all; how many calls there were, and how many succeeded.
 ///
 /// # Panics
-/// On an internal failure, with the seed that led there.
-pub fn play(seconds: f64, seed: u64, kind: Option<&'static ModelType>) -> (u64, u64) {
-    let end = Instant::now() + Duration::from_secs_f64(seconds);
-    let (mut calls, mut done, mut round) = (0, 0, seed);
-    while Instant::now() < end {
-        let mut dice = Dice::new(round);
-        let mut toy = Toy::new(&mut dice, kind);
-        for _ in 0..400 {
+/// On an internal failure, with the seed that leads there.
+pub fn run(instances: u64, seed: u64, kind: Option<&'static ModelType>) -> (u64, u64) {
+    let (mut calls, mut done) = (0, 0);
+    for seed in seed..seed + instances {
+        let mut rng = Source::new(seed);
+        let mut instance = TestInstance::new(&mut rng, kind);
+        for _ in 0..CALLS {
             calls += 1;
-            let status = toy.play(&mut dice);
-            assert_ne!(status, Status::Fatal, "seed {round}");
+            let status = instance.call(&mut rng);
+            assert_ne!(status, Status::Fatal, "seed {seed}");
             done += u64::from(status == Status::Ok);
-            if toy.saved.len() > 8 {
-                let mut oldest = toy.saved.remove(0);
-                unsafe { fmi2FreeFMUstate(toy.handle, &mut oldest) };
+            if instance.saved.len() > 8 {
+                let mut oldest = instance.saved.remove(0);
+                unsafe { fmi2FreeFMUstate(instance.handle, &mut oldest) };
             }
         }
         let failures = FAILURES.lock().unwrap();
-        assert!(failures.is_empty(), "seed {round}: {failures:?}");
-        round += 1;
+        assert!(failures.is_empty(), "seed {seed}: {failures:?}");
     }
     (calls, done)
 }

@@ -1,5 +1,4 @@
 //! An importer in a few lines: calls the C functions as C would.
-#![allow(dead_code)] // each test file uses its share
 
 pub mod exchanged;
 pub mod three;

@@ -19,7 +19,7 @@ variables! {
         /// Reference temperature of R_ref and k_t
         T_ref: f64 = Variable::tunable(1, 293.15, Unit::Kelvin, 173.15, 473.15)
             .source("paper in seeds (gearmotor 37D): 20 degC"),
-        /// Temperature coefficient of the winding's resistance (copper 0.0039)
+        /// Temperature coefficient of the winding's resistance
         alpha: f64 = Variable::tunable(2, 0.004, Unit::PerKelvin, 0.0, 0.0045)
             .source("paper in seeds (gearmotor 37D): copper"),
         /// Terminal inductance
@@ -28,9 +28,9 @@ variables! {
         /// Torque constant at the rotor at T_ref, equal to the back-EMF constant in V.s/rad
         k_t: f64 = Variable::tunable(4, 7.634e-3, Unit::NewtonMetrePerAmpere, 1e-6, 100.0).log()
             .source("paper in seeds (gearmotor 37D): 8.132 V at 8.13 rad/s over the ratio 131"),
-        /// Temperature coefficient of the torque constant (negative: decreases with temperature)
+        /// Temperature coefficient of the torque constant; negative: magnets weaken when hot
         alpha_mag: f64 = Variable::tunable(5, 0.0, Unit::PerKelvin, -0.004, 0.0).nominal(0.001),
-        /// Moment of inertia of the rotor and all parts with its speed
+        /// Moment of inertia of the rotor and of all parts that turn at its speed
         J: f64 = Variable::tunable(6, 3.6e-6, Unit::KilogramSquareMetre, 1e-10, 10.0).log()
             .source("estimate: armature of 50 g, radius 12 mm"),
     }

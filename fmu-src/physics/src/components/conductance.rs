@@ -15,10 +15,10 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Conductance from housing to ambient.
     pub struct Conductance {
-        /// Ambient conductance with the fan off (1/7.4 K/W)
+        /// Thermal conductance from housing to ambient with the fan off
         G_still: f64 = Variable::tunable(0, 0.1351, Unit::WattPerKelvin, 1e-6, 1e4).log()
             .source("maxon datasheet 305015: 7.4 K/W"),
-        /// Increase of the ambient conductance with the fan at full speed
+        /// Additional conductance from housing to ambient at full fan speed
         G_forced: f64 = Variable::tunable(1, 0.113, Unit::WattPerKelvin, 0.0, 1e4)
             .source("thesis, table 1: R_ha 4.03 K/W at 10 W with the fan at 5 mm, 1/4.03 - G_still"),
     }

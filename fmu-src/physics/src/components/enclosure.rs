@@ -24,7 +24,7 @@ variables! {
         /// Heat capacity of the housing, with magnets and gear
         C_h: f64 = Variable::tunable(2, 85.0, Unit::JoulePerKelvin, 1e-3, 1e7).log()
             .source("estimate: 95 J/K for 210 g of motor, less C_w"),
-        /// Temperature limit of the winding
+        /// Maximum winding temperature (maker's limit); sets over_temperature
         T_w_max: f64 = Variable::tunable(3, 393.15, Unit::Kelvin, 273.15, 573.15)
             .source("estimate: insulation class E, 120 degC"),
         /// Heat capacity of the box, air and walls

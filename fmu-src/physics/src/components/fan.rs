@@ -17,10 +17,10 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Data of the fan.
     pub struct Fan {
-        /// Volume flow rate without back pressure at full speed
+        /// Free volume flow rate at full speed
         flow_max: f64 = Variable::tunable(0, 0.28 / 60.0, Unit::CubicMetrePerSecond, 1e-6, 10.0).log()
             .source("datasheet Aavid PSAD14010BH: 0.28 m3/min"),
-        /// Static pressure without flow at full speed (7.24 mm of water)
+        /// Static pressure without flow at full speed
         pressure_max: f64 = Variable::tunable(1, 71.0, Unit::Pascal, 1e-2, 1e5).log()
             .source("datasheet Aavid PSAD14010BH: 7.24 mm of water"),
         /// Electrical power at full speed
@@ -35,16 +35,16 @@ variables! {
         /// Diameter of the fan's hub
         hub: f64 = Variable::tunable(5, 0.024, Unit::Metre, 0.0, 2.0)
             .source("estimate: typical of 40 x 40 x 10 mm fans"),
-        /// Distance from the motor's surface (cooling_mode fan_crossflow)
+        /// Distance from the fan to the motor's surface (cooling_mode fan_crossflow)
         distance: f64 = Variable::tunable(6, 0.005, Unit::Metre, 0.0, 10.0)
             .source("thesis, table 1: smallest distance"),
-        /// Tangent of the jet's half-angle (0.17: round jet without swirl)
+        /// Tangent of the jet's half-angle of spread
         tan_spread: f64 = Variable::tunable(7, TAN_SPREAD_ROUND_JET, Unit::One, 0.0, 2.0)
             .source("Pope, Turbulent Flows, table 5.1: round jet"),
-        /// Factor on the forced heat transfer coefficient in the jet, for turbulence
+        /// Factor on the forced heat transfer in the jet for its turbulence
         turbulence_factor: f64 = Variable::tunable(8, 1.0, Unit::One, 0.1, 10.0).log()
             .source("neutral"),
-        /// Fraction of the pressure lost at the centre of the stall region; 0 = no stall
+        /// Fraction of the pressure lost in the middle of the stall; 0 for none
         stall_depth: f64 = Variable::tunable(9, 0.0, Unit::One, 0.0, 0.95),
         /// Flow rate at the centre of the stall region, divided by flow_max
         stall_centre: f64 = Variable::tunable(10, 0.4, Unit::One, 0.0, 1.0)
@@ -52,11 +52,10 @@ variables! {
         /// Half-width of the stall region, divided by flow_max
         stall_width: f64 = Variable::tunable(11, 0.1, Unit::One, 1e-3, 1.0)
             .source("estimate; without effect while stall_depth is 0"),
-        /// Air density of the fan data
+        /// Air density at which the fan's data hold
         density_ref: f64 = Variable::tunable(12, 1.2, Unit::KilogramPerCubicMetre, 0.1, 10.0)
             .source("usual density of fan datasheets"),
-        /// Exponent of the jet's velocity decay with its area: 0.5 = constant momentum, 1 = constant flow
-        /// rate (swirl)
+        /// Exponent of the jet's decay with its cross section: 0.5 conserves momentum, 1 volume flow (swirl)
         decay: f64 = Variable::tunable(13, 0.5, Unit::One, 0.5, 1.0)
             .source("momentum of a free jet"),
         /// Pressure divided by pressure_max at 20 % of flow_max

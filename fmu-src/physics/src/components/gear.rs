@@ -18,10 +18,10 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// The gear and the friction that it shows at its output shaft.
     pub struct Gear {
-        /// Gear ratio: rotor revolutions per revolution of the output shaft
+        /// Gear ratio: turns of the rotor for one turn of the output shaft
         ratio: f64 = Variable::tunable(0, 131.0, Unit::One, 1.0, 1e5).log()
             .source("paper in seeds (gearmotor 37D)"),
-        /// Efficiency with a driven load, without the no-load friction
+        /// Efficiency of the gear with a driven load, without the no-load friction
         efficiency: f64 = Variable::tunable(1, 0.73, Unit::One, 0.05, 1.0)
             .source("estimate: three stages at 0.9"),
         /// Dry friction of motor and gear at the output shaft
@@ -30,10 +30,10 @@ variables! {
         /// Viscous friction of motor and gear at the output shaft
         k: f64 = Variable::tunable(3, 0.01267, Unit::NewtonMetreSecond, 0.0, 1e4)
             .source("fitted to the currents of the paper in seeds (gearmotor 37D) at 20 and 100 % duty"),
-        /// Speed scale of the output shaft over which dry friction reverses smoothly
+        /// Speed of the output shaft below which dry friction goes smoothly to zero
         w_small: f64 = Variable::tunable(4, 0.02, Unit::RadianPerSecond, 1e-6, 1e3).log()
             .source("regularisation width, chosen"),
-        /// Load torque below which its friction decreases with its square
+        /// Load torque below which load-dependent friction falls with its square
         tau_small: f64 = Variable::tunable(5, 1e-3, Unit::NewtonMetre, 1e-9, 10.0).log()
             .source("regularisation width, chosen"),
     }

@@ -45,7 +45,7 @@ variables! {
         /// Thermal conductivity of the housing's wall
         conductivity: f64 = Variable::tunable(3, 16.0, Unit::WattPerMetreKelvin, 0.1, 500.0).log()
             .source("stainless steel"),
-        /// Emissivity of the housing (0.22: cleaned stainless steel)
+        /// Emissivity of the housing's surface
         emissivity: f64 = Variable::tunable(4, 0.22, Unit::One, 0.0, 1.0)
             .source("Incropera, 7th ed., table A.11: stainless steel, cleaned"),
         /// Orientation of the motor's axis

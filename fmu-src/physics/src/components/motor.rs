@@ -22,7 +22,7 @@ variables! {
         /// Reference temperature of R_ref and k_t
         T_ref: f64 = Variable::tunable(1, 298.15, Unit::Kelvin, 173.15, 473.15)
             .source("maxon datasheet 305015"),
-        /// Temperature coefficient of the winding's resistance (copper 0.0039)
+        /// Temperature coefficient of the winding's resistance
         alpha: f64 = Variable::tunable(2, 0.0039, Unit::PerKelvin, 0.0, 0.0045)
             .source("copper, thesis eq. (2)"),
         /// Terminal inductance
@@ -31,7 +31,7 @@ variables! {
         /// Torque constant at T_ref, equal to the back-EMF constant in V.s/rad
         k_t: f64 = Variable::tunable(4, 0.0276, Unit::NewtonMetrePerAmpere, 1e-5, 100.0).log()
             .source("maxon datasheet 305015"),
-        /// Temperature coefficient of the torque constant (negative: decreases with temperature)
+        /// Temperature coefficient of the torque constant; negative: magnets weaken when hot
         alpha_mag: f64 = Variable::tunable(5, -0.0012, Unit::PerKelvin, -0.004, 0.0).nominal(0.001)
             .source("NdFeB, thesis eq. (5)"),
         /// Moment of inertia of the rotor

@@ -29,7 +29,7 @@ variables! {
         /// Heat capacity of the housing, with stator and magnets
         C_h: f64 = Variable::tunable(2, 149.4, Unit::JoulePerKelvin, 1e-3, 1e7).log()
             .source("maxon datasheet 305015: motor time constant 1180 s at 7.4 K/W, less C_w"),
-        /// Temperature limit of the winding
+        /// Maximum winding temperature (maker's limit); sets over_temperature
         T_w_max: f64 = Variable::tunable(3, 428.15, Unit::Kelvin, 273.15, 573.15)
             .source("maxon datasheet 305015: 155 degC"),
         /// Heat capacity of the rotor with its magnets, part of C_h (not in cooling_mode conductance)
@@ -44,8 +44,7 @@ variables! {
         /// Thermal resistance between stator and housing (not in cooling_mode conductance)
         R_sh: f64 = Variable::tunable(7, 0.05, Unit::KelvinPerWatt, 1e-3, 1e3).log()
             .source("estimate: press fit"),
-        /// Heat capacity of the stator divided by that of stator and housing (not in cooling_mode
-        /// conductance)
+        /// Fraction of the heat capacity of stator and housing that is the stator's (not in cooling_mode conductance)
         stator_share: f64 = Variable::tunable(8, 0.5, Unit::One, 0.01, 0.99)
             .source("estimate"),
         /// Conductance of the leads from winding to ambient (not in cooling_mode conductance)

@@ -12,7 +12,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Drift of the ambient sensor.
     pub struct AmbientDrift {
-        /// Drift rate of the true minus the indicated ambient temperature; 0 switches the effect off
+        /// Drift rate of the true over the indicated ambient temperature; 0 switches the effect off
         rate: f64 = Variable::tunable(0, 0.0, Unit::KelvinPerSecond, -1.0, 1.0).nominal(1e-3).difference(),
     }
 }

@@ -15,11 +15,11 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Drop of the bridge.
     pub struct BridgeDrop {
-        /// Constant part of the bridge voltage drop
+        /// Bridge voltage drop at any current
         V_0: f64 = Variable::tunable(0, 0.0, Unit::Volt, 0.0, 100.0),
-        /// Resistance of the conducting switches
+        /// On-state resistance of the bridge
         R_on: f64 = Variable::tunable(1, 0.0, Unit::Ohm, 0.0, 100.0).nominal(0.01),
-        /// Current scale over which V_0 reverses smoothly
+        /// Current below which V_0 goes smoothly to zero
         I_small: f64 = Variable::tunable(2, 0.05, Unit::Ampere, 1e-4, 1e3).log()
             .source("regularisation width, chosen"),
     }

@@ -13,9 +13,9 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Drop of the contacts.
     pub struct ContactDrop {
-        /// Contact voltage drop; 0 switches the effect off
+        /// Contact voltage drop at full current; 0 switches the effect off
         V_b: f64 = Variable::tunable(0, 0.0, Unit::Volt, 0.0, 100.0),
-        /// Current scale over which the voltage drop reverses smoothly
+        /// Current below which the voltage drop goes smoothly to zero
         I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log()
             .source("regularisation width, chosen"),
     }

@@ -16,7 +16,7 @@ variables! {
     pub struct CoulombFriction {
         /// Friction torque; 0 switches the effect off
         tau_c: f64 = Variable::tunable(0, 0.0, Unit::NewtonMetre, 0.0, 1e3).nominal(0.01),
-        /// Speed scale over which the friction torque reverses smoothly
+        /// Speed below which the friction torque goes smoothly to zero
         w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
             .source("regularisation width, chosen"),
     }

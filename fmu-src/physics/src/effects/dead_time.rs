@@ -13,9 +13,9 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Dead time of the bridge.
     pub struct DeadTime {
-        /// Fraction of the supply voltage lost by dead time, 2 t_dead f_pwm; 0 switches the effect off
+        /// Fraction of the supply voltage lost to dead time, 2 t_dead f_pwm; 0 switches the effect off
         share: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.5).nominal(0.01),
-        /// Current scale over which the loss reverses smoothly
+        /// Current below which the lost voltage goes smoothly to zero
         I_small: f64 = Variable::tunable(1, 0.05, Unit::Ampere, 1e-4, 1e3).log()
             .source("regularisation width, chosen"),
     }

@@ -13,7 +13,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Loss of magnetisation.
     pub struct Demagnetisation {
-        /// Relative loss of the torque constant; 0 switches the effect off
+        /// Fraction of the torque constant that is lost; 0 switches the effect off
         fraction: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.99).nominal(0.1),
         /// Time of the loss; 0 or less: from the start
         time: f64 = Variable::tunable(1, 0.0, Unit::Second, -1e9, 1e9).nominal(1000.0),

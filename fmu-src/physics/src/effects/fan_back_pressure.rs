@@ -12,7 +12,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Loss of flow at high command.
     pub struct FanBackPressure {
-        /// Fraction of the flow lost at full command; 0 switches the effect off
+        /// Fraction of the air flow lost at full command; 0 switches the effect off
         k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 1.0).nominal(0.2),
     }
 }

@@ -38,7 +38,7 @@ variables! {
         /// Factor on all terms of resources/effects.json; 0 switches them off
         gain: f64 = Variable::tunable(0, 1.0, Unit::One, -10.0, 10.0)
             .source("neutral: terms as stored"),
-        /// Speed scale over which the drag torque of a term reverses smoothly
+        /// Speed below which the drag of a term changes sign smoothly
         w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
             .source("regularisation width, chosen"),
     }

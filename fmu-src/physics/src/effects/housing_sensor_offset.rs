@@ -12,7 +12,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Offset of the housing's sensor.
     pub struct HousingSensorOffset {
-        /// Offset of the housing sensor (indicated minus true); 0 switches the effect off
+        /// Offset of the housing sensor; 0 switches the effect off
         offset: f64 = Variable::tunable(0, 0.0, Unit::Kelvin, -100.0, 100.0).difference(),
     }
 }

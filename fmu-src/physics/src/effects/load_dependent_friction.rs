@@ -17,12 +17,12 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Friction proportional to the load.
     pub struct LoadDependentFriction {
-        /// Friction torque divided by shaft torque; 0 switches the effect off
+        /// Friction torque over torque at the shaft; 0 switches the effect off
         mu: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
-        /// Speed scale over which the friction torque reverses smoothly
+        /// Speed below which the friction torque goes smoothly to zero
         w_small: f64 = Variable::tunable(1, 1.0, Unit::RadianPerSecond, 1e-3, 1e3).log()
             .source("regularisation width, chosen"),
-        /// Torque below which the friction decreases with its square
+        /// Load torque below which the friction falls with its square
         tau_small: f64 = Variable::tunable(2, 1e-3, Unit::NewtonMetre, 1e-9, 10.0).log()
             .source("regularisation width, chosen"),
     }

@@ -14,7 +14,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Ripple of a chopped current.
     pub struct PwmRipple {
-        /// PWM frequency; 0 switches the effect off
+        /// Switching frequency; 0 switches the effect off
         f: f64 = Variable::tunable(0, 0.0, Unit::Hertz, 0.0, 1e7).nominal(2e4),
     }
 }

@@ -12,7 +12,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Offset of the winding's sensor.
     pub struct WindingSensorOffset {
-        /// Offset of the winding sensor (indicated minus true); 0 switches the effect off
+        /// Offset of the winding sensor; 0 switches the effect off
         offset: f64 = Variable::tunable(0, 0.0, Unit::Kelvin, -100.0, 100.0).difference(),
     }
 }

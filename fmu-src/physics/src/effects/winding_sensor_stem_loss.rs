@@ -13,8 +13,7 @@ use declare::{Unit, Variable, variables};
 variables! {
     /// Stem loss of the winding's sensor.
     pub struct WindingSensorStemLoss {
-        /// Fraction of the rise over ambient that the winding sensor does not indicate; 0 switches the effect
-        /// off
+        /// Stem loss of the winding sensor: fraction of the rise over ambient; 0 switches the effect off
         k: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 0.9).nominal(0.05),
     }
 }

@@ -1,9 +1,7 @@
-//! Numerics: the integrator of the FMUs, and the independent one that the tests hold it against.
+//! Numerics: the integrators of the FMUs. The independent one that tests compare with is the crate `reference`.
 
 pub mod explicit;
 pub mod lobatto;
 pub mod phi;
-#[cfg(feature = "reference")]
-pub mod reference;
 pub mod split;
 pub mod stabilized;

@@ -1,13 +1,12 @@
 //! What the tests share: motors, input profiles, and the comparison with the reference.
-#![allow(dead_code)] // each test file uses its share
 
 use declare::Group;
-use physics::effects::{ConvectionDriver, CooledNode, CoulombFriction, Effects};
+use physics::effects::*;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
-    AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
+    AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, Parameters, STATES, Step,
 };
-use physics::solver::reference::{Tolerance, integrate};
+use reference::{Tolerance, integrate};
 use std::fmt;
 
 /// The reference's tolerances.
@@ -29,30 +28,39 @@ pub fn friction(tau_c: f64) -> CoulombFriction {
     CoulombFriction { tau_c, w_small: 1.0 }
 }
 
-/// Every effect on, each of a size that the bench could show.
+/// Every effect on, each of a size that the bench could show. All are named, so that a new effect does not compile here
+/// until it has a size; `effects.rs` checks that each is on.
 pub fn all_effects() -> Effects {
-    let mut effects = Effects { coulomb_friction: friction(0.005), ..Effects::default() };
-    effects.viscous_friction.k = 2e-6;
-    effects.iron_loss.k = 1e-4;
-    effects.windage.k = 2e-9;
-    effects.load_dependent_friction.mu = 0.06;
-    effects.contact_drop.V_b = 0.4;
-    effects.housing_radiation.k = 6e-10;
-    effects.interface_temperature.beta = 0.004;
-    effects.forced_convection.G = 0.03;
-    effects.forced_convection.node = CooledNode::Winding;
-    effects.forced_convection.driver = ConvectionDriver::FanCommand;
-    effects.fan_back_pressure.k = 0.3;
-    effects.demagnetisation.fraction = 0.1;
-    effects.demagnetisation.time = 0.25;
-    effects.ambient_drift.rate = 0.01;
-    effects.drive_loss.share = 0.12;
-    effects.housing_sensor_lag.tau = 20.0;
-    effects.winding_sensor_stem_loss.k = 0.04;
-    effects.housing_sensor_stem_loss.k = 0.06;
-    effects.winding_sensor_offset.offset = 1.2;
-    effects.housing_sensor_offset.offset = -0.8;
-    effects
+    Effects {
+        coulomb_friction: friction(0.005),
+        viscous_friction: ViscousFriction { k: 2e-6 },
+        iron_loss: IronLoss { k: 1e-4, ..Default::default() },
+        windage: Windage { k: 2e-9 },
+        load_dependent_friction: LoadDependentFriction { mu: 0.06, ..Default::default() },
+        contact_drop: ContactDrop { V_b: 0.4, ..Default::default() },
+        housing_radiation: HousingRadiation { k: 6e-10 },
+        interface_temperature: InterfaceTemperature { beta: 0.004 },
+        forced_convection: ForcedConvection {
+            G: 0.03,
+            node: CooledNode::Winding,
+            driver: ConvectionDriver::FanCommand,
+        },
+        fan_back_pressure: FanBackPressure { k: 0.3 },
+        demagnetisation: Demagnetisation { fraction: 0.1, time: 0.25 },
+        ambient_drift: AmbientDrift { rate: 0.01 },
+        drive_loss: DriveLoss { share: 0.12 },
+        stator_node: StatorNode { R_sh: 0.3, C_s: 40.0 },
+        pwm_ripple: PwmRipple { f: 5e4 },
+        bridge_drop: BridgeDrop { V_0: 0.5, R_on: 0.05, ..Default::default() },
+        dead_time: DeadTime { share: 0.01, ..Default::default() },
+        housing_sensor_lag: HousingSensorLag { tau: 20.0 },
+        winding_sensor_stem_loss: WindingSensorStemLoss { k: 0.04 },
+        housing_sensor_stem_loss: HousingSensorStemLoss { k: 0.06 },
+        winding_sensor_offset: WindingSensorOffset { offset: 1.2 },
+        housing_sensor_offset: HousingSensorOffset { offset: -0.8 },
+        // Terms come from a file and not from parameters; `books.rs` and `terms.rs` set them.
+        generic_term: GenericTerms::default(),
+    }
 }
 
 /// How the inputs run.
@@ -191,7 +199,16 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
         // The reference sees temperatures as rises, so that its tolerance is one on the rise.
         let shift =
             |y: &[f64; STATES], by: f64| std::array::from_fn(|s| y[s] + if RISE[s] { by } else { 0.0 });
-        let rates = |t: f64, z: &[f64; STATES]| step.rates(t, &shift(z, ambient));
+        let rates = |t: f64, z: &[f64; STATES]| {
+            let y = shift(z, ambient);
+            let mut dy = step.rates(t, &y);
+            // A step holds the ripple of its start; the reference follows the duty.
+            let now = profile.at(&base, t0 + if profile.slopes() { t } else { 0.0 });
+            let heat = ripple_heat(&parameters, &now, y[3]) - ripple_heat(&parameters, &inputs, y[3]);
+            dy[3] += heat / parameters.thermal.C_w;
+            dy[5] += heat;
+            dy
+        };
         let truth = integrate(rates, &shift(&y, -ambient), &times, TIGHT).unwrap();
         let truth: Vec<[f64; STATES]> = truth.iter().map(|z| shift(z, ambient)).collect();
         for (k, truth) in truth.iter().enumerate() {
@@ -216,6 +233,15 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
             |s| if size[s] <= TIGHT.absolute { error[s] } else { error[s] / size[s] },
         ),
     }
+}
+
+/// Copper loss of the ripple of a chopped current with the winding at `t_w`, W.
+fn ripple_heat(parameters: &Parameters, inputs: &Inputs, t_w: f64) -> f64 {
+    if parameters.choices.drive_mode != DriveMode::Pwm {
+        return 0.0;
+    }
+    let motor = &parameters.motor;
+    motor.resistance(t_w) * parameters.effects.ripple_square(inputs.duty, inputs.voltage, motor.L)
 }
 
 /// Lets a model see that its inputs were written directly.

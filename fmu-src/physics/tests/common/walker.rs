@@ -5,7 +5,7 @@ use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode};
 use physics::models::gait_load::GaitLoad;
 use physics::models::series_elastic_actuator::SeriesElasticActuator;
-use physics::solver::reference::{Tolerance, integrate};
+use reference::{Tolerance, integrate};
 use std::cell::RefCell;
 
 /// Sets a variable by name.

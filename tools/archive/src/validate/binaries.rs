@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashSet};
 use object::Architecture;
 
 use super::finding::{Findings, short};
-use super::model::{Model, Version};
+use super::model::{FmiVersion, Model};
 use super::rules;
 use super::symbols::{self, Part, System};
 use super::zip::{self, Archive};
@@ -77,20 +77,20 @@ pub(crate) fn check(archive: &mut Archive, model: &Model, entries: &HashSet<Stri
         let place = format!("binaries/{folder}");
         let platform = match (fmi2_platform(folder), tuple(folder)) {
             (Some(p), _) => {
-                if model.version == Version::Fmi3 {
+                if model.version == FmiVersion::V3 {
                     out.add(&rules::PLATFORM_OF_FMI2, &place, format!("The folder \"{folder}\" is named as in FMI 2; importers of FMI 3 look for a platform tuple such as x86_64-linux"));
                 }
                 p
             }
             (None, Some(p)) => {
                 let old = p.architecture == Architecture::X86_64 || p.architecture == Architecture::I386;
-                if model.version == Version::Fmi2 && old {
+                if model.version == FmiVersion::V2 && old {
                     out.add(&rules::PLATFORM_OF_FMI3, &place, format!("The folder \"{folder}\" is named as in FMI 3; FMI 2 has its own name for this platform"));
                 }
                 p
             }
             (None, None) => {
-                if !(model.version == Version::Fmi3 && has_abi(folder)) {
+                if !(model.version == FmiVersion::V3 && has_abi(folder)) {
                     out.add(
                         &rules::PLATFORM_UNKNOWN,
                         &place,

@@ -1,11 +1,10 @@
 //! Checks that need the FMU to run.
 //!
 //! They run in a child process ([`run`] starts it, [`probe`] is what it does), so that an FMU that crashes or hangs is a
-//! finding and not the end of the validator. The child tells each stage before it begins; when it dies the next child
-//! goes on behind that stage.
+//! finding and not the end of the validator. The child reports each stage before it begins; after a crash the next child
+//! continues behind that stage.
 
 use super::finding::{Finding, Findings};
-use super::model::Version;
 use super::rules;
 use cosim::{Archive, FmiVersion};
 use std::collections::HashSet;
@@ -18,25 +17,28 @@ use std::time::Duration;
 
 mod facts;
 mod probe;
+mod report;
 mod runs;
 mod session;
 mod solver;
 mod stages;
+mod subject;
 
-pub use probe::{Event, Observation, probe};
+pub use probe::probe;
+pub use report::{Event, Observation};
 
-/// Children that may die before the validator gives up on an FMU.
+/// Child processes that may crash before the validator gives up on an FMU.
 const MOST_CHILDREN: usize = 6;
 
-/// Runs the dynamic checks of an FMU through `program probe FILE STAGE`, which must print what [`probe`] tells, one JSON
-/// text a line. A call may take `patience`.
+/// Runs the dynamic checks of an FMU through `program probe FILE STAGE`, which must print the events of [`probe`],
+/// one JSON text a line. A call may take `patience`.
 pub fn run(program: &Path, file: &Path, patience: Duration) -> Vec<Finding> {
     let mut out = Findings::new();
     out.version = version_of(file);
-    let mut told = HashSet::new();
+    let mut reported = HashSet::new();
     let mut from = 0;
     for _ in 0..MOST_CHILDREN {
-        match follow(program, file, from, patience, &mut told, &mut out) {
+        match follow(program, file, from, patience, &mut reported, &mut out) {
             Ok(None) => break,
             Ok(Some(next)) => from = next,
             Err(error) => {
@@ -55,7 +57,7 @@ fn follow(
     file: &Path,
     from: usize,
     patience: Duration,
-    told: &mut HashSet<(String, String)>,
+    reported: &mut HashSet<(String, String)>,
     out: &mut Findings,
 ) -> std::io::Result<Option<usize>> {
     let mut child = Command::new(program)
@@ -72,8 +74,8 @@ fn follow(
         match events.recv_timeout(patience) {
             Ok(Event::Begin(number, words)) => (stage, doing) = (number, words),
             Ok(Event::Seen(o)) => {
-                // A later child may see again what an earlier one has told.
-                if told.insert((o.code.clone(), o.place.clone())) {
+                // A later child may find again what an earlier one has reported.
+                if reported.insert((o.code.clone(), o.place.clone())) {
                     let rule = rules::ALL.iter().find(|r| r.code == o.code);
                     out.add(rule.copied().unwrap_or(&rules::LIFE_CYCLE), o.place, o.message);
                 }
@@ -101,7 +103,7 @@ fn follow(
         let message = format!("The FMU ended the process that ran it: {} (stage \"{doing}\")", cause(status));
         out.add(if is_misuse { &rules::CRASH_ON_MISUSE } else { &rules::CRASH }, "binaries", message);
     }
-    // Without a basis the other stages of the same interface type would only die the same death.
+    // Without a basis the other stages of the same interface type would crash in the same way.
     let rest = if stages::ALL[of_all].is_basis { stages::ALL.len() - of_all } else { 1 };
     Ok(Some(stage + rest))
 }
@@ -142,11 +144,8 @@ fn cause(status: ExitStatus) -> String {
 }
 
 /// The version whose sections findings cite.
-fn version_of(file: &Path) -> Version {
-    match Archive::open(file) {
-        Ok(archive) if archive.description().fmi_version == FmiVersion::V2 => Version::Fmi2,
-        _ => Version::Fmi3,
-    }
+fn version_of(file: &Path) -> FmiVersion {
+    Archive::open(file).map_or(FmiVersion::V3, |archive| archive.description().fmi_version)
 }
 
 #[cfg(all(test, unix))]
@@ -173,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_death_by_misuse_is_told_apart() {
+    fn a_crash_on_misuse_has_its_own_code() {
         let last = stages::ALL.len() - 1;
         assert!(stages::ALL[last].is_misuse);
         let begin = format!(r#"echo '{{"begin":[{last},"x"]}}'"#);
@@ -196,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_child_saw_is_told_once_and_noise_is_passed_over() {
+    fn findings_are_reported_once_and_other_output_is_ignored() {
         let seen = r#"{"seen":{"code":"reset","place":"a","message":"x"}}"#;
         assert_eq!(codes(&format!("echo '{seen}'; echo 'hello'; echo '{seen}'; {END}")), ["reset"]);
         assert!(codes(END).is_empty());

@@ -2,27 +2,15 @@
 
 use std::collections::HashMap;
 
+use cosim::FmiVersion;
 use serde::Serialize;
 
-use super::model::Version;
-use super::rules::Rule;
-
-/// How grave a finding is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    /// A breach of the standard or of the FMU's own declarations.
-    Error,
-    /// Doubtful practice: allowed, but a known source of trouble.
-    Warning,
-    /// Information.
-    Note,
-}
+use super::rules::{Rule, Severity};
 
 /// One thing the validator noticed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// How grave it is.
+    /// Its severity.
     pub severity: Severity,
     /// The rule's short name, a key into [`super::rules::ALL`].
     pub code: &'static str,
@@ -36,16 +24,16 @@ pub struct Finding {
 /// A file with one systematic fault in ten thousand variables is described well enough by this many lines.
 const MOST_PER_RULE: usize = 200;
 
-/// The findings of one run; knows the standard, so that each message can end with its section.
+/// The findings of one run, and the standard whose sections their messages cite.
 pub(crate) struct Findings {
-    pub(crate) version: Version,
+    pub(crate) version: FmiVersion,
     list: Vec<Finding>,
     counts: HashMap<&'static str, usize>,
 }
 
 impl Findings {
     pub(crate) fn new() -> Self {
-        Findings { version: Version::Fmi3, list: Vec::new(), counts: HashMap::new() }
+        Findings { version: FmiVersion::V3, list: Vec::new(), counts: HashMap::new() }
     }
 
     /// Adds a finding; `message` is a sentence without its full stop.
@@ -56,8 +44,8 @@ impl Findings {
             return;
         }
         let (standard, section) = match self.version {
-            Version::Fmi2 => ("FMI 2.0", rule.fmi2),
-            Version::Fmi3 => ("FMI 3.0", rule.fmi3),
+            FmiVersion::V2 => ("FMI 2.0", rule.fmi2),
+            FmiVersion::V3 => ("FMI 3.0", rule.fmi3),
         };
         let reference =
             if section.is_empty() { String::new() } else { format!(" ({standard}, section {section})") };

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::finding::Findings;
-use super::model::{Model, Version, is_true};
+use super::model::{FmiVersion, Model, is_true};
 use super::rules;
 
 /// Checks the names of the entries.
@@ -40,15 +40,15 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
         );
     }
     // Releases of FMI 2.0 differ in where the folder is.
-    let beside = model.version == Version::Fmi2 && in_folder("licenses/");
+    let beside = model.version == FmiVersion::V2 && in_folder("licenses/");
     if !(in_folder("documentation/licenses/") || beside) {
         out.add(
             &rules::LICENSE_MISSING,
             "documentation/",
-            "The archive has no folder documentation/licenses, so nobody knows what may be done with it",
+            "The archive has no folder documentation/licenses, so the terms of its use are unknown",
         );
     }
-    if model.version == Version::Fmi2 {
+    if model.version == FmiVersion::V2 {
         return;
     }
     let licenses = "documentation/licenses/";

@@ -25,9 +25,10 @@ use std::io::BufReader;
 use std::path::Path;
 use std::time::Duration;
 
-pub use self::finding::{Finding, Severity};
+pub use self::finding::Finding;
 use self::finding::{Findings, short};
-use self::model::{Model, Version};
+use self::model::{FmiVersion, Model};
+pub use self::rules::Severity;
 use self::xml::Xml;
 use self::zip::Archive;
 
@@ -39,7 +40,7 @@ pub struct Unreadable {
     reason: String,
 }
 
-/// A model description larger than this is an attack or a mistake.
+/// Larger model descriptions are not read.
 const LARGEST_XML: u64 = 512 << 20;
 /// How long a call may take before the FMU counts as hung.
 pub const PATIENCE: Duration = Duration::from_secs(60);
@@ -122,45 +123,45 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
     Ok(out.into_list())
 }
 
-/// A first look for the version, before the file is parsed.
-fn guess_version(bytes: &[u8]) -> Version {
+/// The version as it appears in the text, before the file is parsed.
+fn guess_version(bytes: &[u8]) -> FmiVersion {
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
     let version =
         head.split_once("fmiVersion").map_or("", |(_, rest)| rest).trim_start_matches([' ', '=', '"', '\'']);
-    if version.starts_with('2') { Version::Fmi2 } else { Version::Fmi3 }
+    if version.starts_with('2') { FmiVersion::V2 } else { FmiVersion::V3 }
 }
 
 fn check_description(bytes: &[u8], archive: &mut Archive, entries: &HashSet<String>, out: &mut Findings) {
     let Some(xml) = Xml::parse(MODEL_DESCRIPTION, bytes, out) else { return };
     let root = xml.root();
     let version = match root.attribute("fmiVersion") {
-        Some("2.0") => Version::Fmi2,
+        Some("2.0") => FmiVersion::V2,
         Some(v) if v.starts_with("3.") => {
             if v != "3.0" {
                 let message =
                     format!("fmiVersion is \"{}\"; the file is checked by the rules of 3.0", short(v));
                 out.add(&rules::VERSION_NEWER, xml.place(root), message);
             }
-            Version::Fmi3
+            FmiVersion::V3
         }
         Some(v) => {
             let message = format!("fmiVersion is \"{}\", which is neither 2.0 nor 3.0", short(v));
             out.add(&rules::VERSION, xml.place(root), message);
             return;
         }
-        // The schema rules report the missing attribute; its neighbours tell which schema was meant.
-        None if root.attribute("guid").is_some() => Version::Fmi2,
-        None => Version::Fmi3,
+        // The schema rules report the missing attribute; its neighbours show which schema applies.
+        None if root.attribute("guid").is_some() => FmiVersion::V2,
+        None => FmiVersion::V3,
     };
     out.version = version;
     let table = match version {
-        Version::Fmi2 => &schema::fmi2::MODEL_DESCRIPTION,
-        Version::Fmi3 => &schema::fmi3::MODEL_DESCRIPTION,
+        FmiVersion::V2 => &schema::fmi2::MODEL_DESCRIPTION,
+        FmiVersion::V3 => &schema::fmi3::MODEL_DESCRIPTION,
     };
     if !schema::check(&xml, table, out) {
         return;
     }
-    let model = Model::read(&xml, version);
+    let model = Model::read(xml.file(), version);
     semantics::check(&model, out);
     layout::check(&model, entries, out);
     sources::check(&model, entries, out);

@@ -2,14 +2,26 @@
 //!
 //! An empty section means that the standard has no such rule and the check is one of common sense.
 
-use super::finding::Severity;
+use serde::Serialize;
+
+/// Severity of a finding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// A breach of the standard or of the FMU's own declarations.
+    Error,
+    /// Doubtful practice: allowed, but a known source of trouble.
+    Warning,
+    /// Information.
+    Note,
+}
 
 /// A rule.
 #[derive(Debug)]
 pub struct Rule {
     /// Short and unique, as it stands in a finding.
     pub code: &'static str,
-    /// How grave a breach is.
+    /// Severity of a breach.
     pub severity: Severity,
     /// What must hold, in a few words.
     pub title: &'static str,
@@ -164,7 +176,7 @@ rules! {
     DERIVATIVE_NAME "derivative-name" Error "der(x) is the derivative of x" "2.2.9" "2.4.7.5.1";
     DERIVATIVE_NAME_DOUBTFUL "derivative-name-doubtful" Warning "der(x) is the derivative of x, also in flat names" "" "";
     DERIVATIVE_NOT_CONTINUOUS "derivative-not-continuous" Error "state derivatives are continuous real variables" "2.2.8" "2.4.8";
-    DERIVATIVE_MISSING "derivative-missing" Error "state derivatives say of which variable" "2.2.8" "2.4.8";
+    DERIVATIVE_MISSING "derivative-missing" Error "state derivatives name their state" "2.2.8" "2.4.8";
     DERIVATIVE_NOT_LISTED "derivative-not-listed" Warning "Model Exchange lists the derivatives of all states" "2.2.8" "2.4.8";
     DERIVATIVE_UNIT "derivative-unit" Error "a derivative has its state's unit per second" "2.2.7" "2.4.7.5";
     DERIVATIVE_UNIT_TIMELESS "derivative-unit-timeless" Warning "a derivative's unit has the time in it" "2.2.7" "2.4.7.5";
@@ -219,7 +231,7 @@ rules! {
     NOT_RUN "not-run" Note "the FMU has a library for this platform and needs no other program" "" "";
     LOAD "load" Error "the library can be loaded" "2.3" "2.5.1.4";
     INSTANTIATE "instantiate" Error "the library makes an instance" "2.1.5" "2.3.1";
-    VERSION_STRING "version-string" Error "the library tells the version of the standard" "2.1.4" "2.2.5";
+    VERSION_STRING "version-string" Error "the library returns the version of the standard" "2.1.4" "2.2.5";
     LIFE_CYCLE "life-cycle" Error "calls in the standard's order succeed" "2.1.6" "2.3";
     EVENT_ITERATION "event-iteration" Error "the event iteration ends, and time events are not in the past" "3.2.2" "2.3.5";
     OUTPUT_NOT_FINITE "output-not-finite" Error "outputs are finite at the start values" "" "";
@@ -242,11 +254,11 @@ rules! {
     ROLLBACK_INEXACT "rollback-inexact" Warning "a saved state brings everything back bit for bit" "" "";
     SERIALIZE "serialize" Error "a state goes through bytes unchanged" "2.1.8" "2.2.7.4";
     STATE_POINTER "state-pointer" Error "freeing a state sets its pointer to NULL" "2.1.8" "2.2.7.4";
-    // Behaviour: steps and slopes.
+    // Behaviour: steps and derivatives.
     STEP_SIZE "step-size" Error "smaller communication steps converge" "4.3.1" "4.4";
     STOP_TIME "stop-time" Error "no step goes past the stop time" "2.1.6" "2.3.2";
-    DERIVATIVE_VALUE "derivative-value" Error "a declared derivative is the slope of its variable" "2.2.7" "2.4.7.5";
-    OUTPUT_DERIVATIVE "output-derivative" Error "derivatives of outputs are their slopes" "4.2.1" "4.1.2";
+    DERIVATIVE_VALUE "derivative-value" Error "a declared derivative equals the time derivative of its variable" "2.2.7" "2.4.7.5";
+    OUTPUT_DERIVATIVE "output-derivative" Error "output derivatives equal the time derivatives of the outputs" "4.2.1" "4.1.2";
     INPUT_DERIVATIVE "input-derivative" Error "derivatives of inputs have an effect" "4.3.1" "";
     // Behaviour: Model Exchange.
     STATES_NUMBER "states-number" Error "states and event indicators are as many as declared" "" "2.4.8";

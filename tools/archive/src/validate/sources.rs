@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::finding::{Findings, short};
-use super::model::{Model, Version, children};
+use super::model::{FmiVersion, Model, check_version_of, children};
 use super::rules;
 use super::schema;
 use super::xml::Xml;
@@ -14,14 +14,14 @@ pub(crate) const FILE: &str = "sources/buildDescription.xml";
 /// The rules that need no build description.
 pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings) {
     let has_sources = entries.iter().any(|e| e.starts_with("sources/") && !e.ends_with('/'));
-    if model.version == Version::Fmi3 && has_sources && !entries.contains(FILE) {
+    if model.version == FmiVersion::V3 && has_sources && !entries.contains(FILE) {
         out.add(
             &rules::BUILD_DESCRIPTION_MISSING,
             "sources/",
             format!("The archive has source files but no {FILE}"),
         );
     }
-    if model.version == Version::Fmi2 {
+    if model.version == FmiVersion::V2 {
         let files = model
             .interfaces
             .iter()
@@ -52,7 +52,7 @@ pub(crate) fn check_build(bytes: &[u8], model: &Model, entries: &HashSet<String>
     if !schema::check(&xml, &schema::build::BUILD_DESCRIPTION, out) {
         return;
     }
-    model.check_version_of(&xml, out);
+    check_version_of(model, &xml, out);
     let root = xml.root();
     let mut seen = HashSet::new();
     for configuration in root.children().filter(|c| c.has_tag_name("BuildConfiguration")) {

@@ -3,7 +3,7 @@
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, FileKind, Object, ObjectSymbol};
 
-use super::model::{Model, Version};
+use super::model::{FmiVersion, Model};
 
 const FMI2_COMMON: &[&str] = &[
     "GetTypesPlatform",
@@ -136,8 +136,8 @@ const FMI3: &[&str] = &[
 /// The names that the binary called `identifier` must export.
 pub(crate) fn required(model: &Model, identifier: &str) -> Vec<String> {
     let lists: Vec<&[&str]> = match model.version {
-        Version::Fmi3 => vec![FMI3],
-        Version::Fmi2 => {
+        FmiVersion::V3 => vec![FMI3],
+        FmiVersion::V2 => {
             let is_for = |interface: &str| {
                 model
                     .interfaces
@@ -154,7 +154,7 @@ pub(crate) fn required(model: &Model, identifier: &str) -> Vec<String> {
             lists
         }
     };
-    let prefix = if model.version == Version::Fmi2 { "fmi2" } else { "fmi3" };
+    let prefix = if model.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
     lists.concat().into_iter().map(|name| format!("{prefix}{name}")).collect()
 }
 

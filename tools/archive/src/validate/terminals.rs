@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::Node;
 
 use super::finding::{Findings, short};
-use super::model::{Model, children, double};
+use super::model::{Model, check_version_of, children, double};
 use super::rules;
 use super::schema;
 use super::xml::Xml;
@@ -26,7 +26,7 @@ pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out:
     if !schema::check(&xml, &schema::terminals::TERMINALS_AND_ICONS, out) {
         return;
     }
-    model.check_version_of(&xml, out);
+    check_version_of(model, &xml, out);
     let root = xml.root();
     let mut variables = HashMap::new();
     for v in &model.variables {

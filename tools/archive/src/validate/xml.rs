@@ -1,6 +1,6 @@
-//! Parses an XML file of the archive and knows the line of every node.
+//! An XML file of the archive with its name; errors of encoding and form are findings.
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::finding::Findings;
 use super::rules;
@@ -11,8 +11,7 @@ const DEEPEST: usize = 256;
 /// A parsed file.
 pub(crate) struct Xml<'a> {
     file: &'a str,
-    doc: Document<'a>,
-    line_starts: Vec<usize>,
+    xml: cosim::xml::Xml<'a>,
 }
 
 impl<'a> Xml<'a> {
@@ -27,10 +26,8 @@ impl<'a> Xml<'a> {
             }
         };
         check_declaration(file, text, out);
-        let line_starts: Vec<usize> =
-            std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
-        let doc = match Document::parse(text) {
-            Ok(doc) => doc,
+        let xml = match cosim::xml::Xml::parse(text) {
+            Ok(xml) => xml,
             Err(roxmltree::Error::DtdDetected) => {
                 let line = 1 + text[..text.find("<!DOCTYPE").unwrap_or(0)].matches('\n').count();
                 out.add(
@@ -49,22 +46,26 @@ impl<'a> Xml<'a> {
                 return None;
             }
         };
-        if is_too_deep(&doc) {
+        if is_too_deep(xml.document()) {
             out.add(&rules::XML_DEPTH, file, format!("The elements are nested deeper than {DEEPEST} levels"));
             return None;
         }
-        Some(Xml { file, doc, line_starts })
+        Some(Xml { file, xml })
     }
 
     /// The root element.
     pub(crate) fn root(&self) -> Node<'_, 'a> {
-        self.doc.root_element()
+        self.xml.root()
+    }
+
+    /// The file without its name.
+    pub(crate) fn file(&self) -> &cosim::xml::Xml<'a> {
+        &self.xml
     }
 
     /// `file:line` of a node.
     pub(crate) fn place(&self, node: Node) -> String {
-        let line = self.line_starts.partition_point(|start| *start <= node.range().start);
-        format!("{}:{line}", self.file)
+        format!("{}:{}", self.file, self.xml.line(node))
     }
 }
 
@@ -90,9 +91,9 @@ fn check_declaration(file: &str, text: &str, out: &mut Findings) {
     }
 }
 
-fn is_too_deep(doc: &Document) -> bool {
+fn is_too_deep(root: Node) -> bool {
     let mut depth = 0_usize;
-    let mut node = doc.root();
+    let mut node = root;
     loop {
         if let Some(child) = node.first_child() {
             depth += 1;

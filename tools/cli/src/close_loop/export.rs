@@ -1,4 +1,4 @@
-//! The loop's end: the calibrated preset, the terms, and the FMUs of both standards that carry them.
+//! Export: the calibrated preset, the terms, and the FMUs of both standards with them.
 
 use super::put;
 use crate::Failure;
@@ -27,13 +27,13 @@ pub struct Exported {
 }
 
 impl Exported {
-    /// What the validator finds wrong with the archives, in sentences.
+    /// Errors that the validator finds in the archives, in sentences.
     ///
     /// # Errors
     /// An archive that cannot be read.
     pub fn findings(&self) -> Result<Vec<String>, Failure> {
         let program = std::env::current_exe()
-            .map_err(|e| Failure::new(format!("this program is not to be found: {e}")))?;
+            .map_err(|e| Failure::new(format!("the path of this program cannot be determined: {e}")))?;
         let wrong = |(name, (_, path)): (&String, &(Standard, PathBuf))| -> Result<Vec<String>, Failure> {
             let wrong = validate(path, &program)?.into_iter().filter(|f| f.severity == Severity::Error);
             Ok(wrong.map(|f| format!("{name}: {}: {}", f.place, f.message)).collect())
@@ -54,7 +54,7 @@ impl Exported {
 /// A file that cannot be written, a library that is not there, values that the model refuses.
 pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<Exported, Failure> {
     let kind = models::by_name(outcome.model)
-        .ok_or_else(|| Failure::new(format!("{} is no model", outcome.model)))?;
+        .ok_or_else(|| Failure::new(format!("unknown model {}", outcome.model)))?;
     let file = out.join("preset.toml");
     put(&file, &preset_text(experiment, outcome, (kind.declaration)()))?;
     let preset = Preset::load(&file.to_string_lossy())?;
@@ -134,13 +134,13 @@ fn value_text(entry: &Entry, value: f64) -> String {
     }
 }
 
-/// Where a value is from.
+/// The source of a value.
 fn source(experiment: &Experiment, outcome: &Outcome, name: &str) -> String {
     let interval = |(low, high): (f64, f64)| {
-        format!("95 % {} ... {}", super::words::number(low), super::words::number(high))
+        format!("95 % {} ... {}", super::text::number(low), super::text::number(high))
     };
     if let Some(p) = outcome.parameters.iter().find(|p| p.name == name) {
-        return format!("fitted: {} before, {}", super::words::number(p.prior), interval(p.ci95));
+        return format!("fitted: {} before, {}", super::text::number(p.prior), interval(p.ci95));
     }
     if let Some((id, symbol)) = name.strip_prefix("effect.").and_then(|n| n.split_once('.'))
         && let Some(found) = outcome.effects.iter().find(|e| e.id == id)
@@ -151,7 +151,7 @@ fn source(experiment: &Experiment, outcome: &Outcome, name: &str) -> String {
         });
     }
     if experiment.set.iter().any(|(n, _)| n == name) {
-        return "the experiment's".to_owned();
+        return "from the experiment".to_owned();
     }
-    "the preset's".to_owned()
+    "from the preset".to_owned()
 }

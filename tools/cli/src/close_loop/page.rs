@@ -2,10 +2,10 @@
 
 mod figures;
 
-use super::words::{driver, law, list, number, plain, port, replay as replay_words, verdict};
+use super::text::{driver, law, list, number, plain, port, replay as replay_words, verdict};
 use calibrate::experiment::{Experiment, Role};
 use calibrate::outcome::{Curves, Found, Outcome, Unexplained, Verdict};
-use calibrate::report::{ROLES, Replay, role_name};
+use calibrate::report::{ROLES, Replay, column_words, role_name};
 use describe::Declaration;
 use maud::{Markup, html};
 use present::page::{Cell, page as page_of, plates, table};
@@ -50,7 +50,7 @@ fn capital(text: &str) -> String {
 
 /// A column of the data in words, with its unit.
 fn channel(column: &str) -> String {
-    let (name, unit) = figures::split(column);
+    let (name, unit) = column_words(column);
     if unit.is_empty() { name } else { format!("{name} in {unit}") }
 }
 

@@ -33,7 +33,7 @@ fn found(id: &str) -> Found {
         delta_bic: 120.0,
         delta_bic_whitened: 80.0,
         validation_ratio: Some(0.41),
-        magnitude: "moves at most voltage_V by 0.3".to_owned(),
+        magnitude: "changes at most voltage by 0.3 V".to_owned(),
     }
 }
 

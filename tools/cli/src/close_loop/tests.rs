@@ -62,30 +62,30 @@ fn what_has_no_name_has_a_port_a_driver_a_shape_and_a_law() {
     assert_eq!(nothing["detection_limits"][0]["size"], json!(2e-6));
 }
 
-/// Each verdict in a sentence of its own, with what it is about.
+/// Each verdict is a sentence with its subject.
 #[test]
-fn verdicts_in_plain_words() {
+fn verdicts_are_sentences() {
     for (verdict, words) in ALL.iter().zip([
-        ["iron loss", "k = 9.5e-5 N.m.s^0.5", "run-1.csv alone"],
-        ["one of iron loss or viscous friction", "cannot tell", "iron loss"],
-        ["the torque against the motion", "follows the speed", "in no list"],
-        ["nothing", "could show", "other parameters"],
+        ["iron loss", "k = 9.5e-5 N.m.s^0.5", "run-1.csv only"],
+        ["one of iron loss or viscous friction", "do not distinguish", "iron loss"],
+        ["the torque against the motion", "follows the speed", "not in the list"],
+        ["no missing effect", "is detected", "other parameter values"],
     ]) {
-        let sentence = words::verdict(&sample::outcome(*verdict));
+        let sentence = text::verdict(&sample::outcome(*verdict));
         assert!(words.iter().all(|w| sentence.contains(w)), "{sentence}");
         assert!(sentence.ends_with('.') && !sentence.contains('_'), "{sentence}");
     }
 }
 
-/// What is sure beside a class is none of it.
+/// An effect without alternatives is no part of a class.
 #[test]
-fn a_class_is_told_apart_from_what_stands_beside_it() {
+fn a_class_excludes_effects_without_alternatives() {
     let mut outcome = sample::outcome(Verdict::Class);
     let mut beside = outcome.effects[0].clone();
     beside.id = "windage".to_owned();
     beside.alternatives.clear();
     outcome.effects.push(beside);
-    let sentence = words::verdict(&outcome);
+    let sentence = text::verdict(&outcome);
     assert!(sentence.contains("lacks one of iron loss or viscous friction and windage;"), "{sentence}");
 }
 

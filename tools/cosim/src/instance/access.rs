@@ -1,9 +1,10 @@
 //! Reading and setting variables.
-use super::{Backend, Instance};
-use crate::fmi2::c_string;
+use super::{Instance, Names};
+use crate::raw::{Number, c_string};
 use crate::value::integer_limits;
-use crate::{Error, Kind, Value, Variable};
-use std::ffi::{CStr, CString, c_int};
+use crate::{Error, Kind, Status, Value, Variable};
+use std::ffi::{CStr, CString};
+use std::fmt::Display;
 
 impl Instance {
     /// Reads `Float64` variables (FMI 2: `Real`).
@@ -27,15 +28,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length or a kind that is no integer.
     pub fn get_i64(&mut self, kind: Kind, vrs: &[u32], values: &mut [i64]) -> Result<(), Error> {
-        let functions = names(Verb::Get, kind);
-        if !self.fits(functions, vrs.len(), values.len())? {
-            return Ok(());
-        }
-        self.is_integer(functions, kind)?;
-        self.call(functions, |b| match b {
-            Backend::Two(i) => i.get_int(vrs, values, i64::from),
-            Backend::Three(i) => i.get_int(kind, vrs, values, |x| x),
-        })
+        self.read(kind, vrs, values, Kind::is_integer, "integer")
     }
 
     /// Sets integers or enumerations, all of the same `kind`.
@@ -43,19 +36,8 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] as for [`Self::get_i64`] and for a value that its type cannot hold.
     pub fn set_i64(&mut self, kind: Kind, vrs: &[u32], values: &[i64]) -> Result<(), Error> {
-        let functions = names(Verb::Set, kind);
-        if !self.fits(functions, vrs.len(), values.len())? {
-            return Ok(());
-        }
-        self.is_integer(functions, kind)?;
         let (low, high) = self.integer_limits(kind);
-        if let Some(value) = values.iter().find(|v| !(low..=high).contains(*v)) {
-            return Err(self.misuse(functions, format!("{value} is not in {low} ... {high}")));
-        }
-        self.call(functions, |b| match b {
-            Backend::Two(i) => i.set_int(vrs, values, |x| x as c_int),
-            Backend::Three(i) => i.set_int(kind, vrs, values, |x| x),
-        })
+        self.write(kind, vrs, values, (Kind::is_integer, "integer"), |v| (low..=high).contains(v))
     }
 
     /// Reads Booleans.
@@ -63,14 +45,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
     pub fn get_bool(&mut self, vrs: &[u32], values: &mut [bool]) -> Result<(), Error> {
-        let functions = names(Verb::Get, Kind::Boolean);
-        if !self.fits(functions, vrs.len(), values.len())? {
-            return Ok(());
-        }
-        self.call(functions, |b| match b {
-            Backend::Two(i) => i.get_bool(vrs, values, |x| x),
-            Backend::Three(i) => i.get_bool(vrs, values, |x| x),
-        })
+        self.read(Kind::Boolean, vrs, values, Kind::is_numeric, "numeric")
     }
 
     /// Sets Booleans.
@@ -78,14 +53,7 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
     pub fn set_bool(&mut self, vrs: &[u32], values: &[bool]) -> Result<(), Error> {
-        let functions = names(Verb::Set, Kind::Boolean);
-        if !self.fits(functions, vrs.len(), values.len())? {
-            return Ok(());
-        }
-        self.call(functions, |b| match b {
-            Backend::Two(i) => i.set_bool(vrs, values, |x| x),
-            Backend::Three(i) => i.set_bool(vrs, values, |x| x),
-        })
+        self.write(Kind::Boolean, vrs, values, (Kind::is_numeric, "numeric"), |_| true)
     }
 
     /// Reads scalar strings.
@@ -94,13 +62,12 @@ impl Instance {
     /// [`Error::Call`].
     pub fn get_string(&mut self, vrs: &[u32]) -> Result<Vec<String>, Error> {
         let mut texts = Vec::new();
-        self.call(names(Verb::Get, Kind::String), |b| {
-            let (status, read) = match b {
-                Backend::Two(i) => i.get_string(vrs),
-                Backend::Three(i) => i.get_string(vrs),
-            };
-            texts = read;
-            status
+        self.call(names(Verb::Get, Kind::String), |raw| match raw.get_strings(vrs) {
+            Ok(read) => {
+                texts = read;
+                Status::Ok
+            }
+            Err(status) => status,
         })?;
         Ok(texts)
     }
@@ -110,16 +77,13 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length.
     pub fn set_string(&mut self, vrs: &[u32], values: &[&str]) -> Result<(), Error> {
-        let functions = names(Verb::Set, Kind::String);
-        if !self.fits(functions, vrs.len(), values.len())? {
+        let names = names(Verb::Set, Kind::String);
+        if !self.fits(names, vrs.len(), values.len())? {
             return Ok(());
         }
         let owned: Vec<CString> = values.iter().map(|v| c_string(v)).collect();
         let texts: Vec<&CStr> = owned.iter().map(CString::as_c_str).collect();
-        self.call(functions, |b| match b {
-            Backend::Two(i) => i.set_string(vrs, &texts),
-            Backend::Three(i) => i.set_string(vrs, &texts),
-        })
+        self.call(names, |raw| raw.set_strings(vrs, &texts))
     }
 
     /// Reads variables of one numeric `kind` as numbers: integers and enumerations as such (exact to 2^53),
@@ -129,25 +93,9 @@ impl Instance {
     /// [`Error::Call`], [`Error::Misuse`] for lists of different length or a kind that is no number.
     pub fn get_number(&mut self, kind: Kind, vrs: &[u32], values: &mut [f64]) -> Result<(), Error> {
         if kind == Kind::Float64 && vrs.len() == values.len() && !vrs.is_empty() {
-            return self.call(GET_REAL, |b| match b {
-                Backend::Two(i) => i.get_f64(vrs, values),
-                Backend::Three(i) => i.get_f64(vrs, values),
-            });
+            return self.call(GET_REAL, |raw| raw.get_f64(vrs, values));
         }
-        let functions = names(Verb::Get, kind);
-        if !self.fits(functions, vrs.len(), values.len())? {
-            return Ok(());
-        }
-        self.is_numeric(functions, kind)?;
-        self.call(functions, |b| match (b, kind) {
-            (Backend::Two(i), Kind::Float64 | Kind::Float32) => i.get_f64(vrs, values),
-            (Backend::Three(i), Kind::Float64) => i.get_f64(vrs, values),
-            (Backend::Three(i), Kind::Float32) => i.get_f32(vrs, values),
-            (Backend::Two(i), Kind::Boolean) => i.get_bool(vrs, values, |x| x.into()),
-            (Backend::Three(i), Kind::Boolean) => i.get_bool(vrs, values, |x| x.into()),
-            (Backend::Two(i), _) => i.get_int(vrs, values, f64::from),
-            (Backend::Three(i), _) => i.get_int(kind, vrs, values, |x| x as f64),
-        })
+        self.read(kind, vrs, values, Kind::is_numeric, "numeric")
     }
 
     /// Sets variables of one numeric `kind` from numbers: rounded for integers, different from 0 is true.
@@ -156,32 +104,54 @@ impl Instance {
     /// [`Error::Call`], [`Error::Misuse`] as for [`Self::get_number`] and for a value that its type cannot hold.
     pub fn set_number(&mut self, kind: Kind, vrs: &[u32], values: &[f64]) -> Result<(), Error> {
         if kind == Kind::Float64 && vrs.len() == values.len() && !vrs.is_empty() {
-            return self.call(SET_REAL, |b| match b {
-                Backend::Two(i) => i.set_f64(vrs, values),
-                Backend::Three(i) => i.set_f64(vrs, values),
-            });
+            return self.call(SET_REAL, |raw| raw.set_f64(vrs, values));
         }
-        let functions = names(Verb::Set, kind);
-        if !self.fits(functions, vrs.len(), values.len())? {
+        let (low, high) = self.integer_limits(kind);
+        let fits = |v: &f64| v.is_finite() && v.round() >= low as f64 && v.round() <= high as f64;
+        let any = !kind.is_integer();
+        self.write(kind, vrs, values, (Kind::is_numeric, "numeric"), |v| any || fits(v))
+    }
+
+    /// Reads values of a kind that must pass `is_kind`, called `word` in messages.
+    fn read<U: Number>(
+        &mut self,
+        kind: Kind,
+        vrs: &[u32],
+        values: &mut [U],
+        is_kind: fn(Kind) -> bool,
+        word: &str,
+    ) -> Result<(), Error> {
+        let names = names(Verb::Get, kind);
+        if !self.fits(names, vrs.len(), values.len())? {
             return Ok(());
         }
-        self.is_numeric(functions, kind)?;
-        if !kind.is_float() && kind != Kind::Boolean {
-            let (low, high) = self.integer_limits(kind);
-            let fits = |v: &f64| v.is_finite() && v.round() >= low as f64 && v.round() <= high as f64;
-            if let Some(value) = values.iter().find(|v| !fits(v)) {
-                return Err(self.misuse(functions, format!("{value} is not in {low} ... {high}")));
-            }
+        if !is_kind(kind) {
+            return Err(self.misuse(names, format!("{kind:?} is no {word} type")));
         }
-        self.call(functions, |b| match (b, kind) {
-            (Backend::Two(i), Kind::Float64 | Kind::Float32) => i.set_f64(vrs, values),
-            (Backend::Three(i), Kind::Float64) => i.set_f64(vrs, values),
-            (Backend::Three(i), Kind::Float32) => i.set_f32(vrs, values),
-            (Backend::Two(i), Kind::Boolean) => i.set_bool(vrs, values, |x| x != 0.0),
-            (Backend::Three(i), Kind::Boolean) => i.set_bool(vrs, values, |x| x != 0.0),
-            (Backend::Two(i), _) => i.set_int(vrs, values, |x| x.round() as c_int),
-            (Backend::Three(i), _) => i.set_int(kind, vrs, values, |x| x.round() as i64),
-        })
+        self.call(names, |raw| raw.get_as(kind, vrs, values))
+    }
+
+    /// Sets values that must be `allowed`; the rest as in [`Self::read`].
+    fn write<U: Number + Display>(
+        &mut self,
+        kind: Kind,
+        vrs: &[u32],
+        values: &[U],
+        (is_kind, word): (fn(Kind) -> bool, &str),
+        allowed: impl Fn(&U) -> bool,
+    ) -> Result<(), Error> {
+        let names = names(Verb::Set, kind);
+        if !self.fits(names, vrs.len(), values.len())? {
+            return Ok(());
+        }
+        if !is_kind(kind) {
+            return Err(self.misuse(names, format!("{kind:?} is no {word} type")));
+        }
+        if let Some(value) = values.iter().find(|v| !allowed(v)) {
+            let (low, high) = self.integer_limits(kind);
+            return Err(self.misuse(names, format!("{value} is not in {low} ... {high}")));
+        }
+        self.call(names, |raw| raw.set_as(kind, vrs, values))
     }
 
     /// Sets one scalar variable.
@@ -205,39 +175,18 @@ impl Instance {
     /// Whether there is anything to do; an error if the lists cannot belong together. For FMI 3 there may be more
     /// values than references, as arrays have several.
     #[inline]
-    pub(super) fn fits(
-        &self,
-        functions: [&'static str; 2],
-        vrs: usize,
-        values: usize,
-    ) -> Result<bool, Error> {
-        let good = match self.backend {
-            Backend::Two(_) => vrs == values,
-            Backend::Three(_) => vrs <= values && (vrs > 0 || values == 0),
-        };
+    pub(super) fn fits(&self, names: Names, vrs: usize, values: usize) -> Result<bool, Error> {
+        let good = if self.is_fmi2() { vrs == values } else { vrs <= values && (vrs > 0 || values == 0) };
         if good {
             Ok(vrs > 0)
         } else {
-            Err(self.misuse(functions, format!("{values} values for {vrs} variables")))
-        }
-    }
-
-    fn is_integer(&self, functions: [&'static str; 2], kind: Kind) -> Result<(), Error> {
-        let integer = kind.is_numeric() && !kind.is_float() && kind != Kind::Boolean;
-        if integer { Ok(()) } else { Err(self.misuse(functions, format!("{kind:?} is no integer type"))) }
-    }
-
-    fn is_numeric(&self, functions: [&'static str; 2], kind: Kind) -> Result<(), Error> {
-        if kind.is_numeric() {
-            Ok(())
-        } else {
-            Err(self.misuse(functions, format!("{kind:?} is no numeric type")))
+            Err(self.misuse(names, format!("{values} values for {vrs} variables")))
         }
     }
 
     /// FMI 2 has C `int` alone.
     fn integer_limits(&self, kind: Kind) -> (i64, i64) {
-        integer_limits(if matches!(self.backend, Backend::Two(_)) { Kind::Int32 } else { kind })
+        integer_limits(if self.is_fmi2() { Kind::Int32 } else { kind })
     }
 }
 
@@ -253,7 +202,7 @@ const GET_REAL: [&str; 2] = names(Verb::Get, Kind::Float64);
 const SET_REAL: [&str; 2] = names(Verb::Set, Kind::Float64);
 
 /// The names of the get or set function of a kind, for messages.
-const fn names(verb: Verb, kind: Kind) -> [&'static str; 2] {
+const fn names(verb: Verb, kind: Kind) -> Names {
     macro_rules! both {
         ($two:literal, $three:literal) => {
             match verb {

@@ -1,8 +1,7 @@
 //! Saved states of an FMU: get, set, free, to bytes and back.
-use super::{Backend, Instance};
+use super::{Instance, Names};
 use crate::Error;
-use std::ffi::{c_int, c_void};
-use std::ptr;
+use crate::raw::{Functions, RawState, names};
 
 /// A saved state of one instance. It is freed by [`Instance::free_state`], or with the instance.
 #[derive(Debug)]
@@ -11,67 +10,13 @@ pub struct State {
     slot: usize,
 }
 
-/// The C functions of both standards have the same types here.
-struct Functions {
-    get: unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int,
-    set: unsafe extern "C" fn(*mut c_void, *mut c_void) -> c_int,
-    free: unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int,
-}
-
-struct BytesFunctions {
-    size: unsafe extern "C" fn(*mut c_void, *mut c_void, *mut usize) -> c_int,
-    write: unsafe extern "C" fn(*mut c_void, *mut c_void, *mut u8, usize) -> c_int,
-    read: unsafe extern "C" fn(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int,
-}
-
-impl Backend {
-    fn handle(&self) -> *mut c_void {
-        match self {
-            Self::Two(i) => i.component(),
-            Self::Three(i) => i.handle(),
-        }
-    }
-
-    fn state_functions(&self) -> Option<Functions> {
-        Some(match self {
-            Self::Two(i) => Functions {
-                get: i.functions.get_state?,
-                set: i.functions.set_state?,
-                free: i.functions.free_state?,
-            },
-            Self::Three(i) => Functions {
-                get: i.functions.get_state?,
-                set: i.functions.set_state?,
-                free: i.functions.free_state?,
-            },
-        })
-    }
-
-    fn bytes_functions(&self) -> Option<BytesFunctions> {
-        Some(match self {
-            Self::Two(i) => BytesFunctions {
-                size: i.functions.state_size?,
-                write: i.functions.serialize_state?,
-                read: i.functions.deserialize_state?,
-            },
-            Self::Three(i) => BytesFunctions {
-                size: i.functions.state_size?,
-                write: i.functions.serialize_state?,
-                read: i.functions.deserialize_state?,
-            },
-        })
-    }
-}
-
-// SAFETY, for all unsafe blocks below: the functions belong to the loaded library, the handle is alive (`call` refuses
-// after Fatal), and state pointers came from this very instance, as `slot` checks.
 impl Instance {
-    /// Saves the FMU's state. From here on the FMU is told that it may have to go back in time.
+    /// Saves the FMU's state. Later steps are no longer called with noSetFMUStatePriorToCurrentPoint.
     ///
     /// # Errors
     /// [`Error::Call`], [`Error::Unsupported`] if the FMU does not provide it.
     pub fn get_state(&mut self) -> Result<State, Error> {
-        let state = self.new_slot();
+        let state = self.new_slot(RawState::NONE);
         let result = self.update_state(&state);
         if result.is_err() {
             self.free_slots.push(state.slot);
@@ -84,14 +29,9 @@ impl Instance {
     /// # Errors
     /// As [`Self::get_state`]; [`Error::Misuse`] for a state of another instance.
     pub fn update_state(&mut self, state: &State) -> Result<(), Error> {
-        let functions = ["fmi2GetFMUstate", "fmi3GetFMUState"];
-        let mut pointer = self.pointer(functions, state)?;
-        self.call_optional(functions, |b| {
-            let get = b.state_functions()?.get;
-            // SAFETY: see above.
-            Some(unsafe { get(b.handle(), &mut pointer) })
+        self.with(names::get_state, state, |instance, raw_state| {
+            instance.call_optional(names::get_state, |f| f.get_state.is_some(), |raw| raw.save(raw_state))
         })?;
-        self.states[state.slot] = pointer;
         self.saved = true;
         Ok(())
     }
@@ -101,12 +41,8 @@ impl Instance {
     /// # Errors
     /// As [`Self::update_state`].
     pub fn set_state(&mut self, state: &State) -> Result<(), Error> {
-        let functions = ["fmi2SetFMUstate", "fmi3SetFMUState"];
-        let pointer = self.pointer(functions, state)?;
-        self.call_optional(functions, |b| {
-            let set = b.state_functions()?.set;
-            // SAFETY: see above.
-            Some(unsafe { set(b.handle(), pointer) })
+        self.with(names::set_state, state, |instance, raw_state| {
+            instance.call_optional(names::set_state, |f| f.set_state.is_some(), |raw| raw.restore(raw_state))
         })
     }
 
@@ -115,15 +51,13 @@ impl Instance {
     /// # Errors
     /// As [`Self::update_state`].
     pub fn free_state(&mut self, state: State) -> Result<(), Error> {
-        let functions = ["fmi2FreeFMUstate", "fmi3FreeFMUState"];
-        let mut pointer = self.pointer(functions, &state)?;
-        // Whatever the FMU says, the state must not be used again; the slot can be.
-        self.states[state.slot] = ptr::null_mut();
-        self.free_slots.push(state.slot);
-        self.call_optional(functions, |b| {
-            let free = b.state_functions()?.free;
-            // SAFETY: see above.
-            Some(unsafe { free(b.handle(), &mut pointer) })
+        self.with(names::free_state, &state, |instance, raw_state| {
+            let has = |f: &Functions| f.free_state.is_some();
+            let result = instance.call_optional(names::free_state, has, |raw| raw.free_state(raw_state));
+            // Whatever the FMU says, the state must not be used again; the slot can be.
+            *raw_state = RawState::NONE;
+            instance.free_slots.push(state.slot);
+            result
         })
     }
 
@@ -132,26 +66,20 @@ impl Instance {
     /// # Errors
     /// As [`Self::update_state`].
     pub fn serialize_state(&mut self, state: &State) -> Result<Vec<u8>, Error> {
-        let functions = ["fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"];
-        let pointer = self.pointer(functions, state)?;
-        let mut size = 0;
-        self.call_optional(functions, |b| {
-            let query = b.bytes_functions()?.size;
-            // SAFETY: see above.
-            Some(unsafe { query(b.handle(), pointer, &mut size) })
-        })?;
-        let functions = ["fmi2SerializeFMUstate", "fmi3SerializeFMUState"];
-        let mut bytes = Vec::new();
-        if bytes.try_reserve_exact(size).is_err() {
-            return Err(self.misuse(functions, format!("a state of {size} bytes does not fit into memory")));
-        }
-        bytes.resize(size, 0u8);
-        self.call_optional(functions, |b| {
-            let write = b.bytes_functions()?.write;
-            // SAFETY: see above; `bytes` is as long as the FMU asked for.
-            Some(unsafe { write(b.handle(), pointer, bytes.as_mut_ptr(), bytes.len()) })
-        })?;
-        Ok(bytes)
+        self.with(names::state_size, state, |instance, raw_state| {
+            let mut size = 0;
+            let has = |f: &Functions| f.state_size.is_some();
+            instance.call_optional(names::state_size, has, |raw| raw.state_size(raw_state, &mut size))?;
+            let mut bytes = Vec::new();
+            if bytes.try_reserve_exact(size).is_err() {
+                let reason = format!("a state of {size} bytes does not fit into memory");
+                return Err(instance.misuse(names::serialize, reason));
+            }
+            bytes.resize(size, 0u8);
+            let has = |f: &Functions| f.serialize.is_some();
+            instance.call_optional(names::serialize, has, |raw| raw.serialize(raw_state, &mut bytes))?;
+            Ok(bytes)
+        })
     }
 
     /// A state from the bytes of [`Self::serialize_state`].
@@ -159,43 +87,45 @@ impl Instance {
     /// # Errors
     /// As [`Self::get_state`].
     pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<State, Error> {
-        let functions = ["fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"];
-        let mut pointer = ptr::null_mut();
-        self.call_optional(functions, |b| {
-            let read = b.bytes_functions()?.read;
-            // SAFETY: see above.
-            Some(unsafe { read(b.handle(), bytes.as_ptr(), bytes.len(), &mut pointer) })
-        })?;
+        let mut raw_state = RawState::NONE;
+        let has = |f: &Functions| f.deserialize.is_some();
+        self.call_optional(names::deserialize, has, |raw| raw.deserialize(bytes, &mut raw_state))?;
         self.saved = true;
-        let state = self.new_slot();
-        self.states[state.slot] = pointer;
-        Ok(state)
+        Ok(self.new_slot(raw_state))
     }
 
-    /// Called by `drop`: the standard wants states freed before the instance.
-    pub(super) fn free_all_states(&mut self) {
-        let Some(functions) = self.backend.state_functions() else { return };
-        for pointer in self.states.drain(..) {
-            let mut pointer = pointer;
-            if !pointer.is_null() {
-                // SAFETY: see above; the status cannot matter any more.
-                unsafe { (functions.free)(self.backend.handle(), &mut pointer) };
-            }
+    fn new_slot(&mut self, state: RawState) -> State {
+        let slot = self.free_slots.pop().unwrap_or(self.states.len());
+        if slot == self.states.len() {
+            self.states.push(state);
+        } else {
+            self.states[slot] = state;
         }
-    }
-
-    fn new_slot(&mut self) -> State {
-        let slot = self.free_slots.pop().unwrap_or_else(|| {
-            self.states.push(ptr::null_mut());
-            self.states.len() - 1
-        });
         State { instance: self.id, slot }
     }
 
-    fn pointer(&self, functions: [&'static str; 2], state: &State) -> Result<*mut c_void, Error> {
+    /// Calls `f` with the FMU's state behind `state`, which must be one of this instance.
+    fn with<T>(
+        &mut self,
+        names: Names,
+        state: &State,
+        f: impl FnOnce(&mut Self, &mut RawState) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         if state.instance != self.id {
-            return Err(self.misuse(functions, "the state belongs to another instance".to_owned()));
+            return Err(self.misuse(names, "the state belongs to another instance".to_owned()));
         }
-        Ok(self.states.get(state.slot).copied().unwrap_or(ptr::null_mut()))
+        let mut raw_state = std::mem::replace(&mut self.states[state.slot], RawState::NONE);
+        let result = f(self, &mut raw_state);
+        self.states[state.slot] = raw_state;
+        result
+    }
+}
+
+impl Drop for Instance {
+    /// The standards want states freed before the instance.
+    fn drop(&mut self) {
+        for state in self.states.iter_mut().filter(|state| !state.is_none()) {
+            self.raw.free_state(state);
+        }
     }
 }

@@ -1,13 +1,22 @@
 //! The life cycle, steps, and saved states.
 use super::RawInstance;
-use super::functions::Api;
-use crate::Status;
+use crate::{FmiVersion, Status};
 use std::ffi::c_void;
 use std::ptr;
 
-/// A saved state. It must be given back with [`RawInstance::free_state`].
+/// A saved state, or none. It must be given back with [`RawInstance::free_state`].
 #[derive(Debug)]
 pub struct RawState(*mut c_void);
+
+impl RawState {
+    /// No state yet: NULL, as the standards want it for a first save.
+    pub const NONE: Self = Self(ptr::null_mut());
+
+    /// Whether there is no state.
+    pub fn is_none(&self) -> bool {
+        self.0.is_null()
+    }
+}
 
 /// How a communication step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,146 +33,146 @@ pub struct RawStep {
     pub reached: Option<f64>,
 }
 
+/// Calls that take the instance alone.
+macro_rules! plain {
+    ($($(#[$doc:meta])* $name:ident: $field:ident;)*) => {
+        impl RawInstance {
+            $($(#[$doc])*
+            pub fn $name(&mut self) -> Status {
+                // SAFETY: the function belongs to the loaded library, and the handle is alive.
+                self.status(|f, h| f.$field.map(|f| unsafe { f(h) }))
+            })*
+        }
+    };
+}
+
+plain! {
+    /// FMI 3: `EnterConfigurationMode`
+    enter_configuration: enter_configuration;
+    /// FMI 3: `ExitConfigurationMode`
+    exit_configuration: exit_configuration;
+    /// `ExitInitializationMode`
+    exit_initialization: exit_initialization;
+    /// `Terminate`
+    terminate: terminate;
+    /// `Reset`
+    reset: reset;
+    /// FMI 3: `EnterStepMode`
+    enter_step_mode: enter_step_mode;
+    /// `EnterEventMode`
+    enter_event_mode: enter_event;
+    /// `EnterContinuousTimeMode`
+    enter_continuous_time_mode: enter_continuous;
+}
+
 // SAFETY, for all unsafe blocks below: the functions belong to the loaded library, the handle is alive, pointers to
-// results live as long as the call, and saved states come from `get_state` or `deserialize` of the same library.
+// results live as long as the call, and saved states come from `save` or `deserialize` of the same library.
 impl RawInstance {
     /// FMI 2 `SetupExperiment`, then (both) `EnterInitializationMode`; times in s.
     pub fn enter_initialization(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Status {
         let (has_tolerance, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let (has_stop, stop) = (stop.is_some(), stop.unwrap_or(0.0));
-        self.status(|api, _, h| match api {
-            Api::Two(f) => {
-                let (setup, enter) = (f.setup?, f.enter_initialization?);
+        match self.version() {
+            FmiVersion::V2 => {
+                let (has_tolerance, has_stop) = (has_tolerance.into(), has_stop.into());
+                let setup = self.status(|f, h| {
+                    // SAFETY: see above.
+                    f.setup.map(|f| unsafe { f(h, has_tolerance, tolerance, start, has_stop, stop) })
+                });
+                if setup > Status::Warning {
+                    return setup;
+                }
                 // SAFETY: see above.
-                let status =
-                    unsafe { setup(h, has_tolerance.into(), tolerance, start, has_stop.into(), stop) };
-                // SAFETY: see above.
-                Some(if status > 1 { status } else { status.max(unsafe { enter(h) }) })
+                setup.max(self.status(|f, h| f.enter_initialization2.map(|f| unsafe { f(h) })))
             }
-            Api::Three(f) => {
-                let enter = f.enter_initialization?;
+            FmiVersion::V3 => self.status(|f, h| {
+                let enter = f.enter_initialization3?;
                 // SAFETY: see above.
                 Some(unsafe { enter(h, has_tolerance, tolerance, start, has_stop, stop) })
-            }
-        })
-    }
-
-    /// `ExitInitializationMode`
-    pub fn exit_initialization(&mut self) -> Status {
-        // SAFETY: see above.
-        self.status(|_, c, h| c.exit_initialization.map(|f| unsafe { f(h) }))
-    }
-
-    /// `Terminate`
-    pub fn terminate(&mut self) -> Status {
-        // SAFETY: see above.
-        self.status(|_, c, h| c.terminate.map(|f| unsafe { f(h) }))
-    }
-
-    /// `Reset`
-    pub fn reset(&mut self) -> Status {
-        // SAFETY: see above.
-        self.status(|_, c, h| c.reset.map(|f| unsafe { f(h) }))
-    }
-
-    /// FMI 3: `EnterStepMode`
-    pub fn enter_step_mode(&mut self) -> Status {
-        self.status(|api, _, h| match api {
-            Api::Two(_) => None,
-            // SAFETY: see above.
-            Api::Three(f) => f.enter_step_mode.map(|f| unsafe { f(h) }),
-        })
-    }
-
-    /// `DoStep` from `t` to `t + h` (s), which may have to be repeated.
-    pub fn do_step(&mut self, t: f64, h: f64) -> RawStep {
-        let (mut event, mut terminated, mut early, mut reached) = (0, 0, 0, t + h);
-        let mut ended = false;
-        let status = self.status(|api, _, handle| match api {
-            Api::Two(f) => {
-                let step = f.do_step?;
-                // SAFETY: see above.
-                let status = unsafe { step(handle, t, h, 0) };
-                if Status::from_c(status) == Status::Discard
-                    && let Some(query) = f.get_boolean_status
-                {
-                    const TERMINATED: i32 = 3;
-                    let mut value = 0;
-                    // SAFETY: see above.
-                    ended = unsafe { query(handle, TERMINATED, &mut value) } <= 1 && value != 0;
-                }
-                Some(status)
-            }
-            Api::Three(f) => {
-                let step = f.do_step?;
-                // SAFETY: see above.
-                Some(unsafe {
-                    step(handle, t, h, false, &mut event, &mut terminated, &mut early, &mut reached)
-                })
-            }
-        });
-        let three = self.version() == crate::FmiVersion::V3;
-        RawStep {
-            status: if ended { Status::Ok } else { status },
-            terminated: ended || terminated != 0,
-            event: event != 0,
-            early: early != 0,
-            reached: three.then_some(reached),
+            }),
         }
+    }
+
+    /// `DoStep` from `t` to `t + h` (s); `no_rollback` tells the FMU that it never goes back before `t`.
+    #[inline]
+    pub fn do_step(&mut self, t: f64, h: f64, no_rollback: bool) -> RawStep {
+        match self.version() {
+            FmiVersion::V2 => {
+                let status = self.status(|f, instance| {
+                    // SAFETY: see above.
+                    f.do_step2.map(|step| unsafe { step(instance, t, h, no_rollback.into()) })
+                });
+                // FMI 2 has no other way to ask for the end than to discard the step.
+                let terminated = status == Status::Discard && self.wants_to_end();
+                let status = if terminated { Status::Ok } else { status };
+                RawStep { status, terminated, event: false, early: false, reached: None }
+            }
+            FmiVersion::V3 => {
+                let (mut event, mut terminated, mut early, mut reached) = (0, 0, 0, t + h);
+                let status = self.status(|f, instance| {
+                    let step = f.do_step3?;
+                    let (event, terminated) = (&mut event, &mut terminated);
+                    // SAFETY: see above.
+                    Some(unsafe {
+                        step(instance, t, h, no_rollback, event, terminated, &mut early, &mut reached)
+                    })
+                });
+                let (event, terminated, early) = (event != 0, terminated != 0, early != 0);
+                RawStep { status, terminated, event, early, reached: Some(reached) }
+            }
+        }
+    }
+
+    /// Whether the FMU discarded a step because it wants the simulation to end.
+    #[cold]
+    fn wants_to_end(&mut self) -> bool {
+        const TERMINATED: i32 = 3;
+        let mut value = 0;
+        let functions = &self.loaded.functions;
+        // SAFETY: see above.
+        let query = functions.get_boolean_status.map(|f| unsafe { f(self.handle, TERMINATED, &mut value) });
+        query.is_some_and(|status| status <= 1) && value != 0
     }
 
     /// FMI 3 Scheduled Execution: `ActivateModelPartition` of a clock at time `t` (s).
     pub fn activate_partition(&mut self, clock: u32, t: f64) -> Status {
-        self.status(|api, _, h| match api {
-            Api::Two(_) => None,
-            // SAFETY: see above.
-            Api::Three(f) => f.activate_partition.map(|f| unsafe { f(h, clock, t) }),
-        })
+        // SAFETY: see above.
+        self.status(|f, h| f.activate_partition.map(|f| unsafe { f(h, clock, t) }))
     }
 
-    /// Saves the FMU's state; into `old` if that is given.
-    pub fn get_state(&mut self, old: Option<RawState>) -> Result<RawState, Status> {
-        let mut pointer = old.map_or(ptr::null_mut(), |s| s.0);
+    /// Saves the FMU's state into `state`, which may hold one already.
+    pub fn save(&mut self, state: &mut RawState) -> Status {
         // SAFETY: see above.
-        let status = self.status(|_, c, h| c.get_state.map(|f| unsafe { f(h, &mut pointer) }));
-        if status <= Status::Warning { Ok(RawState(pointer)) } else { Err(status) }
+        self.status(|f, h| f.get_state.map(|f| unsafe { f(h, &mut state.0) }))
     }
 
     /// Goes back to a saved state.
-    pub fn set_state(&mut self, state: &RawState) -> Status {
+    pub fn restore(&mut self, state: &RawState) -> Status {
         // SAFETY: see above.
-        self.status(|_, c, h| c.set_state.map(|f| unsafe { f(h, state.0) }))
+        self.status(|f, h| f.set_state.map(|f| unsafe { f(h, state.0) }))
     }
 
-    /// Frees a saved state; the second value tells whether the FMU set its pointer to NULL, as it must.
-    pub fn free_state(&mut self, mut state: RawState) -> (Status, bool) {
+    /// Frees a saved state; the FMU must set its pointer to NULL, which [`RawState::is_none`] tells.
+    pub fn free_state(&mut self, state: &mut RawState) -> Status {
         // SAFETY: see above.
-        let status = self.status(|_, c, h| c.free_state.map(|f| unsafe { f(h, &mut state.0) }));
-        (status, state.0.is_null())
+        self.status(|f, h| f.free_state.map(|f| unsafe { f(h, &mut state.0) }))
     }
 
-    /// A saved state as bytes.
-    pub fn serialize(&mut self, state: &RawState) -> Result<Vec<u8>, Status> {
-        let mut size = 0;
+    /// The number of bytes of a serialized state.
+    pub fn state_size(&mut self, state: &RawState, size: &mut usize) -> Status {
         // SAFETY: see above.
-        let status = self.status(|_, c, h| c.state_size.map(|f| unsafe { f(h, state.0, &mut size) }));
-        if status > Status::Warning {
-            return Err(status);
-        }
-        let mut bytes = vec![0; size];
-        // SAFETY: see above; the buffer has the size that the FMU asked for.
-        let status =
-            self.status(|_, c, h| c.serialize.map(|f| unsafe { f(h, state.0, bytes.as_mut_ptr(), size) }));
-        if status > Status::Warning { Err(status) } else { Ok(bytes) }
+        self.status(|f, h| f.state_size.map(|f| unsafe { f(h, state.0, size) }))
+    }
+
+    /// Writes a saved state to `bytes`, which must have the size that [`Self::state_size`] gives.
+    pub fn serialize(&mut self, state: &RawState, bytes: &mut [u8]) -> Status {
+        // SAFETY: see above.
+        self.status(|f, h| f.serialize.map(|f| unsafe { f(h, state.0, bytes.as_mut_ptr(), bytes.len()) }))
     }
 
     /// A state from bytes.
-    pub fn deserialize(&mut self, bytes: &[u8]) -> Result<RawState, Status> {
-        let mut pointer = ptr::null_mut();
-        let status = self.status(|_, c, h| {
-            // SAFETY: see above.
-            c.deserialize.map(|f| unsafe { f(h, bytes.as_ptr(), bytes.len(), &mut pointer) })
-        });
-        if status <= Status::Warning { Ok(RawState(pointer)) } else { Err(status) }
+    pub fn deserialize(&mut self, bytes: &[u8], state: &mut RawState) -> Status {
+        // SAFETY: see above.
+        self.status(|f, h| f.deserialize.map(|f| unsafe { f(h, bytes.as_ptr(), bytes.len(), &mut state.0) }))
     }
 }

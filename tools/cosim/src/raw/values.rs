@@ -1,144 +1,265 @@
-//! Reading and setting variables, numbers of all types as `f64`.
+//! Reading and setting variables. Numbers of all C types are converted to and from the type that the caller has.
 use super::RawInstance;
-use super::functions::{Api, Functions3, Get, Handle, Set};
-use crate::fmi2::c_string;
-use crate::instance::{convert_get, convert_set};
+use super::accessor::Text;
+use super::functions::Functions;
 use crate::log::text_of;
-use crate::{Kind, Status};
-use std::ffi::{CString, c_char, c_int};
+use crate::{FmiVersion, Kind, Status};
+use std::ffi::{CStr, c_int};
 use std::ptr;
 
-/// Reads C values of type `T`.
-fn read<T: Copy + Default>(
-    function: Option<Get<T>>,
-    handle: Handle,
-    vrs: &[u32],
-    values: &mut [f64],
-    to: impl Fn(T) -> f64,
-) -> Option<c_int> {
-    let f = function?;
-    // SAFETY: the function belongs to the loaded library, the handle is alive, and lengths go with their pointers.
-    let call = |v: &[u32], x: &mut [T]| unsafe { f(handle, v.as_ptr(), v.len(), x.as_mut_ptr(), x.len()) };
-    Some(convert_get(vrs, values, call, to))
+/// A number of a C type.
+pub(crate) trait Cell: Copy + Default {
+    fn from_f64(value: f64) -> Self;
+    fn from_i64(value: i64) -> Self;
+    fn f64(self) -> f64;
+    /// Cut to the range of `i64`.
+    fn i64(self) -> i64;
 }
 
-/// Sets C values of type `T`.
-fn write<T: Copy + Default>(
-    function: Option<Set<T>>,
-    handle: Handle,
-    vrs: &[u32],
-    values: &[f64],
-    from: impl Fn(f64) -> T,
-) -> Option<c_int> {
-    let f = function?;
-    // SAFETY: as in `read`.
-    let call = |v: &[u32], x: &[T]| unsafe { f(handle, v.as_ptr(), v.len(), x.as_ptr(), x.len()) };
-    Some(convert_set(vrs, values, call, from))
+macro_rules! cells {
+    ($($float:ty)*; $($integer:ty)*) => {
+        $(impl Cell for $float {
+            fn from_f64(value: f64) -> Self { value as Self }
+            fn from_i64(value: i64) -> Self { value as Self }
+            fn f64(self) -> f64 { self.into() }
+            fn i64(self) -> i64 { self as i64 }
+        })*
+        $(impl Cell for $integer {
+            fn from_f64(value: f64) -> Self { value.round() as Self }
+            fn from_i64(value: i64) -> Self { value as Self }
+            fn f64(self) -> f64 { self as f64 }
+            fn i64(self) -> i64 { i64::try_from(self).unwrap_or(i64::MAX) }
+        })*
+    };
+}
+cells!(f64 f32; i8 u8 i16 u16 i32 u32 i64 u64);
+
+/// A number as the caller has it.
+pub(crate) trait Number: Copy {
+    fn of<C: Cell>(value: C) -> Self;
+    fn to<C: Cell>(self) -> C;
+    fn is_true(self) -> bool;
 }
 
-fn get3(f: &Functions3, h: Handle, kind: Kind, vrs: &[u32], x: &mut [f64]) -> Option<c_int> {
-    match kind {
-        Kind::Float64 => read(f.get_f64, h, vrs, x, |v: f64| v),
-        Kind::Float32 => read(f.get_f32, h, vrs, x, f64::from),
-        Kind::Int8 => read(f.get_i8, h, vrs, x, f64::from),
-        Kind::UInt8 => read(f.get_u8, h, vrs, x, f64::from),
-        Kind::Int16 => read(f.get_i16, h, vrs, x, f64::from),
-        Kind::UInt16 => read(f.get_u16, h, vrs, x, f64::from),
-        Kind::Int32 => read(f.get_i32, h, vrs, x, f64::from),
-        Kind::UInt32 => read(f.get_u32, h, vrs, x, f64::from),
-        Kind::Int64 | Kind::Enumeration => read(f.get_i64, h, vrs, x, |v| v as f64),
-        Kind::UInt64 => read(f.get_u64, h, vrs, x, |v| v as f64),
-        Kind::Boolean => read(f.get_bool, h, vrs, x, |v| f64::from(u8::from(v != 0))),
-        Kind::String | Kind::Binary | Kind::Clock => None,
+impl Number for f64 {
+    fn of<C: Cell>(value: C) -> Self {
+        value.f64()
+    }
+    fn to<C: Cell>(self) -> C {
+        C::from_f64(self)
+    }
+    fn is_true(self) -> bool {
+        self != 0.0
     }
 }
 
-fn set3(f: &Functions3, h: Handle, kind: Kind, vrs: &[u32], x: &[f64]) -> Option<c_int> {
-    match kind {
-        Kind::Float64 => write(f.set_f64, h, vrs, x, |v| v),
-        Kind::Float32 => write(f.set_f32, h, vrs, x, |v| v as f32),
-        Kind::Int8 => write(f.set_i8, h, vrs, x, |v| v as i8),
-        Kind::UInt8 => write(f.set_u8, h, vrs, x, |v| v as u8),
-        Kind::Int16 => write(f.set_i16, h, vrs, x, |v| v as i16),
-        Kind::UInt16 => write(f.set_u16, h, vrs, x, |v| v as u16),
-        Kind::Int32 => write(f.set_i32, h, vrs, x, |v| v as i32),
-        Kind::UInt32 => write(f.set_u32, h, vrs, x, |v| v as u32),
-        Kind::Int64 | Kind::Enumeration => write(f.set_i64, h, vrs, x, |v| v as i64),
-        Kind::UInt64 => write(f.set_u64, h, vrs, x, |v| v as u64),
-        Kind::Boolean => write(f.set_bool, h, vrs, x, |v| u8::from(v != 0.0)),
-        Kind::String | Kind::Binary | Kind::Clock => None,
+impl Number for i64 {
+    fn of<C: Cell>(value: C) -> Self {
+        value.i64()
     }
+    fn to<C: Cell>(self) -> C {
+        C::from_i64(self)
+    }
+    fn is_true(self) -> bool {
+        self != 0
+    }
+}
+
+impl Number for bool {
+    fn of<C: Cell>(value: C) -> Self {
+        value.i64() != 0
+    }
+    fn to<C: Cell>(self) -> C {
+        C::from_i64(self.into())
+    }
+    fn is_true(self) -> bool {
+        self
+    }
+}
+
+/// Values that are converted at once; a stack buffer of that many keeps the hot calls free of allocation.
+const CHUNK: usize = 64;
+
+/// Reads `C` values with `call` and converts them. One value for each reference goes in chunks over the stack;
+/// arrays need a buffer, as their boundaries are not known here.
+fn convert_get<C: Copy + Default, U>(
+    vrs: &[u32],
+    values: &mut [U],
+    mut call: impl FnMut(&[u32], &mut [C]) -> Option<c_int>,
+    to: impl Fn(C) -> U,
+) -> Option<c_int> {
+    let mut read = |v: &[u32], out: &mut [U], buffer: &mut [C]| {
+        let status = call(v, buffer)?;
+        if status <= 1 {
+            out.iter_mut().zip(buffer).for_each(|(o, x)| *o = to(*x));
+        }
+        Some(status)
+    };
+    if vrs.len() != values.len() {
+        return read(vrs, values, &mut vec![C::default(); values.len()]);
+    }
+    let mut worst = 0;
+    for (v, out) in vrs.chunks(CHUNK).zip(values.chunks_mut(CHUNK)) {
+        let mut buffer = [C::default(); CHUNK];
+        worst = worst.max(read(v, out, &mut buffer[..v.len()])?);
+        if worst > 1 {
+            break;
+        }
+    }
+    Some(worst)
+}
+
+/// Converts values to `C` and sets them with `call`; the mirror of [`convert_get`].
+fn convert_set<C: Copy + Default, U: Copy>(
+    vrs: &[u32],
+    values: &[U],
+    mut call: impl FnMut(&[u32], &[C]) -> Option<c_int>,
+    from: impl Fn(U) -> C,
+) -> Option<c_int> {
+    if vrs.len() != values.len() {
+        return call(vrs, &values.iter().map(|v| from(*v)).collect::<Vec<C>>());
+    }
+    let mut worst = 0;
+    for (v, x) in vrs.chunks(CHUNK).zip(values.chunks(CHUNK)) {
+        let mut buffer = [C::default(); CHUNK];
+        buffer.iter_mut().zip(x).for_each(|(b, x)| *b = from(*x));
+        worst = worst.max(call(v, &buffer[..v.len()])?);
+        if worst > 1 {
+            break;
+        }
+    }
+    Some(worst)
+}
+
+/// `$body` with `$accessor` for the numeric kind; FMI 2 has `double` and `int` alone. `None` for other kinds.
+macro_rules! with_accessor {
+    ($functions:expr, $version:expr, $kind:expr, $accessor:ident => $body:expr) => {{
+        let f: &Functions = $functions;
+        macro_rules! with {
+            ($field:ident) => {{
+                let $accessor = &f.$field;
+                $body
+            }};
+        }
+        match ($version, $kind) {
+            (_, Kind::String | Kind::Binary | Kind::Clock | Kind::Boolean) => None,
+            (_, Kind::Float64) | (FmiVersion::V2, Kind::Float32) => with!(float64),
+            (_, Kind::Int32) | (FmiVersion::V2, _) => with!(int32),
+            (_, Kind::Float32) => with!(float32),
+            (_, Kind::Int8) => with!(int8),
+            (_, Kind::UInt8) => with!(uint8),
+            (_, Kind::Int16) => with!(int16),
+            (_, Kind::UInt16) => with!(uint16),
+            (_, Kind::UInt32) => with!(uint32),
+            (_, Kind::Int64 | Kind::Enumeration) => with!(int64),
+            (_, Kind::UInt64) => with!(uint64),
+        }
+    }};
 }
 
 impl RawInstance {
+    /// Reads `Float64` variables (FMI 2: `Real`) without any conversion.
+    #[inline]
+    pub(crate) fn get_f64(&mut self, vrs: &[u32], values: &mut [f64]) -> Status {
+        self.status(|f, h| f.float64.get(h, vrs, values))
+    }
+
+    /// Sets `Float64` variables (FMI 2: `Real`) without any conversion.
+    #[inline]
+    pub(crate) fn set_f64(&mut self, vrs: &[u32], values: &[f64]) -> Status {
+        self.status(|f, h| f.float64.set(h, vrs, values))
+    }
+
     /// Reads variables of one numeric kind; for FMI 3 arrays the values of all elements follow each other.
     pub fn get(&mut self, kind: Kind, vrs: &[u32], values: &mut [f64]) -> Status {
-        self.status(|api, _, h| match api {
-            // One value for each reference: FMI 2 has no arrays.
-            Api::Two(_) if vrs.len() != values.len() => None,
-            Api::Two(f) => match kind {
-                Kind::Float64 | Kind::Float32 => {
-                    let f = f.get_real?;
-                    // SAFETY: as in `read`.
-                    Some(unsafe { f(h, vrs.as_ptr(), vrs.len(), values.as_mut_ptr()) })
-                }
-                Kind::String | Kind::Binary | Kind::Clock => None,
-                kind => {
-                    let f = if kind == Kind::Boolean { f.get_boolean? } else { f.get_integer? };
-                    // SAFETY: as in `read`.
-                    let call =
-                        |v: &[u32], x: &mut [c_int]| unsafe { f(h, v.as_ptr(), v.len(), x.as_mut_ptr()) };
-                    Some(convert_get(vrs, values, call, f64::from))
-                }
-            },
-            Api::Three(f) => get3(f, h, kind, vrs, values),
-        })
+        if kind == Kind::Float64 { self.get_f64(vrs, values) } else { self.get_as(kind, vrs, values) }
     }
 
-    /// Sets variables of one numeric kind; what a type cannot hold is cut to what it can.
+    /// Sets variables of one numeric kind; numbers are rounded for integers and cut to what the type can hold.
     pub fn set(&mut self, kind: Kind, vrs: &[u32], values: &[f64]) -> Status {
-        self.status(|api, _, h| match api {
-            Api::Two(_) if vrs.len() != values.len() => None,
-            Api::Two(f) => match kind {
-                Kind::Float64 | Kind::Float32 => {
-                    let f = f.set_real?;
-                    // SAFETY: as in `read`.
-                    Some(unsafe { f(h, vrs.as_ptr(), vrs.len(), values.as_ptr()) })
+        if kind == Kind::Float64 { self.set_f64(vrs, values) } else { self.set_as(kind, vrs, values) }
+    }
+
+    /// Reads variables of one numeric kind.
+    pub(crate) fn get_as<U: Number>(&mut self, kind: Kind, vrs: &[u32], values: &mut [U]) -> Status {
+        let version = self.version();
+        self.status(|f, h| {
+            // A Boolean may be any byte or number but 0.
+            let boolean = |is_true: bool| U::of(u8::from(is_true));
+            match (version, kind) {
+                (FmiVersion::V2, Kind::Boolean) => {
+                    convert_get(vrs, values, |v, x| f.boolean2.get(h, v, x), |c| boolean(c != 0))
                 }
-                Kind::String | Kind::Binary | Kind::Clock => None,
-                kind => {
-                    let f = if kind == Kind::Boolean { f.set_boolean? } else { f.set_integer? };
-                    // SAFETY: as in `read`.
-                    let call = |v: &[u32], x: &[c_int]| unsafe { f(h, v.as_ptr(), v.len(), x.as_ptr()) };
-                    Some(convert_set(vrs, values, call, |v| v as c_int))
+                (FmiVersion::V3, Kind::Boolean) => {
+                    convert_get(vrs, values, |v, x| f.boolean3.get(h, v, x), |c| boolean(c != 0))
                 }
-            },
-            Api::Three(f) => set3(f, h, kind, vrs, values),
+                _ => with_accessor!(f, version, kind, a => convert_get(vrs, values, |v, x| a.get(h, v, x), U::of)),
+            }
         })
     }
 
-    /// Reads one scalar string.
-    pub fn get_string(&mut self, vr: u32) -> Result<String, Status> {
-        let mut text: *const c_char = ptr::null();
-        let status = self.status(|api, _, h| match api {
-            // SAFETY: as in `read`.
-            Api::Two(f) => f.get_string.map(|f| unsafe { f(h, &vr, 1, &mut text) }),
-            // SAFETY: as in `read`.
-            Api::Three(f) => f.get_string.map(|f| unsafe { f(h, &vr, 1, &mut text, 1) }),
-        });
-        // SAFETY: NULL or a C string that the FMU keeps until the next call.
-        if status <= Status::Warning { Ok(unsafe { text_of(text) }) } else { Err(status) }
+    /// Sets variables of one numeric kind.
+    pub(crate) fn set_as<U: Number>(&mut self, kind: Kind, vrs: &[u32], values: &[U]) -> Status {
+        let version = self.version();
+        self.status(|f, h| match (version, kind) {
+            (FmiVersion::V2, Kind::Boolean) => {
+                convert_set(vrs, values, |v, x| f.boolean2.set(h, v, x), |u| u.is_true().into())
+            }
+            (FmiVersion::V3, Kind::Boolean) => {
+                convert_set(vrs, values, |v, x| f.boolean3.set(h, v, x), |u| u.is_true().into())
+            }
+            _ => {
+                with_accessor!(f, version, kind, a => convert_set(vrs, values, |v, x| a.set(h, v, x), U::to))
+            }
+        })
     }
 
-    /// Sets one scalar string.
-    pub fn set_string(&mut self, vr: u32, value: &str) -> Status {
-        let text: CString = c_string(value);
-        let pointer = text.as_ptr();
-        self.status(|api, _, h| match api {
-            // SAFETY: as in `read`.
-            Api::Two(f) => f.set_string.map(|f| unsafe { f(h, &vr, 1, &pointer) }),
-            // SAFETY: as in `read`.
-            Api::Three(f) => f.set_string.map(|f| unsafe { f(h, &vr, 1, &pointer, 1) }),
-        })
+    /// Reads scalar strings.
+    pub fn get_strings(&mut self, vrs: &[u32]) -> Result<Vec<String>, Status> {
+        let mut texts: Vec<Text> = vec![ptr::null(); vrs.len()];
+        let status = self.status(|f, h| f.string.get(h, vrs, &mut texts));
+        if status > Status::Warning {
+            return Err(status);
+        }
+        // SAFETY: each is NULL or a C string that the FMU keeps until the next call.
+        Ok(texts.into_iter().map(|text| unsafe { text_of(text) }).collect())
+    }
+
+    /// Sets strings.
+    pub fn set_strings(&mut self, vrs: &[u32], values: &[&CStr]) -> Status {
+        let texts: Vec<Text> = values.iter().map(|v| v.as_ptr()).collect();
+        self.status(|f, h| f.string.set(h, vrs, &texts))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_cover_everything_once_and_stop_at_an_error() {
+        let vrs: Vec<u32> = (0..150).collect();
+        let mut values = vec![0i64; 150];
+        let call = |v: &[u32], x: &mut [i32]| {
+            v.iter().zip(x).for_each(|(v, x)| *x = *v as i32 * 2);
+            Some(0)
+        };
+        assert_eq!(convert_get(&vrs, &mut values, call, i64::from), Some(0));
+        assert!(values.iter().enumerate().all(|(i, v)| *v == 2 * i as i64));
+        let mut calls = 0;
+        let refuse = |_: &[u32], _: &[i32]| {
+            calls += 1;
+            Some(3)
+        };
+        assert_eq!(convert_set(&vrs, &values, refuse, |x| x as i32), Some(3));
+        assert_eq!(calls, 1);
+    }
+
+    #[test]
+    fn numbers_are_rounded_and_cut() {
+        assert_eq!(Number::to::<i8>(2.5), 3);
+        assert_eq!(Number::to::<u8>(-1.0), 0);
+        assert_eq!(<i64 as Number>::of(u64::MAX), i64::MAX);
+        assert!(<bool as Number>::of(2u8) && (-1_i64).is_true() && !0.0.is_true());
     }
 }

@@ -1,4 +1,4 @@
-//! Variables that go over the interface in one call.
+//! Variables that are read or set in one call.
 use super::units::Affine;
 use crate::{Error, Instance, Kind, Variable};
 
@@ -8,7 +8,7 @@ pub(crate) struct Batch {
     pub(crate) component: usize,
     pub(crate) kind: Kind,
     pub(crate) vrs: Vec<u32>,
-    /// The outputs or inputs on the bus.
+    /// Their places among the connected outputs or inputs.
     pub(crate) slots: Vec<usize>,
     pub(crate) values: Vec<f64>,
 }
@@ -38,7 +38,7 @@ impl Batch {
     }
 
     /// Sets the variables from `inputs`.
-    pub(crate) fn give(&mut self, instances: &mut [Instance], inputs: &[f64]) -> Result<(), Error> {
+    pub(crate) fn set(&mut self, instances: &mut [Instance], inputs: &[f64]) -> Result<(), Error> {
         self.take(inputs);
         instances[self.component].set_number(self.kind, &self.vrs, &self.values)
     }
@@ -59,9 +59,13 @@ impl Batch {
         instances[self.component].set_number(self.kind, &self.vrs, &self.values)
     }
 
-    /// Gives the variables' slopes.
-    pub(crate) fn give_slopes(&mut self, instances: &mut [Instance], slopes: &[f64]) -> Result<(), Error> {
-        self.take(slopes);
+    /// Sets the derivatives of the variables.
+    pub(crate) fn set_derivatives(
+        &mut self,
+        instances: &mut [Instance],
+        derivatives: &[f64],
+    ) -> Result<(), Error> {
+        self.take(derivatives);
         instances[self.component].set_input_derivatives(&self.vrs, &self.values)
     }
 

@@ -1,7 +1,7 @@
-//! The ends of connections held against connectors and variables.
+//! Resolves the ends of connections to connectors and variables.
+use super::parts::{Parts, Port};
 use super::structure::{Connection, Connector, Direction, End, Sort};
 use super::units::{Affine, conversion, unit_of};
-use super::wiring::{Parts, Port};
 use crate::value::nearest;
 use crate::{Causality, Error, Kind, Unit, Variable};
 

@@ -1,150 +1,62 @@
-//! The run of a system: options, the fixed step, and the result. The variable step is in `variable.rs`.
-use super::System;
-use super::bus::{Algorithm, Bus, Plan};
-use super::energy::Bond;
-use super::order::order;
-use super::record::Record;
-use super::variable::{self, Control};
-use super::wiring::{Parts, resolve};
-use crate::grid::Grid;
-use crate::{Error, Log, Recording};
-use std::time::Instant;
+//! The co-simulation master: instances, the values of all connections, and one communication step.
+use super::batch::Batch;
+use super::connections::Connections;
+use super::order::Order;
+use super::parts::Parts;
+use super::power_bonds::{PowerBonds, Stepped};
+use super::units::Affine;
+use crate::simulate::set_structural;
+use crate::{Causality, Error, FmiVersion, Instance, Kind, Log, State, Step, Value, Variability, Variable};
 
-/// How to run a system. What is `None` comes from the system, then from its FMUs.
-#[derive(Clone, Debug, Default)]
-pub struct SystemOptions {
-    /// Start time (s), else 0.
-    pub start: Option<f64>,
-    /// Stop time (s), else 1 s after the start.
-    pub stop: Option<f64>,
-    /// Communication step (s), else the shortest that an FMU proposes, else a 500th of the time. With a tolerance it is
-    /// the first step.
-    pub step: Option<f64>,
-    /// Relative tolerance of the connected outputs: the step varies, with every step made whole and in two halves.
-    pub tolerance: Option<f64>,
-    /// Settings `component.variable` or inputs of the system, as name and text; they win over the file's.
-    pub sets: Vec<(String, String)>,
-    /// How components see each other.
-    pub algorithm: Algorithm,
-    /// Hold all inputs during a step, also where an FMU takes their slopes.
-    pub held_inputs: bool,
-    /// Communication points between rows of the recording; by default the least of 1, 2, 5, 10, 20, ... that keeps the
-    /// rows at 100,000.
-    pub every: Option<usize>,
-    /// Where the FMUs' messages go.
-    pub log: Log,
+/// How components see each other during a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Algorithm {
+    /// All components step with the outputs at the beginning of the step. Direct feedthrough is resolved within the
+    /// communication point.
+    #[default]
+    Jacobi,
+    /// One after the other; later components use the outputs at the end of the step of earlier ones.
+    GaussSeidel,
+    /// As Jacobi, but all outputs are read once after the step: direct feedthrough is delayed by one step. Many masters
+    /// do so.
+    JacobiDelayed,
 }
 
-/// The result of a run.
+/// One round of an exchange: read, then set.
+#[derive(Debug, Default)]
+struct Round {
+    gets: Vec<Batch>,
+    sets: Vec<Batch>,
+}
+
+/// State of the master itself, beside the states of the FMUs.
 #[derive(Clone, Debug)]
-pub struct SystemRun {
-    /// The outputs of all components as `component.output`, then those of the system.
-    pub recording: Recording,
-    /// Pairs of connections that carry power.
-    pub bonds: Vec<Bond>,
-    /// What is odd but no error: inputs without a source, loops left open.
-    pub notes: Vec<String>,
-    /// The component that asked for the end, if the run ended early.
-    pub ended_by: Option<String>,
-    /// Communication points between rows.
-    pub every: usize,
-    /// Names of the components in the order in which they stepped.
-    pub order: Vec<String>,
-    /// Steps that were made again shorter; 0 for a fixed step.
-    pub rejected: usize,
-    /// Inputs got slopes.
-    pub slopes: bool,
+struct Memory {
+    /// Connected outputs now.
+    outputs: Vec<f64>,
+    /// Connected inputs now, in the units of the inputs.
+    inputs: Vec<f64>,
+    /// Inputs one step ago, and the length of that step; 0 before the first.
+    earlier: Vec<f64>,
+    last_step: f64,
+    bonds: PowerBonds,
 }
 
-/// Runs a system from start to stop.
-///
-/// At every communication point all connections are brought up to date, in an order in which values that pass through
-/// a component without a step in between arrive at once (but see [`Algorithm`]). Then all components step.
-/// `progress` is told the share that is done, 0 ... 1, at most about 200 times.
-///
-/// # Errors
-/// A connection, a setting or a component that does not fit, with its place in the file; an algebraic loop; bad times;
-/// an FMU that refuses, with its own words.
-pub fn cosimulate(
-    system: &System,
-    options: &SystemOptions,
-    progress: &mut dyn FnMut(f64),
-) -> Result<SystemRun, Error> {
-    let parts = system.parts();
-    let structure = parts.structure;
-    let wiring = resolve(parts, &options.sets)?;
-    let order = order(parts, &wiring)?;
-    let start = options.start.or(structure.start).unwrap_or(0.0);
-    let stop = options.stop.or(structure.stop).unwrap_or(start + 1.0);
-    let proposed = parts.archives.iter().filter_map(|a| a.description().default_experiment.step);
-    let step = options.step.or(structure.step).or(proposed.reduce(f64::min));
-    // What varies the step cannot keep to a grid.
-    let rigid = rigid(parts).filter(|_| options.tolerance.is_none());
-    let grid = Grid::new(start, stop, step, |span| span / 500.0, rigid)?;
-    if options.every == Some(0) {
-        return Err(Error::Option {
-            option: "every",
-            value: "0".to_owned(),
-            reason: "must be above 0".to_owned(),
-        });
-    }
-    if let Some(tolerance) = options.tolerance {
-        check_tolerance(parts, tolerance)?;
-    }
-
-    let begun = Instant::now();
-    let plan = Plan {
-        algorithm: options.algorithm,
-        slopes: !options.held_inputs,
-        start,
-        stop,
-        tolerance: options.tolerance,
-        log: options.log.clone(),
-    };
-    let mut bus = Bus::start(parts, &wiring, &order, &plan)?;
-    let points = options.tolerance.is_none().then_some(grid.steps);
-    let mut record = Record::new(parts, &wiring, points, options.every)?;
-    record.point(&mut bus, start, false)?;
-    let outcome = match options.tolerance {
-        None => fixed(&mut bus, &mut record, &grid, progress)?,
-        Some(tolerance) => {
-            let order = if bus.has_slopes() { 2 } else { 1 };
-            let control = Control { tolerance, order, first: grid.step, start, stop };
-            variable::run(&mut bus, &mut record, &control, progress)?
+impl Memory {
+    /// As `clone_from`, without allocation.
+    fn copy(&mut self, other: &Self) {
+        self.outputs.copy_from_slice(&other.outputs);
+        self.inputs.copy_from_slice(&other.inputs);
+        self.earlier.copy_from_slice(&other.earlier);
+        self.last_step = other.last_step;
+        for (own, bond) in self.bonds.bonds.iter_mut().zip(&other.bonds.bonds) {
+            (own.energy, own.throughput) = (bond.energy, bond.throughput);
+            (own.residual, own.gross_residual) = (bond.residual, bond.gross_residual);
         }
-    };
-    bus.terminate()?;
-    let slopes = bus.has_slopes();
-    let bonds = bus.books().bonds.clone();
-    drop(bus);
-    let every = record.every;
-    let (times, columns) = record.columns(parts, &wiring);
-    let name = |index: usize| structure.components[index].name.clone();
-    let sequence = match options.algorithm {
-        Algorithm::GaussSeidel => order.components,
-        Algorithm::Jacobi | Algorithm::JacobiDelayed => (0..structure.components.len()).collect(),
-    };
-    Ok(SystemRun {
-        recording: Recording {
-            model_name: structure.name.clone(),
-            ended_early: outcome.ended.map(|(_, t)| t),
-            times,
-            columns,
-            steps: outcome.steps,
-            seconds_wall: begun.elapsed().as_secs_f64(),
-            messages: options.log.messages(),
-        },
-        bonds,
-        notes: wiring.notes.into_iter().chain(order.notes).collect(),
-        ended_by: outcome.ended.map(|(index, _)| name(index)),
-        every,
-        order: sequence.into_iter().map(name).collect(),
-        rejected: outcome.rejected,
-        slopes,
-    })
+    }
 }
 
-/// How the stepping went.
+/// Result of the steps of a run.
 #[derive(Default)]
 pub(crate) struct Outcome {
     pub(crate) steps: usize,
@@ -153,53 +65,352 @@ pub(crate) struct Outcome {
     pub(crate) ended: Option<(usize, f64)>,
 }
 
-fn fixed(
-    bus: &mut Bus,
-    record: &mut Record,
-    grid: &Grid,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Outcome, Error> {
-    let report_every = grid.steps.div_ceil(200).max(1);
-    for k in 0..grid.steps {
-        let (t, h) = grid.interval(k);
-        if let Some(component) = bus.step(t, h)? {
-            return Ok(Outcome { steps: k, rejected: 0, ended: Some((component, t)) });
-        }
-        let steps = k + 1;
-        record.point(bus, grid.point(steps), steps == grid.steps)?;
-        if steps % report_every == 0 || steps == grid.steps {
-            progress(steps as f64 / grid.steps as f64);
-        }
-    }
-    Ok(Outcome { steps: grid.steps, ..Outcome::default() })
+/// How a system is to be run.
+pub(crate) struct Plan {
+    pub(crate) algorithm: Algorithm,
+    /// Input derivatives are set where the FMU takes them.
+    pub(crate) derivatives: bool,
+    pub(crate) start: f64,
+    pub(crate) stop: f64,
+    /// For the FMUs; each FMU's own proposal when absent.
+    pub(crate) tolerance: Option<f64>,
+    pub(crate) log: Log,
 }
 
-/// A component that cannot vary its step.
-fn rigid(parts: Parts<'_>) -> Option<&str> {
-    let can = |index: &usize| {
-        parts.description(*index).co_simulation.as_ref().is_some_and(|c| c.can_handle_variable_step)
-    };
-    let index = (0..parts.archives.len()).find(|index| !can(index))?;
-    Some(&parts.structure.components[index].name)
+/// A running system.
+pub(crate) struct Master {
+    pub(crate) instances: Vec<Instance>,
+    memory: Memory,
+    saved: Option<(Memory, Vec<State>)>,
+    rounds: Vec<Round>,
+    /// All connected inputs, to set them after a rollback.
+    all_inputs: Vec<Batch>,
+    /// Inputs with derivatives, by component.
+    derivative_sets: Vec<Batch>,
+    /// For each input its source and conversion.
+    sources: Vec<(usize, Affine)>,
+    /// Whether an input gets a derivative.
+    has_derivative: Vec<bool>,
+    derivatives: Vec<f64>,
+    before: Vec<f64>,
+    algorithm: Algorithm,
+    /// The order of steps; for Gauss-Seidel also the inputs set before and the outputs read after each step.
+    component_steps: Vec<ComponentStep>,
 }
 
-/// A variable step needs FMUs that vary their step and go back.
-fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
-    let refuse =
-        |reason: String| Err(Error::Option { option: "tolerance", value: tolerance.to_string(), reason });
-    if !(tolerance > 0.0 && tolerance < 1.0) {
-        return refuse("must be above 0 and below 1".to_owned());
+#[derive(Debug)]
+struct ComponentStep {
+    component: usize,
+    /// Inputs from components that have stepped already.
+    fresh: Vec<usize>,
+    /// Those of them without derivatives.
+    sets: Vec<Batch>,
+    gets: Vec<Batch>,
+}
+
+/// Largest number of iterations for consistent initial values.
+const MAX_ITERATIONS: usize = 100;
+
+impl Master {
+    /// Instantiates and initialises all components; connected inputs and outputs agree afterwards.
+    pub(crate) fn start(
+        parts: Parts,
+        connections: &Connections,
+        order: &Order,
+        plan: &Plan,
+    ) -> Result<Self, Error> {
+        let mut instances = Vec::new();
+        for (index, component) in parts.structure.components.iter().enumerate() {
+            instances.push(Instance::instantiate(&parts.archives[index], &component.name, plan.log.clone())?);
+        }
+        let mut master = Self::new(parts, connections, order, plan, instances);
+        for (index, sets) in connections.sets.iter().enumerate() {
+            let variables = &parts.description(index).variables;
+            let sets: Vec<(&Variable, Value)> =
+                sets.iter().map(|(v, value)| (&variables[*v], value.clone())).collect();
+            let instance = &mut master.instances[index];
+            set_structural(instance, &sets)?;
+            for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Parameter) {
+                instance.set_value(variable, value)?;
+            }
+            let own = parts.description(index).default_experiment.tolerance;
+            instance.enter_initialization(plan.start, Some(plan.stop), plan.tolerance.or(own))?;
+            for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Input) {
+                instance.set_value(variable, value)?;
+            }
+        }
+        master.find_initial_values(parts, connections)?;
+        for instance in &mut master.instances {
+            instance.exit_initialization()?;
+        }
+        // Some outputs have their values only now.
+        master.exchange()?;
+        master.memory.earlier.copy_from_slice(&master.memory.inputs);
+        Ok(master)
     }
-    if let Some(name) = rigid(parts) {
-        return refuse(format!("asks for a variable step, and {name} cannot vary its step"));
-    }
-    for (archive, component) in parts.archives.iter().zip(&parts.structure.components) {
-        if !archive.description().co_simulation.as_ref().is_some_and(|c| c.can_get_and_set_state) {
-            return refuse(format!(
-                "asks for steps made twice, and {} cannot save its state",
-                component.name
-            ));
+
+    fn new(
+        parts: Parts,
+        connections: &Connections,
+        order: &Order,
+        plan: &Plan,
+        instances: Vec<Instance>,
+    ) -> Self {
+        let algorithm = plan.algorithm;
+        let delayed = algorithm == Algorithm::JacobiDelayed;
+        let count = if delayed { order.rounds.min(1) } else { order.rounds };
+        let mut rounds: Vec<Round> = (0..count).map(|_| Round::default()).collect();
+        for (slot, port) in connections.outputs.iter().enumerate() {
+            let round = if delayed { 0 } else { order.read[slot] };
+            Batch::add(&mut rounds[round].gets, port.component, parts.variable(*port), slot);
+        }
+        let (mut all_inputs, mut derivative_sets) = (Vec::new(), Vec::new());
+        let mut has_derivative = vec![false; connections.inputs.len()];
+        for (slot, input) in connections.inputs.iter().enumerate() {
+            let (component, variable) = (input.port.component, parts.variable(input.port));
+            let round = if delayed { 0 } else { order.set[slot] };
+            Batch::add(&mut rounds[round].sets, component, variable, slot);
+            Batch::add(&mut all_inputs, component, variable, slot);
+            let description = parts.description(component);
+            has_derivative[slot] = plan.derivatives
+                && description.fmi_version == FmiVersion::V2
+                && description.co_simulation.as_ref().is_some_and(|c| c.can_interpolate_inputs)
+                && variable.kind == Kind::Float64
+                && variable.variability == Variability::Continuous
+                && parts.variable(connections.outputs[input.source]).variability == Variability::Continuous;
+            if has_derivative[slot] {
+                Batch::add(&mut derivative_sets, component, variable, slot);
+            }
+        }
+        let sources: Vec<(usize, Affine)> =
+            connections.inputs.iter().map(|f| (f.source, f.convert)).collect();
+        let component_steps = component_steps(parts, connections, order, algorithm, &has_derivative);
+        let (outputs, inputs) = (connections.outputs.len(), connections.inputs.len());
+        Self {
+            instances,
+            memory: Memory {
+                outputs: vec![0.0; outputs],
+                inputs: vec![f64::NAN; inputs],
+                earlier: vec![0.0; inputs],
+                last_step: 0.0,
+                bonds: PowerBonds::new(parts, connections),
+            },
+            saved: None,
+            rounds,
+            all_inputs,
+            derivative_sets,
+            sources,
+            has_derivative,
+            derivatives: vec![0.0; inputs],
+            before: vec![0.0; outputs],
+            algorithm,
+            component_steps,
         }
     }
-    Ok(())
+
+    /// The connected outputs.
+    pub(crate) fn outputs(&self) -> &[f64] {
+        &self.memory.outputs
+    }
+
+    /// Whether any input gets a derivative.
+    pub(crate) fn has_derivatives(&self) -> bool {
+        self.has_derivative.contains(&true)
+    }
+
+    /// The power bonds with their energies.
+    pub(crate) fn bonds(&self) -> &PowerBonds {
+        &self.memory.bonds
+    }
+
+    /// Reads all connected outputs and sets all connected inputs, in the order of the dependencies.
+    fn exchange(&mut self) -> Result<(), Error> {
+        let Memory { outputs, inputs, .. } = &mut self.memory;
+        for round in &mut self.rounds {
+            for batch in &mut round.gets {
+                batch.read(&mut self.instances, outputs)?;
+            }
+            for batch in &mut round.sets {
+                batch.pass(&mut self.instances, &self.sources, outputs, inputs)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Repeats the exchange until the inputs no longer change: initial values may depend on more than the declared
+    /// dependencies.
+    fn find_initial_values(&mut self, parts: Parts, connections: &Connections) -> Result<(), Error> {
+        for _ in 0..MAX_ITERATIONS {
+            self.keep_inputs();
+            self.exchange()?;
+            if self.changed_input().is_none() {
+                return Ok(());
+            }
+        }
+        let Some(input) = self.changed_input() else { return Ok(()) };
+        let input = &connections.inputs[input];
+        let connection = &parts.structure.connections[input.connection];
+        Err(connection.place.fault(format!(
+            "{connection}: no consistent initial values, {} still changes after {MAX_ITERATIONS} rounds",
+            parts.name(input.port)
+        )))
+    }
+
+    fn keep_inputs(&mut self) {
+        self.memory.earlier.copy_from_slice(&self.memory.inputs);
+    }
+
+    /// An input that differs from the exchange before by more than rounding.
+    fn changed_input(&self) -> Option<usize> {
+        let moved = |(now, then): (&f64, &f64)| {
+            let still = (now - then).abs() <= 1e-14 * now.abs().max(then.abs());
+            !(still || now.to_bits() == then.to_bits())
+        };
+        self.memory.inputs.iter().zip(&self.memory.earlier).position(moved)
+    }
+
+    /// One communication step. `Some(component)` if a component asks for the end.
+    pub(crate) fn step(&mut self, t: f64, h: f64) -> Result<Option<usize>, Error> {
+        self.before.copy_from_slice(&self.memory.outputs);
+        self.extrapolate();
+        let ended = match self.algorithm {
+            Algorithm::GaussSeidel => self.step_in_sequence(t, h)?,
+            Algorithm::Jacobi | Algorithm::JacobiDelayed => self.step_all(t, h)?,
+        };
+        if ended.is_some() {
+            return Ok(ended);
+        }
+        // The energies need the inputs as they were set, before the exchange renews them.
+        let Memory { inputs, earlier, .. } = &mut self.memory;
+        std::mem::swap(inputs, earlier);
+        self.memory.last_step = h;
+        self.exchange()?;
+        let Memory { outputs, earlier, bonds, .. } = &mut self.memory;
+        bonds.add(&Stepped {
+            h,
+            before: &self.before,
+            after: outputs,
+            inputs: earlier,
+            derivatives: &self.derivatives,
+        });
+        Ok(None)
+    }
+
+    /// Derivatives from the last step; 0 before the first.
+    fn extrapolate(&mut self) {
+        let Memory { inputs, earlier, last_step, .. } = &self.memory;
+        for (slot, derivative) in self.derivatives.iter_mut().enumerate() {
+            let known = self.has_derivative[slot] && *last_step > 0.0;
+            *derivative = if known { (inputs[slot] - earlier[slot]) / last_step } else { 0.0 };
+        }
+    }
+
+    fn step_all(&mut self, t: f64, h: f64) -> Result<Option<usize>, Error> {
+        for batch in &mut self.derivative_sets {
+            batch.set_derivatives(&mut self.instances, &self.derivatives)?;
+        }
+        for component_step in &self.component_steps {
+            if self.instances[component_step.component].do_step(t, h)? == Step::Terminated {
+                return Ok(Some(component_step.component));
+            }
+        }
+        Ok(None)
+    }
+
+    fn step_in_sequence(&mut self, t: f64, h: f64) -> Result<Option<usize>, Error> {
+        for component_step in &mut self.component_steps {
+            let Memory { outputs, inputs, .. } = &mut self.memory;
+            for &slot in &component_step.fresh {
+                let (source, convert) = self.sources[slot];
+                let end = convert.of(outputs[source]);
+                if self.has_derivative[slot] {
+                    self.derivatives[slot] = (end - inputs[slot]) / h;
+                } else {
+                    inputs[slot] = end;
+                }
+            }
+            for batch in &mut component_step.sets {
+                batch.set(&mut self.instances, inputs)?;
+            }
+            for batch in self.derivative_sets.iter_mut().filter(|b| b.component == component_step.component) {
+                batch.set_derivatives(&mut self.instances, &self.derivatives)?;
+            }
+            if self.instances[component_step.component].do_step(t, h)? == Step::Terminated {
+                return Ok(Some(component_step.component));
+            }
+            for batch in &mut component_step.gets {
+                batch.read(&mut self.instances, outputs)?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Saves the state of the master and of all FMUs, for [`Self::roll_back`].
+    pub(crate) fn save(&mut self) -> Result<(), Error> {
+        match &mut self.saved {
+            Some((memory, states)) => {
+                memory.copy(&self.memory);
+                for (instance, state) in self.instances.iter_mut().zip(states) {
+                    instance.update_state(state)?;
+                }
+            }
+            None => {
+                let states = self.instances.iter_mut().map(Instance::get_state).collect::<Result<_, _>>()?;
+                self.saved = Some((self.memory.clone(), states));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns to the saved state.
+    pub(crate) fn roll_back(&mut self) -> Result<(), Error> {
+        let Some((memory, states)) = &self.saved else { return Ok(()) };
+        self.memory.copy(memory);
+        for (instance, state) in self.instances.iter_mut().zip(states) {
+            instance.set_state(state)?;
+        }
+        // FMUs differ in whether inputs belong to the state.
+        for batch in &mut self.all_inputs {
+            batch.set(&mut self.instances, &self.memory.inputs)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the simulation of all components.
+    pub(crate) fn terminate(&mut self) -> Result<(), Error> {
+        self.instances.iter_mut().try_for_each(Instance::terminate)
+    }
+}
+
+/// The order of component steps, and what is exchanged in between.
+fn component_steps(
+    parts: Parts,
+    connections: &Connections,
+    order: &Order,
+    algorithm: Algorithm,
+    has_derivative: &[bool],
+) -> Vec<ComponentStep> {
+    let in_file: Vec<usize> = (0..parts.structure.components.len()).collect();
+    let sequence = if algorithm == Algorithm::GaussSeidel { &order.components } else { &in_file };
+    let mut component_steps: Vec<ComponentStep> = Vec::new();
+    for &component in sequence {
+        let mut component_step =
+            ComponentStep { component, fresh: Vec::new(), sets: Vec::new(), gets: Vec::new() };
+        for (slot, input) in
+            connections.inputs.iter().enumerate().filter(|(_, f)| f.port.component == component)
+        {
+            let source = connections.outputs[input.source].component;
+            if component_steps.iter().any(|t| t.component == source) {
+                component_step.fresh.push(slot);
+                if !has_derivative[slot] {
+                    Batch::add(&mut component_step.sets, component, parts.variable(input.port), slot);
+                }
+            }
+        }
+        for (slot, port) in connections.outputs.iter().enumerate().filter(|(_, p)| p.component == component) {
+            Batch::add(&mut component_step.gets, component, parts.variable(*port), slot);
+        }
+        component_steps.push(component_step);
+    }
+    component_steps
 }

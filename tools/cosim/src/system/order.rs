@@ -1,6 +1,7 @@
 //! In which order connected outputs are read and inputs are set, so that what passes through an FMU without a step in
 //! between arrives in one go; and in which order components step after each other.
-use super::wiring::{Parts, Wiring};
+use super::connections::Connections;
+use super::parts::Parts;
 use crate::Error;
 
 /// The order of one sweep over all connections.
@@ -14,14 +15,14 @@ pub(crate) struct Order {
     pub(crate) rounds: usize,
     /// Components, sources first where values pass through.
     pub(crate) components: Vec<usize>,
-    /// What is odd but no error.
+    /// Warnings.
     pub(crate) notes: Vec<String>,
 }
 
 /// Who depends on whom: for each output its inputs that pass through.
 struct Graph<'a> {
     parts: Parts<'a>,
-    wiring: &'a Wiring,
+    connections: &'a Connections,
     through: Vec<Vec<usize>>,
 }
 
@@ -30,15 +31,15 @@ struct Graph<'a> {
 /// # Errors
 /// An algebraic loop through declared dependencies, with all that it leads through. Dependencies that an FMU leaves open
 /// count, too, unless they close a loop: then the values go round with a step's delay, and a note says so.
-pub(crate) fn order(parts: Parts, wiring: &Wiring) -> Result<Order, Error> {
+pub(crate) fn order(parts: Parts, connections: &Connections) -> Result<Order, Error> {
     let mut notes = Vec::new();
-    let all = Graph::new(parts, wiring, true);
+    let all = Graph::new(parts, connections, true);
     let graph = match all.circle() {
         None => all,
         Some(open) => {
-            let declared = Graph::new(parts, wiring, false);
+            let declared = Graph::new(parts, connections, false);
             if let Some(circle) = declared.circle() {
-                let place = &parts.structure.connections[wiring.feeds[circle[0]].connection].place;
+                let place = &parts.structure.connections[connections.inputs[circle[0]].connection].place;
                 return Err(place.fault(format!("algebraic loop: {}", declared.told(&circle))));
             }
             notes.push(format!(
@@ -54,15 +55,15 @@ pub(crate) fn order(parts: Parts, wiring: &Wiring) -> Result<Order, Error> {
 }
 
 impl<'a> Graph<'a> {
-    fn new(parts: Parts<'a>, wiring: &'a Wiring, undeclared: bool) -> Self {
-        let through = wiring.outputs.iter().map(|output| {
+    fn new(parts: Parts<'a>, connections: &'a Connections, undeclared: bool) -> Self {
+        let through = connections.outputs.iter().map(|output| {
             let declared = parts.description(output.component).feedthrough(output.variable);
             let passes = |variable: &usize| declared.as_ref().map_or(undeclared, |on| on.contains(variable));
-            let of_same = |i: &usize| wiring.feeds[*i].port.component == output.component;
-            let inputs = (0..wiring.feeds.len()).filter(of_same);
-            inputs.filter(|i| passes(&wiring.feeds[*i].port.variable)).collect()
+            let of_same = |i: &usize| connections.inputs[*i].port.component == output.component;
+            let inputs = (0..connections.inputs.len()).filter(of_same);
+            inputs.filter(|i| passes(&connections.inputs[*i].port.variable)).collect()
         });
-        Self { parts, wiring, through: through.collect() }
+        Self { parts, connections, through: through.collect() }
     }
 
     /// The inputs along a circle, in the order in which values go round.
@@ -81,7 +82,7 @@ impl<'a> Graph<'a> {
         ) -> Option<Vec<usize>> {
             marks[input] = Mark::Open;
             path.push(input);
-            for &next in &graph.through[graph.wiring.feeds[input].source] {
+            for &next in &graph.through[graph.connections.inputs[input].source] {
                 match marks[next] {
                     Mark::Done => {}
                     Mark::Open => {
@@ -101,7 +102,7 @@ impl<'a> Graph<'a> {
             marks[input] = Mark::Done;
             None
         }
-        let mut marks = vec![Mark::New; self.wiring.feeds.len()];
+        let mut marks = vec![Mark::New; self.connections.inputs.len()];
         for input in 0..marks.len() {
             if marks[input] == Mark::New {
                 let found = visit(self, input, &mut marks, &mut Vec::new());
@@ -116,21 +117,21 @@ impl<'a> Graph<'a> {
     fn told(&self, circle: &[usize]) -> String {
         let mut words = Vec::new();
         for &input in circle {
-            let feed = &self.wiring.feeds[input];
-            words.push(self.parts.name(self.wiring.outputs[feed.source]));
-            words.push(self.parts.name(feed.port));
+            let input = &self.connections.inputs[input];
+            words.push(self.parts.name(self.connections.outputs[input.source]));
+            words.push(self.parts.name(input.port));
         }
         words.push(words[0].clone());
         words.join(" -> ")
     }
 
     fn rounds(&self) -> (Vec<usize>, Vec<usize>, usize) {
-        let count = self.wiring.outputs.len();
+        let count = self.connections.outputs.len();
         let mut read = vec![0_usize; count];
         // Without circles the longest way has no more members than there are outputs.
         for _ in 0..count {
             for output in 0..count {
-                let after = self.through[output].iter().map(|i| read[self.wiring.feeds[*i].source] + 1);
+                let after = self.through[output].iter().map(|i| read[self.connections.inputs[*i].source] + 1);
                 read[output] = after.max().unwrap_or(0);
             }
         }
@@ -140,32 +141,32 @@ impl<'a> Graph<'a> {
             let users = (0..count).filter(|o| self.through[*o].contains(&input));
             users.map(|o| read[o]).min().map(|first| first - 1)
         };
-        let feeds = &self.wiring.feeds;
-        let asked: Vec<Option<usize>> = (0..feeds.len()).map(needed).collect();
+        let inputs = &self.connections.inputs;
+        let asked: Vec<Option<usize>> = (0..inputs.len()).map(needed).collect();
         // One that nobody needs goes with others of its component: set after its outputs were read, it would let the
         // component forget what it has computed for them.
         let with_others = |input: usize| {
-            let feed = &feeds[input];
-            let others = feeds.iter().zip(&asked).filter(|(f, _)| f.port.component == feed.port.component);
-            others.filter_map(|(_, round)| *round).filter(|round| *round >= read[feed.source]).max()
+            let input = &inputs[input];
+            let others = inputs.iter().zip(&asked).filter(|(f, _)| f.port.component == input.port.component);
+            others.filter_map(|(_, round)| *round).filter(|round| *round >= read[input.source]).max()
         };
         let last = rounds.saturating_sub(1);
         let round = |input: usize| asked[input].or_else(|| with_others(input)).unwrap_or(last);
-        let set = (0..feeds.len()).map(round).collect();
+        let set = (0..inputs.len()).map(round).collect();
         (read, set, rounds)
     }
 
-    /// Components with sources before those that pass their values on, or that feed nobody; otherwise in the order of
+    /// Components with sources before those that pass their values on, or that input nobody; otherwise in the order of
     /// the file.
     fn components(&self) -> Vec<usize> {
         let count = self.parts.structure.components.len();
-        let (outputs, feeds) = (&self.wiring.outputs, &self.wiring.feeds);
+        let (outputs, inputs) = (&self.connections.outputs, &self.connections.inputs);
         let waits_for = |c: usize| {
             let own = move |o: &usize| outputs[*o].component == c;
             let through = (0..outputs.len()).filter(own).flat_map(|o| self.through[o].iter().copied());
             let sink = !(0..outputs.len()).any(|o| own(&o));
-            let last = (0..feeds.len()).filter(move |i| sink && feeds[*i].port.component == c);
-            through.chain(last).map(|i| outputs[feeds[i].source].component)
+            let last = (0..inputs.len()).filter(move |i| sink && inputs[*i].port.component == c);
+            through.chain(last).map(|i| outputs[inputs[i].source].component)
         };
         let mut order: Vec<usize> = Vec::new();
         while order.len() < count {

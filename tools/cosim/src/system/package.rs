@@ -1,12 +1,13 @@
 //! The writer of SSP 1.0: `SystemStructure.ssd` with everything inline, and the FMUs below `resources`.
 //!
 //! Other tools read less than the standard has, so the file keeps to what they agree on: the usual prefixes; inputs are
-//! connectors only where something feeds them; values of enumerations are whole numbers, as FMI 2 sets them; units are
+//! connectors only where something inputs them; values of enumerations are whole numbers, as FMI 2 sets them; units are
 //! those of the FMUs; a step size stands in an annotation that other masters read as well.
+use super::connections::{Connections, resolve};
+use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
 use super::structure::{Component, Connector, End};
 use super::units::unit_of;
-use super::wiring::{Parts, Port, Wiring, resolve};
 use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
@@ -27,11 +28,11 @@ const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatfor
 
 /// Writes the archive.
 pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
-    let wiring = resolve(parts, &[])?;
-    super::order::order(parts, &wiring)?;
+    let connections = resolve(parts, &[])?;
+    super::order::order(parts, &connections)?;
     let io = |source| Error::Io { action: "write", path: path.to_owned(), source };
     let resources = resources(&parts.structure.components);
-    let xml = Document::new(parts, &wiring, &resources).text().map_err(io)?;
+    let xml = Document::new(parts, &connections, &resources).text().map_err(io)?;
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let failed = |e: zip::result::ZipError| io(io::Error::other(e));
     zip.start_file(MAIN, entry(CompressionMethod::Deflated)).map_err(failed)?;
@@ -81,16 +82,16 @@ type Written = io::Result<()>;
 
 struct Document<'a> {
     parts: Parts<'a>,
-    wiring: &'a Wiring,
+    connections: &'a Connections,
     resources: &'a [(&'a Path, String)],
     units: BTreeMap<String, BaseUnit>,
     xml: Writer<Vec<u8>>,
 }
 
 impl<'a> Document<'a> {
-    fn new(parts: Parts<'a>, wiring: &'a Wiring, resources: &'a [(&'a Path, String)]) -> Self {
+    fn new(parts: Parts<'a>, connections: &'a Connections, resources: &'a [(&'a Path, String)]) -> Self {
         let xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-        Self { parts, wiring, resources, units: BTreeMap::new(), xml }
+        Self { parts, connections, resources, units: BTreeMap::new(), xml }
     }
 
     fn text(mut self) -> io::Result<String> {
@@ -207,8 +208,8 @@ impl<'a> Document<'a> {
     }
 
     fn values(&mut self, index: usize) -> Written {
-        let (parts, wiring) = (self.parts, self.wiring);
-        let sets = &wiring.sets[index];
+        let (parts, connections) = (self.parts, self.connections);
+        let sets = &connections.sets[index];
         if sets.is_empty() {
             return Ok(());
         }

@@ -1,6 +1,7 @@
 //! What is kept of a run: a row for every so many communication points, all numeric outputs of all components.
-use super::bus::Bus;
-use super::wiring::{Parts, Wiring};
+use super::connections::Connections;
+use super::master::Master;
+use super::parts::Parts;
 use crate::simulate::Recorder;
 use crate::{Column, Error, Kind, Value, Variable};
 
@@ -23,7 +24,7 @@ impl Record {
     /// For `points` communication points, if that is known; `every` as asked for.
     pub(crate) fn new(
         parts: Parts,
-        wiring: &Wiring,
+        connections: &Connections,
         points: Option<usize>,
         every: Option<usize>,
     ) -> Result<Self, Error> {
@@ -31,7 +32,7 @@ impl Record {
         // One more for the start, one for an end between rows.
         let rows = points.map_or(ROWS, |n| n / chosen) + 2;
         let mut recorders = Vec::new();
-        for (index, sets) in wiring.sets.iter().enumerate() {
+        for (index, sets) in connections.sets.iter().enumerate() {
             let description = parts.description(index);
             let sets: Vec<(&Variable, Value)> =
                 sets.iter().map(|(v, value)| (&description.variables[*v], value.clone())).collect();
@@ -47,13 +48,13 @@ impl Record {
     }
 
     /// Told at each communication point; keeps a row if it is time for one, or if it is the `last`.
-    pub(crate) fn point(&mut self, bus: &mut Bus, t: f64, last: bool) -> Result<(), Error> {
+    pub(crate) fn point(&mut self, master: &mut Master, t: f64, last: bool) -> Result<(), Error> {
         if self.points.is_multiple_of(self.every) || last {
             if self.room.is_some_and(|room| self.times.len() >= room) {
                 self.thin();
             }
             self.times.push(t);
-            for (recorder, instance) in self.recorders.iter_mut().zip(&mut bus.instances) {
+            for (recorder, instance) in self.recorders.iter_mut().zip(&mut master.instances) {
                 recorder.record(instance, t)?;
             }
         }
@@ -71,7 +72,7 @@ impl Record {
     }
 
     /// Times and columns: `component.output`, then the outputs of the system.
-    pub(crate) fn columns(self, parts: Parts, wiring: &Wiring) -> (Vec<f64>, Vec<Column>) {
+    pub(crate) fn columns(self, parts: Parts, connections: &Connections) -> (Vec<f64>, Vec<Column>) {
         let mut columns = Vec::new();
         for (recorder, component) in self.recorders.into_iter().zip(&parts.structure.components) {
             columns.extend(
@@ -81,15 +82,15 @@ impl Record {
                     .map(|c| Column { name: format!("{}.{}", component.name, c.name), ..c }),
             );
         }
-        for shown in &wiring.shown {
-            let source = parts.name(shown.port);
+        for system_output in &connections.system_outputs {
+            let source = parts.name(system_output.port);
             let Some(column) = columns.iter().find(|c| c.name == source) else { continue };
-            let same_unit = column.unit.as_ref() == shown.unit.as_ref().map(|u| &u.name);
-            let values = column.values.iter().map(|x| shown.convert.of(*x)).collect();
+            let same_unit = column.unit.as_ref() == system_output.unit.as_ref().map(|u| &u.name);
+            let values = column.values.iter().map(|x| system_output.convert.of(*x)).collect();
             columns.push(Column {
-                name: shown.name.clone(),
+                name: system_output.name.clone(),
                 kind: if column.kind.is_float() { Kind::Float64 } else { column.kind },
-                unit: shown.unit.as_ref().map(|u| u.name.clone()),
+                unit: system_output.unit.as_ref().map(|u| u.name.clone()),
                 display_unit: column.display_unit.clone().filter(|_| same_unit),
                 values,
             });

@@ -13,7 +13,7 @@ pub(crate) struct Given {
     pub(crate) used: bool,
 }
 
-/// The settings of the system, then those that are asked for, which win because they come later.
+/// The settings of the system, then those of the caller, which take precedence because they come later.
 pub(crate) fn given(structure: &Structure, overrides: &[(String, String)]) -> Vec<Given> {
     let nowhere = Place { file: "".into(), line: 0 };
     let asked = overrides.iter().map(|(name, text)| Setting {

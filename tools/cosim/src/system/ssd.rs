@@ -1,9 +1,9 @@
 //! The reader of SSP 1.0: the archive, `SystemStructure.ssd` in it, and parameter sets inline or in files.
 use super::structure::{Component, Connection, Connector, Direction, End, Place, Setting, Sort, Structure};
 use crate::archive::unpacked;
-use crate::description::base_unit;
+use crate::xml::{Fault, Xml, child, elements};
 use crate::{Error, Unit};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -46,15 +46,20 @@ struct Reader {
 }
 
 /// A file of the package with the units that it defines.
-struct File {
+struct File<'x> {
     name: Arc<str>,
+    xml: &'x Xml<'x>,
     units: Vec<Unit>,
 }
 
-impl File {
+/// A fault in the file called `name`.
+fn in_file(name: &Arc<str>) -> impl Fn(Fault) -> Error {
+    |Fault { line, message }| Place { file: name.clone(), line }.fault(message)
+}
+
+impl File<'_> {
     fn place(&self, node: Node) -> Place {
-        let line = node.document().text_pos_at(node.range().start).row;
-        Place { file: self.name.clone(), line }
+        Place { file: self.name.clone(), line: self.xml.line(node) }
     }
 
     fn fault(&self, node: Node, message: impl Into<String>) -> Error {
@@ -62,14 +67,11 @@ impl File {
     }
 
     fn required<'a>(&self, node: Node<'a, '_>, name: &str) -> Result<&'a str, Error> {
-        let absent = || self.fault(node, format!("<{}> has no attribute {name}", node.tag_name().name()));
-        node.attribute(name).ok_or_else(absent)
+        self.xml.required(node, name).map_err(in_file(&self.name))
     }
 
     fn number<T: FromStr>(&self, node: Node, name: &str) -> Result<Option<T>, Error> {
-        let Some(text) = node.attribute(name) else { return Ok(None) };
-        let wrong = |_| self.fault(node, format!("{name} = {text:?} is not a number of the right kind"));
-        text.trim().parse().map(Some).map_err(wrong)
+        self.xml.number(node, name).map_err(in_file(&self.name))
     }
 
     /// The unit that an attribute refers to.
@@ -82,38 +84,19 @@ impl File {
     }
 
     fn units(&mut self, parent: Option<Node>) -> Result<(), Error> {
-        for node in children(parent).filter(|n| n.tag_name().name() == "Unit") {
-            let base = child(node, "BaseUnit").map(base_unit).transpose();
-            let base = base.map_err(|e| match e {
-                // Only the line of the FMU's reader is of use here.
-                Error::Description { message, .. } => self.fault(node, message),
-                other => other,
-            })?;
-            self.units.push(Unit {
-                name: self.required(node, "name")?.to_owned(),
-                base,
-                display_units: Vec::new(),
-            });
+        for node in elements(parent).filter(|n| n.tag_name().name() == "Unit") {
+            self.units.push(self.xml.unit(node).map_err(in_file(&self.name))?);
         }
         Ok(())
     }
 }
 
-/// A document, or the sentence why it is none.
-fn document<'a>(text: &'a str, file: &Arc<str>) -> Result<Document<'a>, Error> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    Document::parse(text).map_err(|e| {
-        let place = Place { file: file.clone(), line: e.pos().row };
-        place.fault(format!("not well-formed XML: {e}"))
-    })
-}
-
 impl Reader {
     fn structure(&self, text: &str) -> Result<Structure, Error> {
         let name: Arc<str> = format!("{}: {MAIN}", self.package).into();
-        let document = document(text, &name)?;
-        let root = document.root_element();
-        let mut file = File { name, units: Vec::new() };
+        let xml = Xml::read(text).map_err(in_file(&name))?;
+        let root = xml.root();
+        let mut file = File { name, xml: &xml, units: Vec::new() };
         if root.tag_name().name() != "SystemStructureDescription" {
             let message =
                 format!("the root is <{}>, not <SystemStructureDescription>", root.tag_name().name());
@@ -129,11 +112,11 @@ impl Reader {
         let time = |name| experiment.map_or(Ok(None), |n| file.number(n, name));
 
         let mut components = Vec::new();
-        for node in children(child(system, "Elements")) {
+        for node in elements(child(system, "Elements")) {
             components.push(self.component(&file, node)?);
         }
         let mut connections = Vec::new();
-        for node in children(child(system, "Connections")) {
+        for node in elements(child(system, "Connections")) {
             connections.push(connection(&file, node)?);
         }
         Ok(Structure {
@@ -208,7 +191,7 @@ impl Reader {
     /// All values that the bindings of an element give.
     fn settings(&self, file: &File, element: Node) -> Result<Vec<Setting>, Error> {
         let mut settings = Vec::new();
-        for binding in children(child(element, "ParameterBindings")) {
+        for binding in elements(child(element, "ParameterBindings")) {
             let refuse =
                 |what: &str| Err(file.fault(binding, format!("{what} of a binding is not supported")));
             if child(binding, "ParameterMapping").is_some() {
@@ -227,11 +210,12 @@ impl Reader {
                     )
                 })?;
                 let name: Arc<str> = format!("{}: {source}", self.package).into();
-                let document = document(&text, &name)?;
-                parameters(File { name, units: Vec::new() }, document.root_element(), prefix, &mut settings)?;
+                let xml = Xml::read(&text).map_err(in_file(&name))?;
+                let own = File { name, xml: &xml, units: Vec::new() };
+                parameters(own, xml.root(), prefix, &mut settings)?;
             }
-            for values in children(child(binding, "ParameterValues")) {
-                let inline = File { name: file.name.clone(), units: file.units.clone() };
+            for values in elements(child(binding, "ParameterValues")) {
+                let inline = File { name: file.name.clone(), units: file.units.clone(), ..*file };
                 parameters(inline, values, prefix, &mut settings)?;
             }
         }
@@ -245,7 +229,7 @@ fn parameters(mut file: File, set: Node, prefix: &str, settings: &mut Vec<Settin
         return Err(file.fault(set, format!("<{}> is no <ParameterSet>", set.tag_name().name())));
     }
     file.units(child(set, "Units"))?;
-    for node in children(child(set, "Parameters")) {
+    for node in elements(child(set, "Parameters")) {
         let name = file.required(node, "name")?;
         let value = node.children().find(|n| n.is_element() && n.tag_name().name() != "Annotations");
         let value = value.ok_or_else(|| file.fault(node, format!("parameter {name} has no value")))?;
@@ -261,7 +245,7 @@ fn parameters(mut file: File, set: Node, prefix: &str, settings: &mut Vec<Settin
 
 fn connectors(file: &File, element: Node) -> Result<Vec<Connector>, Error> {
     let mut connectors = Vec::new();
-    for node in children(child(element, "Connectors")) {
+    for node in elements(child(element, "Connectors")) {
         let name = file.required(node, "name")?.to_owned();
         let direction = match file.required(node, "kind")? {
             "input" => Direction::Input,
@@ -272,7 +256,7 @@ fn connectors(file: &File, element: Node) -> Result<Vec<Connector>, Error> {
             }
         };
         let (mut sort, mut unit) = (None, None);
-        for body in children(Some(node)) {
+        for body in elements(Some(node)) {
             sort = match body.tag_name().name() {
                 "Real" => Some(Sort::Real),
                 "Integer" => Some(Sort::Integer),
@@ -313,7 +297,7 @@ fn connection(file: &File, node: Node) -> Result<Connection, Error> {
             return Err(file.fault(node, message));
         }
     };
-    for body in children(Some(node)) {
+    for body in elements(Some(node)) {
         match body.tag_name().name() {
             "LinearTransformation" => {
                 connection.factor = file.number(body, "factor")?.unwrap_or(1.0);
@@ -331,16 +315,8 @@ fn connection(file: &File, node: Node) -> Result<Connection, Error> {
 /// The step size of an annotation that other masters read as well.
 fn step(file: &File, experiment: Node) -> Result<Option<f64>, Error> {
     let annotation =
-        children(child(experiment, "Annotations")).find(|n| n.attribute("type") == Some(STEP_ANNOTATION));
+        elements(child(experiment, "Annotations")).find(|n| n.attribute("type") == Some(STEP_ANNOTATION));
     let fixed =
         annotation.and_then(|a| a.descendants().find(|n| n.tag_name().name() == "FixedStepAlgorithm"));
     fixed.map_or(Ok(None), |n| file.number(n, "baseStepSize"))
-}
-
-fn child<'a, 'd>(node: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
-    node.children().find(|n| n.tag_name().name() == name)
-}
-
-fn children<'a, 'd: 'a>(node: Option<Node<'a, 'd>>) -> impl Iterator<Item = Node<'a, 'd>> {
-    node.into_iter().flat_map(|n| n.children()).filter(Node::is_element)
 }

@@ -1,4 +1,4 @@
-//! A system as it is written down, in TOML or in SSP: names and places in the file, not yet held against the FMUs.
+//! A system as described in TOML or SSP: names and places in the file, not yet resolved in the FMUs.
 use crate::{Error, Unit};
 use std::fmt;
 use std::path::PathBuf;

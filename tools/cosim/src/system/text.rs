@@ -1,4 +1,4 @@
-//! The small file that people write: a system in TOML.
+//! A system in TOML.
 use super::structure::{Component, Connection, End, Place, Setting, Structure};
 use crate::Error;
 use serde::Deserialize;
@@ -108,7 +108,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
             place,
         });
     }
-    // A name with a dot could not be told from a name and a variable.
+    // A name with a dot is ambiguous with component.variable.
     if let Some(bad) = components.iter().find(|c| c.name.is_empty() || c.name.contains('.')) {
         let message = format!("component {:?}: a name is not empty and has no dot", bad.name);
         return Err(bad.place.fault(message));

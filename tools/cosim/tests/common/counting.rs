@@ -1,4 +1,4 @@
-//! A global allocator that counts: for tests that nothing is allocated. One module for each test program that wants it.
+//! A global allocator that counts: for tests that nothing is allocated.
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 

@@ -1,5 +1,4 @@
 //! Test FMUs: C compiled on the spot with the linker's compiler, zipped with a model description.
-#![allow(dead_code)] // each test file uses its own part
 
 use cosim::{Archive, Error, FmiVersion, InputTable, Options, Recording, simulate};
 use std::fs;

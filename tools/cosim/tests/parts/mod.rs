@@ -1,5 +1,4 @@
 //! Systems of tiny FMUs (`data/parts.c`): a rotor, a spring with a mass behind it, a gain.
-#![allow(dead_code)] // each test file uses its own part
 
 use crate::common::{binary_name, compile, data};
 use cosim::{Error, FmiVersion, System, SystemOptions, SystemRun, cosimulate};

@@ -50,6 +50,12 @@ pub(super) fn text(x: f64, y: f64, class: &str, text: &str) -> Markup {
     html! { text class=[class] x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) { (text) } }
 }
 
+/// A label below an axis at a place, moved to stay inside the figure.
+pub(super) fn below(x: f64, y: f64, label: &str) -> Markup {
+    let half = 0.5 * width(label);
+    text(x.clamp(half, (WIDTH - half).max(half)), y, "m", label)
+}
+
 /// A part of a figure, moved.
 pub(super) fn place(x: f64, y: f64, content: Markup) -> Markup {
     html! { g transform=(format_args!("translate({x:.1} {y:.1})")) { (content) } }

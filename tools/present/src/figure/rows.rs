@@ -1,6 +1,8 @@
 //! Figures with a row for each name: bars from zero, and points with intervals. The name stands above its marks.
 
-use super::layout::{BASELINE, LINE, PAD, Scale, Swatch, WIDTH, frame, legend, place, text, width, wrap};
+use super::layout::{
+    BASELINE, LINE, PAD, Scale, Swatch, WIDTH, below, frame, legend, place, text, width, wrap,
+};
 use super::{Axis, Drawing};
 use maud::{Markup, html};
 
@@ -57,7 +59,7 @@ impl Rows {
         let remark = self.marks().map(|(_, mark)| if let Mark::Bar(_, r) = mark { width(r) } else { 0.0 });
         let right = WIDTH - PAD - remark.fold(0.0, f64::max) - 6.0;
         let mut scale = Scale::over(&self.axis, ends.chain([0.0]), 0.04, (PAD, right));
-        if self.marks().all(|(_, m)| matches!(m, Mark::Bar(to, _) if !(*to < 0.0))) {
+        if self.marks().all(|(_, m)| matches!(m, Mark::Bar(to, _) if to.is_nan() || *to >= 0.0)) {
             scale.span.0 = 0.0;
         }
         scale
@@ -85,7 +87,7 @@ impl Drawing for Rows {
         let rows = html! {
             @for (value, name) in ticks.marks() {
                 path class=(if value == 0.0 { "a" } else { "g" }) d=(format_args!("M{:.1} 0V{bottom:.1}", x.at(value))) {}
-                (text(x.at(value), bottom + LINE - 2.0, "m", &name))
+                (below(x.at(value), bottom + LINE - 2.0, &name))
             }
             @for (row, name) in self.rows.iter().zip(&names) {
                 @for (k, line) in name.iter().enumerate() { (text(PAD + 2.0, y + LINE * (k as f64 + 1.0) - 3.0, "o", line)) }

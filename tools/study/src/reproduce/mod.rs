@@ -1,4 +1,4 @@
-//! The two published systems, number by number: as printed, recomputed as published, put right, measured.
+//! The two published systems, number by number: published, recomputed as published, corrected, measured.
 
 pub mod paper;
 pub mod report;
@@ -6,15 +6,15 @@ pub mod thesis;
 
 use serde::Serialize;
 
-/// What the audit says of a printed number.
+/// What the audit says of a published number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It follows from what is printed.
+    /// It follows from what is published.
     Holds,
     /// It follows, with the restriction in the note.
     HoldsWithNote,
-    /// It does not follow from what is printed.
+    /// It does not follow from what is published.
     Inconsistent,
     /// The equation or the reference is damaged.
     Garbled,
@@ -44,8 +44,8 @@ impl Verdict {
         Verdict::Remark,
     ];
 
-    /// In words.
-    pub fn words(self) -> &'static str {
+    /// As words in a table.
+    pub fn text(self) -> &'static str {
         match self {
             Verdict::Holds => "holds",
             Verdict::HoldsWithNote => "holds, see note",
@@ -60,7 +60,27 @@ impl Verdict {
     }
 }
 
-/// What is printed: a number, or words and formulas.
+/// How a native model came to a value that stands beside a published one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// Parameters of the model were fitted to the published value: the agreement is that of a fit.
+    Fitted,
+    /// The published value was not used in the fit.
+    Predicted,
+}
+
+impl Basis {
+    /// As a word in a table.
+    pub fn text(self) -> &'static str {
+        match self {
+            Basis::Fitted => "fitted",
+            Basis::Predicted => "predicted",
+        }
+    }
+}
+
+/// What is published: a number, or text and formulas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Printed {
@@ -82,24 +102,30 @@ impl From<&'static str> for Printed {
     }
 }
 
-/// A printed number or statement with what has become of it.
+/// A published number or statement, recomputed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Number in the audit, with a suffix where it has several.
     pub id: &'static str,
-    /// Where it is printed.
+    /// Where it is published.
     pub location: &'static str,
     /// What it is.
     pub quantity: String,
-    /// As printed.
+    /// The published value.
     pub printed: Printed,
     /// Recomputed by the published equations and inputs.
     pub as_published: Option<f64>,
     /// Recomputed by right equations and the inputs that were really used.
     pub corrected: Option<f64>,
+    /// Whether the model behind `corrected` was fitted to the published value; absent where no fitted model is behind it.
+    pub basis: Option<Basis>,
+    /// Computed by the native model with declared values, nothing fitted.
+    pub untuned: Option<f64>,
+    /// Computed by the native model fitted to the other tests, without this one.
+    pub leave_one_out: Option<f64>,
     /// Measured by the authors.
     pub measured: Option<f64>,
-    /// Unit of all four.
+    /// Unit of all values.
     pub unit: &'static str,
     /// Verdict.
     pub verdict: Verdict,
@@ -123,6 +149,9 @@ impl Row {
             printed: printed.into(),
             as_published: None,
             corrected: None,
+            basis: None,
+            untuned: None,
+            leave_one_out: None,
             measured: None,
             unit,
             verdict: Verdict::Holds,
@@ -139,6 +168,18 @@ impl Row {
     /// With the right value.
     pub fn right(mut self, value: impl Into<Option<f64>>) -> Row {
         self.corrected = value.into();
+        self
+    }
+
+    /// With the fact that the model behind the right value was fitted to the published one, or not.
+    pub fn by(mut self, basis: Basis) -> Row {
+        self.basis = self.corrected.map(|_| basis);
+        self
+    }
+
+    /// With what the model predicts untuned, and fitted to the other tests.
+    pub fn predictions(mut self, untuned: Option<f64>, leave_one_out: Option<f64>) -> Row {
+        (self.untuned, self.leave_one_out) = (untuned, leave_one_out);
         self
     }
 
@@ -162,7 +203,7 @@ impl Row {
     }
 }
 
-/// A number, where there is one, as people read it.
+/// Four significant digits.
 pub fn significant(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {

@@ -65,6 +65,8 @@ fn all_rows(rows: &[Row]) -> Markup {
         "published",
         "recomputed",
         "corrected",
+        "leave-one-out",
+        "untuned",
         "measured",
         "unit",
         "verdict",
@@ -72,6 +74,10 @@ fn all_rows(rows: &[Row]) -> Markup {
     ];
     let body = rows.iter().map(|row| {
         let number = |v: Option<f64>| Cell::Number(v.map_or(String::new(), significant));
+        let basis = |row: &Row| {
+            let basis = row.basis.map_or(String::new(), |basis| format!(" ({})", basis.text()));
+            Cell::Number(row.corrected.map_or(String::new(), |v| format!("{}{basis}", significant(v))))
+        };
         let published = match &row.printed {
             Printed::Number(value) => number(Some(*value)),
             Printed::Text(text) => (*text).into(),
@@ -82,21 +88,23 @@ fn all_rows(rows: &[Row]) -> Markup {
             row.quantity.as_str().into(),
             published,
             number(row.as_published),
-            number(row.corrected),
+            basis(row),
+            number(row.leave_one_out),
+            number(row.untuned),
             number(row.measured),
             row.unit.into(),
-            row.verdict.words().into(),
+            row.verdict.text().into(),
             row.note.as_str().into(),
         ];
-        (row.verdict.words(), cells)
+        (row.verdict.text(), cells)
     });
-    let counts =
-        Verdict::ALL.into_iter().map(|v| (v.words(), rows.iter().filter(|r| r.verdict == v).count()));
+    let counts = Verdict::ALL.into_iter().map(|v| (v.text(), rows.iter().filter(|r| r.verdict == v).count()));
     html! {
         h2 { "Published numbers" }
         p {
             "Published: as printed. Recomputed: by the published equations and inputs. Corrected: by the right equations and the \
-             inputs that were used."
+             inputs that were used; \"fitted\" where a model's parameters were fitted to the published value, \"predicted\" where \
+             they were not. Leave-one-out: the model fitted to the other tests. Untuned: the model with declared values."
         }
         p { label { "Verdict " select id="verdict" {
             option value="" { "all (" (rows.len()) ")" }
@@ -116,7 +124,7 @@ mod tests {
     #[test]
     fn pages_are_complete_in_themselves() {
         for page in [
-            thesis(&crate::reproduce::thesis::thesis(false).unwrap()),
+            thesis(&crate::reproduce::thesis::thesis(crate::reproduce::thesis::Fits::None).unwrap()),
             paper(&crate::reproduce::paper::paper().unwrap()),
         ] {
             assert_eq!(present::check::faults(&page.html), Vec::<String>::new(), "{}", page.name);

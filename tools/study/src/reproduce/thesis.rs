@@ -7,6 +7,7 @@ pub mod projection;
 pub mod published;
 mod rows;
 
+pub use identified::UNCERTAINTY;
 pub use measured::{CASES, Case, T_AMBIENT};
 pub use native::{FITTED, Native, fit_thesis_rig};
 
@@ -24,7 +25,7 @@ pub struct CaseResult {
     pub name: &'static str,
     /// Item of the model's `cooling_mode`.
     pub cooling_mode: &'static str,
-    /// The parameter that tells the test from others of its mode, and its value in m.
+    /// The parameter that distinguishes the test from others of its mode, and its value in m.
     pub setting: Option<(&'static str, f64)>,
     /// Power put into the winding, W.
     pub power_W: f64,
@@ -36,18 +37,54 @@ pub struct CaseResult {
     pub R_ha_measured: f64,
     /// Winding temperature by the published equations, K; the thesis computed annuli only.
     pub T_w_as_published_K: Option<f64>,
-    /// Winding temperature of the calibrated native model, K.
+    /// Winding temperature of the native model fitted to all eight tests, K: the agreement is that of a fit.
     pub T_w_model_K: Option<f64>,
     /// Winding temperature of the native model with nothing fitted, K.
     pub T_w_untuned_K: Option<f64>,
-    /// Housing to ambient of the calibrated native model, K/W.
+    /// Winding temperature of the native model fitted to the other seven tests, K; absent where no fit is made.
+    pub T_w_leave_one_out_K: Option<f64>,
+    /// Housing to ambient by the calibrated native model's winding temperature, as the measured one is computed, K/W.
     pub R_ha_model: Option<f64>,
     /// 5 A times the torque constant at the measured temperature, per total mass, N.m/kg.
     pub torque_density_at_5A: f64,
-    /// Torque that can be held at a winding of 155 degC, from the measured R_ha, N.m.
+    /// Continuous torque at stall with the winding at 155 degC, from the measured R_ha, N.m.
     pub torque_at_limit: f64,
     /// The same per total mass, N.m/kg.
     pub torque_density_at_limit: f64,
+    /// The same torque from `T_w_model_K`, N.m.
+    pub torque_at_limit_model: Option<f64>,
+    /// The same torque from `T_w_untuned_K`, N.m.
+    pub torque_at_limit_untuned: Option<f64>,
+    /// The same torque from `T_w_leave_one_out_K`, N.m.
+    pub torque_at_limit_leave_one_out: Option<f64>,
+}
+
+impl CaseResult {
+    /// Housing to ambient from a winding temperature, as the thesis computes it, K/W: all heat through R_wh and R_ha,
+    /// none through the leads.
+    fn r_ha(&self, t_w: Option<f64>) -> Option<f64> {
+        Some(projection::r_ha(t_w?, self.ambient_K, self.power_W))
+    }
+
+    /// The same with nothing fitted, K/W.
+    pub fn r_ha_untuned(&self) -> Option<f64> {
+        self.r_ha(self.T_w_untuned_K)
+    }
+
+    /// The same of the model fitted to the other tests, K/W.
+    pub fn r_ha_leave_one_out(&self) -> Option<f64> {
+        self.r_ha(self.T_w_leave_one_out_K)
+    }
+
+    /// Enters what the model says of the test: fitted to all tests, untuned, fitted to the others.
+    fn predict(&mut self, fitted: Option<f64>, untuned: Option<f64>, left_out: Option<f64>) {
+        (self.T_w_model_K, self.T_w_untuned_K, self.T_w_leave_one_out_K) = (fitted, untuned, left_out);
+        self.R_ha_model = self.r_ha(fitted);
+        let torque = |r_ha: Option<f64>| r_ha.map(projection::torque_at_limit);
+        self.torque_at_limit_model = torque(self.R_ha_model);
+        self.torque_at_limit_untuned = torque(self.r_ha_untuned());
+        self.torque_at_limit_leave_one_out = torque(self.r_ha_leave_one_out());
+    }
 }
 
 /// What the published annulus model gives.
@@ -77,43 +114,60 @@ pub struct Thesis {
     pub cases: Vec<CaseResult>,
     /// The published model.
     pub published: Published,
-    /// Every printed number.
+    /// Every published number.
     pub rows: Vec<Row>,
-    /// The answer to the thesis's question, computed.
+    /// The answer to the thesis's question, computed from the cases.
     pub conclusion: String,
     /// What the calibrated model predicts for a test that it was not calibrated with.
     pub leave_one_out: Option<Vec<LeftOut>>,
-    /// What the eight tests say about the fitted parameters.
+    /// What the eight tests determine of the fitted parameters.
     pub identifiability: Option<Fit>,
-    /// The same in sentences: what is known, what only together, what not at all.
+    /// The same in sentences: which parameters are determined, which only together, which not at all.
     pub findings: Vec<String>,
     /// Why the native model is not there, where it is not.
     pub absent: Option<String>,
 }
 
-/// Recomputes the thesis; with `fit`, also what its tests can identify.
+/// Which fits are made: each costs seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fits {
+    /// None.
+    None,
+    /// The fit of the rig, and that without each test.
+    Rig,
+    /// Also fits with other causes in place of fitted parameters.
+    Alternatives,
+}
+
+/// Recomputes the thesis.
 ///
 /// # Errors
 /// A native model that does not settle.
-pub fn thesis(fit: bool) -> Result<Thesis, StudyError> {
+pub fn thesis(fits: Fits) -> Result<Thesis, StudyError> {
     let native = Native::find();
-    let cases = CASES.iter().map(|case| result(case, &native)).collect::<Result<Vec<_>, _>>()?;
-    let (leave_one_out, identifiability) = match fit_thesis_rig(&native) {
-        Some(problem) if fit => {
+    let (leave_one_out, identifiability, alternatives) = match fit_thesis_rig(&native, &FITTED) {
+        Some(problem) if fits != Fits::None => {
             let problem = problem?;
             let fit = problem.fit()?;
-            (Some(problem.leave_one_out(&fit)?), Some(fit))
+            let others = match fits {
+                Fits::Alternatives => identified::alternatives(&native)?,
+                _ => Vec::new(),
+            };
+            (Some(problem.leave_one_out(&fit)?), Some(fit), others)
         }
-        _ => (None, None),
+        _ => (None, None, Vec::new()),
     };
+    let left_out = |name: &str| leave_one_out.iter().flatten().find(|l| l.case == name).map(|l| l.predicted);
+    let case = |case: &Case| result(case, &native, left_out(case.name));
+    let cases = CASES.iter().map(case).collect::<Result<Vec<_>, _>>()?;
     let findings = match (&identifiability, &leave_one_out) {
-        (Some(fit), Some(left_out)) => identified::findings(fit, left_out, &cases),
+        (Some(fit), Some(left_out)) => identified::findings(fit, left_out, &alternatives, &cases),
         _ => Vec::new(),
     };
     Ok(Thesis {
         findings,
         published: published_summary(),
-        rows: rows::rows(&native)?,
+        rows: rows::rows(&native, &cases),
         conclusion: conclusion(&cases),
         leave_one_out,
         identifiability,
@@ -122,10 +176,12 @@ pub fn thesis(fit: bool) -> Result<Thesis, StudyError> {
     })
 }
 
-fn result(case: &Case, native: &Native) -> Result<CaseResult, StudyError> {
-    let model = native.steady(case, true)?;
+fn result(case: &Case, native: &Native, left_out: Option<f64>) -> Result<CaseResult, StudyError> {
     let torque_at_limit = projection::torque_at_limit(case.r_ha);
-    Ok(CaseResult {
+    let winding = |calibrated| -> Result<Option<f64>, StudyError> {
+        Ok(native.steady(case, calibrated)?.and_then(|m| m.get("winding_temperature")))
+    };
+    let mut result = CaseResult {
         name: case.name,
         cooling_mode: case.cooling_mode,
         setting: case.setting,
@@ -134,13 +190,19 @@ fn result(case: &Case, native: &Native) -> Result<CaseResult, StudyError> {
         T_w_measured_K: case.t_w,
         R_ha_measured: case.r_ha,
         T_w_as_published_K: case.r_star.map(|r| Annulus::new(r).winding_temperature()),
-        T_w_model_K: model.as_ref().and_then(|m| m.get("winding_temperature")),
-        T_w_untuned_K: native.steady(case, false)?.and_then(|m| m.get("winding_temperature")),
-        R_ha_model: model.and_then(|m| m.r_ha),
+        T_w_model_K: None,
+        T_w_untuned_K: None,
+        T_w_leave_one_out_K: None,
+        R_ha_model: None,
         torque_density_at_5A: projection::torque_at_5_a(case.t_w) / case.mass,
         torque_at_limit,
         torque_density_at_limit: torque_at_limit / case.mass,
-    })
+        torque_at_limit_model: None,
+        torque_at_limit_untuned: None,
+        torque_at_limit_leave_one_out: None,
+    };
+    result.predict(winding(true)?, winding(false)?, left_out);
+    Ok(result)
 }
 
 fn published_summary() -> Published {
@@ -165,7 +227,7 @@ fn published_summary() -> Published {
     }
 }
 
-/// What cooling buys, from the thesis's own measurements.
+/// Effect of cooling, from the thesis's own measurements.
 fn conclusion(cases: &[CaseResult]) -> String {
     let (bare, cooled) = match cases.split_first() {
         Some((bare, cooled)) if !cooled.is_empty() => (bare, cooled),
@@ -194,8 +256,8 @@ fn conclusion(cases: &[CaseResult]) -> String {
     let (least_torque, most_torque) = range(&|c| c.torque_at_limit);
     let (least, most) = range(&|c| c.torque_density_at_limit);
     format!(
-        "At the same 5 A the best arrangement is {at_5_a} with {} N.m/kg against {} bare ({:+.1} %), so holding the \
-         current hides what cooling is for; at a winding of 155 degC the continuous stall torque rises from {} N.m \
+        "At the same 5 A the best arrangement is {at_5_a} with {} N.m/kg against {} bare ({:+.1} %), so at constant current the benefit of cooling does not \
+         show; at a winding of 155 degC the continuous stall torque rises from {} N.m \
          bare to {} N.m ({at_limit}), over all arrangements by {least_torque:.0} to {most_torque:.0} % and its density \
          by {least:.0} to {most:.0} %: cooling does improve the motor{fan_alone}.",
         significant(density_at_5_a),
@@ -213,7 +275,7 @@ mod tests {
     /// The audit's numbers: T26, T41, T50; the conclusion names what they say.
     #[test]
     fn the_thesis_comes_out() {
-        let thesis = thesis(false).unwrap();
+        let thesis = thesis(Fits::None).unwrap();
         let bare = &thesis.cases[0];
         assert_eq!((bare.name, bare.T_w_as_published_K), ("bare", None));
         assert!((bare.torque_density_at_5A - 0.394).abs() < 1e-3);
@@ -228,6 +290,7 @@ mod tests {
             assert!(miss(case.T_w_model_K) < 0.5, "{case:?}");
             assert!((case.R_ha_model.unwrap() - case.R_ha_measured).abs() < 0.06, "{case:?}");
             assert!(miss(case.T_w_untuned_K) < 22.0, "{case:?}");
+            assert!(case.T_w_leave_one_out_K.is_none(), "no fit was asked for");
         }
         let json = serde_json::to_value(&thesis).unwrap();
         for key in ["cases", "published", "rows", "conclusion", "leave_one_out", "identifiability"] {

@@ -338,7 +338,7 @@ mod tests {
     /// The envelope against every stride, from cold to the limit.
     #[test]
     fn the_envelope_is_the_walk() {
-        let load = load(WALK, &[("gait.support", "1")]);
+        let load = load(WALK, &[("gait.support", "0.85")]);
         let found = walk(&load, 2.0).unwrap();
         let mut walker = load.walker().unwrap();
         let mut exact = Vec::new();
@@ -373,17 +373,18 @@ mod tests {
         assert!(fan.support > 1.3 * still.support);
     }
 
-    /// A supply of 12 V limits the speed before the winding is warm, and is named.
+    /// A drive of 8 A limits the torque before the winding is warm, and is named.
     #[test]
     fn the_limit_is_named() {
         let found =
-            continuous_support(&load(WALK, &[("fan_command", "1"), ("supply_voltage", "14")])).unwrap();
+            continuous_support(&load(WALK, &[("fan_command", "1"), ("control.current_max", "8")])).unwrap();
         assert_eq!(found.limited_by, Limit::TorqueError, "{found:?}");
         assert!(found.at.winding_temperature < 420.0);
     }
 
     /// Mean power from the supply is the motor's electrical power plus the losses of the drive, in both drive modes and
-    /// at the current limit, where the voltage that the actuator commands is not the motor's.
+    /// at the current limit, where the voltage that the actuator commands is not the motor's; within the coupling error of
+    /// steps of 1 ms.
     #[test]
     fn the_supply_gives_the_electrical_power() {
         for drive in ["current", "voltage"] {
@@ -393,11 +394,11 @@ mod tests {
                 "{drive}: {} W from the supply, {} W electrical",
                 found.power_supply, found.power_electrical
             );
-            assert!((found.power_supply / found.power_electrical - 1.0).abs() < 1e-3, "{drive} {found:?}");
+            assert!((found.power_supply / found.power_electrical - 1.0).abs() < 6e-3, "{drive} {found:?}");
         }
         let sets = [("drive.standby_power", "7"), ("conductance.G_forced", "0.35"), ("fan_command", "1")];
         let found = periodic(&load(WALK, &sets)).unwrap();
-        assert!((found.power_supply - found.power_electrical - 7.0).abs() < 0.05, "{found:?}");
+        assert!((found.power_supply - found.power_electrical - 7.0).abs() < 0.1, "{found:?}");
     }
 
     /// Every preset's motor data reach the control; what the file sets wins, and a change of the motor is followed.

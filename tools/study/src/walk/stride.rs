@@ -43,9 +43,8 @@ struct Read {
     current: Slot,
     joint_torque: Slot,
     torque_error: Slot,
-    electrical: Slot,
-    joint: Slot,
-    supply: Slot,
+    /// Energies since the start, J: of the motor's terminals, at the joint, from the supply.
+    energy: [(usize, Slot); 3],
 }
 
 /// Whether the step is one of the [`INSTANTS`] that are spread over a stride of so many steps.
@@ -113,6 +112,7 @@ impl Walker {
         };
         let links: Vec<Link> = (TO_ACTUATOR.iter().map(|l| link(ACTUATOR, l)))
             .chain(to_motor.iter().map(|l| link(MOTOR, l)))
+            // Last: the motor's power follows from its inputs.
             .chain(std::iter::once(link(ACTUATOR, &POWER)))
             .collect::<Result<_, StudyError>>()?;
         let read = Read {
@@ -120,9 +120,11 @@ impl Walker {
             current: slot(&motor, "current")?,
             joint_torque: slot(&actuator, "joint_torque")?,
             torque_error: slot(&actuator, "torque_error")?,
-            electrical: slot(&motor, "power_electrical")?,
-            joint: slot(&actuator, "joint_power")?,
-            supply: slot(&actuator, "supply_power")?,
+            energy: [
+                (MOTOR, slot(&motor, "energy_electrical")?),
+                (ACTUATOR, slot(&actuator, "energy_joint")?),
+                (ACTUATOR, slot(&actuator, "energy_supply")?),
+            ],
         };
         let rate = slot(&gait, "der(state.stride)")?;
         let models = [motor, actuator, gait].map(Bench::into_model);
@@ -163,6 +165,14 @@ impl Walker {
         }
     }
 
+    /// The motor has stepped: its power at the end of the step is known, and nothing in the step depends on it.
+    fn interpolate_power(&mut self) {
+        if let Some(Link { from, to, last: Some(last) }) = self.links.last().copied() {
+            let slope = (self.models[from.0].get(from.1) - last) / self.h;
+            self.models[to.0].set_slope(to.1, slope);
+        }
+    }
+
     /// Walks a stride.
     ///
     /// # Errors
@@ -173,12 +183,16 @@ impl Walker {
 
     fn steps_of_a_stride(&mut self, mut look: impl FnMut(&Walker, u32)) -> Result<Stride, StudyError> {
         let mut s = Stride { winding: [f64::NEG_INFINITY, 0.0], ..Stride::default() };
+        let before = self.energies();
         for step in 0..self.steps {
             look(self, step);
             self.exchange();
             let t = self.done as f64 * self.h;
-            for model in &mut self.models {
-                model.step(t, self.h).map_err(|fault| StudyError::new(fault.to_string()))?;
+            for k in [MOTOR, ACTUATOR, GAIT] {
+                if k == ACTUATOR {
+                    self.interpolate_power();
+                }
+                self.models[k].step(t, self.h).map_err(|fault| StudyError::new(fault.to_string()))?;
             }
             self.done += 1;
             let [motor, actuator, _] = &mut self.models;
@@ -187,16 +201,19 @@ impl Walker {
             s.current = [s.current[0] + current * current, s.current[1].max(current.abs())];
             s.joint_torque = s.joint_torque.max(actuator.get(self.read.joint_torque).abs());
             s.torque_error += actuator.get(self.read.torque_error).powi(2);
-            s.power[0] += motor.get(self.read.electrical);
-            s.power[1] += actuator.get(self.read.joint);
-            s.power[2] += actuator.get(self.read.supply);
         }
         let n = f64::from(self.steps);
         s.winding[1] /= n;
         s.current[0] = (s.current[0] / n).sqrt();
         s.torque_error = (s.torque_error / n).sqrt();
-        s.power = s.power.map(|p| p / n);
+        let (after, time) = (self.energies(), self.stride_time());
+        s.power = std::array::from_fn(|k| (after[k] - before[k]) / time);
         Ok(s)
+    }
+
+    /// Energies since the start, J.
+    fn energies(&mut self) -> [f64; 3] {
+        self.read.energy.map(|(model, slot)| self.models[model].get(slot))
     }
 
     /// The temperatures that the motor's heat depends on, K.

@@ -11,7 +11,7 @@ struct Table {
     rows: Vec<Vec<f64>>,
 }
 
-/// How the names end of what the books miss: differences of powers or energies, nothing but rounding.
+/// Endings of the names of balance residuals: differences of powers or energies, which are rounding errors.
 const MISSED: &str = "_balance_error";
 
 /// Archives with the everyday library of this machine, for the numbers to compare with.
@@ -89,7 +89,7 @@ fn read(file: &Path) -> Outcome<Table> {
 
 /// The largest difference and its column. It is relative to the column's largest value, or to one unit where that is
 /// more: a small flow of heat is a conductance times a difference of two temperatures, and as sure as these. What
-/// the books miss is held against the largest value of the run.
+/// a balance residual is compared with the largest value of the run.
 fn difference(here: &Table, there: &Table) -> Outcome<(f64, String)> {
     let lengths = |t: &Table| t.rows.iter().map(Vec::len).collect::<Vec<_>>();
     if here.names != there.names || lengths(here) != lengths(there) || here.rows.is_empty() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// Folders that are built, not written. The target folder is left out wherever it is.
 const LEFT_OUT: [&str; 3] = [".git", "dist", "target"];
 
-/// A copy, made anew. It stays for a look at it; the next one replaces it.
+/// A new copy. It stays for inspection; the next one replaces it.
 pub struct Copy {
     root: PathBuf,
 }

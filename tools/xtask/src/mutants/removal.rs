@@ -1,4 +1,4 @@
-//! `cargo xtask removals`: takes each effect out of a copy of the sources, one at a time, and expects the physics to
+//! `cargo xtask removals`: removes each effect from a copy of the sources, one at a time, and expects the physics to
 //! compile.
 //!
 //! An effect is one file and one line of the list. If anything else names it, taking the line out breaks the build.

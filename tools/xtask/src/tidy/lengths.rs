@@ -1,4 +1,4 @@
-//! A file is one thing, and one thing is seldom long.
+//! Limits on the length of a source file.
 
 use crate::{Outcome, shell, workspace::Workspace};
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ fn counted(text: &str) -> Option<usize> {
     (!generated).then(|| text.lines().count())
 }
 
-fn rust_files(folder: &Path) -> Outcome<Vec<PathBuf>> {
+pub fn rust_files(folder: &Path) -> Outcome<Vec<PathBuf>> {
     let mut found = Vec::new();
     let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
     for path in entries.flatten().map(|e| e.path()) {

@@ -1,5 +1,6 @@
 //! Strides that differ: random numbers that belong to a seed, a quantity and a stride, with a smooth way between them.
 //!
+//! A hash, and no generator of a library: strides are evaluated in any order, and the bits must not depend on a library's version.
 //! *Source* of the hash: the finaliser of SplitMix64, Steele, Lea, Flood, OOPSLA 2014.
 
 /// What varies from stride to stride.

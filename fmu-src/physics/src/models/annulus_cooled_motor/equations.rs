@@ -19,7 +19,7 @@
 //! In drive_mode power no current flows.
 //!
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
-//! `solver/reference.rs`, which takes [`Step::rates`].
+//! the crate `reference`, which takes [`Step::rates`].
 
 mod drive;
 mod outputs;

@@ -11,7 +11,7 @@ use crate::components::validity::Extremes;
 use crate::effects::{Effect, IMMINENT, PerNode};
 use crate::ending::{Halt, approach};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
+use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Node, Slot};
 use crate::solver::split::{Fast, Passed, Split, State};
 use crate::terms::{Drivers, GenericTerm};
 
@@ -415,6 +415,12 @@ impl Model for AnnulusCooledMotor {
         if let Some(network) = &mut self.network {
             network.ease(factor);
         }
+    }
+
+    fn housing_heat(&mut self) -> Option<HousingHeat> {
+        self.tell_effects(self.time);
+        self.follow_cooling();
+        Some(self.equations().housing_heat(&self.state, self.network.as_ref()))
     }
 
     fn drivers(&self) -> Drivers {

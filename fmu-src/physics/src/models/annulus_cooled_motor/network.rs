@@ -416,6 +416,13 @@ impl Network {
         segment.max(of(tube, body.capacity[TUBE])).max(of(rotor, body.capacity[ROTOR]))
     }
 
+    /// Heat flow from the housing to ambient, to the air and to the tube, W.
+    pub fn housing_heat(&self, ambient: f64) -> f64 {
+        let flows = self.flows(ambient);
+        // Heat that effects release in the housing leaves it by the same paths as any other.
+        flows.housing_to_room + self.from_outside + flows.housing_to_air + flows.housing_to_tube
+    }
+
     /// Every flow at the present temperatures, for the books and the outputs.
     pub fn flows(&self, ambient: f64) -> Flows {
         let (body, c, y) = (&self.body, &self.now, &self.states);

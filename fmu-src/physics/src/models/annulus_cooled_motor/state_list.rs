@@ -6,33 +6,32 @@ use declare::{Elements, State, Unit, states};
 states! {
     /// The states of the motor.
     pub const STATES = {
-        /// Current in the winding; constant in drive_mode current and power
+        /// Current in the winding; constant where it is imposed or zero (drive_mode current, power)
         "state.current" = State::new(701, 801, Unit::Ampere).nominal(5.0),
-        /// Speed of the shaft; constant in mechanical_mode imposed_speed
+        /// Speed of the shaft; constant where it is imposed (mechanical_mode imposed_speed)
         "state.shaft_speed" = State::new(702, 802, Unit::RadianPerSecond).nominal(1000.0),
-        /// Angle of the shaft relative to the start
+        /// Angle of the shaft, 0 at the start
         "state.shaft_angle" = State::new(703, 803, Unit::Radian).nominal(100.0),
         /// Mean temperature of the winding
         "state.winding_temperature" = State::new(704, 804, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the node next to the winding: the stator, or the whole motor body in cooling_mode
-        /// conductance
+        /// Temperature of the stator, or of the whole housing where it has no segments
         "state.core_temperature" = State::new(705, 805, Unit::Kelvin).nominal(300.0),
         /// Temperature of the rotor; constant in cooling_mode conductance
         "state.rotor_temperature" = State::new(706, 806, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the tube; constant without annulus
+        /// Temperature of the tube; constant where there is none
         "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the housing sensor with lag (effect.housing_sensor_lag); constant otherwise
+        /// Temperature of a lagging housing sensor (effect.housing_sensor_lag); else constant
         "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0),
-        /// Temperature of each phase minus mean winding temperature; constant in commutation equivalent_dc
+        /// Excess of each phase over the mean winding temperature; constant in commutation equivalent_dc
         "state.phase_excess" = State::new(710, 810, Unit::Kelvin).difference().elements(Elements::Fixed(3)),
-        /// Energy supplied since the start, at the terminals and as heat_power
+        /// Energy supplied since the start: at the terminals, and as heat_power
         "state.energy_electrical" = State::new(714, 814, Unit::Joule).nominal(1000.0),
-        /// Mechanical energy into the load since the start
+        /// Mechanical energy to the load since the start
         "state.energy_mechanical" = State::new(715, 815, Unit::Joule).nominal(1000.0),
         /// Heat to ambient since the start, fan power excluded
         "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).nominal(1000.0),
-        /// Temperature of each housing segment, from the air inlet on; constant in cooling_mode conductance,
-        /// where with effect.stator_node the first one is the whole housing
+        /// Temperature of each segment of the housing, from the air inlet on; constant in cooling_mode
+        /// conductance, except the first with effect.stator_node, which is then the whole housing
         "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0)
             .elements(Elements::UpTo(SEGMENTS as u32, "air_segments")).shown(),
     }

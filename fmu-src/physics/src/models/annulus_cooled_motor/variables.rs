@@ -46,13 +46,13 @@ enumeration! {
 variables! {
     /// Choices that hold for the whole run.
     pub struct Choices {
-        /// Quantity that is imposed at the terminals
+        /// Electrical drive
         drive_mode: DriveMode = Variable::choice(80, 1),
         /// Mechanical boundary condition of the shaft
         mechanical_mode: MechanicalMode = Variable::choice(81, 1),
-        /// Path of the heat from the housing to ambient
+        /// Cooling of the housing
         cooling_mode: CoolingMode = Variable::choice(82, 1),
-        /// Distribution of the current to the phases
+        /// Commutation of the phase currents
         commutation: Commutation = Variable::choice(83, 1),
         /// Number of housing segments along the axis (not in cooling_mode conductance)
         air_segments: i32 = Variable::count(84, 8, 1, 64)
@@ -67,21 +67,21 @@ variables! {
         voltage: f64 = Variable::input(1, 0.0, Unit::Volt, -1e4, 1e4).nominal(48.0),
         /// Imposed current (drive_mode current)
         current_command: f64 = Variable::input(2, 0.0, Unit::Ampere, -1e4, 1e4).nominal(5.0),
-        /// Duty cycle: fraction of the supply voltage, negative for reverse (drive_mode pwm)
+        /// Duty cycle: mean terminal voltage over supply voltage, negative for reverse (drive_mode pwm)
         duty: f64 = Variable::input(3, 0.0, Unit::One, -1.0, 1.0),
-        /// Torque that the load takes from the shaft (mechanical_mode free_shaft)
+        /// Load torque on the shaft (mechanical_mode free_shaft)
         load_torque: f64 = Variable::input(4, 0.0, Unit::NewtonMetre, -1e4, 1e4).nominal(0.1),
         /// Imposed speed of the shaft (mechanical_mode imposed_speed)
         imposed_speed: f64 = Variable::input(5, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(1000.0),
-        /// Fan command: 0 off, 1 full speed
+        /// Fan command: speed over full speed
         fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0),
-        /// Indicated ambient temperature; all nodes start at the true one
+        /// Indicated ambient temperature; initial temperature of all nodes
         ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
             .source("reference temperature of the maxon datasheet"),
-        /// Ambient air pressure (altitude); without effect in cooling_mode conductance
+        /// Ambient pressure; without effect in cooling_mode conductance
         ambient_pressure: f64 = Variable::input(8, 101_325.0, Unit::Pascal, 1e4, 2e5).nominal(1e5)
             .source("standard atmosphere, ISO 2533"),
-        /// Electrical power, which heats the winding after subtraction of the drive loss (drive_mode power)
+        /// Electrical power that heats the winding, before the losses of the drive (drive_mode power)
         electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
         /// Additional heat flow into the winding
         heat_power: f64 = Variable::input(10, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
@@ -93,40 +93,38 @@ variables! {
     pub struct Outputs {
         /// Current in the winding
         current: f64 = Variable::output(20, Unit::Ampere).nominal(5.0),
-        /// Angle of the shaft relative to the start
+        /// Angle of the shaft, 0 at the start
         shaft_angle: f64 = Variable::output(21, Unit::Radian).nominal(100.0),
         /// Speed of the shaft
         shaft_speed: f64 = Variable::output(22, Unit::RadianPerSecond).nominal(1000.0),
-        /// Torque from the shaft on the load (mechanical_mode imposed_speed: without the rotor's inertia)
+        /// Torque of the shaft on the load (mechanical_mode imposed_speed: without the rotor's inertia)
         shaft_torque: f64 = Variable::output(23, Unit::NewtonMetre).nominal(0.1),
-        /// Indicated winding temperature (effects winding_sensor_*); without these effects the true mean
-        /// temperature
+        /// Indicated winding temperature (effects winding_sensor_*); true mean temperature without these effects
         winding_temperature: f64 = Variable::output(24, Unit::Kelvin).nominal(300.0),
         /// Temperature of the stator; equal to the housing's in cooling_mode conductance
         stator_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
         /// Temperature of the magnets; equal to the housing's in cooling_mode conductance
         magnet_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
-        /// Indicated housing temperature (effects housing_sensor_*); without these effects the true
-        /// temperature
+        /// Indicated housing temperature (effects housing_sensor_*); true mean temperature without these effects
         housing_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
-        /// Volume flow rate of the air over the motor; 0 in cooling_mode conductance and bare
+        /// Volume flow rate of air over the motor; 0 in cooling_mode conductance and bare
         air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
-        /// Pressure of the fan across the annulus; 0 without annulus
+        /// Static pressure of the fan; 0 unless air flows through an annulus
         air_pressure_drop: f64 = Variable::output(30, Unit::Pascal).nominal(10.0),
         /// Resistance of the winding at its temperature
         winding_resistance: f64 = Variable::output(31, Unit::Ohm),
         /// Torque constant at the magnets' temperature
         torque_constant: f64 = Variable::output(32, Unit::NewtonMetrePerAmpere).nominal(0.03),
-        /// Margin of the hottest phase to the winding's temperature limit
+        /// Margin of the hottest phase to the winding's temperature limit thermal.T_w_max
         winding_margin: f64 = Variable::output(41, Unit::Kelvin).nominal(100.0).difference(),
-        /// True while the hottest phase is above the winding's temperature limit
+        /// True while the hottest phase of the winding is above thermal.T_w_max
         over_temperature: bool = Variable::flag(42),
-        /// Shaft torque divided by the mass of the motor, plus fan and tube if cooling_mode uses them
+        /// Shaft torque over the mass of motor, fan and tube (fan and tube where cooling_mode has them)
         torque_density: f64 = Variable::output(43, Unit::NewtonMetrePerKilogram),
         /// Voltage at the terminals
         terminal_voltage: f64 = Variable::output(44, Unit::Volt).nominal(48.0),
-        /// Temperature of the hottest phase; above the mean winding temperature at stall (commutation block
-        /// or sinusoidal)
+        /// Temperature of the hottest phase; above the mean of the winding at stall (commutation block or
+        /// sinusoidal)
         winding_hot_spot_temperature: f64 = Variable::output(49, Unit::Kelvin).nominal(300.0),
     }
 }
@@ -135,32 +133,31 @@ variables! {
     /// What the model shows of its flows of power, and the check of its books. It costs as much as a step, so that
     /// it is computed only where it is read.
     pub struct Books {
-        /// Air temperature behind the motor; ambient temperature without forced air flow
+        /// Temperature of the air behind the motor; ambient temperature in cooling_mode conductance and bare
         air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
-        /// Electrical power into the terminals (drive_mode pwm: from the supply, drive loss included)
+        /// Electrical power at the terminals (drive_mode pwm: at the supply of the drive, with its losses)
         power_electrical: f64 = Variable::output(33, Unit::Watt).nominal(10.0),
-        /// Mechanical power into the load
+        /// Mechanical power to the load
         power_mechanical: f64 = Variable::output(34, Unit::Watt).nominal(10.0),
-        /// Heat of the current in the winding: copper loss with ripple, and contact voltage drop
+        /// Electrical losses in the winding: copper loss with ripple, and contact voltage drop
         loss_copper: f64 = Variable::output(35, Unit::Watt).nominal(10.0),
-        /// Iron loss, part of loss_friction
+        /// Iron loss; part of loss_friction
         loss_iron: f64 = Variable::output(36, Unit::Watt).nominal(10.0),
-        /// Power of all friction and drag torques, which heats the housing
+        /// Friction, iron and windage losses, which heat the housing
         loss_friction: f64 = Variable::output(37, Unit::Watt).nominal(10.0),
-        /// Drive loss, heat to ambient (drive_mode power or pwm)
+        /// Losses of the drive, which go to ambient (drive_mode power or pwm)
         loss_drive: f64 = Variable::output(38, Unit::Watt).nominal(10.0),
-        /// Heat flow to ambient, drive loss included, fan power excluded
+        /// Heat flow to ambient, losses of the drive included, fan power excluded
         heat_to_ambient: f64 = Variable::output(39, Unit::Watt).nominal(10.0),
-        /// Power balance residual; zero apart from rounding
+        /// Power balance residual
         power_balance_error: f64 = Variable::output(40, Unit::Watt),
-        /// Energy supplied since the start, at the terminals and as heat_power
+        /// Energy supplied since the start: at the terminals, and as heat_power
         energy_electrical: f64 = Variable::output(45, Unit::Joule).nominal(1000.0),
-        /// Mechanical energy into the load since the start
+        /// Mechanical energy to the load since the start
         energy_mechanical: f64 = Variable::output(46, Unit::Joule).nominal(1000.0),
         /// Heat to ambient since the start, fan power excluded
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
-        /// Energy balance residual since the start: supplied minus delivered minus stored; zero apart from
-        /// rounding
+        /// Energy balance residual since the start
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
     }
 }
@@ -168,9 +165,9 @@ variables! {
 variables! {
     /// Residuals that pass through zero at an event, for those who integrate the model themselves.
     pub struct Indicators {
-        /// Temperature of the hottest phase minus the winding's temperature limit
+        /// Excess of the hottest phase of the winding over thermal.T_w_max
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
-        /// Changes its sign with the sector of block commutation; 1 in other commutation
+        /// Changes sign at each sector of block commutation; 1 in any other commutation
         commutation_sector: f64 = Variable::local(902, Unit::One),
         /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
         validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),

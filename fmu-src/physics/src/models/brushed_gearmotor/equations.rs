@@ -21,7 +21,7 @@
 //! `stator_node` and `housing_sensor_lag` have no node and no state here, and `generic_term` is not taken.
 //!
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
-//! `solver/reference.rs`, which takes [`Step::rates`].
+//! the crate `reference`, which takes [`Step::rates`].
 
 mod outputs;
 mod system;

@@ -10,7 +10,7 @@ states! {
         "state.current" = declare::State::new(701, 801, Unit::Ampere),
         /// Speed of the output shaft
         "state.shaft_speed" = declare::State::new(702, 802, Unit::RadianPerSecond).nominal(10.0),
-        /// Angle of the output shaft relative to the start
+        /// Angle of the output shaft, 0 at the start
         "state.shaft_angle" = declare::State::new(703, 803, Unit::Radian).nominal(100.0),
         /// Temperature of the winding
         "state.winding_temperature" = declare::State::new(704, 804, Unit::Kelvin).nominal(300.0),
@@ -18,15 +18,15 @@ states! {
         "state.housing_temperature" = declare::State::new(705, 805, Unit::Kelvin).nominal(300.0),
         /// Temperature of the box, air and walls
         "state.box_temperature" = declare::State::new(706, 806, Unit::Kelvin).nominal(300.0),
-        /// Energy taken from the supply since the start
+        /// Energy from the supply since the start
         "state.energy_supply" = declare::State::new(707, 807, Unit::Joule).nominal(1000.0),
-        /// Mechanical energy into the load since the start
+        /// Mechanical energy to the load since the start
         "state.energy_shaft" = declare::State::new(708, 808, Unit::Joule).nominal(1000.0),
         /// Heat to ambient since the start
         "state.energy_heat_to_ambient" = declare::State::new(709, 809, Unit::Joule).nominal(1000.0),
-        /// Heat in the winding since the start
+        /// Electrical losses in the winding since the start
         "state.work_electrical" = declare::State::new(710, 810, Unit::Joule).nominal(100.0),
-        /// Heat of friction since the start
+        /// Friction losses since the start
         "state.work_friction" = declare::State::new(711, 811, Unit::Joule).nominal(100.0),
     }
 }

@@ -5,15 +5,14 @@ use declare::{Group, Unit, Variable, variables};
 variables! {
     /// What the importer sets at every communication point.
     pub struct Inputs {
-        /// Duty cycle: fraction of each PWM period with the supply on, negative for reverse; 0 opens all
-        /// switches
+        /// Duty cycle: fraction of each switching period with the supply on, negative for reverse; 0 opens all switches
         duty: f64 = Variable::input(1, 0.0, Unit::One, -1.0, 1.0),
         /// Voltage of the supply in front of the H-bridge
         supply_voltage: f64 = Variable::input(2, 12.0, Unit::Volt, 0.0, 1e4).nominal(12.0)
             .source("paper in seeds (gearmotor 37D), section 2.5"),
-        /// Torque that the load takes from the output shaft
+        /// Load torque on the output shaft
         load_torque: f64 = Variable::input(3, 0.0, Unit::NewtonMetre, -1e6, 1e6).nominal(0.1),
-        /// Indicated ambient temperature of the box; all nodes start at the true one
+        /// Indicated ambient temperature around the box; initial temperature of all nodes
         ambient_temperature: f64 = Variable::input(4, 293.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
             .source("paper in seeds (gearmotor 37D): 20 degC"),
     }
@@ -26,11 +25,11 @@ variables! {
         voltage: f64 = Variable::output(20, Unit::Volt).nominal(12.0),
         /// Mean current in the winding
         current: f64 = Variable::output(21, Unit::Ampere),
-        /// Angle of the output shaft relative to the start
+        /// Angle of the output shaft, 0 at the start
         shaft_angle: f64 = Variable::output(22, Unit::Radian).nominal(100.0),
         /// Speed of the output shaft
         shaft_speed: f64 = Variable::output(23, Unit::RadianPerSecond).nominal(10.0),
-        /// Torque from the output shaft on the load
+        /// Torque of the output shaft on the load
         shaft_torque: f64 = Variable::output(24, Unit::NewtonMetre),
         /// Temperature of the winding
         winding_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
@@ -38,7 +37,7 @@ variables! {
         housing_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
         /// Temperature of the box, air and walls
         box_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
-        /// Resistive voltage R I, contact voltage drop included
+        /// Voltage across the winding's resistance and the contacts: R I and contact voltage drop
         voltage_electrical: f64 = Variable::output(30, Unit::Volt),
         /// Inductive voltage L dI/dt
         voltage_magnetic: f64 = Variable::output(31, Unit::Volt),
@@ -46,13 +45,13 @@ variables! {
         voltage_mechanical: f64 = Variable::output(32, Unit::Volt).nominal(10.0),
         /// Sum of the three voltages: terminal voltage
         voltage_total: f64 = Variable::output(33, Unit::Volt).nominal(12.0),
-        /// Heat in the winding: voltage_electrical times current, plus ripple R (<i2> - I2)
+        /// Losses in the winding: voltage_electrical times current, and ripple loss R (<i2> - I2)
         power_electrical: f64 = Variable::output(34, Unit::Watt),
         /// Power into the magnetic field: voltage_magnetic times current
         power_magnetic: f64 = Variable::output(35, Unit::Watt),
-        /// Air-gap power: voltage_mechanical times current, friction included
+        /// Air-gap power: voltage_mechanical times current, friction losses included
         power_mechanical: f64 = Variable::output(36, Unit::Watt),
-        /// Sum of the three powers: power into the terminals
+        /// Sum of the three powers: electrical power at the terminals
         power_total: f64 = Variable::output(37, Unit::Watt),
         /// Integral of power_electrical since the start
         work_electrical: f64 = Variable::output(38, Unit::Joule).nominal(100.0),
@@ -62,38 +61,37 @@ variables! {
         work_mechanical: f64 = Variable::output(40, Unit::Joule).nominal(1000.0),
         /// Sum of the three works
         work_total: f64 = Variable::output(41, Unit::Joule).nominal(1000.0),
-        /// Power balance residual; zero apart from rounding
+        /// Power balance residual
         power_balance_error: f64 = Variable::output(42, Unit::Watt),
-        /// Energy balance residual since the start: supplied minus delivered minus stored; zero apart from
-        /// rounding
+        /// Energy balance residual since the start
         energy_balance_error: f64 = Variable::output(43, Unit::Joule),
-        /// Power taken from the supply
+        /// Power from the supply
         supply_power: f64 = Variable::output(44, Unit::Watt),
-        /// Mechanical power into the load
+        /// Mechanical power to the load
         shaft_power: f64 = Variable::output(45, Unit::Watt),
-        /// Copper loss, ripple included
+        /// Electrical losses in the winding, ripple loss and contact voltage drop included
         loss_copper: f64 = Variable::output(46, Unit::Watt),
-        /// Power of all friction torques of motor and gear, which heats the housing
+        /// Friction losses of motor and gear, which heat the housing
         loss_friction: f64 = Variable::output(47, Unit::Watt),
-        /// Loss of the H-bridge, heat to ambient
+        /// Losses of the H-bridge, which go to ambient
         loss_drive: f64 = Variable::output(48, Unit::Watt),
-        /// Heat flow to ambient, loss of the H-bridge included
+        /// Heat flow to ambient, losses of the H-bridge included
         heat_to_ambient: f64 = Variable::output(49, Unit::Watt),
-        /// Energy taken from the supply since the start
+        /// Energy from the supply since the start
         energy_supply: f64 = Variable::output(50, Unit::Joule).nominal(1000.0),
-        /// Mechanical energy into the load since the start
+        /// Mechanical energy to the load since the start
         energy_shaft: f64 = Variable::output(51, Unit::Joule).nominal(1000.0),
         /// Heat to ambient since the start
         energy_heat_to_ambient: f64 = Variable::output(52, Unit::Joule).nominal(1000.0),
-        /// Margin of the winding to its temperature limit
+        /// Margin of the winding to its temperature limit thermal.T_w_max
         winding_margin: f64 = Variable::output(53, Unit::Kelvin).nominal(100.0).difference(),
-        /// True while the winding is above its temperature limit
+        /// True while the winding is above thermal.T_w_max
         over_temperature: bool = Variable::flag(54),
         /// Resistance of the winding at its temperature
         winding_resistance: f64 = Variable::output(55, Unit::Ohm).nominal(10.0),
-        /// Torque constant at the output shaft: air-gap torque times gear ratio, per ampere
+        /// Torque constant at the output shaft: air-gap torque times ratio over current
         torque_constant: f64 = Variable::output(56, Unit::NewtonMetrePerAmpere),
-        /// Fraction of each PWM period with current in the winding; 1 in continuous conduction
+        /// Fraction of each switching period with current in the winding; 1 in continuous conduction
         conduction: f64 = Variable::output(57, Unit::One),
         /// Root mean square of the current, ripple included
         current_rms: f64 = Variable::output(58, Unit::Ampere),
@@ -103,7 +101,7 @@ variables! {
 variables! {
     /// Residuals that pass through zero at an event, for those who integrate the model themselves.
     pub struct Indicators {
-        /// Winding temperature minus its limit
+        /// Excess of the winding over thermal.T_w_max
         over_temperature: f64 = Variable::local(901, Unit::Kelvin).nominal(100.0).difference(),
         /// Duty cycle, whose sign is the direction of the bridge
         bridge_direction: f64 = Variable::local(902, Unit::One),

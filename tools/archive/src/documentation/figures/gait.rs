@@ -32,7 +32,8 @@ pub fn torques(native: &Native<'_>) -> Option<Captioned> {
         (joint.to_string(), points.unwrap_or_default())
     };
     let caption = format!(
-        "{}. Body mass {} kg, support {}. Positive is extension, plantarflexion at the ankle; the stride begins at heel strike.",
+        "{}. Body mass {} kg, support {}. Positive is extension, plantarflexion at the ankle; the stride begins \
+         at heel strike.",
         source(native, "walk")?,
         native.starts.of(native.entry("gait.body_mass")?),
         native.starts.of(native.entry("gait.support")?)
@@ -55,10 +56,9 @@ pub fn powers(native: &Native<'_>) -> Option<Captioned> {
         let points = stride(native, "power_demand", &[("gait.joint", "ankle"), ("gait.activity", activity)]);
         (activity.replace('_', " "), points.unwrap_or_default())
     };
-    let sources: Option<Vec<String>> = activities
-        .iter()
-        .map(|a| source(native, a).map(|text| format!("{}: {text}", a.replace('_', " "))))
-        .collect();
+    let label = |a: &str| a.replace('_', " ");
+    let sources: Option<Vec<String>> =
+        activities.iter().map(|a| source(native, a).map(|text| format!("{}: {text}", label(a)))).collect();
     let caption = format!("Positive is power into the leg. {}.", sources?.join(". "));
     figure("Power of the ankle", "stride in %", "power in W", activities.iter().map(line).collect(), caption)
 }

@@ -1,4 +1,4 @@
-//! What the model description promises about the running FMU, as owned data.
+//! What the model description declares about the running FMU, as owned data.
 
 use std::path::Path;
 
@@ -6,12 +6,12 @@ use cosim::Kind;
 use cosim::raw::InterfaceType;
 
 use crate::validate::finding::Findings;
-use crate::validate::model::{self, Model, Unknown, Version, double, is_true, unsigned, unsigned_list};
-use crate::validate::schema::types::{parse_boolean, parse_double, parse_integer};
+use crate::validate::model::{self, FmiVersion, Model, Unknown, double, is_true, unsigned, unsigned_list};
 use crate::validate::semantics::arrays;
 use crate::validate::xml::Xml;
+use cosim::xml::{parse_boolean, parse_double, parse_integer};
 
-/// Elements of an array that are read; a larger one says more of the file than of the FMU.
+/// Largest number of elements of an array that are read.
 const LARGEST_ARRAY: usize = 1 << 20;
 
 /// A variable.
@@ -84,7 +84,7 @@ impl Variable {
     }
 }
 
-/// An entry of the model structure: a variable, and what it depends on if that is said.
+/// An entry of the model structure: a variable, and its dependencies if they are declared.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     pub(super) variable: usize,
@@ -114,7 +114,7 @@ pub(super) struct Interface {
 /// Everything.
 #[derive(Clone, Debug)]
 pub(super) struct Facts {
-    pub(super) version: Version,
+    pub(super) version: FmiVersion,
     pub(super) token: String,
     pub(super) categories: Vec<String>,
     pub(super) interfaces: Vec<Interface>,
@@ -140,15 +140,15 @@ impl Facts {
         let mut out = Findings::new();
         let xml = Xml::parse("modelDescription.xml", &bytes, &mut out)?;
         let version = match xml.root().attribute("fmiVersion")? {
-            "2.0" => Version::Fmi2,
-            _ => Version::Fmi3,
+            "2.0" => FmiVersion::V2,
+            _ => FmiVersion::V3,
         };
-        Some(Facts::of(&Model::read(&xml, version)))
+        Some(Facts::of(&Model::read(xml.file(), version)))
     }
 
     fn of(model: &Model) -> Facts {
         let root = model.root;
-        let token = if model.version == Version::Fmi2 { "guid" } else { "instantiationToken" };
+        let token = if model.version == FmiVersion::V2 { "guid" } else { "instantiationToken" };
         let experiment = model::children(root, "DefaultExperiment").next();
         let of_experiment = |name: &str| experiment.and_then(|e| double(e, name)).filter(|v| v.is_finite());
         let categories = model::children(root, "LogCategories").flat_map(|l| model::children(l, "Category"));
@@ -166,8 +166,8 @@ impl Facts {
         let slopes = model.variables.iter().enumerate().filter_map(|(i, v)| Some((model.state_of(v)?, i)));
         let size = |u: &Unknown| u.variable.map_or(1, |i| variables[i].size);
         let indicators = match model.version {
-            Version::Fmi2 => unsigned(root, "numberOfEventIndicators").unwrap_or(0) as usize,
-            Version::Fmi3 => model.structure.event_indicators.iter().map(size).sum(),
+            FmiVersion::V2 => unsigned(root, "numberOfEventIndicators").unwrap_or(0) as usize,
+            FmiVersion::V3 => model.structure.event_indicators.iter().map(size).sum(),
         };
         Facts {
             version: model.version,
@@ -225,7 +225,7 @@ fn read_interface(model: &Model, node: roxmltree::Node) -> Option<Interface> {
         _ => return None,
     };
     let flag =
-        |two: &str, three: &str| is_true(node, if model.version == Version::Fmi2 { two } else { three });
+        |two: &str, three: &str| is_true(node, if model.version == FmiVersion::V2 { two } else { three });
     Some(Interface {
         kind,
         identifier: node.attribute("modelIdentifier")?.to_owned(),
@@ -241,31 +241,15 @@ fn read_interface(model: &Model, node: roxmltree::Node) -> Option<Interface> {
         event_mode: is_true(node, "hasEventMode"),
         internal_step: double(node, "fixedInternalStepSize").filter(|h| *h > 0.0 && h.is_finite()),
         completed_step: match model.version {
-            Version::Fmi2 => !is_true(node, "completedIntegratorStepNotNeeded"),
-            Version::Fmi3 => is_true(node, "needsCompletedIntegratorStep"),
+            FmiVersion::V2 => !is_true(node, "completedIntegratorStepNotNeeded"),
+            FmiVersion::V3 => is_true(node, "needsCompletedIntegratorStep"),
         },
         place: model.place(node),
     })
 }
 
 fn read_variable(model: &Model, v: &model::Variable) -> Variable {
-    let kind = match v.type_name {
-        "Real" | "Float64" => Kind::Float64,
-        "Float32" => Kind::Float32,
-        "Int8" => Kind::Int8,
-        "UInt8" => Kind::UInt8,
-        "Int16" => Kind::Int16,
-        "UInt16" => Kind::UInt16,
-        "Integer" | "Int32" => Kind::Int32,
-        "UInt32" => Kind::UInt32,
-        "Int64" => Kind::Int64,
-        "UInt64" => Kind::UInt64,
-        "Boolean" => Kind::Boolean,
-        "Enumeration" => Kind::Enumeration,
-        "Clock" => Kind::Clock,
-        "Binary" => Kind::Binary,
-        _ => Kind::String,
-    };
+    let kind = v.kind;
     let size = arrays::size(model, v).and_then(|n| usize::try_from(n).ok()).unwrap_or(1).min(LARGEST_ARRAY);
     let number = |text: &str| match kind {
         Kind::Boolean => parse_boolean(text).map(|b| f64::from(u8::from(b))),
@@ -285,8 +269,8 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
         if kind.is_float() { parse_double(text) } else { parse_integer(text).map(|i| i as f64) }
     };
     let text = match model.version {
-        Version::Fmi2 => v.typed.attribute("start"),
-        Version::Fmi3 => model::children(v.typed, "Start").next().and_then(|s| s.attribute("value")),
+        FmiVersion::V2 => v.typed.attribute("start"),
+        FmiVersion::V3 => model::children(v.typed, "Start").next().and_then(|s| s.attribute("value")),
     };
     Variable {
         name: v.name.to_owned(),

@@ -1,12 +1,10 @@
 //! Runs that are compared with each other.
 
-use std::cell::OnceCell;
-
 use cosim::raw::InterfaceType;
 
 use super::facts::{Facts, Variable};
-use super::probe::Fault;
-use super::session::{Session, Settings, Subject, column};
+use super::report::Fault;
+use super::session::{Session, column};
 use super::solver::{Reached, Solver};
 
 /// Steps of one run.
@@ -61,12 +59,6 @@ pub(super) fn steps(facts: &Facts) -> usize {
     (fitting.max(1.0) as usize).min(STEPS)
 }
 
-/// A fresh instance's run.
-pub(super) fn fresh(subject: &Subject, settings: &Settings) -> Result<Rows, Fault> {
-    let mut session = subject.started(settings)?;
-    from_here(&mut session)
-}
-
 /// The run of a session that is ready to step.
 pub(super) fn from_here(session: &mut Session) -> Result<Rows, Fault> {
     let facts = session.facts;
@@ -76,46 +68,7 @@ pub(super) fn from_here(session: &mut Session) -> Result<Rows, Fault> {
     Ok(rows)
 }
 
-/// The run that others are held against: inputs away from their start values if the FMU takes that, so that something
-/// happens.
-pub(super) struct Base<'a> {
-    pub(super) settings: Settings<'a>,
-    pub(super) rows: Rows,
-    /// For each column whether a second instance gives it again.
-    pub(super) steady: Vec<bool>,
-}
-
-/// Made once for a subject.
-pub(super) type BaseCell<'a> = OnceCell<Base<'a>>;
-
-impl<'a> Base<'a> {
-    /// Two runs, and two more without inputs if those fail.
-    pub(super) fn new(subject: &Subject<'a>) -> Result<Base<'a>, Fault> {
-        let moved: Settings =
-            subject.facts.inputs().into_iter().map(|v| (v, vec![v.other_value(); v.size])).collect();
-        if !moved.is_empty()
-            && let Ok(base) = Self::with(subject, moved)
-            && base.rows.iter().flatten().all(|x| x.is_finite())
-        {
-            return Ok(base);
-        }
-        Self::with(subject, Vec::new())
-    }
-
-    fn with(subject: &Subject<'a>, settings: Settings<'a>) -> Result<Base<'a>, Fault> {
-        let rows = fresh(subject, &settings)?;
-        let again = fresh(subject, &settings)?;
-        let mut steady = vec![true; rows.first().map_or(0, Vec::len)];
-        for (a, b) in rows.iter().zip(&again) {
-            for (is_steady, (x, y)) in steady.iter_mut().zip(a.iter().zip(b)) {
-                *is_steady &= same(*x, *y);
-            }
-        }
-        Ok(Base { settings, rows, steady })
-    }
-}
-
-fn same(a: f64, b: f64) -> bool {
+pub(super) fn same(a: f64, b: f64) -> bool {
     a == b || a.is_nan() && b.is_nan()
 }
 

@@ -1,77 +1,19 @@
 //! One running instance, with each refused call as a fault that names the function, the time and the FMU's own words.
 
-use cosim::raw::{InterfaceType, RawBinary, RawInstance, RawSetup};
-use cosim::{Archive, Kind, Log, Status};
+use cosim::raw::{InterfaceType, RawInstance};
+use cosim::{Kind, Log, Status};
 
 use super::facts::{Facts, Interface, Variable};
-use super::probe::{Fault, Pulse};
-use super::runs::{Base, BaseCell};
+use super::report::{Fault, Pulse};
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
-/// Event iterations after which an FMU is held to go on for ever.
+/// Limit of event iterations.
 const MOST_ITERATIONS: usize = 1000;
-
-/// What all stages share: the FMU and what it promises.
-pub(super) struct Subject<'a> {
-    pub(super) archive: &'a Archive,
-    pub(super) facts: &'a Facts,
-    pub(super) interface: &'a Interface,
-    pub(super) binary: RawBinary,
-    /// The archive's name of the library.
-    pub(super) place: String,
-    pub(super) base: BaseCell<'a>,
-    pub(super) line: &'a dyn Pulse,
-}
 
 /// Values that differ from the start values.
 pub(super) type Settings<'a> = Vec<(&'a Variable, Vec<f64>)>;
-
-impl<'a> Subject<'a> {
-    /// The run that others are held against.
-    pub(super) fn base(&self) -> Result<&Base<'a>, Fault> {
-        if self.base.get().is_none() {
-            let _ = self.base.set(Base::new(self)?);
-        }
-        Ok(self.base.get().expect("it has just been set"))
-    }
-
-    /// A new instance, or `None` if the FMU refuses.
-    pub(super) fn try_instance(&self, name: &str, token: &str, log: &Log) -> Option<RawInstance> {
-        let setup = RawSetup { interface: self.interface.kind, token, name, event_mode: false };
-        self.binary.instantiate(&setup, log)
-    }
-
-    /// A new instance.
-    pub(super) fn instance(&self, name: &str) -> Result<Session<'a>, Fault> {
-        let log = Log::new();
-        let raw = self.try_instance(name, &self.facts.token, &log);
-        let words = words(&log);
-        match raw {
-            Some(raw) => Ok(Session {
-                raw,
-                facts: self.facts,
-                interface: self.interface,
-                line: self.line,
-                now: self.facts.start,
-                next: None,
-            }),
-            None => Err(Fault::new(
-                &rules::INSTANTIATE,
-                &self.place,
-                format!("The FMU refused to be instantiated for {}{words}", name_of(self.interface.kind)),
-            )),
-        }
-    }
-
-    /// A new instance with these settings, initialised and ready to step.
-    pub(super) fn started(&self, settings: &Settings) -> Result<Session<'a>, Fault> {
-        let mut session = self.instance("probe")?;
-        session.start(settings)?;
-        Ok(session)
-    }
-}
 
 /// The interface type as the XML names it.
 pub(super) fn name_of(kind: InterfaceType) -> &'static str {
@@ -82,7 +24,7 @@ pub(super) fn name_of(kind: InterfaceType) -> &'static str {
     }
 }
 
-fn words(log: &Log) -> String {
+pub(super) fn words(log: &Log) -> String {
     let text = log.messages().iter().rev().take(2).map(|m| m.text.trim().to_owned()).collect::<Vec<_>>();
     if text.is_empty() {
         String::new()
@@ -96,7 +38,7 @@ pub(super) struct Session<'a> {
     pub(super) raw: RawInstance,
     pub(super) facts: &'a Facts,
     pub(super) interface: &'a Interface,
-    pub(super) line: &'a dyn Pulse,
+    pub(super) pulse: &'a dyn Pulse,
     /// The time reached, s.
     pub(super) now: f64,
     /// The next time event, s.
@@ -106,11 +48,11 @@ pub(super) struct Session<'a> {
 impl<'a> Session<'a> {
     /// A fault unless the status is OK or Warning; `function` is without the prefix of its standard.
     pub(super) fn ok(&self, function: &str, status: Status) -> Result<(), Fault> {
-        self.line.alive();
+        self.pulse.alive();
         if status <= Status::Warning {
             return Ok(());
         }
-        let prefix = if self.facts.version == Version::Fmi2 { "fmi2" } else { "fmi3" };
+        let prefix = if self.facts.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
         let message = format!(
             "{prefix}{function} returned {status} for {} at t = {} s{}",
             name_of(self.interface.kind),
@@ -148,7 +90,7 @@ impl<'a> Session<'a> {
         let mut changed = false;
         for _ in 0..MOST_ITERATIONS {
             let (status, update) = self.raw.update_discrete_states();
-            let name = if self.facts.version == Version::Fmi2 {
+            let name = if self.facts.version == FmiVersion::V2 {
                 "NewDiscreteStates"
             } else {
                 "UpdateDiscreteStates"
@@ -174,7 +116,7 @@ impl<'a> Session<'a> {
 
     /// One communication step of Co-Simulation; `false` when the FMU asks for the end.
     pub(super) fn step(&mut self, h: f64) -> Result<bool, Fault> {
-        let step = self.raw.do_step(self.now, h);
+        let step = self.raw.do_step(self.now, h, false);
         self.ok("DoStep", step.status)?;
         if step.early {
             let message = format!(

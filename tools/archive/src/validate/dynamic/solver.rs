@@ -1,6 +1,6 @@
 //! Model Exchange: the states of an instance, integrated by Dormand and Prince's method with error control.
 
-use super::probe::Fault;
+use super::report::Fault;
 use super::session::Session;
 use crate::validate::rules;
 
@@ -81,7 +81,7 @@ impl Solver {
             let status = session.raw.set_states(x);
             session.ok("SetContinuousStates", status)?;
             let status = session.raw.get_derivatives(&mut rates);
-            let name = if session.facts.version == crate::validate::model::Version::Fmi2 {
+            let name = if session.facts.version == crate::validate::model::FmiVersion::V2 {
                 "GetDerivatives"
             } else {
                 "GetContinuousStateDerivatives"
@@ -91,7 +91,7 @@ impl Solver {
         Ok(rates)
     }
 
-    /// Integrates to `end`, s. At an event it stops, or handles it and goes on.
+    /// Integrates to `end`, s. At an event it stops, or handles it and continues.
     pub(super) fn advance(
         &mut self,
         session: &mut Session,

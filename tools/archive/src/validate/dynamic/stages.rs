@@ -1,10 +1,10 @@
-//! The stages of the run, each a set of checks that share instances. One that ends the process does not take the others
-//! with it: the next child goes on behind it.
+//! The stages of the run, each a set of checks that share instances. After one that ends the process, the
+//! next child process continues with the others.
 
 use cosim::raw::InterfaceType::{CoSimulation, ModelExchange, ScheduledExecution};
 
-use super::probe::{Fault, Seen};
-use super::session::Subject;
+use super::report::{Fault, Seen};
+use super::subject::Subject;
 
 mod compare;
 mod derivatives;

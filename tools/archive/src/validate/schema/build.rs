@@ -1,6 +1,6 @@
 //! `sources/buildDescription.xml`, after `fmi3BuildDescription.xsd`.
 
-use super::fmi3::{ANNOTATED, ANNOTATIONS, NAME};
+use super::fmi3_common::{ANNOTATED, ANNOTATIONS, NAME};
 use super::types::Type;
 use super::*;
 

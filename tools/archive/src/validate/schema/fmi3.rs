@@ -2,23 +2,10 @@
 //! variables are in `fmi3_variables.rs`.
 
 use super::fmi2::{BASE_UNIT, CONVERSION, DEPENDENCIES, DESCRIPTION, EXPERIMENT};
+use super::fmi3_common::{ANNOTATED, ANNOTATIONS, NAME, NAME_AND_DESCRIPTION};
 use super::fmi3_variables::{TYPES, VARIABLES};
 use super::types::{INT, Type, UNSIGNED_INT};
 use super::*;
-
-pub(super) const NAME: &[Attribute] = &[required("name", Type::Text)];
-pub(super) const NAME_AND_DESCRIPTION: &[Attribute] =
-    &[required("name", Type::Text), optional("description", Type::Text)];
-
-static ANNOTATION: Element = Element {
-    name: "Annotation",
-    attributes: &[&[required("type", Type::Text)]],
-    any_attribute: false,
-    content: Content::Any(UNBOUNDED),
-};
-/// Everything may be annotated.
-pub(super) static ANNOTATIONS: Element = element("Annotations", &[], &[at_least_one(&[&ANNOTATION])]);
-pub(super) static ANNOTATED: [Slot; 1] = [maybe(&[&ANNOTATIONS])];
 
 const INTERFACE: &[Attribute] = &[
     required("modelIdentifier", Type::Text),

@@ -2,7 +2,7 @@
 //!
 //! The ten numeric kinds differ only in their name and number type; a macro writes their tables.
 
-use super::fmi3::{ANNOTATED, ANNOTATIONS, NAME_AND_DESCRIPTION};
+use super::fmi3_common::{ANNOTATED, ANNOTATIONS, NAME_AND_DESCRIPTION};
 use super::types::*;
 use super::*;
 

@@ -2,11 +2,12 @@
 //!
 //! The tables say what the XSDs of the standards say: which attributes, of which type, which children, in which
 //! order and how often. Every content model of the FMI schemas is a sequence of slots; a slot is one element or a
-//! choice of elements, repeated within limits. That is all the walker needs to know.
+//! choice of elements, repeated within limits.
 
 pub(crate) mod build;
 pub(crate) mod fmi2;
 pub(crate) mod fmi3;
+mod fmi3_common;
 mod fmi3_variables;
 pub(crate) mod terminals;
 pub(crate) mod types;

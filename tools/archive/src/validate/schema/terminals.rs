@@ -1,6 +1,6 @@
 //! `terminalsAndIcons.xml`, after `fmi3TerminalsAndIcons.xsd` and `fmi3Terminal.xsd`.
 
-use super::fmi3::{ANNOTATED, ANNOTATIONS};
+use super::fmi3_common::{ANNOTATED, ANNOTATIONS};
 use super::types::{Type, UNSIGNED_BYTE};
 use super::*;
 

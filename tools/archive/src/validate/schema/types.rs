@@ -1,5 +1,7 @@
 //! The simple types of XML Schema that the FMI files use.
 
+use cosim::xml::{parse_boolean, parse_double, parse_integer};
+
 /// A simple type.
 #[derive(Clone, Copy)]
 pub(crate) enum Type {
@@ -83,40 +85,6 @@ impl Type {
             Type::List(item) => value.split_ascii_whitespace().all(|part| item.accepts(part)),
             Type::Version3 => is_version3(text),
         }
-    }
-}
-
-/// Reads an xs:double; unlike Rust it knows `INF` but neither `inf`, `infinity` nor `nan`.
-pub(crate) fn parse_double(text: &str) -> Option<f64> {
-    let text = text.trim_matches([' ', '\t', '\n', '\r']);
-    match text {
-        "INF" => Some(f64::INFINITY),
-        "-INF" => Some(f64::NEG_INFINITY),
-        "NaN" => Some(f64::NAN),
-        _ if text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b)) => text.parse().ok(),
-        _ => None,
-    }
-}
-
-/// Reads an integer of any XML Schema type.
-pub(crate) fn parse_integer(text: &str) -> Option<i128> {
-    let text = text.trim_matches([' ', '\t', '\n', '\r']);
-    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
-    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
-        return None;
-    }
-    // Leading zeros are allowed in any number.
-    let significant = digits.trim_start_matches('0');
-    let value: i128 = if significant.is_empty() { 0 } else { significant.parse().ok()? };
-    Some(if text.starts_with('-') { -value } else { value })
-}
-
-/// Reads an xs:boolean.
-pub(crate) fn parse_boolean(text: &str) -> Option<bool> {
-    match text.trim_matches([' ', '\t', '\n', '\r']) {
-        "true" | "1" => Some(true),
-        "false" | "0" => Some(false),
-        _ => None,
     }
 }
 

@@ -3,9 +3,9 @@
 use roxmltree::Node;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, children, unsigned};
+use crate::validate::model::{Kind, Model, Variable, children, label, unsigned};
 use crate::validate::rules;
-use crate::validate::schema::types::parse_integer;
+use cosim::xml::parse_integer;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     for v in &model.variables {
@@ -61,7 +61,7 @@ fn check_dimension(model: &Model, v: &Variable, dimension: Node, out: &mut Findi
     }
 }
 
-/// The initial number of elements, if it can be told.
+/// The initial number of elements, if it is known.
 pub(crate) fn size(model: &Model, v: &Variable) -> Option<u128> {
     children(v.typed, "Dimension").try_fold(1_u128, |product, d| {
         let length = match d.attribute("start") {
@@ -87,7 +87,7 @@ fn check_start_count(model: &Model, v: &Variable, out: &mut Findings) {
     if empty || count > 1 && count as u128 != elements {
         let message = format!(
             "{} has {count} start values for {elements} elements; one value for all or one for each is allowed",
-            v.label()
+            label(v)
         );
         out.add(&rules::START_COUNT, model.place(v.typed), message);
     }

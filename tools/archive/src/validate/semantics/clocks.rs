@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, is_true, unsigned, unsigned_list};
+use crate::validate::model::{Kind, Model, Variable, is_true, label, unsigned, unsigned_list};
 use crate::validate::rules;
-use crate::validate::schema::types::{parse_double, parse_integer};
+use cosim::xml::{parse_double, parse_integer};
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut previous_of: HashMap<u32, &str> = HashMap::new();
@@ -93,7 +93,7 @@ fn check_clock(model: &Model, v: &Variable, out: &mut Findings) {
 fn check_clocked(model: &Model, v: &Variable, out: &mut Findings) {
     let Some(text) = v.node.attribute("clocks") else { return };
     let place = model.place(v.node);
-    let mut complain = |what: String| out.add(&rules::CLOCKS, &place, format!("{} {what}", v.label()));
+    let mut complain = |what: String| out.add(&rules::CLOCKS, &place, format!("{} {what}", label(v)));
     if text.trim().is_empty() {
         complain("has an empty list of clocks".into());
     }
@@ -126,7 +126,7 @@ fn check_previous<'a>(
 ) {
     let Some(reference) = unsigned(v.node, "previous") else { return };
     let place = model.place(v.node);
-    let mut complain = |what: String| out.add(&rules::PREVIOUS, &place, format!("{} {what}", v.label()));
+    let mut complain = |what: String| out.add(&rules::PREVIOUS, &place, format!("{} {what}", label(v)));
     if !v.clocked {
         complain("has the attribute previous but no clocks".into());
         return;

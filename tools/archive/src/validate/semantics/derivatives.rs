@@ -6,9 +6,9 @@ use roxmltree::Node;
 
 use super::arrays;
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, Variable, Version, children, double};
+use crate::validate::model::{FmiVersion, Model, Variable, children, double, label};
 use crate::validate::rules;
-use crate::validate::schema::types::parse_integer;
+use cosim::xml::parse_integer;
 
 /// No equation of motion has more time derivatives than this.
 const HIGHEST_ORDER: usize = 64;
@@ -84,7 +84,7 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     let Some(target) = model.state_of(v) else {
         let message = format!(
             "{} is the derivative of {} {reference}, which no variable has",
-            v.label(),
+            label(v),
             model.reference_word()
         );
         out.add(&rules::DERIVATIVE_REFERENCE, place, message);
@@ -92,14 +92,14 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     };
     let state = &model.variables[target];
     if is_on_cycle(model, index) {
-        let message = format!("{} is, over its attribute derivative, a derivative of itself", v.label());
+        let message = format!("{} is, over its attribute derivative, a derivative of itself", label(v));
         out.add(&rules::DERIVATIVE_CYCLE, place, message);
         return;
     }
     if !state.kind.is_float() || state.variability != "continuous" {
         let message = format!(
             "{} is the derivative of \"{}\", which is {} of type {} and has no derivative",
-            v.label(),
+            label(v),
             short(state.name),
             state.variability,
             state.type_name
@@ -134,12 +134,12 @@ fn check_name(model: &Model, v: &Variable, target: usize, place: &str, out: &mut
     }
     // In FMI 2 an alias is another variable with the same value reference.
     let Some(named) = model.variables.iter().find(|w| has_name(w)) else { return };
-    if model.version == Version::Fmi2 && named.reference == state.reference && named.kind == state.kind {
+    if model.version == FmiVersion::V2 && named.reference == state.reference && named.kind == state.kind {
         return;
     }
     let message = format!(
         "{} points with derivative to \"{}\" instead of \"{}\"",
-        v.label(),
+        label(v),
         short(state.name),
         short(inner)
     );
@@ -213,7 +213,7 @@ fn check_unlisted(model: &Model, out: &mut Findings) {
         if v.causality == "local" && state.causality == "local" && state.variability == "continuous" {
             let message = format!(
                 "{} is the derivative of the local variable \"{}\" but not listed among the state derivatives",
-                v.label(),
+                label(v),
                 short(state.name)
             );
             out.add(&rules::DERIVATIVE_NOT_LISTED, model.place(v.node), message);

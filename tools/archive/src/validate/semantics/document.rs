@@ -3,15 +3,15 @@
 use std::collections::HashSet;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, Version, children, double};
+use crate::validate::model::{FmiVersion, Model, children, double};
 use crate::validate::rules;
 use crate::validate::schema::types::Type;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let place = model.place(model.root);
     let token = match model.version {
-        Version::Fmi2 => "guid",
-        Version::Fmi3 => "instantiationToken",
+        FmiVersion::V2 => "guid",
+        FmiVersion::V3 => "instantiationToken",
     };
     if model.root.attribute(token).is_some_and(|t| t.trim().is_empty()) {
         out.add(

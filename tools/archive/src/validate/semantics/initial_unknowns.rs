@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Version};
+use crate::validate::model::{FmiVersion, Kind, Model, label};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
@@ -24,7 +24,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if expected.contains(&i) && !listed.contains(&i) {
             let message = format!(
                 "{} is calculated during initialisation but is not listed among the initial unknowns",
-                v.label()
+                label(v)
             );
             out.add(&rules::INITIAL_UNKNOWN_MISSING, model.place(v.node), message);
         }
@@ -38,12 +38,12 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             let initial = v.initial.unwrap_or("none");
             let message = format!(
                 "{} is listed among the initial unknowns but does not belong there: its causality is {}, its initial {initial}",
-                v.label(),
+                label(v),
                 v.causality
             );
             out.add(&rules::INITIAL_UNKNOWN_WRONG, model.place(unknown.node), message);
         }
-        if model.version == Version::Fmi2 && i < last {
+        if model.version == FmiVersion::V2 && i < last {
             let message = format!(
                 "Variable \"{}\" stands out of order: initial unknowns must be listed in the order of their indices",
                 short(v.name)

@@ -1,7 +1,7 @@
 //! Interface types, model identifiers and capability flags.
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, Version, double, is_true};
+use crate::validate::model::{FmiVersion, Model, double, is_true};
 use crate::validate::rules;
 
 /// A short class name; longer ones break path limits when the archive is unpacked.
@@ -10,10 +10,10 @@ const LONGEST_IDENTIFIER: usize = 64;
 pub(super) fn check(model: &Model, out: &mut Findings) {
     if model.interfaces.is_empty() {
         let message = match model.version {
-            Version::Fmi2 => {
+            FmiVersion::V2 => {
                 "Neither <ModelExchange> nor <CoSimulation> is present; at least one is required"
             }
-            Version::Fmi3 => {
+            FmiVersion::V3 => {
                 "None of <ModelExchange>, <CoSimulation> and <ScheduledExecution> is present; at least one is required"
             }
         };
@@ -23,7 +23,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     for interface in &model.interfaces {
         let (name, place) = (interface.tag_name().name(), model.place(*interface));
         // The schema of FMI 2 lets an interface stand twice; that of FMI 3 does not.
-        if model.version == Version::Fmi2 && names.contains(&name) {
+        if model.version == FmiVersion::V2 && names.contains(&name) {
             out.add(&rules::INTERFACE_REPEATED, &place, format!("<{name}> is present more than once"));
         }
         names.push(name);
@@ -37,8 +37,8 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             }
         };
         match model.version {
-            Version::Fmi2 => needs("canSerializeFMUstate", "canGetAndSetFMUstate", out),
-            Version::Fmi3 => {
+            FmiVersion::V2 => needs("canSerializeFMUstate", "canGetAndSetFMUstate", out),
+            FmiVersion::V3 => {
                 needs("canSerializeFMUState", "canGetAndSetFMUState", out);
                 needs("canReturnEarlyAfterIntermediateUpdate", "providesIntermediateUpdate", out);
             }

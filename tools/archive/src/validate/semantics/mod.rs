@@ -15,7 +15,7 @@ mod values;
 mod variables;
 
 use super::finding::Findings;
-use super::model::{Model, Version};
+use super::model::{FmiVersion, Model};
 
 /// Runs every semantic rule on a model description.
 pub(crate) fn check(model: &Model, out: &mut Findings) {
@@ -30,8 +30,8 @@ pub(crate) fn check(model: &Model, out: &mut Findings) {
     derivatives::check(model, out);
     initial_unknowns::check(model, out);
     match model.version {
-        Version::Fmi2 => aliases::check(model, out),
-        Version::Fmi3 => {
+        FmiVersion::V2 => aliases::check(model, out),
+        FmiVersion::V3 => {
             arrays::check(model, out);
             clocks::check(model, out);
         }

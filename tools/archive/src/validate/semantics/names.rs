@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, Version};
+use crate::validate::model::{FmiVersion, Model, label};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
@@ -35,12 +35,12 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
                 out.add(&rules::NAME_CONTROL, &place, message);
             }
         }
-        if model.version == Version::Fmi3 {
+        if model.version == FmiVersion::V3 {
             let Some(reference) = v.reference else { continue };
             if let Some(other) = references.insert(reference, v.name) {
                 let message = format!(
                     "{} has the value reference {reference} of variable \"{}\"; value references must be unique",
-                    v.label(),
+                    label(v),
                     short(other)
                 );
                 out.add(&rules::REFERENCE_REPEATED, model.place(v.node), message);

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Unknown, Variable, Version, unsigned_list};
+use crate::validate::model::{FmiVersion, Kind, Model, Unknown, Variable, label, unsigned_list};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
@@ -55,14 +55,14 @@ fn check_outputs(model: &Model, out: &mut Findings) {
     for (i, v) in model.variables.iter().enumerate() {
         if v.causality == "output" && !listed.contains(&i) {
             let message =
-                format!("{} is an output but is not listed among the outputs of <ModelStructure>", v.label());
+                format!("{} is an output but is not listed among the outputs of <ModelStructure>", label(v));
             out.add(&rules::OUTPUT_NOT_LISTED, model.place(v.node), message);
         }
     }
     for unknown in &model.structure.outputs {
         if let Some(v) = unknown.variable.map(|i| &model.variables[i]).filter(|v| v.causality != "output") {
             let message =
-                format!("{} is listed among the outputs but its causality is {}", v.label(), v.causality);
+                format!("{} is listed among the outputs but its causality is {}", label(v), v.causality);
             out.add(&rules::OUTPUT_CAUSALITY, model.place(unknown.node), message);
         }
     }
@@ -114,7 +114,7 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
         check_kinds(v, kinds, written, matches!(knowns, Knowns::Initial), &place, out);
     }
     let dependencies = unsigned_list(text);
-    if model.version == Version::Fmi2 && !dependencies.is_sorted() {
+    if model.version == FmiVersion::V2 && !dependencies.is_sorted() {
         let message = format!(
             "The dependencies of variable \"{}\" are not in the order of their indices",
             short(v.name)
@@ -178,7 +178,7 @@ fn check_kinds(v: &Variable, kinds: &[&str], written: usize, initial: bool, plac
     } else if let Some(kind) = kinds.iter().find(|k| !v.kind.is_float() && **k != "dependent") {
         let message = format!(
             "{} is of type {} and has the dependenciesKind {kind}, which is meant for floating point numbers",
-            v.label(),
+            label(v),
             v.type_name
         );
         out.add(&rules::KIND_NOT_FLOAT, place, message);

@@ -3,9 +3,9 @@
 use std::collections::HashSet;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, children};
+use crate::validate::model::{Model, children, label};
 use crate::validate::rules;
-use crate::validate::schema::types::parse_integer;
+use cosim::xml::parse_integer;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut seen = HashSet::new();
@@ -45,7 +45,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             None => {
                 let message = format!(
                     "{} has the declared type \"{}\", which is not defined in <TypeDefinitions>",
-                    v.label(),
+                    label(v),
                     short(declared)
                 );
                 out.add(&rules::TYPE_UNDEFINED, model.place(v.typed), message);
@@ -53,7 +53,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             Some(t) if t.type_name != v.type_name => {
                 let message = format!(
                     "{} is of type {} and cannot have the declared type \"{}\", which defines {}",
-                    v.label(),
+                    label(v),
                     v.type_name,
                     short(declared),
                     t.type_name

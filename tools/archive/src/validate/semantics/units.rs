@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::Node;
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, Version, children, double, is_true};
+use crate::validate::model::{FmiVersion, Model, children, double, is_true, label};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
@@ -34,13 +34,13 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let unit = model.attribute(v, "unit");
         // What the variable takes from its type has been checked there.
         if own("unit").is_some() || own("displayUnit").is_some() {
-            check_use(model, v.typed, &v.label(), unit, model.attribute(v, "displayUnit"), &units, out);
+            check_use(model, v.typed, &label(v), unit, model.attribute(v, "displayUnit"), &units, out);
         }
         if unit.is_none() && is_true(v.typed, "relativeQuantity") {
             out.add(
                 &rules::RELATIVE_WITHOUT_UNIT,
                 model.place(v.typed),
-                format!("{} has relativeQuantity but no unit, so it has no meaning", v.label()),
+                format!("{} has relativeQuantity but no unit, so it has no meaning", label(v)),
             );
         }
         for alias in v.aliases.iter().filter(|a| a.attribute("displayUnit").is_some()) {
@@ -61,7 +61,7 @@ fn check_definition<'a>(
     out: &mut Findings,
 ) -> HashSet<&'a str> {
     // FMI 2.0.5, section 2.2.3: an empty string is a valid unit.
-    if name.is_empty() && model.version == Version::Fmi3 {
+    if name.is_empty() && model.version == FmiVersion::V3 {
         out.add(&rules::UNIT_NAME_EMPTY, model.place(unit), "A unit has an empty name");
     }
     for base in children(unit, "BaseUnit") {
@@ -138,10 +138,10 @@ fn check_use(
                 );
                 match model.version {
                     // FMI 2: "then displayUnit is ignored".
-                    Version::Fmi2 => {
+                    FmiVersion::V2 => {
                         out.add(&rules::DISPLAY_UNIT_IGNORED, place, message + " and is therefore ignored")
                     }
-                    Version::Fmi3 => out.add(&rules::DISPLAY_UNIT_UNDEFINED, place, message),
+                    FmiVersion::V3 => out.add(&rules::DISPLAY_UNIT_UNDEFINED, place, message),
                 }
             }
             _ => {}

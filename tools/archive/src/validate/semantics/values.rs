@@ -1,9 +1,9 @@
 //! Start values, limits and nominal values.
 
 use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, Version, children};
+use crate::validate::model::{FmiVersion, Kind, Model, Variable, children, label};
 use crate::validate::rules;
-use crate::validate::schema::types::{parse_double, parse_integer};
+use cosim::xml::{parse_double, parse_integer};
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let states = model.states();
@@ -11,7 +11,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if v.kind.is_float() {
             check_floats(model, v, out);
             check_nominal(model, v, is_state, out);
-        } else if matches!(v.kind, Kind::Integer | Kind::UInt64 | Kind::Enumeration) {
+        } else if v.kind.is_integer() {
             check_integers(model, v, out);
         }
     }
@@ -33,7 +33,7 @@ fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
     if let (Some(min), Some(max)) = (min, max)
         && min > max
     {
-        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", v.label()));
+        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", label(v)));
         return;
     }
     for text in v.typed.attribute("start").unwrap_or_default().split_ascii_whitespace() {
@@ -44,10 +44,10 @@ fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
         }
         if !start.is_finite() {
             let rule = match model.version {
-                Version::Fmi2 => &rules::VALUE_SPECIAL,
-                Version::Fmi3 => &rules::START_NOT_FINITE,
+                FmiVersion::V2 => &rules::VALUE_SPECIAL,
+                FmiVersion::V3 => &rules::START_NOT_FINITE,
             };
-            out.add(rule, &place, format!("{} has the start value {text}", v.label()));
+            out.add(rule, &place, format!("{} has the start value {text}", label(v)));
             return;
         }
     }
@@ -57,7 +57,7 @@ fn outside(v: &Variable, start: &str, model: &Model) -> String {
     let bound = |name| model.attribute(v, name).map_or("none", str::trim);
     format!(
         "{} has the start value {} outside its limits (min {}, max {})",
-        v.label(),
+        label(v),
         short(start),
         short(bound("min")),
         short(bound("max"))
@@ -78,7 +78,7 @@ fn check_nominal(model: &Model, v: &Variable, is_state: bool, out: &mut Findings
     } else {
         let message = format!(
             "{} has the nominal value {nominal}; tools divide by it and expect a number greater than 0",
-            v.label()
+            label(v)
         );
         out.add(&rules::NOMINAL_DOUBTFUL, model.place(v.typed), message);
     }
@@ -91,7 +91,7 @@ fn check_integers(model: &Model, v: &Variable, out: &mut Findings) {
     if let (Some(min), Some(max)) = (min, max)
         && min > max
     {
-        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", v.label()));
+        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", label(v)));
         return;
     }
     let items: Option<Vec<i128>> = (v.kind == Kind::Enumeration).then_some(()).and_then(|()| {
@@ -103,7 +103,7 @@ fn check_integers(model: &Model, v: &Variable, out: &mut Findings) {
         if items.as_ref().is_some_and(|items| !items.contains(&start)) {
             let message = format!(
                 "{} has the start value {start}, which is no item of the enumeration \"{}\"",
-                v.label(),
+                label(v),
                 short(v.declared_type.unwrap_or_default())
             );
             out.add(&rules::START_NO_ITEM, &place, message);

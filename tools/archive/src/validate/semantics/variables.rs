@@ -1,26 +1,26 @@
 //! Causality, variability and initial: which combinations exist, and what else each demands.
 
 use crate::validate::finding::Findings;
-use crate::validate::model::{Kind, Model, Variable, Version, is_true};
+use crate::validate::model::{FmiVersion, Kind, Model, Variable, is_true, label};
 use crate::validate::rules;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let states = model.states();
-    let cs_only = model.version == Version::Fmi2 && model.has("CoSimulation") && !model.has("ModelExchange");
+    let cs_only = model.version == FmiVersion::V2 && model.has("CoSimulation") && !model.has("ModelExchange");
     for (v, is_state) in model.variables.iter().zip(states) {
         check_combination(model, v, out);
         if v.node.attribute("canHandleMultipleSetPerTimeInstant").is_some() {
             if v.causality != "input" {
                 let message = format!(
                     "{} has canHandleMultipleSetPerTimeInstant but is {}, not input",
-                    v.label(),
+                    label(v),
                     v.causality
                 );
                 out.add(&rules::MULTIPLE_SET_NOT_INPUT, model.place(v.node), message);
             } else if cs_only {
                 let message = format!(
                     "{} has canHandleMultipleSetPerTimeInstant, which must not be present without <ModelExchange>",
-                    v.label()
+                    label(v)
                 );
                 out.add(&rules::MODEL_EXCHANGE_ONLY, model.place(v.node), message);
             }
@@ -28,17 +28,17 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if is_true(v.typed, "reinit") {
             if cs_only {
                 let message =
-                    format!("{} has reinit, which must not be present without <ModelExchange>", v.label());
+                    format!("{} has reinit, which must not be present without <ModelExchange>", label(v));
                 out.add(&rules::MODEL_EXCHANGE_ONLY, model.place(v.typed), message);
             } else if !is_state && model.has("ModelExchange") {
-                let message = format!("{} has reinit but is not a continuous state", v.label());
+                let message = format!("{} has reinit but is not a continuous state", label(v));
                 out.add(&rules::REINIT_NOT_STATE, model.place(v.typed), message);
             }
         }
         if is_true(v.typed, "intermediateUpdate") && v.variability != "continuous" {
             let message = format!(
                 "{} has intermediateUpdate but its variability is {}, not continuous",
-                v.label(),
+                label(v),
                 v.variability
             );
             out.add(&rules::INTERMEDIATE_UPDATE, model.place(v.node), message);
@@ -56,7 +56,7 @@ fn allowed(causality: &str, variability: &str) -> bool {
         "output" => ["constant", "discrete", "continuous"].contains(&variability),
         "local" => true,
         "independent" => variability == "continuous",
-        // Not one of the words: the schema rules have said so.
+        // Not one of the words: the schema rules report it.
         _ => true,
     }
 }
@@ -71,7 +71,7 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
     if !allowed(v.causality, v.variability) {
         let message = format!(
             "{} combines causality {} with variability {}{by_default}, which is not allowed",
-            v.label(),
+            label(v),
             v.causality,
             v.variability
         );
@@ -79,10 +79,10 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
         return;
     }
     if v.variability == "continuous" && !v.kind.is_float() && v.causality != "independent" {
-        let floats = if model.version == Version::Fmi2 { "Real" } else { "Float32 and Float64" };
+        let floats = if model.version == FmiVersion::V2 { "Real" } else { "Float32 and Float64" };
         let message = format!(
             "{} is of type {} with variability continuous{by_default}; only {floats} may be continuous",
-            v.label(),
+            label(v),
             v.type_name
         );
         out.add(&rules::CONTINUOUS_NOT_FLOAT, &place, message);
@@ -93,10 +93,10 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
 
 fn check_initial(model: &Model, v: &Variable, place: &str, out: &mut Findings) {
     let Some(initial) = v.initial_written else { return };
-    if v.causality == "independent" || v.causality == "input" && model.version == Version::Fmi2 {
+    if v.causality == "independent" || v.causality == "input" && model.version == FmiVersion::V2 {
         let message = format!(
             "{} is {} and must not have the attribute initial, which is \"{initial}\"",
-            v.label(),
+            label(v),
             v.causality
         );
         out.add(&rules::INITIAL_FORBIDDEN, place, message);
@@ -110,7 +110,7 @@ fn check_initial(model: &Model, v: &Variable, place: &str, out: &mut Findings) {
     if ["exact", "approx", "calculated"].contains(&initial) && !possible.contains(&initial) {
         let message = format!(
             "{} has initial \"{initial}\", but for causality {} and variability {} only {} is allowed",
-            v.label(),
+            label(v),
             v.causality,
             v.variability,
             possible.join(" or ")
@@ -132,20 +132,20 @@ fn check_start(v: &Variable, place: &str, out: &mut Findings) {
         _ => None,
     };
     if let Some(reason) = reason.filter(|_| !v.has_start) {
-        out.add(&rules::START_MISSING, place, format!("{} has no start value although {reason}", v.label()));
+        out.add(&rules::START_MISSING, place, format!("{} has no start value although {reason}", label(v)));
     }
     if v.has_start && v.causality == "independent" {
         out.add(
             &rules::START_FORBIDDEN,
             place,
-            format!("{} is the independent variable and must not have a start value", v.label()),
+            format!("{} is the independent variable and must not have a start value", label(v)),
         );
     } else if v.has_start && v.initial == Some("calculated") {
         let how = if v.initial_written.is_some() { "" } else { " by default" };
         out.add(
             &rules::START_FORBIDDEN,
             place,
-            format!("{} has a start value although its initial is calculated{how}", v.label()),
+            format!("{} has a start value although its initial is calculated{how}", label(v)),
         );
     }
 }
@@ -156,17 +156,17 @@ fn check_independent(model: &Model, out: &mut Findings) {
         if !v.kind.is_float() {
             let message = format!(
                 "{} is the independent variable and must be a floating point number, not {}",
-                v.label(),
+                label(v),
                 v.type_name
             );
             out.add(&rules::INDEPENDENT_NOT_FLOAT, model.place(v.node), message);
         }
     }
     for v in all.iter().skip(1) {
-        let message = format!("{} is a second independent variable; only one is allowed", v.label());
+        let message = format!("{} is a second independent variable; only one is allowed", label(v));
         out.add(&rules::INDEPENDENT_REPEATED, model.place(v.node), message);
     }
-    if all.is_empty() && model.version == Version::Fmi3 {
+    if all.is_empty() && model.version == FmiVersion::V3 {
         let message = "No variable has causality independent; exactly one must";
         out.add(&rules::INDEPENDENT_MISSING, model.place(model.root), message);
     }

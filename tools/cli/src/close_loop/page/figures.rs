@@ -1,37 +1,21 @@
 //! The figures of the page.
 
-use super::super::words::{number, plain};
+use super::super::text::{number, plain};
 use super::port;
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Curve, Curves, Follows, Outcome, Unexplained};
-use calibrate::report::driver_unit;
+use calibrate::report::{column_words, driver_unit};
 use present::figure::{Axis, Figure, Mark, Row, Rows};
 use present::page::Plate;
 
 /// 95 % of a normal distribution lie within this many standard deviations.
 const WITHIN_95: f64 = 1.96;
 
-/// A column's name without its unit, and its unit.
-pub fn split(column: &str) -> (String, &str) {
-    for unit in ["rad_per_s", "degC", "Nm", "Pa", "V", "A", "W", "1"] {
-        if let Some(name) = column.strip_suffix(unit) {
-            let unit = match unit {
-                "degC" => "K",
-                "Nm" => "N·m",
-                "rad_per_s" => "rad/s",
-                other => other,
-            };
-            return (plain(name.trim_end_matches('_')), unit);
-        }
-    }
-    (plain(column), "")
-}
-
 /// Measured less model over time, for every output: with the preset, and once more without.
 pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
     let mut all = Vec::new();
     for curve in &curves.outputs {
-        let (name, unit) = split(curve.column);
+        let (name, unit) = column_words(curve.column);
         let error = outcome.errors.iter().find(|e| e.role == curves.role && e.column == curve.column);
         let noise = error.map_or(f64::NAN, |e| e.floor);
         let figure = |title: &str| {
@@ -155,13 +139,13 @@ pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
         Follows::Driver(driver) => format!("{} in {}", plain(driver.name()), driver_unit(driver)),
         _ => "time in s".to_owned(),
     };
-    let unit = found.port.unit().name();
+    let unit = found.port.unit().name().replace('.', "·");
     let value = if unit == "1" { "relative change".to_owned() } else { format!("value in {unit}") };
     let title = plain(found.port.name());
     let figure = Figure::new(&title, Axis::new(&follows), Axis::new(&value))
         .band("95 %", y.clone(), x)
         .colour(0)
         .line("estimate", y);
-    let magnitude = outcome.effects.first().map_or(String::new(), |e| format!(" {}.", e.magnitude));
+    let magnitude = outcome.effects.first().map_or(String::new(), |e| format!(" It {}.", e.magnitude));
     Plate::new("shape", figure, format!("Estimated effect on {}.{magnitude}", port(found.port)))
 }

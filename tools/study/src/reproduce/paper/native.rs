@@ -64,7 +64,7 @@ impl Run {
     }
 }
 
-/// The five runs of 900 s from the room's temperature; in the inner result why they cannot be simulated.
+/// The five runs of 900 s from the ambient temperature; in the inner result why they cannot be simulated.
 ///
 /// # Errors
 /// A model that refuses a value or fails.

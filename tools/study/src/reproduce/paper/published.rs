@@ -1,4 +1,4 @@
-//! The paper's equations as they are printed, and what they should be.
+//! The paper's equations as published, and corrected.
 //!
 //! R = R_0 [1 + alpha (T_f - T_i)] -> R = alpha R_0 T                                       eqs. (8) to (10)
 //! V = alpha T R_0 I + L I^2/(2 q) + T_m theta/q                                            eq. (14)
@@ -69,7 +69,7 @@ pub fn work(p: &Point) -> [f64; 3] {
     [resistance(p.t) * p.i * p.q, 0.5 * L_A * p.i * p.i, p.torque * p.theta]
 }
 
-/// Eq. (21) as printed: the voltage's change from `a` to `b`; the temperature's term lacks the current.
+/// Eq. (21) as published: the voltage's change from `a` to `b`; the temperature's term lacks the current.
 pub fn voltage_change(a: &Point, b: &Point) -> f64 {
     L_A / (2.0 * a.q) * (b.i * b.i - a.i * a.i)
         + ALPHA * R_0 * a.t * (b.i - a.i)
@@ -82,7 +82,7 @@ pub fn right_voltage_change(a: &Point, b: &Point) -> f64 {
     voltage_change(a, b) + ALPHA * R_0 * (a.i - a.t) * (b.t - a.t)
 }
 
-/// dI/dV of eq. (22) as printed, A/V.
+/// dI/dV of eq. (22) as published, A/V.
 pub fn current_per_volt(p: &Point) -> f64 {
     p.q / (p.i * L_A + resistance(p.t))
 }
@@ -112,7 +112,7 @@ mod tests {
 
     /// The paper's own 9.2 ohm, 48.67 uV with 0.6 C, 29.21 uJ.
     #[test]
-    fn printed_terms_come_out() {
+    fn published_terms_come_out() {
         assert!((resistance(20.0) - 9.2).abs() < 1e-12);
         assert!((voltage(&point())[0] - 1.656).abs() < 1e-12);
         assert!((voltage(&point())[1] - 48.67e-6).abs() < 2e-8);
@@ -120,7 +120,7 @@ mod tests {
         assert!((power(&point())[0] - 0.29808).abs() < 1e-12);
     }
 
-    /// By differences of eq. (14) itself: each corrected derivative is one of the equation, no printed one is.
+    /// By differences of eq. (14) itself: each corrected derivative is one of the equation, no published one is.
     #[test]
     fn derivatives_of_the_state_function() {
         let total = |p: &Point| voltage(p).iter().sum::<f64>();

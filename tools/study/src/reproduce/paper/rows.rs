@@ -1,22 +1,24 @@
-//! Every printed number of the paper, in the order of the audit (P01 to P36).
+//! Every published number of the paper, in the order of the audit (P01 to P36).
 
 use super::native::{BOX_CAPACITY, Run};
 use super::published::*;
-use super::{I_SLOPE, PLATEAUS, Parts, Temperatures, V_SLOPE};
+use super::{
+    Compared, I_R2, I_SLOPE, PLATEAUS, Parts, Temperatures, V_R2, V_SLOPE, WORK_THERMAL, WORK_TOTAL, basis,
+};
 use crate::reproduce::Verdict::*;
 use crate::reproduce::{Row, significant};
 
-/// Total voltage at full duty as printed, V (section 3.2.1).
+/// Total voltage at full duty as published, V (section 3.2.1).
 const V_TOTAL: f64 = 9.7876;
-/// Magnetic voltage as printed, V.
+/// Magnetic voltage as published, V.
 const V_MAGNETIC: f64 = 48.67e-6;
-/// Total and mechanical power as printed, W (section 3.1).
+/// Total and mechanical power as published, W (section 3.1).
 const P_TOTAL: f64 = 1.7649;
 const P_MECHANICAL: f64 = 1.4669;
 /// Copper's rise of resistance by eq. (8), 1/K at 20 degC (Incropera, and IEC 60034-1: 1/(234.5 + 20)).
 const ALPHA_20: f64 = 1.0 / (234.5 + 20.0);
 /// Torque that a millinewton-metre slope gives at full duty at the output shaft, N.m.
-const TORQUE: f64 = 0.18;
+pub const TORQUE: f64 = 0.18;
 /// Catalogue of the 37D 131:1 gearmotor at 12 V: stall current, A, speed, rpm, and current without load, A.
 const CATALOGUE: (f64, f64, f64) = (5.5, 76.0, 0.2);
 
@@ -27,16 +29,17 @@ pub fn rows(
     work: &Parts,
     t: &Temperatures,
     runs: Option<&[Run]>,
+    compared: &[Compared],
 ) -> Vec<Row> {
     let mut rows = equations();
     rows.extend(full_duty(voltage, power, work, runs));
     rows.extend(derivatives());
     rows.extend(machine(voltage, power));
-    rows.extend(over_duty(t, runs));
+    rows.extend(over_duty(t, runs, compared));
     rows
 }
 
-/// The charge that the printed magnetic term implies, C: L I^2/(2 V).
+/// The charge that the published magnetic term implies, C: L I^2/(2 V).
 fn implied_charge() -> f64 {
     L_A * CURRENT * CURRENT / (2.0 * V_MAGNETIC)
 }
@@ -65,10 +68,10 @@ fn equations() -> Vec<Row> {
             .right(R_A)
             .measured(R_A)
             .but(Inconsistent, "115 is 9.2/(0.004·20), worked back so that eq. (10) gives the measured 9.20 at 20 degC"),
-        Row::new("P05", "eq. (10)", format!("resistance at {warm} degC"), "not printed", "Ohm")
+        Row::new("P05", "eq. (10)", format!("resistance at {warm} degC"), "not published", "Ohm")
             .published(resistance(warm))
             .right(right_resistance(warm))
-            .but(Inconsistent, "all printed numbers at 100 % are those of 20 degC and not of the measured temperature"),
+            .but(Inconsistent, "all published numbers at 100 % are those of 20 degC and not of the measured temperature"),
     ]
 }
 
@@ -101,7 +104,7 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>)
         Row::new("P08", "§3.2.1", "magnetic voltage at 100 %", V_MAGNETIC, "V").published(v_mag).right(0.0).but(
             Inconsistent,
             format!(
-                "needs a charge of {q:.3} C, {:.2} s of the current and not 900 s; in steady state L dI/dt is 0, as the printed power is",
+                "needs a charge of {q:.3} C, {:.2} s of the current and not 900 s; in steady state L dI/dt is 0, as the published power is",
                 q / CURRENT
             ),
         ),
@@ -110,7 +113,7 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>)
             .right(power.total)
             .but(
                 Inconsistent,
-                format!("{:.2} % above V I of the printed voltage and current", 100.0 * (P_TOTAL / power.total - 1.0)),
+                format!("{:.2} % above V I of the published voltage and current", 100.0 * (P_TOTAL / power.total - 1.0)),
             ),
         Row::new("P10", "§3.1", "thermal power at 100 %", 0.2981, "W")
             .published(super::published::power(&p)[0])
@@ -125,17 +128,17 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>)
         Row::new("P12", "§3.1", "work in 900 s at 100 %", "1582.7 kW", "J")
             .published(P_TOTAL * DURATION)
             .right(work.total)
-            .measured(1582.7)
+            .measured(WORK_TOTAL)
             .but(
                 UnitError,
                 format!(
-                    "the value is in joules; {:.2} % below the printed power times 900 s, as if the winding had warmed on the way{simulated}",
-                    100.0 * (1.0 - 1582.7 / (P_TOTAL * DURATION))
+                    "the value is in joules; {:.2} % below the published power times 900 s, as if the winding had warmed on the way{simulated}",
+                    100.0 * (1.0 - WORK_TOTAL / (P_TOTAL * DURATION))
                 ),
             ),
-        Row::new("P13", "§3.1", "thermal work", "267.79 W", "J").published(w_el).right(work.electrical).measured(267.79).but(
+        Row::new("P13", "§3.1", "thermal work", "267.79 W", "J").published(w_el).right(work.electrical).measured(WORK_THERMAL).but(
             UnitError,
-            format!("joules; over 900 s it is {} W", significant(267.79 / DURATION)),
+            format!("joules; over 900 s it is {} W", significant(WORK_THERMAL / DURATION)),
         ),
         Row::new("P13-magnetic", "§3.1", "magnetic work", "29.2 µW", "J")
             .published(w_mag)
@@ -215,7 +218,7 @@ fn machine(voltage: &Parts, power: &Parts) -> Vec<Row> {
                 UnitError,
                 "mN m at the output shaft: with µN m the power of the mechanical term would need the speed given as published",
             ),
-        Row::new("P24", "catalogue", "torque constant at the output shaft", "not printed", "V.s/rad")
+        Row::new("P24", "catalogue", "torque constant at the output shaft", "not published", "V.s/rad")
             .published(voltage.mechanical / speed)
             .right(k)
             .but(
@@ -250,7 +253,8 @@ fn machine(voltage: &Parts, power: &Parts) -> Vec<Row> {
     ]
 }
 
-fn over_duty(t: &Temperatures, runs: Option<&[Run]>) -> Vec<Row> {
+fn over_duty(t: &Temperatures, runs: Option<&[Run]>, compared: &[Compared]) -> Vec<Row> {
+    let by = |quantity: &str| basis(compared, quantity);
     let line = |f: &dyn Fn(&Run) -> f64| {
         crate::numeric::Line::through(&runs?.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>())
     };
@@ -264,27 +268,30 @@ fn over_duty(t: &Temperatures, runs: Option<&[Run]>) -> Vec<Row> {
         Row::new("P26", "§3.2.1", "slope of voltage over duty", 1e3 * V_SLOPE, "mV/%")
             .published(10.0 * V_TOTAL)
             .right(voltage.map(|l| 1e3 * l.slope))
+            .by(by("slope of voltage over duty"))
             .but(
                 HoldsWithNote,
-                "published is the line through the origin; the printed slope leaves an intercept, as continuous conduction with a drop does",
+                "recomputed is the line through the origin; the published slope leaves an intercept, as continuous conduction with a drop does",
             ),
-        Row::new("P26-r2", "§3.2.1", "r² of voltage over duty", 0.9922, "").right(voltage.map(|l| l.r2)),
+        Row::new("P26-r2", "§3.2.1", "r² of voltage over duty", V_R2, "").right(voltage.map(|l| l.r2)).by(by("r² of voltage over duty")),
         Row::new("P27", "§3.2.2", "slope of current over duty", 1e3 * I_SLOPE, "mA/%")
             .right(current.map(|l| 1e3 * l.slope))
+            .by(by("slope of current over duty"))
             .but(HoldsWithNote, "dry and viscous friction; below what the Hall sensor resolves, 35 to 50 mA"),
-        Row::new("P27-r2", "§3.2.2", "r² of current over duty", 0.9991, "").right(current.map(|l| l.r2)),
+        Row::new("P27-r2", "§3.2.2", "r² of current over duty", I_R2, "").right(current.map(|l| l.r2)).by(by("r² of current over duty")),
         Row::new("P28", "§3.1", "r² of a straight line of power over duty", "first-order", "")
             .right(straight)
             .but(Inconsistent, "voltage and current are both straight lines, so their product is a parabola"),
-        Row::new("P30-low", "§3.2.3", "winding at 20 and 40 %", PLATEAUS.0, "degC").right(simulated(1)).measured(PLATEAUS.0).but(
+        Row::new("P30-low", "§3.2.3", "winding at 20 and 40 %", PLATEAUS.0, "degC").right(simulated(1)).by(by("winding temperature at 40 %")).measured(PLATEAUS.0).but(
             Inconsistent,
-            format!("heating differs by a factor of two between them; the best line in power misses by up to {worst:.1} K. Corrected: simulated at 40 %"),
+            format!("heating differs by a factor of two between them; the best line in power is off by up to {worst:.1} K. Corrected: simulated at 40 %"),
         ),
         Row::new("P30-high", "§3.2.3", "winding at 60, 80 and 100 %", PLATEAUS.1, "degC")
             .right(simulated(4))
+            .by(by("winding temperature at 100 %"))
             .measured(PLATEAUS.1)
-            .but(Inconsistent, "as above; corrected: simulated at 100 % from the room's temperature"),
-        Row::new("P31", "§2.5", "end of a run in a box", "adiabatic", "degC").published(end).right(simulated(4)).but(
+            .but(Inconsistent, "as above; corrected: simulated at 100 % from the ambient temperature"),
+        Row::new("P31", "§2.5", "end of a run in a box", "adiabatic", "degC").published(end).right(simulated(4)).by(by("winding temperature at 100 %")).but(
             Inconsistent,
             format!("without any loss {BOX_CAPACITY} J/K end there and never settle; a plateau needs a loss of 0.1 to 0.2 W/K"),
         ),

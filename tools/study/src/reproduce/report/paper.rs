@@ -2,10 +2,11 @@
 
 use super::{Content, Page, page_of};
 use crate::reproduce::paper::published::{self, DUTIES, Point};
-use crate::reproduce::paper::{Paper, Parts, Run, Sample};
-use maud::html;
+use crate::reproduce::paper::{Compared, Paper, Parts, Run, Sample};
+use crate::reproduce::{Basis, significant};
+use maud::{Markup, html};
 use present::figure::{Axis, Figure};
-use present::page::Plate;
+use present::page::{Cell, Plate, table};
 
 /// The page about the paper.
 pub fn paper(found: &Paper) -> Page {
@@ -21,9 +22,33 @@ pub fn paper(found: &Paper) -> Page {
         conclusion: &found.conclusion,
         absent: found.absent.as_deref(),
         plates,
-        tables: html! {},
+        tables: compared(&found.compared),
         rows: &found.rows,
     })
+}
+
+/// Published quantities beside the simulated ones, with the parameters that were fitted to them.
+fn compared(all: &[Compared]) -> Markup {
+    let headers = ["quantity", "published", "simulated", "unit", "basis", "fitted parameters"];
+    let rows = all.iter().map(|c| {
+        let basis = if c.used_in_fit { Basis::Fitted } else { Basis::Predicted };
+        vec![
+            c.quantity.into(),
+            Cell::Number(significant(c.published)),
+            Cell::Number(significant(c.simulated)),
+            c.unit.into(),
+            basis.text().into(),
+            Cell::Code(c.fitted.join(", ")),
+        ]
+    });
+    html! {
+        h2 { "Fitted and predicted quantities" }
+        p {
+            "The preset bdcm-37d is fitted to some of the published numbers. Agreement with those shows that the fit is \
+             consistent; agreement with the others is a prediction."
+        }
+        (table(&headers, rows.collect()))
+    }
 }
 
 fn over_time(run: &Run, f: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {

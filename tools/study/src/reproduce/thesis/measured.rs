@@ -1,4 +1,4 @@
-//! What the thesis measured and what its data sheets say, as printed.
+//! What the thesis measured and what its data sheets say, as published.
 
 /// Fan: free flow, m3/s (0.28 m3/min; appendix 4).
 pub const FAN_FLOW: f64 = 0.28 / 60.0;
@@ -48,11 +48,11 @@ pub const NARROW: f64 = 30.0 / 35.0;
 pub struct Case {
     /// Name in the reports.
     pub name: &'static str,
-    /// Where it is printed.
+    /// Where it is published.
     pub location: &'static str,
     /// Item of the model's `cooling_mode`.
     pub cooling_mode: &'static str,
-    /// The parameter that tells the case from others of its mode, and its value in m.
+    /// The parameter that distinguishes the case from others of its mode, and its value in m.
     pub setting: Option<(&'static str, f64)>,
     /// Ratio of radii of the annulus.
     pub r_star: Option<f64>,
@@ -150,7 +150,7 @@ impl Case {
         if self.cooling_mode == "bare" { T_AMBIENT_BARE } else { T_AMBIENT }
     }
 
-    /// Ambient temperature that the printed T_w and R_ha imply by eq. (11), K.
+    /// Ambient temperature that the published T_w and R_ha imply by eq. (11), K.
     pub fn implied_ambient(&self) -> f64 {
         self.t_w - POWER * (self.r_ha + R_WH)
     }

@@ -22,7 +22,7 @@ pub const FITTED: [&str; 6] = [
     "fan.decay",
 ];
 
-/// The native model, as far as it is there: what it lacks is told and left out, never an error.
+/// The native model, as far as it is there: what it lacks is reported and left out, never an error.
 pub struct Native {
     preset: Result<Preset, String>,
     missing: Vec<String>,
@@ -100,19 +100,16 @@ impl Native {
     }
 }
 
-/// The fit of the rig: six parameters to the eight measured winding temperatures, from the declared values on.
-/// Nothing where the model is not there.
-pub fn fit_thesis_rig(native: &Native) -> Option<Result<Problem, StudyError>> {
+/// The fit of these parameters to the eight measured winding temperatures, from the declared values on. Nothing where the
+/// model is not there.
+pub fn fit_thesis_rig(native: &Native, parameters: &[&str]) -> Option<Result<Problem, StudyError>> {
     let bench = Bench::new(MODEL, None).ok()?;
-    if !FITTED.iter().all(|name| bench.knows(name, None)) {
-        return None;
-    }
     let observation = |case: &Case| {
         let mut setup = native.setup(case, true)?;
-        // What is fitted starts as if nothing were known; what is measured (masses, resistances) stays.
-        for name in FITTED {
+        // What is fitted here or in the preset starts as if nothing were known; what is measured stays.
+        for name in FITTED.iter().chain(parameters) {
             let row = bench.entry(name).ok()?.row;
-            setup.sets.push((name.to_owned(), row.start.to_string()));
+            setup.sets.push(((*name).to_owned(), row.start.to_string()));
         }
         Some(Observation {
             name: case.name.to_owned(),
@@ -122,5 +119,5 @@ pub fn fit_thesis_rig(native: &Native) -> Option<Result<Problem, StudyError>> {
         })
     };
     let observations: Option<Vec<Observation>> = CASES.iter().map(observation).collect();
-    Some(Problem::new(&FITTED, observations?))
+    Some(Problem::new(parameters, observations?))
 }

@@ -109,7 +109,7 @@ mod tests {
 
     /// T13, T19, T24: 0.0844 N.m belongs to 473.15 K; 0.5 ohm to 368.9 or 410.8 K; 0.1218 N.m to eq. (6).
     #[test]
-    fn printed_numbers_and_where_they_come_from() {
+    fn published_numbers_and_their_origin() {
         near(torque_at_10_w(473.15, 0.386), 0.0844, 5e-5);
         near(torque_at_10_w(423.15, 0.386), 0.0966, 5e-5);
         near(winding_temperature(0.5, 0.386, T_REF), 368.9, 0.05);

@@ -24,7 +24,7 @@ const RHO: f64 = 1.1614;
 const NU: f64 = 15.89e-6;
 /// Conductivity of air, W/(m.K), rounded. The text says that of the housing, some 16: audit, T32.
 pub const K_AIR: f64 = 0.026;
-/// Prandtl number, as printed.
+/// Prandtl number, as published.
 const PR: f64 = 0.7;
 /// Step of the grid over the motor's length on which 1/x is averaged, m.
 const GRID: f64 = 1e-3;
@@ -38,7 +38,7 @@ pub const LAMINAR: (f64, f64) = (0.332, 0.5);
 /// Constant and exponent of the turbulent plate, eq. (12).
 pub const TURBULENT: (f64, f64) = (0.0296, 0.8);
 /// Constant and exponent of the turbulent plate as eq. (19) prints it: the laminar constant.
-pub const TURBULENT_AS_PRINTED: (f64, f64) = (0.332, 0.8);
+pub const TURBULENT_AS_PUBLISHED: (f64, f64) = (0.332, 0.8);
 /// Ratio of radii of the thesis's grid: from a wide annulus to a narrow one.
 pub const R_STAR: (f64, f64) = (0.2, 0.97);
 
@@ -99,7 +99,7 @@ impl Annulus {
         T_AMBIENT + POWER * (resistance(self.reynolds(), law) - R_WH)
     }
 
-    /// The same with the sign put right.
+    /// The same with the corrected sign.
     pub fn winding_temperature_right_sign(self, law: (f64, f64)) -> f64 {
         T_AMBIENT + POWER * (resistance(self.reynolds(), law) + R_WH)
     }
@@ -185,7 +185,7 @@ mod tests {
         near(Annulus::new(WIDE).reynolds(), 3805.0, 40.0);
         near(Annulus::new(WIDE).winding_temperature(), 343.1, 1.0);
         near(Annulus::new(NARROW).winding_temperature(), 358.3, 1.0);
-        near(Annulus::new(0.63).winding_temperature_by(TURBULENT_AS_PRINTED), 299.3, 0.3);
+        near(Annulus::new(0.63).winding_temperature_by(TURBULENT_AS_PUBLISHED), 299.3, 0.3);
         near(Annulus::new(0.63).winding_temperature_by(TURBULENT), 335.3, 0.5);
         let (left, right) = jumps(RE_SWITCH).unwrap();
         near(left, 0.48, 0.01);

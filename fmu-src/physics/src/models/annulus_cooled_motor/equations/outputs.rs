@@ -4,6 +4,7 @@ use super::{CORE, Ends, NODES, Step, WINDING};
 use crate::components::commutation::Phases;
 use crate::effects::Effect;
 use crate::ledger::{Account, Ledger};
+use crate::model::HousingHeat;
 use crate::models::annulus_cooled_motor::network::Network;
 use crate::models::annulus_cooled_motor::variables::{Books, DriveMode, Outputs};
 use crate::solver::split::{State, System};
@@ -64,6 +65,19 @@ impl Step<'_> {
     pub fn leads(&self, t_w: f64, network: &Network) -> f64 {
         let conductance = self.beyond.conductance.winding - network.body.winding_to_rotor;
         conductance * (t_w - self.ambient.start)
+    }
+
+    /// Heat flow from the housing to ambient at the start of the step.
+    pub fn housing_heat(&self, state: &State<NODES>, network: Option<&Network>) -> HousingHeat {
+        let (ambient, core) = (self.ambient.start, state.temperature[CORE]);
+        let (housing, flow) = match network {
+            Some(network) => (network.housing_temperature(), network.housing_heat(ambient)),
+            None => {
+                let conductance = self.conductance_at(0.0).housing;
+                (core, conductance * (core - ambient) + self.ports().housing_to_ambient(core, ambient))
+            }
+        };
+        HousingHeat { housing, ambient, flow }
     }
 
     /// The flows of power at the start of the step, and the balance residuals. Energies count from what was stored at the start,

@@ -7,9 +7,10 @@ use cosim::raw::{InterfaceType, RawBinary};
 
 use super::super::solver::{Reached, Solver};
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{Rows, steps};
-use crate::validate::dynamic::session::{Settings, Subject};
+use crate::validate::dynamic::session::Settings;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
 use crate::validate::rules;
 
@@ -19,7 +20,7 @@ const TOLERATED: f64 = 0.005;
 const SMALLEST: f64 = 1e-6;
 /// What may be left of a difference when Euler's error is taken from it.
 const LIKENESS: f64 = 0.15;
-/// Parts of the default experiment for the second, slower look.
+/// Parts of the default experiment for the second, coarser comparison.
 const PARTS: usize = 50;
 
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
@@ -36,7 +37,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         binary,
         place,
         base: Default::default(),
-        line: subject.line,
+        pulse: subject.pulse,
     };
     let watched = facts
         .select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input") && !v.is("independent"));

@@ -1,27 +1,28 @@
-//! Slopes that the FMU tells, against differences of the values that it gives.
+//! Derivatives from the FMU compared with differences of its values.
 
 use cosim::raw::InterfaceType;
 
 use crate::validate::dynamic::facts::{Facts, Variable};
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
 use crate::validate::rules;
 
-/// What a slope may be off, as a share of itself.
+/// Relative tolerance of a derivative.
 const SHARE: f64 = 0.01;
-/// The slope of a fast variable that has come to rest is the difference of large numbers; below this share of its
-/// largest value it says nothing.
+/// The derivative of a fast variable at rest is a difference of large numbers; below this fraction of its largest value
+/// it is not compared.
 const STIFF: f64 = 1e-3;
-/// Parts of the default experiment for the second, slower look.
+/// Parts of the default experiment for the second, coarser comparison.
 const PARTS: usize = 200;
-/// Parts of a step for a finer look, where the FMU can be made to take it.
+/// Parts of a step for a finer comparison, where the FMU takes shorter steps.
 const FINER: usize = 32;
-/// Steps over which slopes are summed up: enough to see that they swing, where they do.
+/// Steps over which derivatives are averaged, so that oscillations cancel.
 const WINDOW: usize = 4;
 
-/// A variable and its slope, as told, at equidistant times.
+/// A variable and its derivative from the FMU at equidistant times.
 #[derive(Clone, Default)]
 struct Series {
     values: Vec<f64>,
@@ -34,9 +35,9 @@ impl Series {
         self.slopes.push(slope);
     }
 
-    /// The first disagreement (number of its first point, mean slope told, mean slope seen), if nearly all windows that
-    /// say anything disagree. An event spoils some of them; a wrong slope is wrong always.
-    /// `largest` is the largest slope that was seen at all.
+    /// The first disagreement (number of its first point, mean derivative of the FMU, mean difference quotient), if nearly
+    /// all significant windows disagree. An event spoils some of them; a wrong derivative is always wrong.
+    /// `largest` is the largest difference quotient.
     fn disagrees(&self, look: &Look, largest: f64, noise: impl Fn(f64) -> f64) -> Option<(usize, f64, f64)> {
         let (mut informative, mut example) = (0, None);
         let mut factors: Vec<f64> = Vec::new();
@@ -45,7 +46,7 @@ impl Series {
             let pairs = || self.slopes[k..=k + WINDOW].windows(2).map(|d| (d[0], d[1]));
             let told = pairs().map(|(a, b)| 0.5 * (a + b)).sum::<f64>() / steps;
             let seen = (self.values[k + WINDOW] - self.values[k]) / (look.h * steps);
-            // A step may have been made with the slope at its beginning or at its end.
+            // A step may use the derivative at its beginning or at its end.
             let swing = pairs().map(|(a, b)| (b - a).abs()).sum::<f64>() / steps;
             let room = 0.6 * swing + STIFF * largest + noise(self.values[k]) / (look.h * steps);
             let size = told.abs().max(seen.abs());
@@ -64,7 +65,7 @@ impl Series {
     }
 }
 
-/// Whether a slope is off by about the same factor all the time. Values that stand still and jump, as those of a fixed
+/// Whether a derivative is wrong by about the same factor all the time. Values that stand still and jump, as those of a fixed
 /// internal step do when looked at more finely, have no such factor.
 fn is_steady(factors: &[f64]) -> bool {
     let low = factors.iter().copied().fold(f64::INFINITY, f64::min);
@@ -72,14 +73,14 @@ fn is_steady(factors: &[f64]) -> bool {
     high - low < 0.5 * (low - 1.0).abs().min((high - 1.0).abs())
 }
 
-/// Steps of a run during which slopes and values are compared.
+/// Steps of a run during which derivatives and values are compared.
 struct Look {
     h: f64,
     n: usize,
     is_fine: bool,
 }
 
-/// The steps at which to look: those of the experiment, longer ones for slow variables, and fine ones for small faults.
+/// The step sizes for the comparison: those of the experiment, longer ones for slow variables, and fine ones for small faults.
 fn looks(subject: &Subject) -> Vec<Look> {
     let facts = subject.facts;
     let h = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
@@ -96,7 +97,7 @@ fn looks(subject: &Subject) -> Vec<Look> {
     looks
 }
 
-/// A session at the beginning of a look. A fine one begins where things have come to move.
+/// A session at the beginning of a comparison. A fine one begins where variables change.
 fn begin<'a>(subject: &Subject<'a>, look: &Look) -> Result<(Session<'a>, Drive), Fault> {
     let mut session = subject.started(&subject.base()?.settings)?;
     let mut drive = Drive::new(&mut session)?;
@@ -111,7 +112,7 @@ fn noise(facts: &Facts, v: &Variable, value: f64) -> f64 {
     2.0 * facts.tolerance.unwrap_or(1e-6).min(1e-4) * value.abs().max(1e-3 * v.nominal)
 }
 
-/// `derivative=` names the variable whose slope this is.
+/// `derivative=` names the variable whose derivative this is.
 pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let is_plain = |v: &Variable| v.is_continuous() && v.size == 1 && !v.clocked;
@@ -181,7 +182,7 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
         for ((v, series), largest) in outputs.iter().zip(series).zip(&largest) {
             if let Some((k, told, is)) = series.disagrees(&look, *largest, |x| noise(facts, v, x)) {
                 let message = format!(
-                    "The derivative of output \"{}\" is told to be {told} from t = {} s on, but it changes by {is} per second",
+                    "The derivative of output \"{}\" is given as {told} from t = {} s on, but it changes by {is} per second",
                     short(&v.name),
                     start + look.h * (k + 1) as f64
                 );
@@ -192,7 +193,7 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     Ok(())
 }
 
-/// A slope of an input that matters has an effect.
+/// An input derivative has an effect where the input has one.
 pub(super) fn of_inputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let h = facts.step();
@@ -220,7 +221,7 @@ pub(super) fn of_inputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         let sloped = run(low, (high - low) / h)?;
         if difference(facts, &others, &held, &sloped).is_none() {
             let message = format!(
-                "A slope of input \"{}\" has no effect although canInterpolateInputs is true (the input itself moves \"{}\")",
+                "A derivative of input \"{}\" has no effect although canInterpolateInputs is true (the input itself moves \"{}\")",
                 short(&v.name),
                 effect.name
             );

@@ -1,10 +1,11 @@
 //! Model Exchange: the vectors of states, derivatives, nominals and event indicators.
 
 use super::super::solver::{Solver, indicators};
-use crate::validate::dynamic::probe::{Fault, Seen};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::report::{Fault, Seen};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// Equal up to what an iterative solver inside the FMU leaves.
@@ -19,7 +20,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.started(&subject.base()?.settings)?;
     let states: Vec<usize> = facts.states.clone();
     let n: usize = states.iter().map(|i| facts.variables[*i].size).sum();
-    if facts.version == Version::Fmi3 {
+    if facts.version == FmiVersion::V3 {
         let numbers = session.raw.numbers();
         let numbers = numbers.or_else(|s| session.ok("GetNumberOfContinuousStates", s).map(|()| (0, 0)))?;
         if numbers != (n, facts.indicators) {
@@ -35,7 +36,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let status = session.raw.get_states(&mut x);
         session.ok("GetContinuousStates", status)?;
         nominals(&mut session, n, seen)?;
-        // Away from the start, where values that are all zero would say nothing.
+        // Away from the start, where the values are not all zero.
         let moved: Vec<f64> = x.iter().map(|x| x + 1e-3 * x.abs().max(1e-3)).collect();
         vectors(&mut session, &moved, seen)?;
         memory(&mut session, &x, &moved, seen)?;
@@ -54,7 +55,7 @@ fn nominals(session: &mut Session, n: usize, seen: &mut Seen) -> Result<(), Faul
     Ok(())
 }
 
-/// Vectors and variables tell the same, in the order of the model structure.
+/// Vectors and variables have the same values, in the order of the model structure.
 fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Fault> {
     let facts = session.facts;
     let t = session.now;

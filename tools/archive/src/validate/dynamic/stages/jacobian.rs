@@ -7,8 +7,9 @@ use cosim::{Kind, Status};
 
 use super::super::solver::Solver;
 use crate::validate::dynamic::facts::{Entry, Facts, Variable};
-use crate::validate::dynamic::probe::{Fault, Seen};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::report::{Fault, Seen};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
 use crate::validate::rules;
 
@@ -232,7 +233,7 @@ impl Column {
         (told - near).abs() <= room
     }
 
-    /// Whether the unknown moves beyond all doubt.
+    /// Whether the change of the unknown is significant.
     fn moves(&self, i: usize, nominal: f64) -> bool {
         let (near, far) = (self.near[i], self.far[i]);
         let moved = 8.0 * self.step * far.abs();
@@ -264,7 +265,7 @@ fn dependencies(
         let elements = at..at + unknown.size;
         at += unknown.size;
         let Some(list) = &entry.dependencies else { continue };
-        // An output that is a state says nothing of itself.
+        // The dependency of an output that is a state on itself is trivial.
         if is_same(unknown, known.variable)
             || list.iter().any(|d| is_same(&facts.variables[*d], known.variable))
         {

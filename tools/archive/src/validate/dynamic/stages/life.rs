@@ -4,11 +4,12 @@ use cosim::raw::{InterfaceType, RawSetup};
 use cosim::{Kind, Log, Status};
 
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{self, Drive};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// A value may leave its limits by this much of their size, as the standard grants.
@@ -46,17 +47,17 @@ pub(super) fn free_nothing(subject: &Subject, _: &mut Seen) -> Result<(), Fault>
 
 fn versions(subject: &Subject, seen: &mut Seen) {
     let (function, wanted) = match subject.facts.version {
-        Version::Fmi2 => ("fmi2GetVersion", "2.0"),
-        Version::Fmi3 => ("fmi3GetVersion", "3.0"),
+        FmiVersion::V2 => ("fmi2GetVersion", "2.0"),
+        FmiVersion::V3 => ("fmi3GetVersion", "3.0"),
     };
     let version = subject.binary.version().unwrap_or_default();
     // FMI 3 has maintenance releases such as 3.0.2 in its version string.
-    if !(version == wanted || subject.facts.version == Version::Fmi3 && version.starts_with("3.")) {
-        let message = format!("{function} says \"{}\" instead of \"{wanted}\"", short(&version));
+    if !(version == wanted || subject.facts.version == FmiVersion::V3 && version.starts_with("3.")) {
+        let message = format!("{function} returns \"{}\" instead of \"{wanted}\"", short(&version));
         seen.add(&rules::VERSION_STRING, &subject.place, message);
     }
     if let Some(types) = subject.binary.types_platform().filter(|t| t != "default") {
-        let message = format!("fmi2GetTypesPlatform says \"{}\" instead of \"default\"", short(&types));
+        let message = format!("fmi2GetTypesPlatform returns \"{}\" instead of \"default\"", short(&types));
         seen.add(&rules::VERSION_STRING, &subject.place, message);
     }
 }
@@ -103,7 +104,7 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         <= Status::Warning
         && raw.exit_initialization() <= Status::Warning;
     if started && subject.interface.kind == InterfaceType::CoSimulation {
-        raw.do_step(subject.facts.start, subject.facts.step());
+        raw.do_step(subject.facts.start, subject.facts.step(), false);
     }
     let declared = &subject.facts.categories;
     let messages = log.messages();
@@ -137,7 +138,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         raw,
         facts,
         interface: subject.interface,
-        line: subject.line,
+        pulse: subject.pulse,
         now: facts.start,
         next: None,
     };
@@ -148,7 +149,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
     for k in 1..=runs::steps(facts) {
         let end = session.now + facts.step();
         let h = session.next.filter(|t| *t > session.now).map_or(end, |t| t.min(end)) - session.now;
-        let step = session.raw.do_step(session.now, h);
+        let step = session.raw.do_step(session.now, h, false);
         session.ok("DoStep", step.status)?;
         session.now += h;
         if step.terminated {

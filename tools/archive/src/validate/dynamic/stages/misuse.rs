@@ -4,10 +4,11 @@ use cosim::raw::InterfaceType;
 use cosim::{Kind, Log, Status};
 
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::report::{Fault, Seen};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// A token of no FMU.
@@ -18,7 +19,7 @@ pub(super) fn token(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         return Ok(());
     }
     if subject.try_instance("probe", FOREIGN, &Log::new()).is_some() {
-        let word = if subject.facts.version == Version::Fmi2 { "GUID" } else { "instantiation token" };
+        let word = if subject.facts.version == FmiVersion::V2 { "GUID" } else { "instantiation token" };
         let message = format!(
             "The FMU accepts the {word} {FOREIGN}, so a library that does not belong to the description goes unnoticed"
         );
@@ -81,7 +82,7 @@ fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
     }
     match subject.interface.kind {
         InterfaceType::CoSimulation => {
-            Ok(session.raw.do_step(session.now, subject.facts.step()).status == Status::Ok)
+            Ok(session.raw.do_step(session.now, subject.facts.step(), false).status == Status::Ok)
         }
         _ => {
             let n: usize = subject.facts.states.iter().map(|i| subject.facts.variables[*i].size).sum();
@@ -95,7 +96,7 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     let facts = subject.facts;
     let mut session = subject.started(&Vec::new())?;
     let highest = facts.variables.iter().map(|v| v.reference).max().unwrap_or(0);
-    // Beyond everything, and not so far beyond.
+    // Far outside the limits, and just outside.
     for reference in [u32::MAX - 1, highest.saturating_add(1000)] {
         let mut value = [0.0];
         if session.raw.get(Kind::Float64, &[reference], &mut value) <= Status::Warning {

@@ -4,12 +4,13 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::validate::dynamic::facts::{Facts, Variable};
-use crate::validate::dynamic::probe::{Fault, Seen};
-use crate::validate::dynamic::session::{Session, Subject};
+use crate::validate::dynamic::report::{Fault, Seen};
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::{Findings, short};
 use crate::validate::rules;
-use crate::validate::schema::types::{parse_boolean, parse_double};
 use crate::validate::xml::Xml;
+use cosim::xml::{parse_boolean, parse_double};
 
 /// Where the files are.
 const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
@@ -105,7 +106,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         }
     }
     let has_inputs = facts.variables.iter().any(|v| v.is("input"));
-    // Without the inputs that belong to them, results say nothing.
+    // Without their inputs, results cannot be compared.
     if has_inputs && inputs.is_none() {
         return Ok(());
     }
@@ -188,7 +189,7 @@ fn feed(session: &mut Session, inputs: Option<&Table>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Steps to a time; `false` when the FMU ends before or does not take the last piece.
+/// Steps to a time; `false` when the FMU ends before or does not take the last part of a step.
 fn reach(session: &mut Session, t: f64, inputs: Option<&Table>) -> Result<bool, Fault> {
     let h = session.facts.step();
     let from = session.now;

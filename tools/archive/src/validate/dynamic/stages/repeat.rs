@@ -2,11 +2,14 @@
 
 use std::time::{Duration, Instant};
 
+use cosim::raw::{InterfaceType, RawState};
+
 use super::setting::{others, when};
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{self, Drive, Rows, difference};
-use crate::validate::dynamic::session::{Session, Subject, column};
+use crate::validate::dynamic::session::{Session, column};
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::rules;
 
 /// Instances made in each of three rounds, and bytes that each may leave behind.
@@ -105,7 +108,7 @@ fn resident() -> Option<f64> {
     Some(4096.0 * pages)
 }
 
-/// The least growth per piece over three rounds, in bytes; `None` where memory cannot be measured or time ran out.
+/// The least growth per repetition over three rounds, in bytes; `None` where memory cannot be measured or time ran out.
 fn growth(round: usize, mut piece: impl FnMut() -> Result<bool, Fault>) -> Result<Option<f64>, Fault> {
     let started = Instant::now();
     let mut least = f64::INFINITY;
@@ -145,8 +148,10 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.started(&Vec::new())?;
     if subject.interface.state {
         let piece = || {
-            let state = session.raw.get_state(None).map_err(|s| session.ok("GetFMUState", s).unwrap_err())?;
-            let (status, _) = session.raw.free_state(state);
+            let mut state = RawState::NONE;
+            let status = session.raw.save(&mut state);
+            session.ok("GetFMUState", status)?;
+            let status = session.raw.free_state(&mut state);
             session.ok("FreeFMUState", status)?;
             Ok(true)
         };
@@ -157,7 +162,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             seen.add(&rules::MEMORY, &subject.interface.place, message);
         }
     }
-    if subject.interface.kind == cosim::raw::InterfaceType::CoSimulation {
+    if subject.interface.kind == InterfaceType::CoSimulation {
         let h = subject.facts.step();
         let end = subject.facts.stop.unwrap_or(f64::INFINITY);
         let piece = || {

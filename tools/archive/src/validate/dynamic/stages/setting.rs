@@ -1,13 +1,14 @@
 //! Start values, and values set in one order or another.
 
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{self, Difference, Rows};
-use crate::validate::dynamic::session::{Session, Settings, Subject, observed};
+use crate::validate::dynamic::session::{Session, Settings, observed};
+use crate::validate::dynamic::subject::{Subject, fresh};
 use crate::validate::finding::short;
 use crate::validate::rules;
 
-/// The binary starts at what its description says.
+/// The binary has the start values of its description.
 pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.instance("probe")?;
     let facts = subject.facts;
@@ -18,8 +19,9 @@ pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fau
     };
     for v in facts.select(exact) {
         if let Some(wanted) = &v.text {
-            let text = session.raw.get_string(v.reference);
-            let text = text.or_else(|status| session.ok("GetString", status).map(|()| String::new()))?;
+            let texts = session.raw.get_strings(&[v.reference]);
+            let texts = texts.or_else(|status| session.ok("GetString", status).map(|()| Vec::new()))?;
+            let text = texts.concat();
             if text != *wanted {
                 let message = format!(
                     "Variable \"{}\" starts at \"{}\" instead of its start value \"{}\"",
@@ -58,7 +60,7 @@ pub(super) fn order(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let free = facts.select(Variable::is_free);
     // Every variable at its own start value, set or not.
     let own: Settings = free.iter().map(|v| (*v, v.start.clone())).collect();
-    let untouched = runs::fresh(subject, &Vec::new())?;
+    let untouched = fresh(subject, &Vec::new())?;
     if let Ok((set, _)) = run_in(subject, &own, Order::Forwards)
         && let Some(d) = runs::difference(facts, &base.steady, &untouched, &set)
     {

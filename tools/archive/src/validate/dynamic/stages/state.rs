@@ -1,33 +1,34 @@
 //! Saved states: going back, freeing, and bytes.
 
+use cosim::raw::RawState;
+
 use super::setting::when;
-use crate::validate::dynamic::probe::{Fault, Seen};
+use crate::validate::dynamic::report::{Fault, Seen};
 use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
-use crate::validate::dynamic::session::{Session, Subject};
-use crate::validate::model::Version;
+use crate::validate::dynamic::session::Session;
+use crate::validate::dynamic::subject::Subject;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules::{self, Rule};
 
-/// Differences below this are rounding, which a master can live with.
+/// Differences below this are rounding.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
     let (h, n) = (subject.facts.step(), steps(subject.facts));
     let (before, after) = (n / 3, n - n / 3);
-    let two = subject.facts.version == Version::Fmi2;
+    let two = subject.facts.version == FmiVersion::V2;
     let names = if two {
         ["GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializeFMUstate", "DeSerializeFMUstate"]
     } else {
         ["GetFMUState", "SetFMUState", "FreeFMUState", "SerializeFMUState", "DeserializeFMUState"]
     };
-    let fault = |session: &Session, name: &str, status| {
-        session.ok(name, status).err().unwrap_or_else(|| Fault::new(&rules::LIFE_CYCLE, "", name))
-    };
-
     let mut session = subject.started(&base.settings)?;
     Drive::new(&mut session)?.rows(&mut session, h, before)?;
     let (now, next) = (session.now, session.next);
-    let state = session.raw.get_state(None).map_err(|s| fault(&session, names[0], s))?;
+    let mut state = RawState::NONE;
+    let status = session.raw.save(&mut state);
+    session.ok(names[0], status)?;
     let onwards = |session: &mut Session| -> Result<Rows, Fault> {
         let mut rows = vec![session.observe()?];
         rows.extend(Drive::new(session)?.rows(session, h, after)?);
@@ -40,7 +41,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         session.set(v, &start)?;
     }
     let back = |session: &mut Session, state: &_| -> Result<Rows, Fault> {
-        let status = session.raw.set_state(state);
+        let status = session.raw.restore(state);
         session.ok(names[1], status)?;
         (session.now, session.next) = (now, next);
         onwards(session)
@@ -49,14 +50,19 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     compare(subject, &first, &second, &rules::ROLLBACK, "after going back to the saved state", seen)?;
 
     if subject.interface.serialize {
-        let bytes = session.raw.serialize(&state).map_err(|s| fault(&session, names[3], s))?;
-        let copy = session.raw.deserialize(&bytes).map_err(|s| fault(&session, names[4], s))?;
+        let mut size = 0;
+        let status = session.raw.state_size(&state, &mut size);
+        session.ok(names[3], status)?;
+        let mut bytes = vec![0; size];
+        let status = session.raw.serialize(&state, &mut bytes);
+        session.ok(names[3], status)?;
+        let copy = from_bytes(&mut session, &bytes, names[4])?;
         let third = back(&mut session, &copy)?;
         compare(subject, &first, &third, &rules::SERIALIZE, "from the state's bytes", seen)?;
         free(&mut session, copy, names[2], seen)?;
         if !subject.interface.only_once {
             let mut other = subject.started(&Vec::new())?;
-            let copy = other.raw.deserialize(&bytes).map_err(|s| fault(&other, names[4], s))?;
+            let copy = from_bytes(&mut other, &bytes, names[4])?;
             let fourth = back(&mut other, &copy)?;
             compare(
                 subject,
@@ -70,19 +76,22 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         }
     }
     // A state that is given to the get function is used again.
-    let state = session.raw.get_state(Some(state)).map_err(|s| fault(&session, names[0], s))?;
+    let status = session.raw.save(&mut state);
+    session.ok(names[0], status)?;
     free(&mut session, state, names[2], seen)
 }
 
-fn free(
-    session: &mut Session,
-    state: cosim::raw::RawState,
-    name: &str,
-    seen: &mut Seen,
-) -> Result<(), Fault> {
-    let (status, is_null) = session.raw.free_state(state);
+fn from_bytes(session: &mut Session, bytes: &[u8], name: &str) -> Result<RawState, Fault> {
+    let mut state = RawState::NONE;
+    let status = session.raw.deserialize(bytes, &mut state);
     session.ok(name, status)?;
-    if !is_null {
+    Ok(state)
+}
+
+fn free(session: &mut Session, mut state: RawState, name: &str, seen: &mut Seen) -> Result<(), Fault> {
+    let status = session.raw.free_state(&mut state);
+    session.ok(name, status)?;
+    if !state.is_none() {
         let message = format!("{name} does not set the pointer to the freed state to NULL");
         seen.add(&rules::STATE_POINTER, &session.interface.place, message);
     }

@@ -3,15 +3,15 @@
 use cosim::Status;
 
 use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::probe::{Fault, Seen};
-use crate::validate::dynamic::session::Subject;
+use crate::validate::dynamic::report::{Fault, Seen};
+use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
-use crate::validate::model::Version;
+use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
-/// A difference below this share of a variable's movement is a matter of the solver.
+/// Differences below this fraction of a variable's range are attributed to the solver.
 const TOLERATED: f64 = 0.05;
-/// A difference below this share of the nominal value matters to nobody.
+/// Differences below this fraction of the nominal value are ignored.
 const SMALLEST: f64 = 1e-7;
 
 /// The end of a run with steps of h, h/2 and h/4: what does not come closer is no discretisation error.
@@ -77,7 +77,7 @@ fn base_is_steady(subject: &Subject, wanted: &Variable) -> Result<bool, Fault> {
     Ok(false)
 }
 
-/// A step that begins after the stop time told to the FMU is an error.
+/// A step that begins after the stop time of the experiment is an error.
 pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let h = subject.facts.step();
     let stop = subject.facts.start + 2.0 * h;
@@ -90,12 +90,12 @@ pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
     }
     let mut now = stop;
     for _ in 0..3 {
-        if session.raw.do_step(now, h).status > Status::Warning {
+        if session.raw.do_step(now, h, false).status > Status::Warning {
             return Ok(());
         }
         now += h;
     }
-    let prefix = if subject.facts.version == Version::Fmi2 { "fmi2" } else { "fmi3" };
+    let prefix = if subject.facts.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
     let status = Status::Error;
     let message = format!(
         "{prefix}DoStep succeeds up to t = {now} s although the stop time was set to {stop} s; it must return {status}"

@@ -1,11 +1,10 @@
 //! Chapters 2 to 4, 5.3 and 6: the motor, its tests and what is said about them.
 
-use crate::StudyError;
 use crate::reproduce::Verdict::*;
+use crate::reproduce::thesis::CaseResult;
 use crate::reproduce::thesis::measured::*;
-use crate::reproduce::thesis::native::Native;
 use crate::reproduce::thesis::projection::*;
-use crate::reproduce::{Row, significant};
+use crate::reproduce::{Basis, Row, significant};
 
 /// Audit numbers of the columns of tables 1 to 3: winding temperature, torque, density, R_ha, ambient.
 const COLUMNS: [(&str, [&str; 5]); 7] = [
@@ -73,7 +72,7 @@ pub fn bare() -> Vec<Row> {
             .but(Garbled, "the unit is K/W; it belongs to the fan alone at 5 mm and to no annulus"),
         Row::new("T03", "abstract, ch. 6", "fall of R_ha", 68.0, "%").published(fall(bare.r_ha, fan.r_ha)).but(
             Inconsistent,
-            "no pair of printed resistances gives 68 %; chapter 6 credits it to r* = 0.63, where chapter 7 says 89 %",
+            "no pair of published resistances gives 68 %; chapter 6 credits it to r* = 0.63, where chapter 7 says 89 %",
         ),
         Row::new("T04", "abstract", "best torque density", 0.393, "N.m/kg")
             .published(torque_at_5_a(bare.t_w) / bare.mass)
@@ -180,11 +179,11 @@ fn sheet_no_load_loss() -> f64 {
 }
 
 /// Tables 1 to 3, column by column.
-pub fn tables(native: &Native) -> Result<Vec<Row>, StudyError> {
+pub fn tables(cases: &[CaseResult]) -> Vec<Row> {
     let mut rows = Vec::new();
     for (name, [t, torque, density, r, ambient]) in COLUMNS {
         let Some(case) = Case::named(name) else { continue };
-        let model = native.steady(case, true)?;
+        let Some(found) = cases.iter().find(|c| c.name == name) else { continue };
         let by_fan = case.r_star.is_none();
         let published = if by_fan { torque_at_10_w(case.t_w, R_DATASHEET) } else { torque_at_5_a(case.t_w) };
         let row = |id, what: &str, printed, unit| {
@@ -193,9 +192,11 @@ pub fn tables(native: &Native) -> Result<Vec<Row>, StudyError> {
         rows.push(
             row(t, "winding temperature", case.t_w, "K")
                 .published(winding_temperature(case.resistance, specimen_resistance(), T_25))
-                .right(model.as_ref().and_then(|m| m.get("winding_temperature")))
+                .right(found.T_w_model_K)
+                .by(Basis::Fitted)
+                .predictions(found.T_w_untuned_K, found.T_w_leave_one_out_K)
                 .measured(case.t_w)
-                .note("published: from the printed resistance and the specimen's cold one; corrected: the native model"),
+                .note("as published: from the published resistance and the specimen's cold one; corrected: thesis-rig, which is fitted to this temperature"),
         );
         let mut projected =
             row(torque, "torque", case.torque, "N.m").published(published).right(torque_at_5_a(case.t_w));
@@ -213,17 +214,19 @@ pub fn tables(native: &Native) -> Result<Vec<Row>, StudyError> {
         rows.push(
             row(r, "R_ha", case.r_ha, "K/W")
                 .published(r_ha(case.t_w, T_AMBIENT, POWER))
-                .right(model.and_then(|m| m.r_ha))
+                .right(found.R_ha_model)
+                .by(Basis::Fitted)
+                .predictions(found.r_ha_untuned(), found.r_ha_leave_one_out())
                 .measured(case.r_ha)
-                .note("corrected: the native model"),
+                .note("corrected: thesis-rig, which is fitted to this test's temperature"),
         );
         rows.push(
             row(ambient, "implied ambient", T_AMBIENT, "K")
                 .published(case.implied_ambient())
-                .note("printed nowhere: T_w - 10 W (R_ha + R_wh)"),
+                .note("not published: T_w - 10 W (R_ha + R_wh)"),
         );
     }
-    Ok(rows)
+    rows
 }
 
 /// What chapter 6 and the tables' order say.

@@ -1,21 +1,21 @@
-//! What closing the loop has come to, in plain words.
+//! Verdict, effects and replay of closing the loop, as text.
 
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::Replay;
-use describe::{Driver, GenericTerm, Law, Port};
+use describe::{Driver, GenericTerm, Law, ModelType, Port, StartValues, usage};
 pub use present::number;
 
-/// Where a term acts, as a person calls it.
+/// The port of a term, as text.
 pub fn port(port: Port) -> &'static str {
     match port {
         Port::DragTorque => "the torque against the motion",
-        Port::TerminalVoltage => "the volts lost between terminals and winding",
+        Port::TerminalVoltage => "the voltage drop between terminals and winding",
         Port::WindingResistance => "the winding's resistance",
         Port::TorqueConstant => "the torque constant",
         Port::WindingHeat => "the heat in the winding",
         Port::HousingHeat => "the heat in the housing",
         Port::WindingHousingResistance => "the thermal resistance from winding to housing",
-        Port::HousingAmbientConductance => "the heat that the housing gives to its surroundings",
+        Port::HousingAmbientConductance => "the heat flow from the housing to ambient",
         Port::HeatCapacity => "the heat capacities",
         Port::FanFlow => "the flow of the fan",
         Port::AmbientSensor => "the ambient temperature's sensor",
@@ -24,11 +24,11 @@ pub fn port(port: Port) -> &'static str {
     }
 }
 
-/// What it follows, as what "it" does.
+/// The driver of a term, as a predicate.
 pub fn driver(follows: Follows) -> &'static str {
     match follows {
         Follows::Nothing => "is constant",
-        Follows::History => "depends on what was before",
+        Follows::History => "depends on the history",
         Follows::Driver(driver) => match driver {
             Driver::Speed => "follows the speed",
             Driver::Current => "follows the current",
@@ -90,10 +90,10 @@ pub fn law(term: &GenericTerm) -> String {
     }
 }
 
-/// The name of what was found, with its size.
+/// An effect with its parameters and runs.
 pub fn found(effect: &Found) -> String {
     let name = if effect.term.is_some() {
-        format!("something that is in no list, acts on {} and {}", port(effect.port), driver(effect.follows))
+        format!("an unlisted effect that acts on {} and {}", port(effect.port), driver(effect.follows))
     } else {
         plain(&effect.id)
     };
@@ -111,7 +111,7 @@ pub fn found(effect: &Found) -> String {
         })
         .collect();
     let runs =
-        if effect.everywhere { String::new() } else { format!(" in {} alone", list(&effect.runs, "and")) };
+        if effect.everywhere { String::new() } else { format!(" in {} only", list(&effect.runs, "and")) };
     let sizes = if sizes.is_empty() { String::new() } else { format!(", {}", list(&sizes, "and")) };
     format!("{name}{sizes}{runs}")
 }
@@ -122,7 +122,7 @@ pub fn verdict(outcome: &Outcome) -> String {
     match outcome.verdict {
         Verdict::Named => format!("the model lacks {}.", list(&effects, "and")),
         Verdict::Class => {
-            // Each effect with those that would do in its place: what is sure beside a class is none of it.
+            // Each effect with its alternatives; an effect without alternatives is no part of the class.
             let classes: Vec<String> = outcome
                 .effects
                 .iter()
@@ -136,7 +136,7 @@ pub fn verdict(outcome: &Outcome) -> String {
                 })
                 .collect();
             format!(
-                "the model lacks {}; this data cannot tell them apart. It was given {}.",
+                "the model lacks {}; the data do not distinguish them. Added to the model: {}.",
                 list(&classes, "and"),
                 list(&effects, "and")
             )
@@ -146,47 +146,55 @@ pub fn verdict(outcome: &Outcome) -> String {
                 let laws: Vec<String> =
                     outcome.effects.iter().filter_map(|e| e.term.as_ref()).map(law).collect();
                 let given = if u.added {
-                    format!("given a law for it: {}", list(&laws, "and"))
+                    format!("a law was added to the model: {}", list(&laws, "and"))
                 } else {
-                    "not given it, since that does not help where nothing was fitted".to_owned()
+                    "none was added, since it does not lower the validation error".to_owned()
                 };
                 format!(
-                    "something acts on {} and {}; it is in no list of effects, and the model was {given}.",
+                    "an effect that is not in the list acts on {} and {}; {given}.",
                     port(u.port),
                     driver(u.follows)
                 )
             }
-            None => "the model lacks something that has no name.".to_owned(),
+            None => "the model lacks an effect that is not in the list.".to_owned(),
         },
         Verdict::Nothing => {
-            "nothing is missing that this data could show; other parameters explain what differs.".to_owned()
+            "no missing effect is detected; other parameter values explain the differences.".to_owned()
         }
     }
 }
 
-/// Whether the FMUs show what the report says.
+/// Agreement of the FMUs with the model.
 pub fn replay(replay: &Replay) -> String {
     let left_out = if replay.left_out.is_empty() {
         String::new()
     } else {
-        format!(
-            "; {} starts at measured temperatures, where an FMU cannot start",
-            list(&replay.left_out, "and")
-        )
+        format!("; {} is left out, since it starts at measured temperatures", list(&replay.left_out, "and"))
     };
     let Some(worst) = replay.channels.iter().max_by(|a, b| a.difference.total_cmp(&b.difference)) else {
         return format!("the exported FMUs could not be run over the data{left_out}");
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     let why = if !replay.agrees && worst.standard == "fmi3" {
-        "; FMI 3 has no slopes of inputs, so each row is taken in parts, and a term that the model holds over a row is held \
-         over those"
+        "; FMI 3 has no input derivatives, so each row is divided into substeps, and a term whose drivers are constant over a row is \
+         constant over those"
     } else {
         ""
     };
     format!(
-        "the exported FMUs, run over the {} data, show what the model shows to {:.1e} of the channel's range ({} in {}), \
+        "the outputs of the exported FMUs on the {} data differ from the model's by at most {:.1e} of the channel's range ({} in {}), \
          {relation} {:.0e}{left_out}{why}",
         replay.role, replay.greatest_difference, worst.column, worst.standard, replay.limit
     )
+}
+
+/// The inputs that have no effect in the modes in which the exported FMUs start, which are those of the experiment; `None` where
+/// all have one.
+pub fn unused_inputs(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Option<String> {
+    let found = usage::inputs(kind, starts, terms);
+    let other_modes = usage::other_modes(&found);
+    let sentence = usage::sentence(&found, |_| String::new())?;
+    Some(format!(
+        "the exported FMUs start in the modes of the experiment: {sentence}; set {other_modes} before initialization to use them"
+    ))
 }

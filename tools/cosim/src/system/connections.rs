@@ -1,23 +1,16 @@
-//! The names of a system held against its FMUs: who feeds whom, with which conversion, and which values are set.
+//! Resolves the names of a system in its FMUs: the source and the conversion of each connected input, and the values to set.
 use super::ends::{Found, apart, find, no_signal, sort};
+use super::parts::{Parts, Port};
 use super::settings::{Given, given, owner, refused, told, value};
-use super::structure::{Connection, Direction, End, Structure};
+use super::structure::{Connection, Direction, End};
 use super::units::{Affine, conversion};
-use crate::{Archive, Causality, Error, Kind, ModelDescription, Unit, Value, Variable};
+use crate::{Causality, Error, Kind, Unit, Value};
 
-/// A variable of a component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Port {
-    pub(crate) component: usize,
-    /// Place in the FMU's list of variables.
-    pub(crate) variable: usize,
-}
-
-/// An input that is fed by an output.
+/// An input that is connected to an output.
 #[derive(Clone, Debug)]
-pub(crate) struct Feed {
+pub(crate) struct InputConnection {
     pub(crate) port: Port,
-    /// Place in [`Wiring::outputs`].
+    /// Place in [`Connections::outputs`].
     pub(crate) source: usize,
     pub(crate) convert: Affine,
     /// The connection in the structure.
@@ -26,7 +19,7 @@ pub(crate) struct Feed {
 
 /// An output of the system itself.
 #[derive(Clone, Debug)]
-pub(crate) struct Shown {
+pub(crate) struct SystemOutput {
     pub(crate) name: String,
     pub(crate) port: Port,
     pub(crate) convert: Affine,
@@ -35,48 +28,27 @@ pub(crate) struct Shown {
 
 /// Everything that the master needs to know of the connections.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Wiring {
-    /// Outputs that feed something, each once.
+pub(crate) struct Connections {
+    /// Connected outputs, each once.
     pub(crate) outputs: Vec<Port>,
-    pub(crate) feeds: Vec<Feed>,
-    pub(crate) shown: Vec<Shown>,
+    pub(crate) inputs: Vec<InputConnection>,
+    pub(crate) system_outputs: Vec<SystemOutput>,
     /// Values to set, by component; variables by their place.
     pub(crate) sets: Vec<Vec<(usize, Value)>>,
-    /// What is odd but no error.
+    /// Warnings.
     pub(crate) notes: Vec<String>,
 }
 
-/// A structure with the archive of each component.
-#[derive(Clone, Copy)]
-pub(crate) struct Parts<'a> {
-    pub(crate) structure: &'a Structure,
-    pub(crate) archives: &'a [Archive],
-}
-
-impl<'a> Parts<'a> {
-    pub(crate) fn description(&self, component: usize) -> &'a ModelDescription {
-        self.archives[component].description()
-    }
-
-    pub(crate) fn variable(&self, port: Port) -> &'a Variable {
-        &self.description(port.component).variables[port.variable]
-    }
-
-    /// `component.variable`
-    pub(crate) fn name(&self, port: Port) -> String {
-        format!("{}.{}", self.structure.components[port.component].name, self.variable(port).name)
-    }
-}
-
-/// Resolves every name. `overrides` are settings `component.variable` or inputs of the system that win over the
-/// file's.
-pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Wiring, Error> {
+/// Resolves every name. `overrides` are settings `component.variable` or inputs of the system that take precedence over
+/// those of the file.
+pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Connections, Error> {
     let structure = parts.structure;
-    let mut wiring = Wiring { sets: vec![Vec::new(); structure.components.len()], ..Wiring::default() };
+    let mut connections =
+        Connections { sets: vec![Vec::new(); structure.components.len()], ..Connections::default() };
     for (index, component) in structure.components.iter().enumerate() {
         for setting in &component.settings {
             let set = value(parts.description(index), &setting.name, setting, None);
-            wiring.put(index, set.map_err(|e| told(component, setting, false, e))?);
+            connections.put(index, set.map_err(|e| told(component, setting, false, e))?);
         }
     }
     // What belongs to no component is for inputs of the system.
@@ -84,21 +56,21 @@ pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Wi
     for Given { setting, asked, used } in &mut given {
         let Some((index, name)) = owner(structure, &setting.name) else { continue };
         let set = value(parts.description(index), name, setting, None);
-        wiring.put(index, set.map_err(|e| told(&structure.components[index], setting, *asked, e))?);
+        connections.put(index, set.map_err(|e| told(&structure.components[index], setting, *asked, e))?);
         *used = true;
     }
     for (index, connection) in structure.connections.iter().enumerate() {
-        wiring.connect(parts, index, connection, &mut given)?;
+        connections.connect(parts, index, connection, &mut given)?;
     }
     if let Some(Given { setting, asked, .. }) = given.iter().find(|g| !g.used) {
         let message = "is neither component.variable nor an input of the system".to_owned();
         return Err(refused(setting, *asked, message));
     }
-    wiring.check_open_inputs(parts)?;
-    Ok(wiring)
+    connections.check_open_inputs(parts)?;
+    Ok(connections)
 }
 
-impl Wiring {
+impl Connections {
     /// Later values win.
     fn put(&mut self, component: usize, (variable, value): (usize, Value)) {
         let sets = &mut self.sets[component];
@@ -144,10 +116,15 @@ impl Wiring {
                     let convert = between(connection, unit.as_ref(), outer.as_ref(), relative)
                         .ok_or_else(|| fault(apart(&parts.name(port), &unit, name, &outer)))?;
                     let convert = to_connector.then(convert);
-                    if self.shown.iter().any(|s| s.name == name) {
+                    if self.system_outputs.iter().any(|s| s.name == name) {
                         return Err(fault(format!("the system's output {name} has a source already")));
                     }
-                    self.shown.push(Shown { name: name.to_owned(), port, convert, unit: outer.or(unit) });
+                    self.system_outputs.push(SystemOutput {
+                        name: name.to_owned(),
+                        port,
+                        convert,
+                        unit: outer.or(unit),
+                    });
                     return Ok(());
                 }
                 if direction == Direction::Parameter {
@@ -229,7 +206,7 @@ impl Wiring {
             self.outputs.len() - 1
         });
         let convert = to_connector.then(units).then(linear).then(from_connector);
-        self.feeds.push(Feed { port: target, source: slot, convert, connection: index });
+        self.inputs.push(InputConnection { port: target, source: slot, convert, connection: index });
         Ok(())
     }
 
@@ -248,12 +225,12 @@ impl Wiring {
         }
     }
 
-    /// Inputs that nobody feeds keep their start value, if they have one.
+    /// Inputs that nobody inputs keep their start value, if they have one.
     fn check_open_inputs(&mut self, parts: Parts) -> Result<(), Error> {
         for (index, component) in parts.structure.components.iter().enumerate() {
             let mut open: Vec<&str> = Vec::new();
             for (place, variable) in parts.description(index).variables.iter().enumerate() {
-                let fed = self.feeds.iter().any(|f| f.port == Port { component: index, variable: place })
+                let fed = self.inputs.iter().any(|f| f.port == Port { component: index, variable: place })
                     || self.sets[index].iter().any(|(v, _)| *v == place);
                 if variable.causality != Causality::Input || variable.kind == Kind::Clock || fed {
                     continue;

@@ -9,7 +9,7 @@ use physics::model::Model;
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, CoolingMode, Inputs, STATES, Step,
 };
-use physics::solver::reference::{Tolerance, integrate};
+use reference::{Tolerance, integrate};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::hint::black_box;
 use std::ptr::null;

@@ -1,18 +1,18 @@
-//! Lists of references that a master asks for again at every step: looked up and judged once.
+//! Lists of value references that a master repeats at every step: resolved and checked once.
 //!
-//! What a reference stands for never changes, so there is nothing to forget: not by a reset, nor by a saved state. Nothing is
-//! kept of arrays, whose sizes may change. A master may set an instance in several rounds, so the last few lists are kept; one
-//! that names a single variable in each of many calls leaves them alone once they are full.
+//! The meaning of a reference never changes, so no entry becomes invalid, neither by a reset nor by a saved state. Lists with
+//! arrays, whose sizes may change, are not stored. The last few lists are kept, since a master may set an instance in several
+//! calls; a list of one variable does not replace another one.
 
 use physics::declare::Kind;
 use physics::model::{Declaration, Slot, TIME};
 
-/// Longer lists are looked up at every call.
+/// Longer lists are resolved at every call.
 const ROOM: usize = 16;
 /// Lists that are kept.
 const LISTS: usize = 4;
 
-/// A real scalar: where it lives, and its limits.
+/// A real scalar: its slot and its limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) slot: Slot,
@@ -21,14 +21,14 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Whether the variable takes the value.
+    /// Whether the value is finite and within the limits.
     #[inline]
     pub(super) fn takes(&self, value: f64) -> bool {
         value.is_finite() && value >= self.min && value <= self.max
     }
 }
 
-/// A list of real scalars that was not refused.
+/// A list of real scalars that has passed the checks.
 #[derive(Clone, Copy, Debug)]
 struct List {
     count: usize,
@@ -37,25 +37,25 @@ struct List {
 }
 
 impl List {
-    const NOTHING: List = List {
+    const EMPTY: List = List {
         count: 0,
         references: [TIME; ROOM],
         places: [Place { slot: Slot { group: 0, row: 0 }, min: 0.0, max: 0.0 }; ROOM],
     };
 }
 
-/// The lists that one function was called with last, the latest but for those that were known.
+/// The latest different lists of one function.
 #[derive(Clone, Debug)]
-pub(super) struct Known {
+pub(super) struct Cache {
     lists: [List; LISTS],
     /// The one that the next new list replaces.
     oldest: usize,
 }
 
-impl Known {
-    pub(super) const NOTHING: Known = Known { lists: [List::NOTHING; LISTS], oldest: 0 };
+impl Cache {
+    pub(super) const EMPTY: Cache = Cache { lists: [List::EMPTY; LISTS], oldest: 0 };
 
-    /// The places of these references, where they are ones that are known.
+    /// The places of these references, if the list is stored.
     #[inline]
     pub(super) fn places(&self, references: &[u32]) -> Option<&[Place]> {
         let same = |list: &&List| {
@@ -65,13 +65,13 @@ impl Known {
         self.lists.iter().find(same).map(|list| &list.places[..references.len().min(ROOM)])
     }
 
-    /// Remembers the list.
-    pub(super) fn learn(&mut self, declaration: &Declaration, references: &[u32]) {
+    /// Stores the list.
+    pub(super) fn store(&mut self, declaration: &Declaration, references: &[u32]) {
         let full = self.lists[self.oldest].count > 0;
         if !(1..=ROOM).contains(&references.len()) || references.len() == 1 && full {
             return;
         }
-        let mut list = List { count: references.len(), ..List::NOTHING };
+        let mut list = List { count: references.len(), ..List::EMPTY };
         for (k, &reference) in references.iter().enumerate() {
             let entry = declaration.by_reference(reference).filter(|_| reference != TIME);
             let Some(entry) = entry.filter(|e| e.element.is_none() && e.row.kind == Kind::Real) else {

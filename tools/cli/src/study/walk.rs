@@ -1,7 +1,7 @@
 //! `motor-fmu steady --load`: a motor under the periodic load of a gait.
 
+use super::{SteadyArgs, rounded, write};
 use crate::Failure;
-use crate::study::{SteadyArgs, rounded, write};
 use ::study::reproduce::significant;
 use ::study::walk::{Periodic, Walked, continuous_support, walk};
 use present::figure::{Axis, Figure};

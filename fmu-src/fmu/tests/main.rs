@@ -1,0 +1,17 @@
+//! All integration tests of the C interface, in one program.
+
+mod common;
+mod counting;
+#[path = "common/fuzz.rs"]
+mod fuzzing;
+
+mod allocation;
+mod arrays;
+mod exchange;
+mod fmi2;
+mod fmi3;
+mod fuzz;
+mod memory;
+mod remembered;
+mod stepping;
+mod terms;

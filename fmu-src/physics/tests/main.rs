@@ -1,0 +1,18 @@
+//! All integration tests of the models, in one program: physics is linked once.
+
+mod common;
+#[path = "common/walker.rs"]
+mod walker;
+
+mod accuracy;
+mod actuator_and_gait;
+mod books;
+mod brushed_gearmotor;
+mod cooling_values;
+mod effects;
+mod limits;
+mod network;
+mod short_cuts;
+mod states;
+mod terms;
+mod warm_start;

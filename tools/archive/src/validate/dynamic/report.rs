@@ -1,0 +1,119 @@
+//! What the child process reports to the parent: events, and findings of the stages.
+
+use std::cell::{Cell, RefCell};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::facts::Variable;
+use crate::validate::finding::short;
+use crate::validate::rules::Rule;
+
+/// A message of the child process to the parent, one line each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Event {
+    /// A stage begins: its number and its description.
+    Begin(usize, String),
+    /// Calls still return; sent now and then, so that a slow FMU does not count as hung.
+    Alive,
+    /// Something was found.
+    Seen(Observation),
+    /// All stages are complete.
+    End,
+}
+
+/// A finding before the parent adds severity and section.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Observation {
+    /// Code of the rule.
+    pub code: String,
+    /// `modelDescription.xml:12` or the library's name in the archive.
+    pub place: String,
+    /// The sentence.
+    pub message: String,
+}
+
+/// A finding that ends its stage.
+#[derive(Debug)]
+pub(super) struct Fault {
+    pub(super) rule: &'static Rule,
+    pub(super) place: String,
+    pub(super) message: String,
+}
+
+impl Fault {
+    pub(super) fn new(rule: &'static Rule, place: &str, message: impl Into<String>) -> Fault {
+        Fault { rule, place: place.to_owned(), message: message.into() }
+    }
+
+    /// Adds the variable that was set or read.
+    pub(super) fn about(mut self, variable: &Variable, values: &[f64]) -> Fault {
+        self.place.clone_from(&variable.place);
+        self.message += &match values {
+            [] => format!(" (variable \"{}\")", short(&variable.name)),
+            [first, ..] => format!(" (variable \"{}\", value {first})", short(&variable.name)),
+        };
+        self
+    }
+}
+
+/// Least time between two signs of life.
+const PULSE: Duration = Duration::from_secs(1);
+
+/// The channel to the parent process.
+pub(super) struct Channel<'a> {
+    send: RefCell<&'a mut dyn FnMut(Event)>,
+    last: Cell<Instant>,
+}
+
+impl<'a> Channel<'a> {
+    pub(super) fn new(send: &'a mut dyn FnMut(Event)) -> Self {
+        Channel { send: RefCell::new(send), last: Cell::new(Instant::now()) }
+    }
+
+    pub(super) fn send(&self, event: Event) {
+        self.last.set(Instant::now());
+        (self.send.borrow_mut())(event);
+    }
+}
+
+/// Receives a sign of life whenever a call returns.
+pub(super) trait Pulse {
+    /// A call has returned.
+    fn alive(&self);
+}
+
+impl Pulse for Channel<'_> {
+    fn alive(&self) {
+        if self.last.get().elapsed() > PULSE {
+            self.send(Event::Alive);
+        }
+    }
+}
+
+/// Where stages put what they find.
+pub(super) struct Seen<'a> {
+    pub(super) channel: &'a Channel<'a>,
+    /// What has been reported already: the same fault may show in several stages.
+    reported: Vec<(&'static str, String)>,
+    pub(super) failed: bool,
+}
+
+impl<'a> Seen<'a> {
+    pub(super) fn new(channel: &'a Channel<'a>) -> Self {
+        Seen { channel, reported: Vec::new(), failed: false }
+    }
+
+    /// Reports a finding, unless it has been reported.
+    pub(super) fn add(&mut self, rule: &'static Rule, place: &str, message: impl Into<String>) {
+        let key = (rule.code, place.to_owned());
+        if self.reported.contains(&key) {
+            return;
+        }
+        self.reported.push(key);
+        self.failed = true;
+        let (code, place) = (rule.code.to_owned(), place.to_owned());
+        self.channel.send(Event::Seen(Observation { code, place, message: message.into() }));
+    }
+}

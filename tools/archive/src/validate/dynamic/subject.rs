@@ -1,0 +1,114 @@
+//! The FMU under test, and the run that others are compared with.
+
+use std::cell::OnceCell;
+
+use cosim::raw::{RawBinary, RawInstance, RawSetup};
+use cosim::{Archive, Log};
+
+use super::facts::{Facts, Interface};
+use super::report::{Fault, Pulse};
+use super::runs::{Rows, from_here, same};
+use super::session::{Session, Settings, name_of, words};
+use crate::validate::rules;
+
+/// What all stages share: the FMU and its declarations.
+pub(super) struct Subject<'a> {
+    pub(super) archive: &'a Archive,
+    pub(super) facts: &'a Facts,
+    pub(super) interface: &'a Interface,
+    pub(super) binary: RawBinary,
+    /// The archive's name of the library.
+    pub(super) place: String,
+    pub(super) base: BaseCell<'a>,
+    pub(super) pulse: &'a dyn Pulse,
+}
+
+impl<'a> Subject<'a> {
+    /// The base run, with which other runs are compared.
+    pub(super) fn base(&self) -> Result<&Base<'a>, Fault> {
+        if self.base.get().is_none() {
+            let _ = self.base.set(Base::new(self)?);
+        }
+        Ok(self.base.get().expect("it has just been set"))
+    }
+
+    /// A new instance, or `None` if the FMU refuses.
+    pub(super) fn try_instance(&self, name: &str, token: &str, log: &Log) -> Option<RawInstance> {
+        let setup = RawSetup { interface: self.interface.kind, token, name, event_mode: false };
+        self.binary.instantiate(&setup, log)
+    }
+
+    /// A new instance.
+    pub(super) fn instance(&self, name: &str) -> Result<Session<'a>, Fault> {
+        let log = Log::new();
+        let raw = self.try_instance(name, &self.facts.token, &log);
+        let words = words(&log);
+        match raw {
+            Some(raw) => Ok(Session {
+                raw,
+                facts: self.facts,
+                interface: self.interface,
+                pulse: self.pulse,
+                now: self.facts.start,
+                next: None,
+            }),
+            None => Err(Fault::new(
+                &rules::INSTANTIATE,
+                &self.place,
+                format!("The FMU refused to be instantiated for {}{words}", name_of(self.interface.kind)),
+            )),
+        }
+    }
+
+    /// A new instance with these settings, initialised and ready to step.
+    pub(super) fn started(&self, settings: &Settings) -> Result<Session<'a>, Fault> {
+        let mut session = self.instance("probe")?;
+        session.start(settings)?;
+        Ok(session)
+    }
+}
+
+/// A fresh instance's run.
+pub(super) fn fresh(subject: &Subject, settings: &Settings) -> Result<Rows, Fault> {
+    let mut session = subject.started(settings)?;
+    from_here(&mut session)
+}
+
+/// The base run: inputs away from their start values if the FMU takes that, so that something
+/// happens.
+pub(super) struct Base<'a> {
+    pub(super) settings: Settings<'a>,
+    pub(super) rows: Rows,
+    /// For each column whether a second instance gives it again.
+    pub(super) steady: Vec<bool>,
+}
+
+/// Made once for a subject.
+pub(super) type BaseCell<'a> = OnceCell<Base<'a>>;
+
+impl<'a> Base<'a> {
+    /// Two runs, and two more without inputs if those fail.
+    pub(super) fn new(subject: &Subject<'a>) -> Result<Base<'a>, Fault> {
+        let moved: Settings =
+            subject.facts.inputs().into_iter().map(|v| (v, vec![v.other_value(); v.size])).collect();
+        if !moved.is_empty()
+            && let Ok(base) = Self::with(subject, moved)
+            && base.rows.iter().flatten().all(|x| x.is_finite())
+        {
+            return Ok(base);
+        }
+        Self::with(subject, Vec::new())
+    }
+
+    fn with(subject: &Subject<'a>, settings: Settings<'a>) -> Result<Base<'a>, Fault> {
+        let rows = fresh(subject, &settings)?;
+        let again = fresh(subject, &settings)?;
+        let mut steady = vec![true; rows.first().map_or(0, Vec::len)];
+        for (a, b) in rows.iter().zip(&again) {
+            for (is_steady, (x, y)) in steady.iter_mut().zip(a.iter().zip(b)) {
+                *is_steady &= same(*x, *y);
+            }
+        }
+        Ok(Base { settings, rows, steady })
+    }
+}

@@ -1,0 +1,1 @@
+//! Benchmarks of the product: `cargo xtask bench`.

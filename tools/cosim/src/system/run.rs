@@ -1,0 +1,194 @@
+//! The run of a system: options, the fixed step, and the result. The variable step is in `variable_step.rs`.
+use super::System;
+use super::connections::resolve;
+use super::master::{Algorithm, Master, Outcome, Plan};
+use super::order::order;
+use super::parts::Parts;
+use super::power_bonds::PowerBond;
+use super::record::Record;
+use super::variable_step::{self, Control};
+use crate::grid::Grid;
+use crate::{Error, Log, Recording};
+use std::time::Instant;
+
+/// How to run a system. What is `None` comes from the system, then from its FMUs.
+#[derive(Clone, Debug, Default)]
+pub struct SystemOptions {
+    /// Start time (s), else 0.
+    pub start: Option<f64>,
+    /// Stop time (s), else 1 s after the start.
+    pub stop: Option<f64>,
+    /// Communication step (s), else the shortest that an FMU proposes, else a 500th of the time. With a tolerance it is
+    /// the first step.
+    pub step: Option<f64>,
+    /// Relative tolerance of the connected outputs: the step varies; each is taken once and repeated as two half steps.
+    pub tolerance: Option<f64>,
+    /// Settings `component.variable` or inputs of the system, as name and text; they win over the file's.
+    pub sets: Vec<(String, String)>,
+    /// How components see each other.
+    pub algorithm: Algorithm,
+    /// Hold all inputs constant during a step, also where an FMU takes input derivatives.
+    pub held_inputs: bool,
+    /// Communication points between rows of the recording; by default the least of 1, 2, 5, 10, 20, ... that keeps the
+    /// rows at 100,000.
+    pub every: Option<usize>,
+    /// Where the FMUs' messages go.
+    pub log: Log,
+}
+
+/// The result of a run.
+#[derive(Clone, Debug)]
+pub struct SystemRun {
+    /// The outputs of all components as `component.output`, then those of the system.
+    pub recording: Recording,
+    /// Power bonds: pairs of connections that carry power.
+    pub bonds: Vec<PowerBond>,
+    /// Warnings: inputs without a source, loops closed with a delay of one step.
+    pub notes: Vec<String>,
+    /// The component that asked for the end, if the run ended early.
+    pub ended_by: Option<String>,
+    /// Communication points between rows.
+    pub every: usize,
+    /// Names of the components in the order in which they step.
+    pub order: Vec<String>,
+    /// Rejected steps; 0 for a fixed step.
+    pub rejected: usize,
+    /// Input derivatives were set.
+    pub input_derivatives: bool,
+}
+
+/// Runs a system from start to stop.
+///
+/// At every communication point all connections are brought up to date, in an order in which values that pass through
+/// a component without a step in between arrive at once (but see [`Algorithm`]). Then all components step.
+/// `progress` gets the fraction of the time that is simulated, 0 ... 1, at most about 200 times.
+///
+/// # Errors
+/// A connection, a setting or a component that does not fit, with its place in the file; an algebraic loop; bad times;
+/// an FMU that refuses, with its own words.
+pub fn cosimulate(
+    system: &System,
+    options: &SystemOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<SystemRun, Error> {
+    let parts = system.parts();
+    let structure = parts.structure;
+    let connections = resolve(parts, &options.sets)?;
+    let order = order(parts, &connections)?;
+    let start = options.start.or(structure.start).unwrap_or(0.0);
+    let stop = options.stop.or(structure.stop).unwrap_or(start + 1.0);
+    let proposed = parts.archives.iter().filter_map(|a| a.description().default_experiment.step);
+    let step = options.step.or(structure.step).or(proposed.reduce(f64::min));
+    // A variable step does not keep to a grid.
+    let rigid = rigid(parts).filter(|_| options.tolerance.is_none());
+    let grid = Grid::new(start, stop, step, |span| span / 500.0, rigid)?;
+    if options.every == Some(0) {
+        return Err(Error::Option {
+            option: "every",
+            value: "0".to_owned(),
+            reason: "must be above 0".to_owned(),
+        });
+    }
+    if let Some(tolerance) = options.tolerance {
+        check_tolerance(parts, tolerance)?;
+    }
+
+    let started = Instant::now();
+    let plan = Plan {
+        algorithm: options.algorithm,
+        derivatives: !options.held_inputs,
+        start,
+        stop,
+        tolerance: options.tolerance,
+        log: options.log.clone(),
+    };
+    let mut master = Master::start(parts, &connections, &order, &plan)?;
+    let points = options.tolerance.is_none().then_some(grid.steps);
+    let mut record = Record::new(parts, &connections, points, options.every)?;
+    record.point(&mut master, start, false)?;
+    let outcome = match options.tolerance {
+        None => fixed(&mut master, &mut record, &grid, progress)?,
+        Some(tolerance) => {
+            let order = if master.has_derivatives() { 2 } else { 1 };
+            let control = Control { tolerance, order, first: grid.step, start, stop };
+            variable_step::run(&mut master, &mut record, &control, progress)?
+        }
+    };
+    master.terminate()?;
+    let input_derivatives = master.has_derivatives();
+    let bonds = master.bonds().bonds.clone();
+    drop(master);
+    let every = record.every;
+    let (times, columns) = record.columns(parts, &connections);
+    let name = |index: usize| structure.components[index].name.clone();
+    let sequence = match options.algorithm {
+        Algorithm::GaussSeidel => order.components,
+        Algorithm::Jacobi | Algorithm::JacobiDelayed => (0..structure.components.len()).collect(),
+    };
+    Ok(SystemRun {
+        recording: Recording {
+            model_name: structure.name.clone(),
+            ended_early: outcome.ended.map(|(_, t)| t),
+            times,
+            columns,
+            steps: outcome.steps,
+            seconds_wall: started.elapsed().as_secs_f64(),
+            messages: options.log.messages(),
+        },
+        bonds,
+        notes: connections.notes.into_iter().chain(order.notes).collect(),
+        ended_by: outcome.ended.map(|(index, _)| name(index)),
+        every,
+        order: sequence.into_iter().map(name).collect(),
+        rejected: outcome.rejected,
+        input_derivatives,
+    })
+}
+
+fn fixed(
+    master: &mut Master,
+    record: &mut Record,
+    grid: &Grid,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome, Error> {
+    let report_every = grid.steps.div_ceil(200).max(1);
+    for k in 0..grid.steps {
+        let (t, h) = grid.interval(k);
+        if let Some(component) = master.step(t, h)? {
+            return Ok(Outcome { steps: k, rejected: 0, ended: Some((component, t)) });
+        }
+        let steps = k + 1;
+        record.point(master, grid.point(steps), steps == grid.steps)?;
+        if steps % report_every == 0 || steps == grid.steps {
+            progress(steps as f64 / grid.steps as f64);
+        }
+    }
+    Ok(Outcome { steps: grid.steps, ..Outcome::default() })
+}
+
+/// A component that cannot vary its step.
+fn rigid(parts: Parts<'_>) -> Option<&str> {
+    let can = |index: &usize| {
+        parts.description(*index).co_simulation.as_ref().is_some_and(|c| c.can_handle_variable_step)
+    };
+    let index = (0..parts.archives.len()).find(|index| !can(index))?;
+    Some(&parts.structure.components[index].name)
+}
+
+/// A variable step needs FMUs that vary their step and go back.
+fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
+    let refuse =
+        |reason: String| Err(Error::Option { option: "tolerance", value: tolerance.to_string(), reason });
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        return refuse("must be above 0 and below 1".to_owned());
+    }
+    if let Some(name) = rigid(parts) {
+        return refuse(format!("asks for a variable step, and {name} cannot vary its step"));
+    }
+    for (archive, component) in parts.archives.iter().zip(&parts.structure.components) {
+        if !archive.description().co_simulation.as_ref().is_some_and(|c| c.can_get_and_set_state) {
+            return refuse(format!("asks for repeated steps, and {} cannot save its state", component.name));
+        }
+    }
+    Ok(())
+}

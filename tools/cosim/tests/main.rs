@@ -1,0 +1,16 @@
+//! All integration tests of the FMI client, in one program.
+
+mod common;
+#[path = "common/counting.rs"]
+mod counting;
+mod parts;
+
+mod allocation;
+mod archives;
+mod figures;
+mod instances;
+mod simulations;
+mod system_allocation;
+mod system_faults;
+mod system_ssp;
+mod systems;

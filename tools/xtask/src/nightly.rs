@@ -1,0 +1,35 @@
+//! `cargo xtask nightly`: everything of `cargo xtask test`, and what takes too long for every change.
+
+use crate::{
+    Outcome, bench, blind, cross, fuzz, importers, mutants,
+    stages::Stages,
+    test::{self, Extent},
+    workspace::Workspace,
+};
+
+/// A stage that is a command of its own.
+type Command = (&'static str, fn(&Workspace, &[String]) -> Outcome);
+
+/// What `test` leaves out, the quick ones first.
+const LONGER: [Command; 5] = [
+    ("fuzz", fuzz::run),
+    ("cross", cross::run),
+    ("importers", importers::run),
+    ("blind", blind::run),
+    ("bench", bench::run),
+];
+
+/// Runs all stages. Takes no arguments.
+pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
+    if let Some(extra) = arguments.first() {
+        return Err(format!("`nightly` takes no arguments, got {extra:?}"));
+    }
+    let mut stages = Stages::default();
+    test::common(workspace, Extent::Full, &mut stages);
+    stages.keeping("removals", || mutants::removal::summary(workspace));
+    stages.keeping("mutants", || mutants::all(workspace));
+    for (name, command) in LONGER {
+        stages.run(name, || command(workspace, &[]));
+    }
+    stages.finish()
+}
