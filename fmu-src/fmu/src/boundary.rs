@@ -34,7 +34,7 @@ pub unsafe fn enter(
 /// Logs why a call was refused.
 #[cold]
 fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
-    instance.log.tell(refused.status, &format!("{name}: {}", refused.message));
+    instance.log.send(refused.status, &format!("{name}: {}", refused.message));
     refused.status
 }
 
@@ -42,7 +42,7 @@ fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
 #[cold]
 fn fail(instance: &mut Instance, name: &str) -> Status {
     instance.enter_error_state();
-    instance.log.tell(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
+    instance.log.send(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
     Status::Error
 }
 
@@ -109,7 +109,7 @@ pub unsafe fn instantiate(instantiation: Instantiation) -> *mut c_void {
         Err(_) => Refused::error("internal failure."),
     };
     Log::new(instantiation.sink, &name, false)
-        .tell(refused.status, &format!("{}: {}", instantiation.function, refused.message));
+        .send(refused.status, &format!("{}: {}", instantiation.function, refused.message));
     std::ptr::null_mut()
 }
 
@@ -158,7 +158,7 @@ pub unsafe fn free_instance(handle: *mut c_void) {
         let instance = unsafe { &*handle.cast::<Instance>() };
         if instance.is_in_intermediate_update() {
             // The step continues after the callback, in memory that would be freed.
-            instance.log.tell(Status::Error, "an instance cannot be freed in intermediate update mode.");
+            instance.log.send(Status::Error, "an instance cannot be freed in intermediate update mode.");
             return;
         }
         // SAFETY: as above.

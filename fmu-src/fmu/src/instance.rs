@@ -246,7 +246,7 @@ impl Instance {
         Ok(())
     }
 
-    /// During initialization the model starts anew from what was set last.
+    /// In initialization mode the model is initialized again from the values that were set last.
     #[inline]
     fn settle(&mut self) -> Outcome {
         if self.mode == Mode::Initialization && self.unsettled {
@@ -288,7 +288,7 @@ impl Instance {
         if self.interface == Interface::ModelExchange {
             let sentence = self.model.ending();
             if let (Some(sentence), None) = (&sentence, &self.ended) {
-                self.log.tell(Status::Warning, sentence);
+                self.log.send(Status::Warning, sentence);
             }
             self.ended = sentence.map(|s| c_string(&s));
         }
@@ -299,7 +299,7 @@ impl Instance {
     pub fn unless_over(&self, function: &str, outcome: Outcome) -> Outcome {
         match outcome {
             Err(refused) if self.ended.is_some() => {
-                self.log.tell(Status::Warning, &format!("{function}: {}", refused.message));
+                self.log.send(Status::Warning, &format!("{function}: {}", refused.message));
                 Ok(())
             }
             outcome => outcome,

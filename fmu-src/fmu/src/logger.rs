@@ -52,7 +52,7 @@ pub enum Sink {
 pub struct Log {
     sink: Sink,
     instance: CString,
-    /// Whether events are told too; refusals and failures always are.
+    /// Whether events are logged; rejected calls and failures are always logged.
     pub on: bool,
 }
 
@@ -62,8 +62,8 @@ impl Log {
         Log { sink, instance: c_string(instance), on }
     }
 
-    /// Tells a message; [`Status::Ok`] is an event.
-    pub fn tell(&self, status: Status, message: &str) {
+    /// Logs a message; [`Status::Ok`] is an event.
+    pub fn send(&self, status: Status, message: &str) {
         if status == Status::Ok && !self.on {
             return;
         }

@@ -164,9 +164,9 @@ fn rollback_is_bitwise_in_memory_and_through_bytes() {
     }
 }
 
-/// What an input imposes is no state, and a node that is not there stands still; both keep what was put.
+/// States that an input imposes and states of absent nodes are constant; both keep the value that was set.
 #[test]
-fn states_without_use_stand_still() {
+fn unused_states_are_constant() {
     let start = [
         ("drive_mode", 3.0),
         ("mechanical_mode", 2.0),

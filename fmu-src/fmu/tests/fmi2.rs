@@ -315,7 +315,7 @@ fn choices_and_flags() {
     assert!(message[0].contains("drive_mode = 9") && message[0].contains("3 = current"), "{message:?}");
 }
 
-/// No step of any length makes the winding's heat run away beyond a double unnoticed.
+/// A thermal runaway to values beyond the range of a double is reported for every step size.
 #[test]
 fn a_step_without_solution_is_discarded_and_changes_nothing() {
     let motor = Motor2::instantiated("runaway");

@@ -84,7 +84,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn what_is_exported_beside_fmi_is_told() {
+    fn exports_other_than_fmi_functions_are_listed() {
         let folder = tempfile::tempdir().unwrap();
         let (source, library) = (folder.path().join("x.c"), folder.path().join("x.so"));
         std::fs::write(&source, "int fmi2Reset(void) { return 0; }\nint helper(void) { return 1; }\n")

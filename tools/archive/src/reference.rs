@@ -1,8 +1,8 @@
 //! Reference results that an archive carries, in the place and with the manifest of the layered standard FMI-LS-REF:
-//! a table of inputs that every importer can play, and what the native model answers.
+//! a table of inputs that every importer can apply, and the outputs of the native model.
 //!
 //! The excitation is the same for all models: one after the other, each input goes from its start value to its nominal value. Between two
-//! jumps inputs stand still, so that it does not matter whether an importer holds them or draws lines.
+//! steps the inputs are constant, so that the result does not depend on the importer's interpolation of inputs.
 
 use crate::native::Native;
 use describe::{Causality, DEFAULT_STEP, DEFAULT_STOP, Entry};

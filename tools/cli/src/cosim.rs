@@ -132,7 +132,7 @@ pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Tells on stderr what is odd, what the FMUs complained about, and whether one ended the run.
+/// Prints notes, messages of the FMUs, and an early end of the run to stderr.
 fn remarks(run: &SystemRun) {
     for note in &run.notes {
         eprintln!("note: {note}");

@@ -28,7 +28,7 @@ pub enum Step {
 pub struct Instance {
     name: String,
     raw: RawInstance,
-    /// Tells this instance's states from others'.
+    /// Distinguishes the states of this instance from those of other instances.
     id: u64,
     /// States of the FMU by slot; none where freed.
     states: Vec<RawState>,
@@ -118,7 +118,7 @@ impl Instance {
         self.call_optional(names, |f| f.exit_configuration.is_some(), RawInstance::exit_configuration)
     }
 
-    /// Tells the FMU its start time, stop time (s) and relative tolerance, and enters initialization mode.
+    /// Enters initialization mode with start time, stop time (s) and relative tolerance.
     ///
     /// # Errors
     /// [`Error::Call`], as for all calls below.

@@ -1,4 +1,4 @@
-//! What is wrong with a system is told in one sentence, with component, connector, file and line.
+//! Each error in a system description is one sentence with component, connector, file and line.
 use crate::common::sets;
 use crate::parts::*;
 use cosim::SystemOptions;
@@ -178,7 +178,7 @@ fn options_that_make_no_sense() {
 }
 
 #[test]
-fn a_tolerance_that_cannot_be_met_is_told() {
+fn a_tolerance_that_cannot_be_met_is_an_error() {
     let folder = Folder::new();
     // No step is that short: far below a billionth of the time.
     let options = SystemOptions {

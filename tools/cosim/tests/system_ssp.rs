@@ -196,7 +196,7 @@ fn settings_on_the_command_line_win() {
 }
 
 #[test]
-fn inputs_that_nobody_feeds_are_told() {
+fn unconnected_inputs_are_reported() {
     let without = SSD.replace("<ssv:Parameter name=\"n\"><ssv:Integer value=\"4\"/></ssv:Parameter>", "");
     assert_eq!(run(&without, &[]).notes, ["gain: n stays at its start value"]);
 }

@@ -369,9 +369,9 @@ mod tests {
         assert!(fit.rms < 1e-3 && fit.parameters.iter().all(|p| !p.at_limit));
     }
 
-    /// A heat capacity has no say in a steady state: it stays where it was, without a deviation.
+    /// A heat capacity has no effect on a steady state: it keeps its start value and has no standard deviation.
     #[test]
-    fn what_the_data_cannot_tell_is_said() {
+    fn a_parameter_that_the_data_do_not_identify_has_no_deviation() {
         let fit = problem(&["conductance.G_still", "thermal.C_w"]).fit().unwrap();
         assert!(fit.singular_values[1] < 1e-9 * fit.singular_values[0], "{:?}", fit.singular_values);
         let capacity = &fit.parameters[1];

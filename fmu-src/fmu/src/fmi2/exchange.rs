@@ -70,7 +70,7 @@ pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: Component) -> Status {
     unsafe { exchange(c, "fmi2EnterContinuousTimeMode", Instance::enter_continuous) }
 }
 
-/// Tells that a step is accepted; section 3.2.2.
+/// Completes an integrator step; section 3.2.2.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     c: Component,

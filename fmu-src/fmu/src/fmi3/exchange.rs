@@ -98,7 +98,7 @@ pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: InstanceHandle) -
     unsafe { exchange(instance, "fmi3EnterContinuousTimeMode", Instance::enter_continuous) }
 }
 
-/// Tells that a step is accepted.
+/// Completes an integrator step.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     instance: InstanceHandle,

@@ -194,7 +194,7 @@ impl Instance {
                 entry.name, slope.value, slope.error
             )));
         }
-        // What books miss is rounding, and the slope of rounding is none.
+        // An energy balance residual is rounding error: its derivative is zero.
         let known =
             |slope: &Slope| if slope.error > ROUNDING * slope.value.abs() { 0.0 } else { slope.value };
         Ok(found.iter().map(known).collect())

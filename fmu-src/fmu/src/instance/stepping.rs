@@ -1,11 +1,11 @@
 //! Co-Simulation steps of FMI 3 with event mode, early return and intermediate update.
 //!
-//! *Events* are what changes a discrete output, and what comes at a time that is known. A sector of commutation or a bridge that
-//! turns round changes nothing that an importer could see at once: the step takes these by itself, as it takes all of them
-//! where the importer has no event mode. A discrete output stands from one event to the next.
-//! *Early return*: at an event the step ends, found by halving to [`NEAR`] of the step, with the output on its new side.
-//! *Intermediate update*: a step is taken in [`PARTS`] equal parts, each accurate by itself, and after each the importer may read its
-//! intermediate variables, set continuous inputs, and end the step there or later. A step that fails in any part is undone.
+//! *Event*: a discrete output changes, or a time event occurs. A change of the commutation sector or of the bridge's current direction
+//! changes no output discontinuously: the step handles these internally, and it handles all events internally if the importer does
+//! not use event mode. A discrete output is constant between two events.
+//! *Early return*: the step ends at an event. The event time is located by bisection to [`NEAR`] of the step, just after the event.
+//! *Intermediate update*: a step is divided into [`PARTS`] equal parts, each within the tolerance. After each part the importer may
+//! read intermediate variables, set continuous inputs, and end the step there or later. If a part fails, the step is undone.
 //!
 //! Without these features the result is that of the plain step, bit for bit.
 

@@ -93,7 +93,7 @@ impl RawInstance {
         }
     }
 
-    /// `DoStep` from `t` to `t + h` (s); `no_rollback` tells the FMU that it never goes back before `t`.
+    /// `DoStep` from `t` to `t + h` (s); with `no_rollback` the FMU need not support a rollback to a time before `t`.
     #[inline]
     pub fn do_step(&mut self, t: f64, h: f64, no_rollback: bool) -> RawStep {
         match self.version() {
@@ -152,7 +152,7 @@ impl RawInstance {
         self.status(|f, h| f.set_state.map(|f| unsafe { f(h, state.0) }))
     }
 
-    /// Frees a saved state; the FMU must set its pointer to NULL, which [`RawState::is_none`] tells.
+    /// Frees a saved state; the FMU must set its pointer to NULL, see [`RawState::is_none`].
     pub fn free_state(&mut self, state: &mut RawState) -> Status {
         // SAFETY: see above.
         self.status(|f, h| f.free_state.map(|f| unsafe { f(h, &mut state.0) }))

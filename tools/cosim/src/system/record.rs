@@ -47,7 +47,7 @@ impl Record {
         })
     }
 
-    /// Told at each communication point; keeps a row if it is time for one, or if it is the `last`.
+    /// Called at each communication point; records a row at the output interval and at the `last` point.
     pub(crate) fn point(&mut self, master: &mut Master, t: f64, last: bool) -> Result<(), Error> {
         if self.points.is_multiple_of(self.every) || last {
             if self.room.is_some_and(|room| self.times.len() >= room) {

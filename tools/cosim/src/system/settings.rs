@@ -64,8 +64,8 @@ pub(crate) fn value(
     Ok((place, description.value_of(variable, &text)?))
 }
 
-/// What is wrong with a setting, and where it stands.
-pub(crate) fn told(component: &Component, setting: &Setting, asked: bool, error: Error) -> Error {
+/// Error of a setting, with its location.
+pub(crate) fn setting_error(component: &Component, setting: &Setting, asked: bool, error: Error) -> Error {
     if asked {
         return refused(setting, true, format!("is refused: {error}"));
     }

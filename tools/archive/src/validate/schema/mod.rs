@@ -1,7 +1,7 @@
-//! The FMI schema files as tables, and the one walker that holds a document against them.
+//! The FMI schema files as tables, and the function that checks a document against them.
 //!
-//! The tables say what the XSDs of the standards say: which attributes, of which type, which children, in which
-//! order and how often. Every content model of the FMI schemas is a sequence of slots; a slot is one element or a
+//! The tables contain the rules of the XSD files of the standards: attributes and their types, child elements, their
+//! order and multiplicity. Every content model of the FMI schemas is a sequence of slots; a slot is one element or a
 //! choice of elements, repeated within limits.
 
 pub(crate) mod build;
