@@ -22,20 +22,25 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// One way to break the code.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Mutant {
-    /// What to call it on the command line.
-    name: &'static str,
-    /// The crates whose tests must notice.
-    noticed_by: &'static [&'static str],
-    /// The file, from the root of the workspace.
-    file: &'static str,
+    /// Name on the command line.
+    name: String,
+    /// The file, from the root of the workspace; the tests of its crate must notice.
+    file: String,
     /// An expression that occurs there exactly once.
-    text: &'static str,
+    text: String,
     /// What to put in its place.
-    replacement: &'static str,
+    replacement: String,
     /// What is wrong then.
-    breaks: &'static str,
+    breaks: String,
+}
+
+impl Mutant {
+    /// The crate of the file.
+    fn package(&self) -> &str {
+        self.file.split('/').nth(1).unwrap_or_default()
+    }
 }
 
 /// What the tests say of a mutant.
@@ -73,7 +78,7 @@ pub fn changed(workspace: &Workspace) -> (Vec<String>, Outcome) {
         Ok(files) => files,
         Err(sentence) => return (Vec::new(), Err(sentence)),
     };
-    let chosen: Vec<&Mutant> = table::all().filter(|m| files.contains(m.file)).collect();
+    let chosen: Vec<&Mutant> = table::all().filter(|m| files.contains(&m.file)).collect();
     if chosen.is_empty() {
         let closing = format!(
             "no file that has mutants differs from main, so none of the {} is run; `cargo xtask nightly` runs all",
@@ -106,7 +111,12 @@ fn summary(workspace: &Workspace, chosen: &[&Mutant]) -> (Vec<String>, Outcome) 
         Err(sentence) => (Vec::new(), Err(sentence)),
         Ok(verdicts) => {
             let of = |wanted: Verdict| -> Vec<&str> {
-                chosen.iter().zip(&verdicts).filter(|(_, v)| **v == wanted).map(|(m, _)| m.name).collect()
+                chosen
+                    .iter()
+                    .zip(&verdicts)
+                    .filter(|(_, v)| **v == wanted)
+                    .map(|(m, _)| m.name.as_str())
+                    .collect()
             };
             let closing = format!("{} of {} mutants noticed", of(Verdict::Noticed).len(), chosen.len());
             let mut wrong = Vec::new();
@@ -124,7 +134,7 @@ fn summary(workspace: &Workspace, chosen: &[&Mutant]) -> (Vec<String>, Outcome) 
 fn judge(workspace: &Workspace, chosen: &[&Mutant]) -> Outcome<Vec<Verdict>> {
     let copy = Copy::of(workspace, "mutants")?;
     schema::apply(copy.root(), chosen)?;
-    let packages: BTreeSet<&str> = chosen.iter().flat_map(|m| m.noticed_by).copied().collect();
+    let packages: BTreeSet<&str> = chosen.iter().map(|m| m.package()).collect();
     shell::stage(&format!("mutants: compiling {} of them into {:?}", chosen.len(), packages));
     let mut programs = compile(workspace, copy.root(), &packages)?;
     shell::stage("mutants: the tests must pass without a mutant");
@@ -153,10 +163,10 @@ fn judge(workspace: &Workspace, chosen: &[&Mutant]) -> Outcome<Vec<Verdict>> {
     Ok(verdicts)
 }
 
-/// Runs the programs of the mutant's crates until one notices.
+/// Runs the programs of the mutant's crate until one notices.
 fn verdict(mutant: &Mutant, number: usize, programs: &[Program]) -> Outcome<Verdict> {
     let mut worst = Verdict::Survived;
-    for program in programs.iter().filter(|p| mutant.noticed_by.contains(&p.package.as_str())) {
+    for program in programs.iter().filter(|p| p.package == mutant.package()) {
         // A mutant may slow a loop down or make it endless.
         match run_one(program, number, 5 * program.time + Duration::from_secs(30))? {
             Verdict::Noticed => return Ok(Verdict::Noticed),
@@ -184,8 +194,8 @@ fn choose(names: &[String]) -> Outcome<Vec<&'static Mutant>> {
         return Ok(table::all().collect());
     }
     let find = |name: &String| {
-        table::all().find(|m| m.name == name).ok_or_else(|| {
-            let known: Vec<&str> = table::all().map(|m| m.name).collect();
+        table::all().find(|m| m.name == *name).ok_or_else(|| {
+            let known: Vec<&str> = table::all().map(|m| m.name.as_str()).collect();
             format!("there is no mutant {name:?}; there are {}", known.join(", "))
         })
     };
@@ -244,10 +254,7 @@ mod tests {
         }
         for mutant in table::all() {
             assert_ne!(mutant.text, mutant.replacement, "{}", mutant.name);
-            assert!(!mutant.noticed_by.is_empty(), "{}", mutant.name);
-            for package in mutant.noticed_by {
-                assert!(workspace.packages.iter().any(|p| p.name == *package), "{package}");
-            }
+            assert!(workspace.packages.iter().any(|p| p.name == mutant.package()), "{}", mutant.file);
         }
     }
 
@@ -264,7 +271,7 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_an_unknown_one_is_an_error() {
-        let names: BTreeSet<&str> = table::all().map(|m| m.name).collect();
+        let names: BTreeSet<&str> = table::all().map(|m| m.name.as_str()).collect();
         assert_eq!(names.len(), table::all().count());
         assert!(choose(&["no-such-mutant".into()]).unwrap_err().contains("no-such-mutant"));
     }

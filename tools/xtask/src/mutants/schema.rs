@@ -34,7 +34,7 @@ fn choose() -> usize {
 pub fn by_file<'a>(chosen: &[&'a Mutant]) -> BTreeMap<&'a str, Vec<(usize, &'a Mutant)>> {
     let mut files: BTreeMap<&str, Vec<(usize, &Mutant)>> = BTreeMap::new();
     for (k, mutant) in chosen.iter().enumerate() {
-        files.entry(mutant.file).or_default().push((k + 1, mutant));
+        files.entry(&mutant.file).or_default().push((k + 1, mutant));
     }
     files
 }
@@ -64,10 +64,10 @@ pub fn apply(root: &Path, chosen: &[&Mutant]) -> Outcome {
 pub fn mutated(source: &str, mutants: &[(usize, &Mutant)]) -> Outcome<String> {
     let mut places = Vec::new();
     for (number, mutant) in mutants {
-        let found: Vec<usize> = source.match_indices(mutant.text).map(|(at, _)| at).collect();
+        let found: Vec<usize> = source.match_indices(&mutant.text).map(|(at, _)| at).collect();
         let [at] = found.as_slice() else {
             return Err(format!(
-                "mutant {}: {:?} occurs {} times in {}, not once; bring tools/xtask/src/mutants/table.rs up to date",
+                "mutant {}: {:?} occurs {} times in {}, not once; bring tools/xtask/src/mutants/table.toml up to date",
                 mutant.name,
                 mutant.text,
                 found.len(),
@@ -99,8 +99,9 @@ pub fn mutated(source: &str, mutants: &[(usize, &Mutant)]) -> Outcome<String> {
 mod tests {
     use super::*;
 
-    fn mutant(name: &'static str, text: &'static str, replacement: &'static str) -> Mutant {
-        Mutant { name, noticed_by: &["a"], file: "a/src/a.rs", text, replacement, breaks: "the direction" }
+    fn mutant(name: &str, text: &str, replacement: &str) -> Mutant {
+        let [name, text, replacement] = [name, text, replacement].map(String::from);
+        Mutant { name, file: "tools/a/src/a.rs".into(), text, replacement, breaks: "the direction".into() }
     }
 
     #[test]
