@@ -7,7 +7,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-/// Runs an operation on the instance behind a handle; refusals and panics become a log line and a status.
+/// Runs an operation on the instance of a handle; an error or a panic becomes a log message and a status.
 ///
 /// # Safety
 /// `handle` is NULL or a live instance of this library.
@@ -23,7 +23,7 @@ pub unsafe fn enter(
     // SAFETY: by contract; instances are not shared between threads during a call (FMI 2 section 2.1.1, FMI 3
     // section 2.2.1).
     let instance = unsafe { &mut *handle.cast::<Instance>() };
-    // Judged where it arises, a good outcome is no more than its status.
+    // The outcome is converted here, so that the success path only returns the status.
     let judged = catch_unwind(AssertUnwindSafe(|| match operation(&mut *instance) {
         Ok(()) => Status::Ok,
         Err(refused) => refuse(instance, name, &refused),
@@ -46,10 +46,10 @@ fn fail(instance: &mut Instance, name: &str) -> Status {
     Status::Error
 }
 
-/// An array that is not there.
+/// A missing array.
 #[cold]
 fn missing(n: usize, what: &str) -> Refused {
-    Refused::error(format!("{what} is NULL though {n} elements are announced."))
+    Refused::error(format!("{what} is NULL although its length is {n}."))
 }
 
 /// Arguments of an instantiation.
@@ -78,7 +78,7 @@ pub struct Instantiation {
     pub unsupported: Option<String>,
 }
 
-/// Makes an instance and hands it to the importer; NULL and a message where that fails.
+/// Creates an instance and returns its handle; on failure NULL and a log message.
 ///
 /// # Safety
 /// The texts are NULL or end in zero.
@@ -148,10 +148,10 @@ macro_rules! life_cycle {
     )*};
 }
 
-/// Takes an instance back and drops it.
+/// Frees an instance.
 ///
 /// # Safety
-/// As [`enter`]; the handle is dead afterwards.
+/// As [`enter`]; the handle is invalid afterwards.
 pub unsafe fn free_instance(handle: *mut c_void) {
     if !handle.is_null() {
         // SAFETY: by contract the handle came from `instantiate`.
@@ -195,7 +195,7 @@ pub unsafe fn array_mut<'a, T>(pointer: *mut T, n: usize, what: &str) -> Outcome
     }
 }
 
-/// The place behind `pointer`.
+/// The variable at `pointer`.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to a writable place.
@@ -205,7 +205,7 @@ pub unsafe fn place<'a, T>(pointer: *mut T, what: &str) -> Outcome<&'a mut T> {
     unsafe { pointer.as_mut() }.ok_or_else(|| Refused::error(format!("{what} is NULL.")))
 }
 
-/// Writes `value` where the importer gave a place for it.
+/// Writes `value` to `pointer` unless it is NULL.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to a writable place.

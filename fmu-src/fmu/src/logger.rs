@@ -6,15 +6,15 @@ use std::ffi::{CString, c_char, c_int, c_void};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// All well.
+    /// Success.
     Ok = 0,
-    /// Done, with something to say.
+    /// Success, with a message.
     Warning = 1,
-    /// Not done: the value or the step is refused. Nothing has changed.
+    /// The value or the step is rejected. The instance is unchanged.
     Discard = 2,
-    /// Not done: the call is not allowed, or the model has failed. Nothing has changed.
+    /// The call is not allowed, or the model has failed. The instance is unchanged.
     Error = 3,
-    /// The instance is lost.
+    /// The instance cannot be used any more.
     Fatal = 4,
 }
 

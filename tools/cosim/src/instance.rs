@@ -15,7 +15,7 @@ type Names = [&'static str; 2];
 pub enum Step {
     /// At `t + h`.
     Done,
-    /// The FMU asks for the end of the simulation.
+    /// The FMU requests the end of the simulation.
     Terminated,
 }
 

@@ -1,4 +1,4 @@
-//! What the validator reports, and the list it is collected in.
+//! Findings of the validator, and their list.
 
 use std::collections::HashMap;
 

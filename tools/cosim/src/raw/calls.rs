@@ -23,9 +23,9 @@ impl RawState {
 pub struct RawStep {
     /// The status of the call.
     pub status: Status,
-    /// The FMU asks for the end of the simulation.
+    /// The FMU requests the end of the simulation.
     pub terminated: bool,
-    /// FMI 3: the FMU asks for event mode.
+    /// FMI 3: the FMU requests event mode.
     pub event: bool,
     /// FMI 3: the FMU stopped before the end of the step.
     pub early: bool,
@@ -102,7 +102,7 @@ impl RawInstance {
                     // SAFETY: see above.
                     f.do_step2.map(|step| unsafe { step(instance, t, h, no_rollback.into()) })
                 });
-                // FMI 2 has no other way to ask for the end than to discard the step.
+                // In FMI 2 an FMU can request the end only by discarding the step.
                 let terminated = status == Status::Discard && self.wants_to_end();
                 let status = if terminated { Status::Ok } else { status };
                 RawStep { status, terminated, event: false, early: false, reached: None }
@@ -123,7 +123,7 @@ impl RawInstance {
         }
     }
 
-    /// Whether the FMU discarded a step because it wants the simulation to end.
+    /// Whether the FMU discarded a step to request the end of the simulation.
     #[cold]
     fn wants_to_end(&mut self) -> bool {
         const TERMINATED: i32 = 3;

@@ -56,7 +56,8 @@ pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Co
     for Given { setting, asked, used } in &mut given {
         let Some((index, name)) = owner(structure, &setting.name) else { continue };
         let set = value(parts.description(index), name, setting, None);
-        connections.put(index, set.map_err(|e| setting_error(&structure.components[index], setting, *asked, e))?);
+        connections
+            .put(index, set.map_err(|e| setting_error(&structure.components[index], setting, *asked, e))?);
         *used = true;
     }
     for (index, connection) in structure.connections.iter().enumerate() {

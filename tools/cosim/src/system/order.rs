@@ -157,8 +157,7 @@ impl<'a> Graph<'a> {
         (read, set, rounds)
     }
 
-    /// Components with sources before those that pass their values on, or that input nobody; otherwise in the order of
-    /// the file.
+    /// Source components before those that depend on them; otherwise in the order of the file.
     fn components(&self) -> Vec<usize> {
         let count = self.parts.structure.components.len();
         let (outputs, inputs) = (&self.connections.outputs, &self.connections.inputs);

@@ -1,8 +1,8 @@
 //! The writer of SSP 1.0: `SystemStructure.ssd` with everything inline, and the FMUs below `resources`.
 //!
-//! Other tools read less than the standard has, so the file keeps to what they agree on: the usual prefixes; inputs are
-//! connectors only where something inputs them; values of enumerations are whole numbers, as FMI 2 sets them; units are
-//! those of the FMUs; a step size stands in an annotation that other masters read as well.
+//! Other tools support only a part of the standard, so the file uses the common part: the usual prefixes; only connected inputs are
+//! connectors; values of enumerations are integers, as in FMI 2; units are those of the FMUs; the step size is in an
+//! annotation that other masters read as well.
 use super::connections::{Connections, resolve};
 use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};

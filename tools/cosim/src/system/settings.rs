@@ -1,4 +1,4 @@
-//! Values for parameters and inputs: whose they are, in which unit, and what is wrong with them.
+//! Values for parameters and inputs: component, unit, and errors.
 use super::ends::named;
 use super::structure::{Component, Place, Setting, Structure};
 use super::units::{Affine, conversion, unit_of};
@@ -7,9 +7,9 @@ use crate::{Error, ModelDescription, Unit, Value};
 /// A setting with its origin.
 pub(crate) struct Given {
     pub(crate) setting: Setting,
-    /// Asked for on the command line, and not in the file.
+    /// Given on the command line, not in the file.
     pub(crate) asked: bool,
-    /// Somebody took it.
+    /// The setting was applied.
     pub(crate) used: bool,
 }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(crate) const MAIN: &str = "SystemStructure.ssd";
 /// MIME type of a component that is an FMU.
 pub(crate) const FMU: &str = "application/x-fmu-sharedlibrary";
-/// Type of the annotation that holds a step size, which SSP 1.0 itself has no place for.
+/// Type of the annotation with the step size, for which SSP 1.0 has no element.
 pub(crate) const STEP_ANNOTATION: &str = "com.opensimulationplatform";
 
 /// Unpacks and reads the package at `path`.

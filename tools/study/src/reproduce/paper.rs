@@ -72,11 +72,11 @@ pub struct Temperatures {
     pub power_W: Vec<f64>,
     /// Measured less the line T = a + b P of least squares, K, at each duty.
     pub residuals_K: Vec<f64>,
-    /// Rise of a truly adiabatic box of 95 J/K by the work at full duty, K.
+    /// Temperature rise of an adiabatic box of 95 J/K by the work at full duty, K.
     pub adiabatic_rise_K: f64,
     /// Winding temperature of the native model after 900 s at each duty, degC, each run from ambient.
     pub simulated_degC: Option<Vec<f64>>,
-    /// What follows.
+    /// Conclusion.
     pub finding: String,
 }
 
@@ -141,9 +141,9 @@ pub struct Paper {
     pub compared: Vec<Compared>,
     /// Every published number.
     pub rows: Vec<Row>,
-    /// Which statements hold and which do not.
+    /// Assessment of the paper's statements.
     pub conclusion: String,
-    /// Why the native model is not there, where it is not.
+    /// Reason why the native model is not available; empty otherwise.
     pub absent: Option<String>,
 }
 
@@ -238,7 +238,7 @@ fn compared(runs: &[Run]) -> Vec<Compared> {
     .to_vec()
 }
 
-/// How a row's simulated value came about.
+/// Origin of a row's simulated value.
 fn basis(compared: &[Compared], quantity: &str) -> Basis {
     let used = compared.iter().any(|c| c.quantity == quantity && c.used_in_fit);
     if used { Basis::Fitted } else { Basis::Predicted }
@@ -300,7 +300,7 @@ fn temperatures(simulated: &Result<Vec<Run>, String>, work: &Parts) -> Temperatu
     let adiabatic = work.total / native::BOX_CAPACITY;
     let ratio = points[4].0 / points[0].0;
     let finding = format!(
-        "heating power rises {ratio:.1} times from 20 to 100 % while the winding is said to have two temperatures, \
+        "heating power rises {ratio:.1} times from 20 to 100 % while the paper states two winding temperatures, \
          {} and {} degC; the best line in power is off by up to {worst:.1} K, and an adiabatic box of {} J/K \
          has no plateau but a rise of {adiabatic:.1} K in 900 s.",
         PLATEAUS.0,

@@ -76,7 +76,7 @@ impl CaseResult {
         self.r_ha(self.T_w_leave_one_out_K)
     }
 
-    /// Enters what the model says of the test: fitted to all tests, untuned, fitted to the others.
+    /// Adds the model's values for the test: fitted to all tests, untuned, fitted to the others.
     fn predict(&mut self, fitted: Option<f64>, untuned: Option<f64>, left_out: Option<f64>) {
         (self.T_w_model_K, self.T_w_untuned_K, self.T_w_leave_one_out_K) = (fitted, untuned, left_out);
         self.R_ha_model = self.r_ha(fitted);
@@ -87,7 +87,7 @@ impl CaseResult {
     }
 }
 
-/// What the published annulus model gives.
+/// Results of the published annulus model.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(non_snake_case)] // the keys of the JSON contract
 pub struct Published {
@@ -118,13 +118,13 @@ pub struct Thesis {
     pub rows: Vec<Row>,
     /// The answer to the thesis's question, computed from the cases.
     pub conclusion: String,
-    /// What the calibrated model predicts for a test that it was not calibrated with.
+    /// Predictions of the calibrated model for tests that were not used in the calibration.
     pub leave_one_out: Option<Vec<LeftOut>>,
-    /// What the eight tests determine of the fitted parameters.
+    /// Identifiability of the fitted parameters from the eight tests.
     pub identifiability: Option<Fit>,
     /// The same in sentences: which parameters are determined, which only together, which not at all.
     pub findings: Vec<String>,
-    /// Why the native model is not there, where it is not.
+    /// Reason why the native model is not available; empty otherwise.
     pub absent: Option<String>,
 }
 

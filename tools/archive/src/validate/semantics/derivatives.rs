@@ -198,7 +198,7 @@ fn check_unit(
     }
 }
 
-/// A derivative of a local variable that Model Exchange does not list is a state that nobody integrates.
+/// A derivative of a local variable that is not listed for Model Exchange is a state that is not integrated.
 fn check_unlisted(model: &Model, out: &mut Findings) {
     if !model.has("ModelExchange") {
         return;

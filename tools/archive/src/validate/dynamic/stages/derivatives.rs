@@ -140,7 +140,8 @@ pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> 
             largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
         }
         for (((value, slope), series), largest) in pairs.iter().zip(series).zip(&largest) {
-            if let Some((k, given, measured)) = series.disagrees(&look, *largest, |x| noise(facts, value, x)) {
+            if let Some((k, given, measured)) = series.disagrees(&look, *largest, |x| noise(facts, value, x))
+            {
                 let message = format!(
                     "Variable \"{}\" is declared to be the derivative of \"{}\", but from t = {} s on it is {given} while \"{}\" changes by {measured} per second",
                     short(&slope.name),

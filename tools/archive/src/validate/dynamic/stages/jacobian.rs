@@ -1,4 +1,4 @@
-//! Partial derivatives against differences, and what depends on what.
+//! Partial derivatives compared with difference quotients, and declared dependencies.
 
 use std::time::{Duration, Instant};
 
@@ -16,7 +16,7 @@ use crate::validate::rules;
 /// Relative size of a difference's step, and what a derivative may be off.
 const STEP: f64 = 1e-5;
 const SHARE: f64 = 1e-3;
-/// Columns are looked at for this long.
+/// Time limit of the comparison of columns.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// One scalar that moves: an element of an input or of a state.
@@ -90,7 +90,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             break;
         }
         let Some(column) = point.column(known) else {
-            // Refused at one side: a limit, or a point that the model does not have.
+            // Rejected on one side: a limit, or a point outside the model's domain.
             point.session = subject.started(&subject.base()?.settings)?;
             continue;
         };
@@ -112,7 +112,7 @@ impl<'a> Point<'_, 'a> {
         (references, self.unknowns.iter().map(|(_, v)| v.size).sum())
     }
 
-    /// All unknowns with one known moved by `by`.
+    /// All unknowns with one known changed by `by`.
     fn values(&mut self, known: &Known<'a>, by: f64) -> Option<Vec<f64>> {
         match known.state {
             Some(index) => {
@@ -273,7 +273,7 @@ fn dependencies(
         }
         if let Some(i) = elements.into_iter().find(|i| column.moves(*i, unknown.nominal)) {
             let message = format!(
-                "Variable \"{}\" depends on \"{}\" (it moves by {} per unit), which its list of dependencies does not have",
+                "Variable \"{}\" depends on \"{}\" (derivative {}), which is missing in its list of dependencies",
                 short(&unknown.name),
                 short(&known.variable.name),
                 column.near[i]
