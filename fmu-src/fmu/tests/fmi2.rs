@@ -182,7 +182,7 @@ fn the_life_cycle_is_enforced() {
         assert_eq!(fmi2ExitInitializationMode(motor.0), Status::Ok);
         assert_eq!(motor.step(2.0, 1e-3), Status::Ok);
         assert_eq!(motor.step(2.001, 1e-3), Status::Ok);
-        assert_eq!(motor.step(2.002, 1e-3), Status::Error, "past the announced stop time");
+        assert_eq!(motor.step(2.002, 1e-3), Status::Error, "past the stop time");
         let mut time = 0.0;
         assert_eq!(fmi2GetRealStatus(motor.0, 2, &mut time), Status::Ok);
         assert!((time - 2.002).abs() < 1e-12);

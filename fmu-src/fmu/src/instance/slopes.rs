@@ -71,7 +71,7 @@ impl Instance {
             let shown =
                 entry.row.causality == Causality::Output || entry.is_intermediate() && !entry.is_settable();
             if !shown {
-                return Err(Refused::error(format!("{} is no output.", entry.name)));
+                return Err(Refused::error(format!("{} is not an output.", entry.name)));
             }
             self.require_to_read(entry)?;
             if order != 1 {

@@ -71,7 +71,7 @@ impl Lines<'_> {
                 Value::Float(number) => number.to_string(),
                 Value::Boolean(flag) => flag.to_string(),
                 _ => {
-                    return Err(place.fault(format!("{} is no number, text or Boolean", name.get_ref())));
+                    return Err(place.fault(format!("{} is not a number, text or Boolean", name.get_ref())));
                 }
             };
             settings.push(Setting { name: name.into_inner(), text, unit: None, place });
@@ -214,7 +214,7 @@ fmu = "b.fmu"
             ),
             (
                 &format!("[system]\nname = \"s\"\n{component}[component.set]\np = [1]\n"),
-                "s.toml, line 7: p is no number, text or Boolean",
+                "s.toml, line 7: p is not a number, text or Boolean",
             ),
         ] {
             assert_eq!(parse(text, "s.toml", Path::new("")).unwrap_err().to_string(), expected);
