@@ -34,7 +34,7 @@ GOAL_SHARE, GOAL_K = 0.2, 12.0
 
 
 def figures(value: float, digits: int = 3) -> float:
-    """A number to so many digits: more would be the arithmetic of one machine."""
+    """A number rounded to significant digits, so that rounding errors of the machine do not change it."""
     return float(f"{value:.{digits}g}")
 
 

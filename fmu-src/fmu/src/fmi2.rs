@@ -344,7 +344,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, _kind: c_int, _value
     unsafe { enter(c, "fmi2GetIntegerStatus", |_| nothing_pending()) }
 }
 
-/// Whether the model asks to end; section 4.2.3. It does where a step would lead beyond a limit of validity.
+/// Whether the model requests the end of the simulation (at a limit of validity); section 4.2.3.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status {
     unsafe {

@@ -214,7 +214,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Arrays of FMI 3 have as many elements as the parameter says; what FMI 2 lists stays listed.
+    /// In FMI 3 the parameter gives the number of elements of arrays; in FMI 2 the list of variables is fixed.
     fn count(&mut self) {
         if self.standard == Standard::Three {
             self.elements = counted(self.model.as_mut());

@@ -1,4 +1,4 @@
-//! FMI 3 arrays: the segments of the housing, as many as a structural parameter says.
+//! FMI 3 arrays: the segments of the housing, whose number is a structural parameter.
 
 use crate::common::three::Three;
 use crate::common::vr;

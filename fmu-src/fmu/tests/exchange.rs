@@ -93,7 +93,7 @@ fn the_life_cycle_is_enforced() {
     }
 }
 
-/// What is read follows from what was put, whatever was put and read before.
+/// The values read depend only on the values set, not on earlier calls.
 #[test]
 fn readings_have_no_history() {
     for kind in models() {
@@ -145,7 +145,7 @@ fn rollback_is_bitwise_in_memory_and_through_bytes() {
             assert_eq!(me.all(), before);
             me.put(0.25, &elsewhere(&x, 2.0));
             let on = me.all();
-            // An instance that was never elsewhere takes the bytes and goes on as this one does.
+            // A new instance continues from the serialized state as this one does.
             let fresh = Exchanged::instantiated(kind);
             assert_eq!(fmi2SetFMUstate(fresh.c, copy), Status::Ok);
             fresh.put(0.25, &elsewhere(&x, 2.0));

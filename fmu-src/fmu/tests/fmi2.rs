@@ -278,7 +278,7 @@ fn damaged_bytes_are_refused() {
     said("bytes");
 }
 
-/// A slope holds for one step; the input then stands where it has led.
+/// An input derivative applies to one step; afterwards the input keeps its end value.
 #[test]
 fn slopes_hold_for_one_step() {
     let motor = Motor2::initialized("ramp");
@@ -353,7 +353,7 @@ fn null_handles_and_wrong_tokens() {
     }
 }
 
-/// The C interface adds nothing and takes nothing: the model itself gives the same bits.
+/// The C interface does not change values: the native model gives the same bits.
 #[test]
 fn the_native_model_gives_the_same_bits() {
     let motor = Motor2::initialized("native");
@@ -378,7 +378,7 @@ fn native_slot(name: &str) -> physics::model::Slot {
     (physics::models::ALL[0].declaration)().by_name(name).unwrap().slot
 }
 
-/// A panic inside becomes a status; the instance then takes reset and free and nothing else.
+/// A panic becomes status Error; afterwards the instance accepts reset and free only.
 #[test]
 fn a_panic_does_not_cross_the_interface() {
     let motor = Motor2::initialized("panic");

@@ -46,7 +46,7 @@ fn step(motor: &Motor2, k: u32) {
     assert_eq!(motor.step(f64::from(k) * 1e-3, 1e-3), Status::Ok);
 }
 
-/// A motor that is driven list by list is one that is driven variable by variable, whatever other lists come between.
+/// Setting variables in lists gives the same result as setting them one by one, also with other lists in between.
 #[test]
 fn a_list_that_is_known_is_that_of_its_variables() {
     let (lists, single) = (Motor2::initialized("lists"), Motor2::initialized("single"));

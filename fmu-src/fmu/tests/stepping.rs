@@ -165,12 +165,12 @@ fn an_event_is_saved_and_restored() {
     }
 }
 
-/// What the callback does and sees.
+/// Actions of the callback, and the values that it reads.
 struct Looker {
     motor: *mut c_void,
     /// Set in the middle of the step.
     load: Option<f64>,
-    /// Time that is asked for as the end of the step.
+    /// Requested end of the step.
     until: Option<f64>,
     /// Time, speed, whether inputs may be set, whether the step may end.
     seen: Vec<(f64, f64, bool, bool)>,
@@ -267,7 +267,7 @@ fn an_importer_ends_a_step() {
         assert!(!event && early && (at - end).abs() < 1e-15, "{at} for {until}");
         assert_eq!(looker.seen.len(), looks);
         assert!(!looker.seen[looks - 1].3 || looks == 1, "at its end it cannot end earlier");
-        // It goes on from there.
+        // The run continues from this point.
         let (_, _, on) = motor.step(at, 1e-3);
         assert!(on <= at + 1e-3);
     }

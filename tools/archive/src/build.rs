@@ -49,7 +49,7 @@ impl Standard {
     }
 }
 
-/// What is built into an archive beside the model.
+/// Additional content of an archive.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contents<'a> {
     /// Start values.

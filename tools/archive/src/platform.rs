@@ -79,7 +79,7 @@ pub fn by_name(name: &str) -> Result<Platform, BuildError> {
     })
 }
 
-/// The FMU library beside the running program.
+/// The FMU library in the folder of the running program.
 pub fn library_path() -> Result<PathBuf, BuildError> {
     match std::env::current_exe() {
         Ok(program) => Ok(program.with_file_name(HERE.file)),

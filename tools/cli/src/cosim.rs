@@ -27,7 +27,7 @@ pub struct Args {
     /// Set a parameter or input of a component, or an input of the system. May be repeated
     #[arg(long = "set", value_name = "COMPONENT.VARIABLE=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
-    /// How components see each other during a step
+    /// Coupling algorithm
     #[arg(long, value_enum, default_value_t = Scheme::Jacobi)]
     algorithm: Scheme,
     /// Hold inputs during a step, also where an FMU could take their slopes
@@ -65,7 +65,7 @@ pub struct SspArgs {
 enum Scheme {
     /// All step at once; what passes through a component arrives in the same communication point
     Jacobi,
-    /// One after the other; who comes later sees the ends of the steps before
+    /// Sequential: later components use the end values of the earlier ones
     GaussSeidel,
     /// As jacobi, but what passes through a component arrives one step later, as in many other masters
     JacobiDelayed,

@@ -99,7 +99,7 @@ pub fn setting(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// A progress bar on a terminal, else no output.
 pub fn progress_bar() -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -111,7 +111,7 @@ pub fn progress_bar() -> ProgressBar {
     bar
 }
 
-/// Writes to stderr what the FMU complained about, and why it ended the simulation: its last message.
+/// Prints the FMU's warnings and errors to stderr; if the FMU ended the simulation, the last message is the reason.
 fn remarks(recording: &Recording) {
     let mut complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
     let reason = recording.ended_early.and_then(|_| complaints.pop());

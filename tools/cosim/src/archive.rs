@@ -124,7 +124,7 @@ impl Archive {
     }
 }
 
-/// A directory with all that the zip archive at `path` holds, checked as [`Archive::open`] says.
+/// A directory with the content of the zip archive at `path`, checked as [`Archive::open`] says.
 pub(crate) fn unpacked(path: &Path) -> Result<TempDir, Error> {
     let io = |source| Error::Io { action: "open", path: path.to_owned(), source };
     let file = fs::File::open(path).map_err(io)?;

@@ -108,7 +108,7 @@ pub struct DefaultExperiment {
 pub struct Unit {
     /// The name that variables refer to.
     pub name: String,
-    /// What it is in SI base units, if the FMU says so.
+    /// The unit in SI base units, if the FMU defines it.
     pub base: Option<BaseUnit>,
     /// Display units.
     pub display_units: Vec<DisplayUnit>,

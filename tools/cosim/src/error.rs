@@ -94,7 +94,7 @@ pub enum Error {
         /// The C function.
         function: &'static str,
     },
-    /// The FMU, or its version of the standard, cannot do what is asked for.
+    /// The FMU, or its version of the standard, does not support the request.
     #[error("{name} {reason}")]
     Unsupported {
         /// The FMU or the instance.

@@ -88,7 +88,7 @@ impl Log {
         self.sink.lock().iter().cloned().collect()
     }
 
-    /// Whether debug messages are asked for.
+    /// Whether debug logging is on.
     pub(crate) fn debug(&self) -> bool {
         self.debug
     }
@@ -161,7 +161,7 @@ pub(crate) unsafe extern "C" fn log_message(
 
 /// The fixed arguments of the C-variadic `fmi2CallbackLogger`, and the first of the variable ones.
 ///
-/// Stable Rust cannot define a variadic function, so this plain one stands in for it. That works where a
+/// Stable Rust cannot define a variadic function, so this plain one replaces it. That works where a
 /// variadic call passes its first pointers as a plain call would: the System V ABI of x86-64, AAPCS64
 /// and the Windows x64 ABI. `argument` sits in the sixth pointer register (or stack slot); if the FMU passed
 /// no sixth argument, its value is undefined; it is dereferenced only if `message` is exactly "%s", and then the FMU must have

@@ -159,7 +159,7 @@ fn an_archive_that_is_written_again_means_the_same() {
     let linear = "endElement=\"rotor\" endConnector=\"speed\"><ssc:LinearTransformation factor=\"3\" offset=\"1\"/></ssd:Connection>";
     let ssd = SSD.replace("endElement=\"rotor\" endConnector=\"speed\"/>", linear);
     let folder = Folder::new();
-    // Another FMU's idea of the unit, which needs a name of its own.
+    // Another FMU defines the unit differently, so its definition gets another name.
     let described = xml("gain").replace("factor=\"0.10471975511965977\"", "factor=\"0.1\"");
     let output = "name=\"y\" valueReference=\"2\" causality=\"output\" variability=\"continuous\"><Real";
     assert!(described.contains(output));

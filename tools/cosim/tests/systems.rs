@@ -96,7 +96,7 @@ fn the_variable_step_meets_its_tolerance() {
         }
         // The first step would make 600: where the tolerance allows, steps grow.
         assert!(work[0] < 200.0, "{work:?}");
-        // A local error of order p + 1 asks for 10^(1 / (p + 1)) as many steps for a digit.
+        // With a local error of order p + 1, one digit costs 10^(1 / (p + 1)) times as many steps.
         let growth = (work[3] / work[1]).powf(0.5).log10();
         let expected = if held { 0.5 } else { 1.0 / 3.0 };
         assert!((growth - expected).abs() < 0.06, "held {held}: {growth}, {work:?}");

@@ -21,7 +21,7 @@ const ACCEPTED: f64 = 1e-4;
 /// Least ratio with which slopes are used again.
 const GOOD: f64 = 0.25;
 
-/// A least-squares problem. Slopes may be held as suits the problem; the solver asks for N and g of (2).
+/// A least-squares problem. The problem stores its sensitivities; the solver requires N and g of (2).
 pub trait Problem {
     /// The result of an evaluation, such as residuals or a simulation.
     type Point;
@@ -60,7 +60,7 @@ pub trait Problem {
 /// When to stop, and how often slopes are used.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// First damping: small for a start near the answer.
+    /// Initial damping: small for a start near the solution.
     pub damping: f64,
     /// Most linearisations.
     pub linearisations: usize,

@@ -67,7 +67,7 @@ impl Series {
         self.points.iter().enumerate().flat_map(move |(k, p)| [p.1 - wide(k), p.1 + wide(k)])
     }
 
-    /// Dashes, where asked for, and where all colours are in use.
+    /// Dashes if requested, or if all colours are used.
     fn dash(&self) -> Option<&'static str> {
         match (self.kind == Kind::Dashed, self.colour / 8) {
             (true, _) => Some("6 4"),

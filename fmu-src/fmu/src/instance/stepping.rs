@@ -93,7 +93,7 @@ pub struct StepInParts {
     /// Start and end, s.
     start: f64,
     end: f64,
-    /// The length that was asked for, s.
+    /// The requested communication step size, s.
     h: f64,
     /// Parts taken.
     taken: u32,

@@ -1,6 +1,6 @@
 //! Values by reference: access in each mode, and number of values of a variable.
 //!
-//! FMI 2 has scalars alone, and an element is a variable of its own. In FMI 3 the elements are one variable with the reference of the first.
+//! In FMI 2 all variables are scalars, and each element is a separate variable. In FMI 3 the elements are one variable with the reference of the first.
 
 use super::{Instance, Interface, Mode, Standard, Type};
 use crate::refusal::{Outcome, Refused};
@@ -68,7 +68,7 @@ impl Instance {
         Ok(entry)
     }
 
-    /// FMI 3 wants sizes of arrays without a sign.
+    /// FMI 3 requires unsigned array sizes.
     #[inline]
     fn type_of(&self, entry: &Entry) -> Type {
         match Type::of(entry) {

@@ -31,7 +31,7 @@ pub enum BuildError {
     WrongPlatform {
         /// Which.
         path: PathBuf,
-        /// What its own header says.
+        /// Platform from the file's header.
         found: String,
         /// What it was to be.
         platform: &'static str,
@@ -70,7 +70,7 @@ pub enum BuildError {
         preset: String,
         /// Its model.
         of: String,
-        /// The model that was asked for.
+        /// The requested model.
         model: &'static str,
     },
     /// Terms that do not hold.

@@ -1,6 +1,6 @@
-//! The figures of the page, each asked of the model that the archive holds, with its start values and terms.
+//! The figures of the page, computed by the model of the archive with its start values and terms.
 //!
-//! A model that cannot be asked (its start values leave no fan, or the importer's preset no tube) goes without the line.
+//! A line is omitted if the model cannot compute it (for example without a fan or a tube in the start values).
 
 mod actuator;
 mod gait;

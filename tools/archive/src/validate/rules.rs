@@ -19,7 +19,7 @@ pub enum Severity {
 /// A rule.
 #[derive(Debug)]
 pub struct Rule {
-    /// Short and unique, as it stands in a finding.
+    /// Short and unique code of a finding.
     pub code: &'static str,
     /// Severity of a breach.
     pub severity: Severity,

@@ -1,4 +1,4 @@
-//! Every rule of the validator finds its fault, and finds nothing in an FMU without fault.
+//! Every rule of the validator reports its fault, and reports nothing for an FMU without faults.
 
 mod cases_archive;
 mod cases_behaviour;

@@ -41,7 +41,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
             let shown = if carries(setting, outcome) {
                 shown(&archive, &differences(setting, outcome, exported), experiment, &drive)?
             } else {
-                // A run with terms of its own: an archive of its own.
+                // A run with its own terms needs a separate archive.
                 let folder =
                     tempfile::tempdir().map_err(|e| Failure::new(format!("no folder to replay in: {e}")))?;
                 let effects = terms(outcome, setting)?;
@@ -273,7 +273,7 @@ fn compare(experiment: &Experiment, outcome: &Outcome, run: &Run, shown: &[Vec<f
             continue;
         };
         for (t, native) in curves.time.iter().zip(&curve.after).filter(|(_, v)| v.is_finite()) {
-            // Thinned curves stand at rows.
+            // Points of decimated curves are rows of the data.
             if let Ok(k) = run.table.time.binary_search_by(|x| x.total_cmp(t)) {
                 sum.apart = sum.apart.max((shown[n][k] - channel.offset - native).abs());
             }

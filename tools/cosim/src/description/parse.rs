@@ -116,7 +116,7 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
         other => return unknown("causality", other),
     };
     let variability = match node.attribute("variability") {
-        // FMI 3: parameters are fixed unless they say otherwise.
+        // FMI 3: the default variability of parameters is fixed.
         None => match causality {
             Causality::Parameter | Causality::CalculatedParameter | Causality::StructuralParameter => {
                 Variability::Fixed

@@ -9,7 +9,7 @@ use std::ptr;
 pub struct RawState(*mut c_void);
 
 impl RawState {
-    /// No state yet: NULL, as the standards want it for a first save.
+    /// No state yet: NULL, as the standards require for the first save.
     pub const NONE: Self = Self(ptr::null_mut());
 
     /// Whether there is no state.

@@ -26,7 +26,7 @@ pub(crate) struct SystemOutput {
     pub(crate) unit: Option<Unit>,
 }
 
-/// Everything that the master needs to know of the connections.
+/// The connections as the master uses them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Connections {
     /// Connected outputs, each once.
@@ -226,7 +226,7 @@ impl Connections {
         }
     }
 
-    /// Inputs that nobody inputs keep their start value, if they have one.
+    /// Unconnected inputs keep their start value, if they have one.
     fn check_open_inputs(&mut self, parts: Parts) -> Result<(), Error> {
         for (index, component) in parts.structure.components.iter().enumerate() {
             let mut open: Vec<&str> = Vec::new();

@@ -137,15 +137,15 @@ impl<'a> Graph<'a> {
             }
         }
         let rounds: usize = read.iter().max().map_or(0, |r| r + 1);
-        // An input waits as long as nobody needs it, so that most inputs of a component go in one call.
+        // An input is set as late as possible, so that most inputs of a component are set in one call.
         let needed = |input: usize| {
             let users = (0..count).filter(|o| self.through[*o].contains(&input));
             users.map(|o| read[o]).min().map(|first| first - 1)
         };
         let inputs = &self.connections.inputs;
         let asked: Vec<Option<usize>> = (0..inputs.len()).map(needed).collect();
-        // One that nobody needs goes with others of its component: set after its outputs were read, it would let the
-        // component forget what it has computed for them.
+        // An input without dependent outputs is set together with others of its component: if it were set after the outputs were
+        // read, the component would have to compute them again.
         let with_others = |input: usize| {
             let input = &inputs[input];
             let others = inputs.iter().zip(&asked).filter(|(f, _)| f.port.component == input.port.component);

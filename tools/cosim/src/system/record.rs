@@ -21,7 +21,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    /// For `points` communication points, if that is known; `every` as asked for.
+    /// For `points` communication points, if that is known; `every` from the options.
     pub(crate) fn new(
         parts: Parts,
         connections: &Connections,

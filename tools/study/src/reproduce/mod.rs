@@ -6,7 +6,7 @@ pub mod thesis;
 
 use serde::Serialize;
 
-/// What the audit says of a published number.
+/// Assessment of a published number in the audit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -60,7 +60,7 @@ impl Verdict {
     }
 }
 
-/// How a native model came to a value that stands beside a published one.
+/// Origin of a native model's value: prediction or fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
@@ -119,7 +119,7 @@ pub struct Row {
     pub corrected: Option<f64>,
     /// Whether the model behind `corrected` was fitted to the published value; absent where no fitted model is behind it.
     pub basis: Option<Basis>,
-    /// Computed by the native model with declared values, nothing fitted.
+    /// Computed by the native model with declared values, untuned.
     pub untuned: Option<f64>,
     /// Computed by the native model fitted to the other tests, without this one.
     pub leave_one_out: Option<f64>,
@@ -134,7 +134,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row with nothing recomputed yet; it holds.
+    /// A row without a recomputed value; its assessment is `Holds`.
     pub fn new(
         id: &'static str,
         location: &'static str,

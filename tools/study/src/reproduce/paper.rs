@@ -100,7 +100,7 @@ pub struct Measured {
     pub temperature_degC: f64,
 }
 
-/// A published quantity beside the simulated one.
+/// A published quantity and its simulated value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compared {
     /// What it is.
@@ -137,7 +137,7 @@ pub struct Paper {
     pub temperatures: Temperatures,
     /// The native model's runs.
     pub simulated: Option<Vec<Run>>,
-    /// Published quantities beside those of the runs, each with whether it was used in the fit of the preset.
+    /// Published and simulated quantities, with their use in the fit of the preset.
     pub compared: Vec<Compared>,
     /// Every published number.
     pub rows: Vec<Row>,
@@ -206,7 +206,7 @@ fn speed_at_full_duty() -> f64 {
     V_MECHANICAL * CURRENT / rows::TORQUE
 }
 
-/// Published quantities beside those of the runs.
+/// Published and simulated quantities.
 fn compared(runs: &[Run]) -> Vec<Compared> {
     let line = |f: &dyn Fn(&Run) -> f64| {
         Line::through(&runs.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>())
@@ -386,8 +386,8 @@ mod tests {
         }
     }
 
-    /// Each comparison says whether its published value was used in the fit; those that were agree, as a fit does, and what was
-    /// not used is a prediction: the work within 1 %, the temperatures within 5 K of the published plateaus.
+    /// Each comparison states whether its published value was used in the fit. Values used in the fit agree; the others are
+    /// predictions: the work within 1 %, the temperatures within 5 K of the published plateaus.
     #[test]
     fn fitted_and_predicted_quantities_are_distinguished() {
         let paper = paper().unwrap();

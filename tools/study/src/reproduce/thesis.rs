@@ -39,7 +39,7 @@ pub struct CaseResult {
     pub T_w_as_published_K: Option<f64>,
     /// Winding temperature of the native model fitted to all eight tests, K: the agreement is that of a fit.
     pub T_w_model_K: Option<f64>,
-    /// Winding temperature of the native model with nothing fitted, K.
+    /// Winding temperature of the untuned native model, K.
     pub T_w_untuned_K: Option<f64>,
     /// Winding temperature of the native model fitted to the other seven tests, K; absent where no fit is made.
     pub T_w_leave_one_out_K: Option<f64>,
@@ -66,7 +66,7 @@ impl CaseResult {
         Some(projection::r_ha(t_w?, self.ambient_K, self.power_W))
     }
 
-    /// The same with nothing fitted, K/W.
+    /// The same of the untuned model, K/W.
     pub fn r_ha_untuned(&self) -> Option<f64> {
         self.r_ha(self.T_w_untuned_K)
     }
@@ -284,7 +284,7 @@ mod tests {
         for words in ["fan-5mm", "0.4141", "0.3937", "+5.2 %", "the fan alone beats"] {
             assert!(thesis.conclusion.contains(words), "{words} in {}", thesis.conclusion);
         }
-        // The rig as fitted is within 0.5 K of every test; with nothing fitted it is not (audit: up to 21 K).
+        // The fitted rig is within 0.5 K of every test; the untuned model is not (audit: up to 21 K).
         for case in &thesis.cases {
             let miss = |t: Option<f64>| (t.unwrap() - case.T_w_measured_K).abs();
             assert!(miss(case.T_w_model_K) < 0.5, "{case:?}");

@@ -27,7 +27,7 @@ pub const DUTIES: [f64; 5] = [20.0, 40.0, 60.0, 80.0, 100.0];
 /// Current at full duty, A: what V_el over R gives.
 pub const CURRENT: f64 = 0.18;
 
-/// A point of operation, as the equations see it.
+/// An operating point of the equations.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Voltage, V.

@@ -92,7 +92,7 @@ impl Native {
         Some(course)
     }
 
-    /// Winding temperature over the outer diameter of a pushed annulus, K; nothing where it cannot be computed.
+    /// Winding temperature over the outer diameter of a pushed annulus, K; `None` if it cannot be computed.
     pub fn winding_at(&self, outer_diameter: f64, calibrated: bool) -> Option<f64> {
         let push = CASES.iter().find(|c| c.cooling_mode == "annulus_push")?;
         let case = Case { setting: Some(("annulus.outer_diameter", outer_diameter)), ..*push };

@@ -62,7 +62,7 @@ fn versions(subject: &Subject, seen: &mut Seen) {
     }
 }
 
-/// Outputs are finite, and variables are where the model description says that they are.
+/// Outputs are finite, and variables are within the limits of the model description.
 fn outputs(session: &mut Session, when: &str, seen: &mut Seen) -> Result<(), Fault> {
     let facts = session.facts;
     for v in facts.select(|v| v.kind.is_numeric() && !v.clocked) {
