@@ -134,7 +134,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row without a recomputed value; its assessment is `Holds`.
+    /// A row without a recomputed value; its verdict is `Holds`.
     pub fn new(
         id: &'static str,
         location: &'static str,

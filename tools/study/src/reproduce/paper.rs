@@ -143,7 +143,7 @@ pub struct Paper {
     pub rows: Vec<Row>,
     /// Assessment of the paper's statements.
     pub conclusion: String,
-    /// Reason why the native model is not available; empty otherwise.
+    /// Reason why the native model is not available; `None` if it is.
     pub absent: Option<String>,
 }
 

@@ -124,7 +124,7 @@ pub struct Thesis {
     pub identifiability: Option<Fit>,
     /// The same in sentences: which parameters are determined, which only together, which not at all.
     pub findings: Vec<String>,
-    /// Reason why the native model is not available; empty otherwise.
+    /// Reason why the native model is not available; `None` if it is.
     pub absent: Option<String>,
 }
 
