@@ -11,7 +11,7 @@ use crate::grid::Grid;
 use crate::{Error, Log, Recording};
 use std::time::Instant;
 
-/// How to run a system. What is `None` comes from the system, then from its FMUs.
+/// Options of a run of a system. `None` means the value of the system, else of its FMUs.
 #[derive(Clone, Debug, Default)]
 pub struct SystemOptions {
     /// Start time (s), else 0.
