@@ -209,7 +209,7 @@ fn unused_states_are_constant() {
     assert_eq!(me.states(), x);
     assert_eq!((me.get("current"), me.get("shaft_speed"), me.get("magnet_temperature")), before);
     assert_eq!(before.0, 5.0);
-    // A sensor that begins to lag at an event is a state from there on, and says so.
+    // A lag that is switched on at an event makes the sensor temperature a state, and the FMU reports changed values.
     assert_eq!(unsafe { fmi2EnterEventMode(me.c) }, Status::Ok);
     assert_eq!(me.update().values_changed, 0);
     assert_eq!(me.set("effect.housing_sensor_lag.tau", 5.0), Status::Ok);

@@ -1,5 +1,4 @@
-//! What an instance remembers from call to call changes no value: the lists of references that it was asked for, and the step
-//! that served.
+//! Cached data of an instance do not change values: lists of value references, and the accepted step size.
 
 use crate::common::{Motor2, said, vr};
 use motor_fmu::fmi2::*;

@@ -1,4 +1,4 @@
-//! The native model behind an archive, by names: what the archive shows of itself is computed with it.
+//! The native model of an archive, accessed by names; figures and reference results of the archive are computed with it.
 
 use describe::{Entry, GenericTerm, Kind, Model, ModelType, StartValues};
 

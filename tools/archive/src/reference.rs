@@ -29,11 +29,11 @@ pub fn file_names(model: &str) -> [String; 2] {
     [format!("{model}_in.csv"), format!("{model}_ref.csv")]
 }
 
-/// Where an input goes, and at which point.
+/// New value of an input, and its communication point.
 pub struct Jump {
     /// The input.
     pub entry: &'static Entry,
-    /// The value that it takes.
+    /// The new value.
     pub to: f64,
     /// The number of the communication point.
     pub at: u32,

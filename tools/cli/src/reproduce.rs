@@ -24,7 +24,7 @@ pub enum Which {
 /// "predicted" if it was not.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Which one
+    /// Publication
     which: Which,
     /// Print everything as JSON
     #[arg(long)]

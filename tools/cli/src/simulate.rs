@@ -29,7 +29,7 @@ pub struct Args {
     /// Set a parameter or input, in its unit; an enumeration by the name of an item. May be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
-    /// Inputs over time: CSV with the header time,<input names>; reals run linearly between rows, the rest holds
+    /// Inputs over time: CSV with the header time,<input names>; reals are interpolated linearly, other inputs are constant between rows
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
     /// Write time and all outputs as CSV with 17 digits

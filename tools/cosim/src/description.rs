@@ -103,7 +103,7 @@ pub struct DefaultExperiment {
     pub step: Option<f64>,
 }
 
-/// A unit and the units in which its values may be shown.
+/// A unit and its display units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
     /// The name that variables refer to.

@@ -34,7 +34,7 @@ pub struct Instance {
     states: Vec<RawState>,
     /// Slots of `states` that no [`State`] refers to.
     free_slots: Vec<usize>,
-    /// A state was saved once, so the FMU may have to go back in time.
+    /// A state was saved, so a rollback is possible.
     saved: bool,
 }
 
@@ -198,7 +198,7 @@ impl Instance {
         self.call_at(names, None, f)
     }
 
-    /// The one place where the FMU's status is judged; all calls but free go through here.
+    /// Evaluates the FMU's status; all calls except free use this function.
     #[inline]
     fn call_at(
         &mut self,

@@ -7,7 +7,7 @@ use crate::{
 };
 use std::time::Instant;
 
-/// How to run an FMU. What is `None` comes from the FMU's default experiment.
+/// Options of a run of an FMU. `None` means the value of the FMU's default experiment.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Start time (s), else 0.
@@ -46,7 +46,7 @@ const MAX_ELEMENTS: u64 = 100_000;
 /// Runs an FMU from start to stop and records its outputs.
 ///
 /// Parameters are set before initialization, inputs during it. At each communication point the inputs are set, then
-/// the FMU steps, then the outputs are read, so an output with direct feedthrough shows the input of the step that
+/// the FMU steps, then the outputs are read, so an output with direct feedthrough depends on the input of the step that
 /// ends there. `progress` gets the fraction of the time that is simulated, 0 ... 1, at most about 200 times.
 ///
 /// # Errors

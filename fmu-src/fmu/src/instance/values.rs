@@ -209,7 +209,7 @@ impl Instance {
             if special {
                 self.require_to_set(entry)?;
             }
-            // Every settable variable is a scalar; the error for an array names its causality and not its length.
+            // All settable variables are scalars. A variable that cannot be set is reported as such, also if the number of values is wrong.
             if n != references.len() && entry.is_settable() {
                 break;
             }

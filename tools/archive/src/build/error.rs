@@ -18,7 +18,7 @@ pub enum BuildError {
         /// Why.
         source: io::Error,
     },
-    /// The library does not take start values.
+    /// The library has no block for start values.
     #[error("the FMU library {path} does not fit this tool: {source}")]
     Patch {
         /// Which.
@@ -73,7 +73,7 @@ pub enum BuildError {
         /// The requested model.
         model: &'static str,
     },
-    /// Terms that do not hold.
+    /// Invalid terms.
     #[error(transparent)]
     Terms(#[from] TermsError),
     /// Terms for a model that carries none.

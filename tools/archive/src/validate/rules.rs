@@ -23,7 +23,7 @@ pub struct Rule {
     pub code: &'static str,
     /// Severity of a breach.
     pub severity: Severity,
-    /// What must hold, in a few words.
+    /// The condition in a few words.
     pub title: &'static str,
     /// Section of FMI 2.0 (numbering of 2.0.4).
     pub fmi2: &'static str,

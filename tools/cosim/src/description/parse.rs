@@ -1,4 +1,4 @@
-//! From the elements of `modelDescription.xml` to a [`ModelDescription`]: strict, but only in what it takes.
+//! From the elements of `modelDescription.xml` to a [`ModelDescription`]; strict for the elements that it uses.
 use super::*;
 use crate::Error;
 use crate::elements::{self, FILE, Model, TypeDefinition, Unknown};

@@ -20,7 +20,7 @@ pub struct DiscreteUpdate {
 }
 
 // SAFETY, for all unsafe blocks below: the functions belong to the loaded library, the handle is alive, and each
-// pointer comes with the length of what it points to.
+// pointer is passed with the length of its array.
 impl RawInstance {
     /// One iteration of the events.
     pub fn update_discrete_states(&mut self) -> (Status, DiscreteUpdate) {

@@ -94,7 +94,7 @@ impl Connections {
                 self.join(parts, index, connection, a, b)
             }
             (Found::System { .. }, Found::System { .. }) => {
-                Err(fault("both ends are connectors of the system, no component is between them".to_owned()))
+                Err(fault("both ends are connectors of the system".to_owned()))
             }
             (
                 Found::System { name, declared },

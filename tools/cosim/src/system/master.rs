@@ -251,7 +251,7 @@ impl Master {
         let input = &connections.inputs[input];
         let connection = &parts.structure.connections[input.connection];
         Err(connection.place.fault(format!(
-            "{connection}: no consistent initial values, {} still changes after {MAX_ITERATIONS} rounds",
+            "{connection}: no consistent initial values, {} still changes after {MAX_ITERATIONS} iterations",
             parts.name(input.port)
         )))
     }

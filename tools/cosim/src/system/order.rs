@@ -1,5 +1,5 @@
-//! In which order connected outputs are read and inputs are set, so that what passes through an FMU without a step in
-//! between arrives in one go; and in which order components step after each other.
+//! The order in which connected outputs are read and inputs are set, so that values with direct feedthrough are consistent
+//! at a communication point, and the order in which components step.
 use super::connections::Connections;
 use super::parts::Parts;
 use crate::Error;

@@ -11,7 +11,7 @@ use crate::grid::Grid;
 use crate::{Error, Log, Recording};
 use std::time::Instant;
 
-/// How to run a system. What is `None` comes from the system, then from its FMUs.
+/// Options of a run of a system. `None` means the value of the system, else of its FMUs.
 #[derive(Clone, Debug, Default)]
 pub struct SystemOptions {
     /// Start time (s), else 0.
@@ -183,11 +183,11 @@ fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
         return refuse("must be above 0 and below 1".to_owned());
     }
     if let Some(name) = rigid(parts) {
-        return refuse(format!("asks for a variable step, and {name} cannot vary its step"));
+        return refuse(format!("requires a variable communication step, which {name} does not support"));
     }
     for (archive, component) in parts.archives.iter().zip(&parts.structure.components) {
         if !archive.description().co_simulation.as_ref().is_some_and(|c| c.can_get_and_set_state) {
-            return refuse(format!("asks for repeated steps, and {} cannot save its state", component.name));
+            return refuse(format!("requires rollback, but {} cannot save its state", component.name));
         }
     }
     Ok(())

@@ -24,7 +24,7 @@ impl Place {
 pub(crate) enum Direction {
     Input,
     Output,
-    /// Parameters can be set, but no connection leads there.
+    /// Parameters can be set but not connected.
     Parameter,
 }
 

@@ -119,7 +119,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
         let ends: Vec<&str> = text.get_ref().split("->").map(str::trim).collect();
         let [start, end] = ends[..] else {
             let form = "\"component.output -> component.input\"";
-            return Err(place.fault(format!("{:?} is no connection, it should read {form}", text.get_ref())));
+            return Err(place.fault(format!("{:?} is not a connection; expected: {form}", text.get_ref())));
         };
         connections.push(Connection {
             start: self::end(start),
@@ -206,7 +206,7 @@ fmu = "b.fmu"
             ),
             (
                 "[system]\nname = \"s\"\nconnect = [\"a.y, b.u\"]\n",
-                "s.toml, line 3: \"a.y, b.u\" is no connection, it should read \"component.output -> component.input\"",
+                "s.toml, line 3: \"a.y, b.u\" is not a connection; expected: \"component.output -> component.input\"",
             ),
             (
                 "[system]\nname = \"s\"\n[[component]]\nname = \"a.b\"\nfmu = \"a.fmu\"\n",

@@ -143,7 +143,7 @@ pub struct Paper {
     pub rows: Vec<Row>,
     /// Assessment of the paper's statements.
     pub conclusion: String,
-    /// Reason why the native model is not available; empty otherwise.
+    /// Reason why the native model is not available; `None` if it is.
     pub absent: Option<String>,
 }
 
@@ -165,7 +165,7 @@ pub fn paper() -> Result<Paper, StudyError> {
     let conclusion = format!(
         "At full duty {} V = {} V in the resistance + {} V against the counter-electromotive force, {} A and {} W are \
          consistent; {misprints} numbers and equations have the wrong unit, among them all works; the mechanical part is \
-         friction, for no load was on the shaft; {}",
+         friction, because the shaft had no load; {}",
         significant(voltage.total),
         significant(voltage.electrical),
         significant(voltage.mechanical),
@@ -301,7 +301,7 @@ fn temperatures(simulated: &Result<Vec<Run>, String>, work: &Parts) -> Temperatu
     let ratio = points[4].0 / points[0].0;
     let finding = format!(
         "heating power rises {ratio:.1} times from 20 to 100 % while the paper states two winding temperatures, \
-         {} and {} degC; the best line in power is off by up to {worst:.1} K, and an adiabatic box of {} J/K \
+         {} and {} degC; the best line over power has an error of up to {worst:.1} K, and an adiabatic box of {} J/K \
          has no plateau but a rise of {adiabatic:.1} K in 900 s.",
         PLATEAUS.0,
         PLATEAUS.1,

@@ -124,7 +124,7 @@ pub struct Thesis {
     pub identifiability: Option<Fit>,
     /// The same in sentences: which parameters are determined, which only together, which not at all.
     pub findings: Vec<String>,
-    /// Reason why the native model is not available; empty otherwise.
+    /// Reason why the native model is not available; `None` if it is.
     pub absent: Option<String>,
 }
 
@@ -250,7 +250,7 @@ fn conclusion(cases: &[CaseResult]) -> String {
     let worst_fan = densities(false).fold(f64::MAX, f64::min);
     let best_annulus = densities(true).fold(f64::MIN, f64::max);
     let fan_alone =
-        if worst_fan > best_annulus { ", and the fan alone beats every annulus tested" } else { "" };
+        if worst_fan > best_annulus { ", and the fan alone is better than every tested annulus" } else { "" };
     let (at_5_a, density_at_5_a) = best(&|c| c.torque_density_at_5A);
     let (at_limit, torque) = best(&|c| c.torque_at_limit);
     let (least_torque, most_torque) = range(&|c| c.torque_at_limit);

@@ -110,7 +110,7 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     check_name(model, v, target, &place, out);
 }
 
-/// Whether following `derivative` leads back; reported once, at the cycle's first variable.
+/// Whether the chain of `derivative` is cyclic; reported once, at the cycle's first variable.
 fn is_on_cycle(model: &Model, start: usize) -> bool {
     let mut at = start;
     for _ in 0..HIGHEST_ORDER {

@@ -59,7 +59,7 @@ pub fn voltage(p: &Point) -> [f64; 3] {
     [resistance(p.t) * p.i, L_A * p.i * p.i / (2.0 * p.q), p.torque * p.theta / p.q]
 }
 
-/// The three terms of eq. (15) in steady state; the last is in joules and not in watts.
+/// The three terms of eq. (15) in steady state; the unit of the last is J instead of W.
 pub fn power(p: &Point) -> [f64; 3] {
     [resistance(p.t) * p.i * p.i, 0.0, p.torque * p.theta]
 }

@@ -77,7 +77,7 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
         Plate::new(
             "4a",
             parts(full, "Figure 4a: power at 100 %", "power in W", |s| s.power),
-            "The mechanical part is friction: no load was on the shaft.",
+            "The mechanical part is friction: the shaft had no load.",
         ),
         Plate::new(
             "4b",

@@ -18,7 +18,7 @@ const LEAK: f64 = 128.0;
 /// Bytes that a step, or a state saved and freed, may leave behind.
 const STEP_LEAK: f64 = 24.0;
 const STEP_ROUND: usize = 10_000;
-/// The rounds are cut short when they take longer.
+/// Time limit of the repetitions.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 pub(super) fn reset(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
