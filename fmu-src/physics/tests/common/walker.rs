@@ -23,8 +23,15 @@ pub fn get(m: &mut dyn Model, name: &str) -> f64 {
 
 /// What is compared: torque of the joint, N.m, speed of the motor, rad/s, temperature of the winding, K.
 pub const LOOKED_AT: [&str; 3] = ["actuator.joint_torque", "motor.shaft_speed", "motor.winding_temperature"];
-/// Where the joined equations are looked at, s.
-pub const TIMES: [f64; 8] = [0.06, 0.12, 0.18, 0.24, 0.3, 0.36, 0.42, 0.48];
+/// Instants of comparison, s; dense, so that no single one decides where dry friction reverses.
+pub const TIMES: [f64; 48] = {
+    let (mut times, mut k) = ([0.0; 48], 0);
+    while k < times.len() {
+        times[k] = (k + 1) as f64 / 100.0;
+        k += 1;
+    }
+    times
+};
 
 /// Motor, actuator and gait, one integration step after the other with what the others said before.
 pub struct System {
