@@ -2,6 +2,7 @@
 
 mod page;
 
+use crate::files::{read, write};
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::Path;
 use std::process::Stdio;
@@ -54,7 +55,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     let study =
         page::study(&read(&dist.join("walking-study.json"))?, &read(&dist.join("walking-study.svg"))?)?;
     let html = page::html(walk, study, page::bench(&read(&bench.join("fan/report.json"))?)?);
-    std::fs::write(&page, html).map_err(|e| format!("{} cannot be written: {e}", page.display()))?;
+    write(&page, &html)?;
     println!("FMUs: {0}/fmi2, {0}/fmi3\nresults: {1}", dist.display(), page.display());
     println!("system: {}", system.display());
     println!("closed loop: {}, all of it in {}", report.display(), bench.display());
@@ -68,8 +69,4 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
 fn example(workspace: &Workspace, python: &Path, script: &str, out: &Path) -> Outcome {
     std::fs::create_dir_all(out).map_err(|e| format!("{} cannot be made: {e}", out.display()))?;
     shell::run(product::python(workspace, python).arg(script).arg("--out").arg(out).stdout(Stdio::null()))
-}
-
-fn read(file: &Path) -> Outcome<String> {
-    std::fs::read_to_string(file).map_err(|e| format!("{} cannot be read: {e}", file.display()))
 }

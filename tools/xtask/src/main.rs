@@ -5,6 +5,7 @@ mod blind;
 mod cross;
 mod demo;
 mod describe;
+mod files;
 mod fuzz;
 mod importers;
 mod licenses;

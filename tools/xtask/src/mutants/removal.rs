@@ -3,7 +3,8 @@
 //!
 //! An effect is one file and one line of the list. If anything else names it, taking the line out breaks the build.
 
-use super::{copy::Copy, read, write};
+use super::copy::Copy;
+use crate::files::{read, write};
 use crate::{Outcome, shell, workspace::Workspace};
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Words that must not come back: each line of `words.txt` is a regular expression and its replacement.
 
-use crate::{Outcome, workspace::Workspace};
+use crate::{Outcome, files, workspace::Workspace};
 use regex_lite::Regex;
 use std::path::{Path, PathBuf};
 
@@ -26,9 +26,8 @@ struct Word {
 pub fn check(workspace: &Workspace) -> Outcome {
     let words = words(TABLE)?;
     let mut found = Vec::new();
-    for file in files(&workspace.root, &workspace.root)? {
-        let text =
-            std::fs::read_to_string(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
+    for file in texts(&workspace.root)? {
+        let text = files::read(&file)?;
         let shown = file.strip_prefix(&workspace.root).unwrap_or(&file).display().to_string();
         // The path is checked as well, as line 0.
         found.extend(places(&shown, &words).into_iter().map(|(_, message)| format!("{shown}: {message}")));
@@ -93,23 +92,14 @@ fn places(text: &str, words: &[Word]) -> Vec<(usize, String)> {
     found
 }
 
-/// All files with text below a folder, sorted.
-fn files(root: &Path, folder: &Path) -> Outcome<Vec<PathBuf>> {
-    let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.sort();
-    let mut found = Vec::new();
-    for path in paths {
-        let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if hidden || WITHOUT.iter().any(|without| path == root.join(without)) {
-            continue;
-        }
-        if path.is_dir() {
-            found.extend(files(root, &path)?);
-        } else if path.extension().is_some_and(|e| EXTENSIONS.iter().any(|known| e == *known)) {
-            found.push(path);
-        }
-    }
+/// All files with text, sorted.
+fn texts(root: &Path) -> Outcome<Vec<PathBuf>> {
+    let is_left_out = |path: &Path| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
+            || WITHOUT.iter().any(|without| path == root.join(without))
+    };
+    let mut found = files::below(root, &is_left_out)?;
+    found.retain(|path| path.extension().is_some_and(|e| EXTENSIONS.iter().any(|known| e == *known)));
     Ok(found)
 }
 
@@ -152,7 +142,7 @@ mod tests {
     fn the_table_is_valid_and_all_text_is_read() {
         assert!(words(TABLE).unwrap().len() > 30);
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let all = files(&root, &root).unwrap();
+        let all = texts(&root).unwrap();
         for file in ["README.md", "tools/xtask/src/tidy.rs", "model-description/GaitLoad/fmi3.xml"] {
             assert!(all.contains(&root.join(file)), "{file}");
         }
