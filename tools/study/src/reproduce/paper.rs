@@ -159,8 +159,7 @@ pub fn paper() -> Result<Paper, StudyError> {
         Parts::of(power.electrical * DURATION, 0.5 * L_A * CURRENT * CURRENT, power.mechanical * DURATION);
     let temperatures = temperatures(&simulated, &work);
     let compared = simulated.as_deref().map(compared).unwrap_or_default();
-    let mut rows = rows::rows(&voltage, &power, &work, &temperatures, simulated.as_deref().ok(), &compared);
-    rows.sort_by_key(|row| row.id);
+    let rows = rows::rows(&voltage, &power, &work, &temperatures, simulated.as_deref().ok(), &compared);
     let misprints = rows.iter().filter(|r| r.verdict == super::Verdict::UnitError).count();
     let conclusion = format!(
         "At full duty {} V = {} V in the resistance + {} V against the counter-electromotive force, {} A and {} W are \
@@ -406,7 +405,7 @@ mod tests {
             assert!(!c.used_in_fit && (c.simulated - c.published).abs() < 8.0, "{c:?}");
         }
         for row in paper.rows.iter().filter(|row| row.basis.is_some()) {
-            let fitted = ["P26", "P27"].contains(&row.id);
+            let fitted = ["P26", "P27"].contains(&row.id.as_str());
             assert_eq!(row.basis == Some(Basis::Fitted), fitted, "{}", row.id);
         }
     }
