@@ -33,32 +33,22 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// All verdicts.
-    pub const ALL: [Verdict; 9] = [
-        Verdict::Holds,
-        Verdict::HoldsWithNote,
-        Verdict::Inconsistent,
-        Verdict::Garbled,
-        Verdict::UnitError,
-        Verdict::SignError,
-        Verdict::PhysicsError,
-        Verdict::NotAValidation,
-        Verdict::Remark,
+    /// All verdicts in their order, as words in a table.
+    pub const ALL: [(Verdict, &str); 9] = [
+        (Verdict::Holds, "holds"),
+        (Verdict::HoldsWithNote, "holds, see note"),
+        (Verdict::Inconsistent, "inconsistent"),
+        (Verdict::Garbled, "garbled"),
+        (Verdict::UnitError, "unit error"),
+        (Verdict::SignError, "sign error"),
+        (Verdict::PhysicsError, "physics error"),
+        (Verdict::NotAValidation, "not a validation"),
+        (Verdict::Remark, "remark"),
     ];
 
     /// As words in a table.
     pub fn text(self) -> &'static str {
-        match self {
-            Verdict::Holds => "holds",
-            Verdict::HoldsWithNote => "holds, see note",
-            Verdict::Inconsistent => "inconsistent",
-            Verdict::Garbled => "garbled",
-            Verdict::UnitError => "unit error",
-            Verdict::SignError => "sign error",
-            Verdict::PhysicsError => "physics error",
-            Verdict::NotAValidation => "not a validation",
-            Verdict::Remark => "remark",
-        }
+        Verdict::ALL[self as usize].1
     }
 }
 

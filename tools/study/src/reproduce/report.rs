@@ -98,7 +98,8 @@ fn all_rows(rows: &[Row]) -> Markup {
         ];
         (row.verdict.text(), cells)
     });
-    let counts = Verdict::ALL.into_iter().map(|v| (v.text(), rows.iter().filter(|r| r.verdict == v).count()));
+    let counts =
+        Verdict::ALL.map(|(v, text)| (text, rows.iter().filter(|r| r.verdict == v).count())).into_iter();
     html! {
         h2 { "Published numbers" }
         p {
