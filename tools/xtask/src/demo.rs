@@ -17,9 +17,7 @@ const BENCH: &str = "examples/04_close_the_loop_bench.py";
 
 /// Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    if let Some(extra) = arguments.first() {
-        return Err(format!("`demo` takes no arguments, got {extra:?}"));
-    }
+    crate::no_arguments("demo", arguments)?;
     // First, so that a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace)?;
     shell::stage("building everything");

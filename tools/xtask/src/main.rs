@@ -91,6 +91,14 @@ fn dispatch(arguments: &[String]) -> Outcome {
     }
 }
 
+/// An error where a command that takes no arguments is given one.
+fn no_arguments(name: &str, arguments: &[String]) -> Outcome {
+    match arguments.first() {
+        Some(extra) => Err(format!("`{name}` takes no arguments, got {extra:?}")),
+        None => Ok(()),
+    }
+}
+
 fn usage() -> String {
     let mut text = String::from("usage: cargo xtask <command>");
     for (name, what, _) in COMMANDS {

@@ -13,10 +13,8 @@ const LIST: &str = "fmu-src/physics/src/effects.rs";
 
 /// Removes every effect in turn.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    match arguments.first() {
-        Some(extra) => Err(format!("`removals` takes no arguments, got {extra:?}")),
-        None => summary(workspace).1,
-    }
+    crate::no_arguments("removals", arguments)?;
+    summary(workspace).1
 }
 
 /// The same, with the closing line for a summary.

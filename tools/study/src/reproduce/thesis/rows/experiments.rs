@@ -85,7 +85,7 @@ fn sheet_no_load_loss() -> f64 {
 pub fn tables(rows: &mut Rows, cases: &[CaseResult]) {
     let mut columns = Rows::read(include_str!("columns.toml"));
     for (case, found) in CASES.iter().zip(cases).skip(1) {
-        let by_fan = case.r_star.is_none();
+        let by_fan = case.r_star().is_none();
         let published = if by_fan { torque_at_10_w(case.t_w, R_DATASHEET) } else { torque_at_5_a(case.t_w) };
         let id = case.name.replace("fan", "T24").replace("annulus", "T25");
         let mut row = |column: &str, what: &str| {
