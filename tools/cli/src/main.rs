@@ -95,7 +95,7 @@ pub fn program() -> Result<PathBuf, Failure> {
         .map_err(|e| Failure::new(format!("the path of this program cannot be determined: {e}")))
 }
 
-/// A bar of so many parts on a terminal, nothing elsewhere.
+/// A progress bar of so many parts on a terminal, else no output.
 pub fn progress_bar(parts: u64, template: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

@@ -28,7 +28,7 @@ pub struct Args {
     /// Set a parameter or input, in its unit; an enumeration by the name of an item. May be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
-    /// Inputs over time: CSV with the header time,<input names>; reals run linearly between rows, the rest holds
+    /// Inputs over time: CSV with the header time,<input names>; reals are interpolated linearly, other inputs are constant between rows
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
     /// Write time and all outputs as CSV with 17 digits
@@ -104,8 +104,8 @@ pub fn progress_bar() -> ProgressBar {
     crate::progress_bar(100, "simulating {wide_bar} {percent:>3} %, {eta} left")
 }
 
-/// Writes to stderr what FMUs complained about, after `prefix`, and why `who` ended the simulation: the last message, else that
-/// `ending` did so.
+/// Prints the warnings and errors of FMUs to stderr, after `prefix`; if `who` ended the simulation, the last message is the reason,
+/// and without a message the line says that `ending` did so.
 pub fn remarks(recording: &Recording, prefix: &str, who: &str, ending: &str) {
     let mut complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
     let reason = recording.ended_early.and_then(|_| complaints.pop());

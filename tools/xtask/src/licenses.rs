@@ -21,7 +21,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     }
 }
 
-/// Compares the file with what `cargo metadata` says.
+/// Compares the file with `cargo metadata`.
 pub fn check(workspace: &Workspace) -> Outcome {
     if files::read(&workspace.root.join(FILE))? == text(workspace)? {
         Ok(())

@@ -1,8 +1,8 @@
 //! The writer of SSP 1.0: `SystemStructure.ssd` with everything inline, and the FMUs below `resources`.
 //!
-//! Other tools read less than the standard has, so the file keeps to what they agree on: the usual prefixes; inputs are
-//! connectors only where something inputs them; values of enumerations are whole numbers, as FMI 2 sets them; units are
-//! those of the FMUs; a step size stands in an annotation that other masters read as well.
+//! Other tools support only a part of the standard, so the file uses the common part: the usual prefixes; only connected inputs are
+//! connectors; values of enumerations are integers, as in FMI 2; units are those of the FMUs; the step size is in an
+//! annotation that other masters read as well.
 use super::connections::{Connections, resolve};
 use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
@@ -119,7 +119,7 @@ impl<'a> Document<'a> {
         String::from_utf8(bytes).map_err(io::Error::other)
     }
 
-    /// Connectors of the system: whatever connections name without a component.
+    /// Connectors of the system: ends of connections without a component.
     fn system_connectors(&mut self) -> Written {
         let declared = self.parts.structure.connectors.as_deref();
         let mut ports: Vec<(String, &str, Port)> = Vec::new();
@@ -189,7 +189,7 @@ impl<'a> Document<'a> {
             Kind::Boolean => self.empty("ssc:Boolean", &[])?,
             Kind::String => self.empty("ssc:String", &[])?,
             Kind::Binary | Kind::Clock => self.empty("ssc:Binary", &[])?,
-            // The type's items stay with the FMU; SSP would want them once more.
+            // The items of the type are defined in the FMU and are not repeated in SSP.
             Kind::Enumeration => {}
             _ => self.empty("ssc:Integer", &[])?,
         }
@@ -197,7 +197,7 @@ impl<'a> Document<'a> {
     }
 
     /// The name under which a unit is defined in the file: its own, or a numbered one if another FMU means something
-    /// else by it. None for a unit that nobody defines; it is left to the FMU.
+    /// else by it. None for a unit without definition.
     fn define(&mut self, unit: Unit) -> Option<String> {
         let base = unit.base?;
         let numbered = |k: usize| if k == 1 { unit.name.clone() } else { format!("{} ({k})", unit.name) };
@@ -249,7 +249,7 @@ impl<'a> Document<'a> {
         }
         self.open("ssd:Connections", &[])?;
         for connection in &structure.connections {
-            // Readers that go by the order want the source first.
+            // Some readers require the source first.
             let backwards = self.port(&connection.start).is_some_and(|p| {
                 connection.end.component.is_some()
                     && connection.start.component.is_some()

@@ -106,11 +106,11 @@ pub struct Row {
     pub printed: Printed,
     /// Recomputed by the published equations and inputs.
     pub as_published: Option<f64>,
-    /// Recomputed by right equations and the inputs that were really used.
+    /// Recomputed with correct equations and the inputs that were used.
     pub corrected: Option<f64>,
-    /// Whether the model behind `corrected` was fitted to the published value; absent where no fitted model is behind it.
+    /// Whether the model of `corrected` was fitted to the published value; `None` without a fitted model.
     pub basis: Option<Basis>,
-    /// Computed by the native model with declared values, nothing fitted.
+    /// Computed by the native model with declared values, untuned.
     pub untuned: Option<f64>,
     /// Computed by the native model fitted to the other tests, without this one.
     pub leave_one_out: Option<f64>,
@@ -139,19 +139,19 @@ impl Row {
         self
     }
 
-    /// Enters the right value.
+    /// Enters the corrected value.
     fn right(&mut self, value: impl Into<Option<f64>>) -> &mut Row {
         self.corrected = value.into();
         self
     }
 
-    /// Enters whether the model behind the right value was fitted to the published one.
+    /// Enters the origin of the corrected value: fit or prediction.
     fn by(&mut self, basis: Basis) -> &mut Row {
         self.basis = self.corrected.map(|_| basis);
         self
     }
 
-    /// Enters what the model predicts untuned, and fitted to the other tests.
+    /// Enters the predictions of the untuned model and of the model fitted to the other tests.
     fn predictions(&mut self, untuned: Option<f64>, leave_one_out: Option<f64>) -> &mut Row {
         (self.untuned, self.leave_one_out) = (untuned, leave_one_out);
         self

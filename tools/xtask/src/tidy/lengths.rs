@@ -6,7 +6,7 @@ use crate::{Outcome, files, shell, workspace::Workspace};
 const MOST: usize = 500;
 /// Lines from which on a file is named, without failing.
 const LONG: usize = 400;
-/// Generated files say so in their first line.
+/// Generated files are marked in their first line.
 const GENERATED: &str = "@generated";
 
 /// Names long files and fails on too long ones.

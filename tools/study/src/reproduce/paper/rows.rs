@@ -3,9 +3,9 @@
 use super::native::{BOX_CAPACITY, Run};
 use super::published::*;
 use super::{
-    Compared, I_R2, I_SLOPE, PLATEAUS, Parts, Temperatures, V_R2, V_SLOPE, WORK_THERMAL, WORK_TOTAL, basis,
+    Compared, I_R2, I_SLOPE, PLATEAUS, Parts, Temperatures, V_R2, V_SLOPE, WORK_THERMAL, WORK_TOTAL,
 };
-use crate::reproduce::{Row, Rows, significant};
+use crate::reproduce::{Basis, Row, Rows, significant};
 
 /// Total voltage at full duty as published, V (section 3.2.1).
 const V_TOTAL: f64 = 9.7876;
@@ -35,7 +35,7 @@ pub fn rows(
     full_duty(&mut rows, voltage, power, work, runs);
     derivatives(&mut rows);
     machine(&mut rows, voltage, power);
-    over_duty(&mut rows, t, runs, compared);
+    over_duty(&mut rows, t, compared);
     rows.all()
 }
 
@@ -131,43 +131,29 @@ fn machine(rows: &mut Rows, voltage: &Parts, power: &Parts) {
     rows.of("P34").right(131.25 * 64.0);
 }
 
-fn over_duty(rows: &mut Rows, t: &Temperatures, runs: Option<&[Run]>, compared: &[Compared]) {
-    let by = |quantity: &str| basis(compared, quantity);
-    let line = |f: &dyn Fn(&Run) -> f64| {
-        crate::numeric::Line::through(&runs?.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>())
-    };
-    let (voltage, current) = (line(&|r| r.voltage.total), line(&|r| r.current_A));
+fn over_duty(rows: &mut Rows, t: &Temperatures, compared: &[Compared]) {
     let power: Vec<(f64, f64)> = DUTIES.iter().copied().zip(t.power_W.iter().copied()).collect();
     let straight = crate::numeric::Line::through(&power).map_or(f64::NAN, |l| l.r2);
     let worst = t.residuals_K.iter().map(|r| r.abs()).fold(0.0, f64::max);
-    let end = T_ROOM + t.adiabatic_rise_K;
-    let simulated = |k: usize| t.simulated_degC.as_ref().and_then(|all| all.get(k).copied());
-    rows.of("P26")
-        .printed(1e3 * V_SLOPE)
-        .published(10.0 * V_TOTAL)
-        .right(voltage.map(|l| 1e3 * l.slope))
-        .by(by("slope of voltage over duty"));
-    rows.of("P26-r2").printed(V_R2).right(voltage.map(|l| l.r2)).by(by("r² of voltage over duty"));
-    rows.of("P27")
-        .printed(1e3 * I_SLOPE)
-        .right(current.map(|l| 1e3 * l.slope))
-        .by(by("slope of current over duty"));
-    rows.of("P27-r2").printed(I_R2).right(current.map(|l| l.r2)).by(by("r² of current over duty"));
+    rows.of("P26").printed(1e3 * V_SLOPE).published(10.0 * V_TOTAL);
+    rows.of("P26-r2").printed(V_R2);
+    rows.of("P27").printed(1e3 * I_SLOPE);
+    rows.of("P27-r2").printed(I_R2);
     rows.of("P28").right(straight);
-    rows.of("P30-low")
-        .printed(PLATEAUS.0)
-        .right(simulated(1))
-        .by(by("winding temperature at 40 %"))
-        .measured(PLATEAUS.0)
-        .fill([format!("{worst:.1}")]);
-    rows.of("P30-high")
-        .printed(PLATEAUS.1)
-        .right(simulated(4))
-        .by(by("winding temperature at 100 %"))
-        .measured(PLATEAUS.1);
-    rows.of("P31")
-        .published(end)
-        .right(simulated(4))
-        .by(by("winding temperature at 100 %"))
-        .fill([BOX_CAPACITY.to_string()]);
+    rows.of("P30-low").printed(PLATEAUS.0).measured(PLATEAUS.0).fill([format!("{worst:.1}")]);
+    rows.of("P30-high").printed(PLATEAUS.1).measured(PLATEAUS.1);
+    rows.of("P31").published(T_ROOM + t.adiabatic_rise_K).fill([BOX_CAPACITY.to_string()]);
+    for (id, quantity) in [
+        ("P26", "slope of voltage over duty"),
+        ("P26-r2", "r² of voltage over duty"),
+        ("P27", "slope of current over duty"),
+        ("P27-r2", "r² of current over duty"),
+        ("P30-low", "winding temperature at 40 %"),
+        ("P30-high", "winding temperature at 100 %"),
+        ("P31", "winding temperature at 100 %"),
+    ] {
+        if let Some(c) = compared.iter().find(|c| c.quantity == quantity) {
+            rows.of(id).right(c.simulated).by(if c.used_in_fit { Basis::Fitted } else { Basis::Predicted });
+        }
+    }
 }

@@ -29,7 +29,7 @@ pub fn paper(found: &Paper) -> Page {
     })
 }
 
-/// Published quantities beside the simulated ones, with the parameters that were fitted to them.
+/// Published and simulated quantities, with the parameters that were fitted to them.
 fn compared(all: &[Compared]) -> Markup {
     let headers = ["quantity", "published", "simulated", "unit", "basis", "fitted parameters"];
     let rows = all.iter().map(|c| {

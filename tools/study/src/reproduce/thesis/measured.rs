@@ -1,4 +1,4 @@
-//! What the thesis measured and what its data sheets say, as published.
+//! Measurements of the thesis and values of its datasheets, as published.
 
 use serde::Deserialize;
 use std::sync::LazyLock;

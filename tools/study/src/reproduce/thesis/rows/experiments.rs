@@ -1,4 +1,4 @@
-//! Chapters 2 to 4, 5.3 and 6: the motor, its tests and what is said about them.
+//! Chapters 2 to 4, 5.3 and 6: the motor, its tests and their discussion.
 
 use crate::reproduce::thesis::CaseResult;
 use crate::reproduce::thesis::measured::*;
@@ -120,7 +120,7 @@ pub fn tables(rows: &mut Rows, cases: &[CaseResult]) {
     }
 }
 
-/// What chapter 6 and the tables' order say.
+/// Statements of chapter 6 and of the order of the tables.
 pub fn discussion(rows: &mut Rows) {
     let (bare, fan, wide) = (&CASES[0], &CASES[1], &CASES[4]);
     let density = |case: &Case| torque_at_5_a(case.t_w) / case.mass;
