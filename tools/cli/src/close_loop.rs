@@ -10,13 +10,11 @@ mod sample;
 #[cfg(test)]
 mod tests;
 
-use crate::Failure;
+use crate::{Failure, write};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::Outcome;
 use calibrate::report::{Replay, Report};
 use describe::Preset;
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -52,8 +50,8 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let experiment = Experiment::read(&args.experiment)?;
     let preset = preset(&experiment, &args.experiment)?;
     // Before minutes of work: a folder that cannot be written to is bad input too.
-    std::fs::create_dir_all(&args.out).map_err(|e| unwritten(&args.out, &e))?;
-    let bar = progress_bar();
+    crate::make_folder(&args.out)?;
+    let bar = crate::progress_bar(1000, "{wide_bar} {percent:>3} %  {msg}");
     let outcome = calibrate::close_loop::run(&experiment, &preset.starts.entries(), &|share, what| {
         bar.set_message(what.to_owned());
         bar.set_position((1000.0 * SEARCH * share.clamp(0.0, 1.0)) as u64);
@@ -77,9 +75,9 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     }
     let report = Report::new(&outcome, &exported.names, Some(&replay), &notes, begun.elapsed().as_secs_f64());
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
-    put(&args.out.join("report.json"), &json)?;
+    write(&args.out.join("report.json"), &json)?;
     let page = page::page(&experiment, &outcome, &replay, &notes, (exported.kind.declaration)());
-    put(&args.out.join("report.html"), &page)?;
+    write(&args.out.join("report.html"), &page)?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
     // FMI 3 has no input derivatives: a term with constant drivers over a row has them constant over each substep there.
     let faithful = replay.channels.iter().all(|c| c.standard != "fmi2" || c.difference <= replay.limit);
@@ -105,15 +103,6 @@ fn preset(experiment: &Experiment, file: &Path) -> Result<Preset, Failure> {
     Ok(preset)
 }
 
-fn unwritten(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(format!("{} cannot be written: {error}", path.display()))
-}
-
-/// Writes a file.
-fn put(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|e| unwritten(path, &e))
-}
-
 /// The text on the terminal.
 fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> String {
     let mut text = format!("{}: {}\n", outcome.name, text::verdict(outcome));
@@ -131,16 +120,4 @@ fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> 
         text += &format!("note: {note}\n");
     }
     text + &format!("{}: report.html, report.json, preset.toml, fmi2, fmi3\n", out.display())
-}
-
-/// A progress bar on a terminal, else no output.
-fn progress_bar() -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(1000);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }

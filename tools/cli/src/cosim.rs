@@ -1,14 +1,11 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
-use crate::simulate::{progress_bar, setting, significant};
+use crate::simulate::{progress_bar, remarks, setting, significant};
 use clap::ValueEnum;
-use cosim::{Algorithm, Log, PowerBond, Status, System, SystemOptions, SystemRun, cosimulate};
+use cosim::{Algorithm, Log, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
-
-/// Messages of the FMUs that are repeated to the user.
-const MAX_MESSAGES: usize = 5;
 
 /// Run a system of Co-Simulation FMUs: SSP 1.0 (flat), or the TOML file that `motor-fmu ssp` takes.
 #[derive(Debug, clap::Args)]
@@ -108,7 +105,9 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
     if let Some(path) = &args.plot {
         run.recording.plot_svg(path)?;
     }
-    remarks(&run);
+    crate::remark(&run.notes);
+    let ended_by = run.ended_by.as_deref().unwrap_or_default();
+    remarks(&run.recording, "", ended_by, ended_by);
     let text = if args.json {
         format!("{}\n", machine(&args.system.to_string_lossy(), &run))
     } else {
@@ -130,27 +129,6 @@ pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
     System::open(&args.system)?.write_ssp(&out)?;
     crate::say(&format!("{}\n", out.display()));
     Ok(ExitCode::SUCCESS)
-}
-
-/// Prints notes, messages of the FMUs, and an early end of the run to stderr.
-fn remarks(run: &SystemRun) {
-    for note in &run.notes {
-        eprintln!("note: {note}");
-    }
-    let mut complaints: Vec<_> = run.recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
-    let reason = run.recording.ended_early.and_then(|_| complaints.pop());
-    for message in complaints.iter().take(MAX_MESSAGES) {
-        eprintln!("{}: {}", message.status, message.text);
-    }
-    if complaints.len() > MAX_MESSAGES {
-        eprintln!("{} more messages", complaints.len() - MAX_MESSAGES);
-    }
-    if let (Some(name), Some(time)) = (&run.ended_by, run.recording.ended_early) {
-        match reason {
-            Some(reason) => eprintln!("error: {name}: {}", reason.text),
-            None => eprintln!("error: {name} ended the simulation in the step from t = {time} s"),
-        }
-    }
 }
 
 fn summary(run: &SystemRun) -> String {

@@ -10,7 +10,9 @@ mod unused;
 mod validate;
 
 use clap::{Parser, Subcommand};
-use std::io::Write;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// FMUs of a thermo-electromechanical motor: build, validate, simulate, calibrate.
@@ -63,6 +65,45 @@ pub fn say(text: &str) {
 pub fn remark(notes: &[String]) {
     for note in notes {
         eprintln!("note: {note}");
+    }
+}
+
+/// Prints a result for a script, indented.
+pub fn say_json(result: &impl serde::Serialize) -> Result<(), Failure> {
+    say(&format!("{}\n", serde_json::to_string_pretty(result)?));
+    Ok(())
+}
+
+/// Writes a file.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|e| unwritten(path, &e))
+}
+
+/// Makes a folder where it is missing.
+pub fn make_folder(path: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(path).map_err(|e| unwritten(path, &e))
+}
+
+/// The failure to write a file or folder.
+pub fn unwritten(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(format!("{} cannot be written: {error}", path.display()))
+}
+
+/// This program, which validates in processes of its own.
+pub fn program() -> Result<PathBuf, Failure> {
+    std::env::current_exe()
+        .map_err(|e| Failure::new(format!("the path of this program cannot be determined: {e}")))
+}
+
+/// A progress bar of so many parts on a terminal, else no output.
+pub fn progress_bar(parts: u64, template: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(parts);
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
     }
 }
 

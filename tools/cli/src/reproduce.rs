@@ -5,7 +5,6 @@ use ::study::reproduce::paper::{Compared, paper};
 use ::study::reproduce::thesis::{CaseResult, Fits, thesis};
 use ::study::reproduce::{Basis, Printed, Row, report, significant};
 use clap::ValueEnum;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -54,28 +53,21 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     if let Some(folder) = &args.out {
         write(folder, &page)?;
     }
-    crate::say(&if args.json { machine(&json)? } else { table(&rows, &conclusion) });
+    if args.json {
+        crate::say_json(&json)?;
+    } else {
+        crate::say(&table(&rows, &conclusion));
+    }
     Ok(ExitCode::SUCCESS)
 }
 
-fn machine(json: &Value) -> Result<String, Failure> {
-    Ok(format!("{}\n", serde_json::to_string_pretty(json)?))
-}
-
-/// The page and its figures; the folder is made where it is missing.
+/// The page and its figures.
 fn write(folder: &Path, page: &report::Page) -> Result<(), Failure> {
-    let failed = |path: &Path, error: std::io::Error| {
-        Failure::new(format!("{} cannot be written: {error}", path.display()))
-    };
-    std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
-    let put = |name: &str, text: &str| {
-        let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|e| failed(&path, e))
-    };
+    crate::make_folder(folder)?;
     for (name, svg) in &page.figures {
-        put(&format!("{name}.svg"), svg)?;
+        crate::write(&folder.join(format!("{name}.svg")), svg)?;
     }
-    put(&format!("{}.html", page.name), &page.html)
+    crate::write(&folder.join(format!("{}.html", page.name)), &page.html)
 }
 
 fn table(rows: &[Row], conclusion: &str) -> String {

@@ -1,9 +1,8 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
 use cosim::{Archive, InputTable, Log, Options, Recording, Status};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use serde_json::{Map, Value, json};
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -76,7 +75,8 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
     if let Some(path) = &args.plot {
         recording.plot_svg(path)?;
     }
-    remarks(&recording);
+    let name = &recording.model_name;
+    remarks(&recording, &format!("{name}: "), name, &format!("{name}: the FMU"));
     crate::remark(unused.as_slice());
     let text = if args.json {
         let mut result = machine(&args.file.to_string_lossy(), &recording);
@@ -99,36 +99,25 @@ pub fn setting(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// A progress bar on a terminal, else no output.
+/// The bar of a simulation, in percent.
 pub fn progress_bar() -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(100);
-    if let Ok(style) = ProgressStyle::with_template("simulating {wide_bar} {percent:>3} %, {eta} left") {
-        bar.set_style(style);
-    }
-    bar
+    crate::progress_bar(100, "simulating {wide_bar} {percent:>3} %, {eta} left")
 }
 
-/// Prints the FMU's warnings and errors to stderr; if the FMU ended the simulation, the last message is the reason.
-fn remarks(recording: &Recording) {
+/// Prints the warnings and errors of FMUs to stderr, after `prefix`; if `who` ended the simulation, the last message is the reason,
+/// and without a message the line says that `ending` did so.
+pub fn remarks(recording: &Recording, prefix: &str, who: &str, ending: &str) {
     let mut complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
     let reason = recording.ended_early.and_then(|_| complaints.pop());
     for message in complaints.iter().take(MAX_MESSAGES) {
-        eprintln!("{}: {}: {}", recording.model_name, message.status, message.text);
+        eprintln!("{prefix}{}: {}", message.status, message.text);
     }
     if complaints.len() > MAX_MESSAGES {
-        eprintln!("{}: {} more messages", recording.model_name, complaints.len() - MAX_MESSAGES);
+        eprintln!("{prefix}{} more messages", complaints.len() - MAX_MESSAGES);
     }
     match (recording.ended_early, reason) {
-        (Some(_), Some(reason)) => eprintln!("error: {}: {}", recording.model_name, reason.text),
-        (Some(time), None) => {
-            eprintln!(
-                "error: {}: the FMU ended the simulation in the step from t = {time} s",
-                recording.model_name
-            );
-        }
+        (Some(_), Some(reason)) => eprintln!("error: {who}: {}", reason.text),
+        (Some(time), None) => eprintln!("error: {ending} ended the simulation in the step from t = {time} s"),
         (None, _) => {}
     }
 }

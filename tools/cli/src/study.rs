@@ -2,15 +2,13 @@
 
 mod walk;
 
-use crate::Failure;
+use crate::{Failure, write};
 use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{Case, ConstantInputs, Sweep, Vary, Walking, sweep};
 use ::study::walk::{Load, Objective};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -111,7 +109,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
             "no_continuous_torque": continuous.as_ref().err().map(ToString::to_string),
             "notes": notes,
         });
-        crate::say(&format!("{}\n", serde_json::to_string_pretty(&result)?));
+        crate::say_json(&result)?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = format!("{} in steady state\n", args.start.model);
@@ -177,12 +175,15 @@ pub struct SweepArgs {
 pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let vary = args.vary.iter().map(|text| Vary::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
-    let bar = progress_bar(points);
+    let bar = crate::progress_bar(points as u64, "sweeping {wide_bar} {pos}/{len}, {eta} left");
     let done = |n: usize| bar.set_position(n as u64);
     let (case, notes): (Box<dyn Case>, Vec<String>) = match &args.load.load {
         Some(file) => {
-            let objective = Objective::named(&args.objective, args.load.hours)?;
-            (Box::new(Walking { load: args.start.load(file)?, objective }), Vec::new())
+            let objective = Objective::named(&args.objective)?;
+            (
+                Box::new(Walking { load: args.start.load(file)?, objective, hours: args.load.hours }),
+                Vec::new(),
+            )
         }
         None => {
             let setup = args.start.setup()?;
@@ -201,13 +202,13 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     if let Some(path) = &args.plot {
         write(path, &found.figure()?.svg())?;
     }
-    crate::say(&if args.json {
+    if args.json {
         let mut result = serde_json::to_value(&found)?;
         result["notes"] = json!(notes);
-        format!("{}\n", serde_json::to_string_pretty(&result)?)
+        crate::say_json(&result)?;
     } else {
-        summary(&found)
-    });
+        crate::say(&summary(&found));
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -242,21 +243,4 @@ fn summary(found: &Sweep) -> String {
 /// A unit; none for a pure number.
 fn plain(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
-}
-
-/// Writes a file.
-pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|e| Failure::new(format!("{} cannot be written: {e}", path.display())))
-}
-
-/// A progress bar on a terminal, else no output.
-fn progress_bar(points: usize) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(points as u64);
-    if let Ok(style) = ProgressStyle::with_template("sweeping {wide_bar} {pos}/{len}, {eta} left") {
-        bar.set_style(style);
-    }
-    bar
 }

@@ -42,8 +42,7 @@ pub fn report(files: &[PathBuf], as_json: bool) -> Result<ExitCode, Failure> {
 }
 
 fn report_within(files: &[PathBuf], as_json: bool, patience: f64) -> Result<ExitCode, Failure> {
-    let program = std::env::current_exe()
-        .map_err(|e| Failure::new(format!("the path of this program cannot be determined: {e}")))?;
+    let program = crate::program()?;
     let mut reports = Vec::new();
     for file in files {
         reports.push((file, validate_within(file, &program, Duration::from_secs_f64(patience))?));
@@ -60,7 +59,7 @@ fn report_within(files: &[PathBuf], as_json: bool, patience: f64) -> Result<Exit
         }
     }
     let breach = reports.iter().flat_map(|(_, findings)| findings).any(|f| f.severity == Severity::Error);
-    Ok(if breach { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(crate::outcome(!breach))
 }
 
 fn text(file: &str, findings: &[Finding]) -> String {

@@ -96,14 +96,11 @@ impl Dependencies {
 
     /// The union with other dependencies of the same unknowns.
     fn and(self, other: Dependencies) -> Dependencies {
-        let both = |own: Vec<Unknown>, other: Vec<Unknown>| -> Vec<Unknown> {
-            own.into_iter().zip(other).map(|(own, other)| own.and(other)).collect()
-        };
         Dependencies {
-            outputs: both(self.outputs, other.outputs),
-            rates: both(self.rates, other.rates),
-            indicators: both(self.indicators, other.indicators),
-            initial: both(self.initial, other.initial),
+            outputs: union(self.outputs, other.outputs),
+            rates: union(self.rates, other.rates),
+            indicators: union(self.indicators, other.indicators),
+            initial: union(self.initial, other.initial),
         }
     }
 
@@ -190,16 +187,17 @@ impl Dependencies {
             }
             (running, initial)
         };
-        let (mut running, initial) = points.map(look).reduce(none, |all, one| {
-            let both = |all: Vec<Unknown>, one: Vec<Unknown>| -> Vec<Unknown> {
-                all.into_iter().zip(one).map(|(all, one)| all.and(one)).collect()
-            };
-            (both(all.0, one.0), both(all.1, one.1))
-        });
+        let (mut running, initial) =
+            points.map(look).reduce(none, |all, one| (union(all.0, one.0), union(all.1, one.1)));
         let indicators = running.split_off(outputs.len() + rates.len());
         let rates = running.split_off(outputs.len());
         Dependencies { outputs: running, rates, indicators, initial }
     }
+}
+
+/// The union of the dependencies of the same unknowns.
+fn union(own: Vec<Unknown>, other: Vec<Unknown>) -> Vec<Unknown> {
+    own.into_iter().zip(other).map(|(own, other)| own.and(other)).collect()
 }
 
 fn indices(declaration: &Declaration, which: impl Fn(&Entry) -> bool) -> Vec<usize> {

@@ -33,16 +33,9 @@ pub fn model_description(
     root.push(("numberOfEventIndicators", declaration.indicators.len().to_string()));
     let listed = Listed::new(declaration, starts);
     xml::document("fmiModelDescription", &root, |xml| {
-        empty(xml, "ModelExchange", &xml::interface(declaration, CAN_EXCHANGE))?;
-        let mut stepping = xml::interface(declaration, CAN);
-        stepping.push(("maxOutputDerivativeOrder", "1".to_string()));
-        empty(xml, "CoSimulation", &stepping)?;
-        xml::unit_definitions(xml, declaration)?;
-        xml::type_definitions(xml, declaration, |xml, attributes, items| {
+        xml::preamble(xml, declaration, [CAN_EXCHANGE, CAN], |xml, attributes, items| {
             element(xml, "SimpleType", attributes, |xml| element(xml, "Enumeration", &vec![], items))
         })?;
-        xml::log_categories(xml)?;
-        xml::default_experiment(xml)?;
         element(xml, "ModelVariables", &vec![], |xml| {
             let unit = vec![("unit", "s".to_string())];
             element(xml, "ScalarVariable", &xml::time_attributes(), |xml| empty(xml, "Real", &unit))?;

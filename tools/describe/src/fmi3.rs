@@ -36,16 +36,9 @@ pub fn model_description(
     found: &Dependencies,
 ) -> String {
     xml::document("fmiModelDescription", &xml::root("3.0", "instantiationToken", declaration), |xml| {
-        empty(xml, "ModelExchange", &xml::interface(declaration, CAN_EXCHANGE))?;
-        let mut stepping = xml::interface(declaration, CAN);
-        stepping.push(("maxOutputDerivativeOrder", "1".to_string()));
-        empty(xml, "CoSimulation", &stepping)?;
-        xml::unit_definitions(xml, declaration)?;
-        xml::type_definitions(xml, declaration, |xml, attributes, items| {
+        xml::preamble(xml, declaration, [CAN_EXCHANGE, CAN], |xml, attributes, items| {
             element(xml, "EnumerationType", attributes, items)
         })?;
-        xml::log_categories(xml)?;
-        xml::default_experiment(xml)?;
         element(xml, "ModelVariables", &vec![], |xml| {
             let time = [xml::time_attributes(), vec![("unit", "s".to_string())]].concat();
             empty(xml, "Float64", &time)?;

@@ -309,10 +309,7 @@ mod tests {
     fn motor(preset: &str, modes: &[(&str, f64)]) -> Box<dyn Model> {
         let preset = Preset::load(preset).unwrap();
         let kind = models::by_name(&preset.model).unwrap();
-        let (mut model, declaration) = ((kind.new)(), (kind.declaration)());
-        for (reference, value) in preset.starts.entries() {
-            model.set(declaration.by_reference(reference).unwrap().slot, value);
-        }
+        let (mut model, declaration) = (with_starts(kind, &preset.starts, &[]), (kind.declaration)());
         for (name, value) in modes {
             assert!(model.set(declaration.by_name(name).unwrap().slot, *value));
         }

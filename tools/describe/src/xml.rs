@@ -59,13 +59,31 @@ pub(crate) fn root(version: &str, token_name: &'static str, declaration: &Declar
 }
 
 /// The attributes of an interface with these capabilities.
-pub(crate) fn interface(declaration: &Declaration, capabilities: &[&'static str]) -> Attributes {
+fn interface(declaration: &Declaration, capabilities: &[&'static str]) -> Attributes {
     let identifier = ("modelIdentifier", declaration.name.to_string());
     [identifier].into_iter().chain(capabilities.iter().map(|c| (*c, "true".to_string()))).collect()
 }
 
+/// All elements before the variables: both interfaces with their capabilities, units, enumeration types, log categories and default
+/// experiment; `wrap` writes the element around the items of an enumeration.
+pub(crate) fn preamble(
+    xml: &mut Xml,
+    declaration: &Declaration,
+    [exchange, stepping]: [&[&'static str]; 2],
+    wrap: impl Fn(&mut Xml, &Attributes, &dyn Fn(&mut Xml) -> io::Result<()>) -> io::Result<()>,
+) -> io::Result<()> {
+    empty(xml, "ModelExchange", &interface(declaration, exchange))?;
+    let mut stepping = interface(declaration, stepping);
+    stepping.push(("maxOutputDerivativeOrder", "1".to_string()));
+    empty(xml, "CoSimulation", &stepping)?;
+    unit_definitions(xml, declaration)?;
+    type_definitions(xml, declaration, wrap)?;
+    log_categories(xml)?;
+    default_experiment(xml)
+}
+
 /// The enumeration types; `wrap` writes the element around the items.
-pub(crate) fn type_definitions(
+fn type_definitions(
     xml: &mut Xml,
     declaration: &Declaration,
     wrap: impl Fn(&mut Xml, &Attributes, &dyn Fn(&mut Xml) -> io::Result<()>) -> io::Result<()>,
@@ -126,7 +144,7 @@ pub(crate) fn start_attribute(entry: &Entry, starts: &StartValues) -> Option<(&'
 }
 
 /// The log categories.
-pub(crate) fn log_categories(xml: &mut Xml) -> io::Result<()> {
+fn log_categories(xml: &mut Xml) -> io::Result<()> {
     element(xml, "LogCategories", &vec![], |xml| {
         physics::model::LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
             empty(
@@ -139,7 +157,7 @@ pub(crate) fn log_categories(xml: &mut Xml) -> io::Result<()> {
 }
 
 /// The default experiment.
-pub(crate) fn default_experiment(xml: &mut Xml) -> io::Result<()> {
+fn default_experiment(xml: &mut Xml) -> io::Result<()> {
     let attributes = vec![
         ("startTime", "0".to_string()),
         ("stopTime", number(crate::DEFAULT_STOP)),
@@ -149,7 +167,7 @@ pub(crate) fn default_experiment(xml: &mut Xml) -> io::Result<()> {
 }
 
 /// The units of the variables, with base units and display unit; the same text in both standards.
-pub(crate) fn unit_definitions(xml: &mut Xml, declaration: &Declaration) -> io::Result<()> {
+fn unit_definitions(xml: &mut Xml, declaration: &Declaration) -> io::Result<()> {
     let used =
         |unit: &&Unit| **unit == Unit::Second || declaration.entries.iter().any(|e| e.row.unit == **unit);
     element(xml, "UnitDefinitions", &vec![], |xml| {

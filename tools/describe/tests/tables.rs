@@ -5,7 +5,16 @@ use describe::{Preset, fmi2, fmi3};
 use physics::declare::{Causality, Kind, Scale};
 use physics::terms::{Driver, GenericTerm, Law, Port, Table};
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description")
+}
+
+/// A generated file of a model.
+fn read(model: &str, file: &str) -> String {
+    std::fs::read_to_string(folder().join(model).join(file)).unwrap()
+}
 
 fn entries() -> impl Iterator<Item = &'static Entry> {
     models::ALL.iter().flat_map(|m| &(m.declaration)().entries)
@@ -157,11 +166,9 @@ fn segments_are_counted_by_the_start_values() {
 /// FMI 2 refers to a state by index, FMI 3 by value reference; each derivative refers to its own state.
 #[test]
 fn a_derivative_names_its_state() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
     for kind in models::ALL {
         let declaration = (kind.declaration)();
-        let read = |file: &str| std::fs::read_to_string(folder.join(declaration.name).join(file)).unwrap();
-        let (two, three) = (read("fmi2.xml"), read("fmi3.xml"));
+        let [two, three] = ["fmi2.xml", "fmi3.xml"].map(|file| read(declaration.name, file));
         let variables: Vec<&str> = two.split("<ScalarVariable ").skip(1).collect();
         let name = |text: &str| text.split('"').nth(1).unwrap().to_string();
         let mut pairs = 0;
@@ -195,8 +202,7 @@ fn terms_bring_dependencies() {
 /// An integer has limits and a start value in both standards, but neither unit nor nominal value.
 #[test]
 fn a_whole_number_is_an_integer_in_both_standards() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description/AnnulusCooledMotor");
-    let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
+    let read = |file: &str| read("AnnulusCooledMotor", file);
     assert!(read("fmi2.xml").contains("<Integer min=\"1\" max=\"100\" start=\"2\"/>"));
     let three = read("fmi3.xml");
     let line = three.lines().find(|l| l.contains("motor.pole_pairs")).unwrap().trim();
@@ -237,18 +243,16 @@ fn the_gearmotor_depends_on_no_effect_of_fan_or_power_input() {
 
 #[test]
 fn the_generated_files_are_up_to_date() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
-    let stale = generated::stale(&folder).unwrap();
+    let stale = generated::stale(&folder()).unwrap();
     assert!(stale.is_empty(), "run `cargo xtask describe`: {stale:?}");
 }
 
 /// The stored dependencies are read as they were written; otherwise every archive would determine them again.
 #[test]
 fn the_structure_is_read_as_it_is_kept() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model-description");
     for kind in models::ALL {
         let declaration = (kind.declaration)();
-        let kept = std::fs::read_to_string(folder.join(declaration.name).join("dependencies.toml")).unwrap();
+        let kept = read(declaration.name, "dependencies.toml");
         let found = Dependencies::of(kind, &[], &StartValues::default());
         assert!(kept.lines().count() > 20 && found.text(declaration) == kept, "{}", declaration.name);
     }

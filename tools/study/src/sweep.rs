@@ -4,7 +4,7 @@ use crate::StudyError;
 use crate::bench::Bench;
 use crate::numeric::linspace;
 use crate::steady::{Setup, continuous_torque, steady};
-use crate::walk::{Load, Objective, continuous_support, periodic, walk};
+use crate::walk::{Load, Objective};
 use physics::declare::Kind;
 use physics::model::Entry;
 use present::figure::{Axis, Figure};
@@ -150,11 +150,13 @@ pub struct Walking {
     pub load: Load,
     /// The objective.
     pub objective: Objective,
+    /// Longest duration of the walk, h.
+    pub hours: f64,
 }
 
 impl Case for Walking {
     fn target(&self) -> Result<Target, StudyError> {
-        let (name, unit, least_is_best) = self.objective.describe();
+        let Objective { name, unit, least_is_best, .. } = self.objective;
         Ok(Target { name: name.to_owned(), unit, least_is_best })
     }
 
@@ -167,17 +169,7 @@ impl Case for Walking {
         for (name, value) in sets {
             load.set_text(name, &value.to_string())?;
         }
-        match self.objective {
-            Objective::ContinuousTorque => Ok(continuous_support(&load)?.at.joint_torque_peak),
-            Objective::TorqueDensity => Ok(continuous_support(&load)?.at.joint_torque_peak / load.mass()?),
-            Objective::ContinuousSupport => Ok(continuous_support(&load)?.support),
-            Objective::WindingTemperature => Ok(periodic(&load)?.winding_temperature),
-            Objective::SupplyPower => Ok(periodic(&load)?.power_supply),
-            Objective::TorqueError => Ok(periodic(&load)?.torque_error_rms),
-            Objective::TimeToLimit { hours } => {
-                Ok(walk(&load, hours)?.envelope.time_to_limit.unwrap_or(hours * 3600.0))
-            }
-        }
+        self.objective.of(&load, self.hours)
     }
 
     fn takes(&self, name: &str, value: f64) -> Result<(), StudyError> {

@@ -12,7 +12,7 @@ mod cycle;
 mod load;
 mod stride;
 
-pub use answer::{Continuous, Limit, Objective, Periodic, Walked, continuous_support, periodic, walk};
+pub use answer::{Continuous, Limit, Objective, Walked, continuous_support, periodic, walk};
 pub use cycle::{Envelope, EnvelopePoint};
 pub use load::{Derived, Load, MOTOR};
-pub use stride::{Stride, Walker};
+pub use stride::{Periodic, Walker};

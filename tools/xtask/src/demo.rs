@@ -2,6 +2,7 @@
 
 mod page;
 
+use crate::files::{read, write};
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::Path;
 use std::process::Stdio;
@@ -16,9 +17,7 @@ const BENCH: &str = "examples/04_close_the_loop_bench.py";
 
 /// Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    if let Some(extra) = arguments.first() {
-        return Err(format!("`demo` takes no arguments, got {extra:?}"));
-    }
+    crate::no_arguments("demo", arguments)?;
     // First, so that a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace)?;
     shell::stage("building everything");
@@ -54,7 +53,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     let study =
         page::study(&read(&dist.join("walking-study.json"))?, &read(&dist.join("walking-study.svg"))?)?;
     let html = page::html(walk, study, page::bench(&read(&bench.join("fan/report.json"))?)?);
-    std::fs::write(&page, html).map_err(|e| format!("{} cannot be written: {e}", page.display()))?;
+    write(&page, &html)?;
     println!("FMUs: {0}/fmi2, {0}/fmi3\nresults: {1}", dist.display(), page.display());
     println!("system: {}", system.display());
     println!("closed loop: {}, all of it in {}", report.display(), bench.display());
@@ -68,8 +67,4 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
 fn example(workspace: &Workspace, python: &Path, script: &str, out: &Path) -> Outcome {
     std::fs::create_dir_all(out).map_err(|e| format!("{} cannot be made: {e}", out.display()))?;
     shell::run(product::python(workspace, python).arg(script).arg("--out").arg(out).stdout(Stdio::null()))
-}
-
-fn read(file: &Path) -> Outcome<String> {
-    std::fs::read_to_string(file).map_err(|e| format!("{} cannot be read: {e}", file.display()))
 }

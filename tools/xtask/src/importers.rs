@@ -9,9 +9,7 @@ const TESTS: &str = "tests/python/rust_importers.py";
 
 /// Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    if let Some(extra) = arguments.first() {
-        return Err(format!("`importers` takes no arguments, got {extra:?}"));
-    }
+    crate::no_arguments("importers", arguments)?;
     let (python, tools) = (venv::python(workspace)?, venv::importers(workspace)?);
     shell::stage("building the archives");
     product::build(workspace)?;

@@ -1,9 +1,9 @@
 //! `cargo xtask licenses`: the list of third-party crates in the FMU library with their licences, for the archives.
 
-use crate::{Outcome, shell, workspace::Workspace};
+use crate::{Outcome, files, shell, workspace::Workspace};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The crate whose dependencies are meant.
 const LIBRARY: &str = "fmu";
@@ -15,11 +15,7 @@ const PREFERRED: [&str; 4] = ["MIT", "Apache-2.0", "Zlib", "Unicode-3.0"];
 /// Writes the file; with `--check`, compares only.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     match arguments {
-        [] => {
-            let file = workspace.root.join(FILE);
-            std::fs::write(&file, text(workspace)?)
-                .map_err(|e| format!("{} cannot be written: {e}", file.display()))
-        }
+        [] => files::write(&workspace.root.join(FILE), &text(workspace)?),
         [flag] if flag == "--check" => check(workspace),
         _ => Err("`licenses` takes --check or nothing".into()),
     }
@@ -27,10 +23,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
 
 /// Compares the file with `cargo metadata`.
 pub fn check(workspace: &Workspace) -> Outcome {
-    let file = workspace.root.join(FILE);
-    let kept =
-        std::fs::read_to_string(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
-    if kept == text(workspace)? {
+    if files::read(&workspace.root.join(FILE))? == text(workspace)? {
         Ok(())
     } else {
         Err(format!("{FILE} is not what is compiled in; run `cargo xtask licenses`"))
@@ -84,24 +77,18 @@ fn compiled(tree: &str) -> BTreeSet<(String, String)> {
 
 /// The licence texts that a crate brings, the preferred one alone where it brings several.
 fn license_texts(folder: &Path) -> Outcome<Vec<String>> {
-    let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
     let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let mut files: Vec<_> = entries
-        .flatten()
-        .map(|e| e.path())
-        .filter(|p| {
-            p.is_file() && ["license", "licence", "copying"].iter().any(|start| name(p).starts_with(start))
-        })
-        .collect();
-    files.sort();
+    let mut found = files::entries(folder)?;
+    found.retain(|p| {
+        p.is_file() && ["license", "licence", "copying"].iter().any(|start| name(p).starts_with(start))
+    });
     let preferred = PREFERRED.iter().find_map(|license| {
         let short = license.split('-').next().unwrap_or_default().to_lowercase();
-        files.iter().find(|file| name(file).contains(&short))
+        found.iter().find(|file| name(file).contains(&short))
     });
-    let chosen: Vec<_> = preferred.map_or(files.clone(), |file| vec![file.clone()]);
-    let read = |file: &std::path::PathBuf| {
-        let text =
-            std::fs::read_to_string(file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
+    let chosen = preferred.map_or(&found[..], std::slice::from_ref);
+    let read = |file: &PathBuf| {
+        let text = files::read(file)?;
         Ok(text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n").trim().to_string())
     };
     chosen.iter().map(read).collect()

@@ -5,6 +5,7 @@ mod blind;
 mod cross;
 mod demo;
 mod describe;
+mod files;
 mod fuzz;
 mod importers;
 mod licenses;
@@ -87,6 +88,14 @@ fn dispatch(arguments: &[String]) -> Outcome {
     match COMMANDS.iter().find(|(known, ..)| known == name) {
         Some((.., run)) => run(&Workspace::find()?, rest),
         None => Err(format!("there is no command {name:?}\n{}", usage())),
+    }
+}
+
+/// An error where a command that takes no arguments is given one.
+fn no_arguments(name: &str, arguments: &[String]) -> Outcome {
+    match arguments.first() {
+        Some(extra) => Err(format!("`{name}` takes no arguments, got {extra:?}")),
+        None => Ok(()),
     }
 }
 

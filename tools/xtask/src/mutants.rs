@@ -232,14 +232,6 @@ fn programs(messages: &str) -> Vec<Program> {
         .collect()
 }
 
-fn read(path: &Path) -> Outcome<String> {
-    std::fs::read_to_string(path).map_err(|e| format!("{} cannot be read: {e}", path.display()))
-}
-
-fn write(path: &Path, text: &str) -> Outcome {
-    std::fs::write(path, text).map_err(|e| format!("{} cannot be written: {e}", path.display()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,7 +242,7 @@ mod tests {
         let workspace = Workspace::find().unwrap();
         let all: Vec<&Mutant> = table::all().collect();
         for (file, mutants) in schema::by_file(&all) {
-            schema::mutated(&read(&root.join(file)).unwrap(), &mutants).unwrap();
+            schema::mutated(&crate::files::read(&root.join(file)).unwrap(), &mutants).unwrap();
         }
         for mutant in table::all() {
             assert_ne!(mutant.text, mutant.replacement, "{}", mutant.name);

@@ -21,9 +21,7 @@ const LONGER: [Command; 5] = [
 
 /// Runs all stages. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    if let Some(extra) = arguments.first() {
-        return Err(format!("`nightly` takes no arguments, got {extra:?}"));
-    }
+    crate::no_arguments("nightly", arguments)?;
     let mut stages = Stages::default();
     test::common(workspace, Extent::Full, &mut stages);
     stages.keeping("removals", || mutants::removal::summary(workspace));

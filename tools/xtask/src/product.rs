@@ -1,6 +1,6 @@
 //! The product: the `motor-fmu` program, the archives it builds, and a Python environment with the paths of both.
 
-use crate::{Outcome, shell, workspace::Workspace};
+use crate::{Outcome, files, shell, workspace::Workspace};
 use std::path::Path;
 use std::process::Command;
 
@@ -23,19 +23,17 @@ pub fn archives(workspace: &Workspace) -> Outcome {
 
 /// Validates every archive in dist/; an empty folder is an error.
 pub fn validate(workspace: &Workspace) -> Outcome {
-    let mut files = Vec::new();
+    let mut found = Vec::new();
     for standard in ["fmi2", "fmi3"] {
         let folder = workspace.dist().join(standard);
-        let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
-        let fmus = entries.flatten().map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "fmu"));
-        let before = files.len();
-        files.extend(fmus);
-        if files.len() == before {
+        let mut fmus = files::entries(&folder)?;
+        fmus.retain(|path| path.extension().is_some_and(|e| e == "fmu"));
+        if fmus.is_empty() {
             return Err(format!("there is no .fmu in {}", folder.display()));
         }
+        found.extend(fmus);
     }
-    files.sort();
-    shell::run(motor_fmu(workspace).arg("validate").args(files))
+    shell::run(motor_fmu(workspace).arg("validate").args(found))
 }
 
 /// The program, in the root of the workspace.

@@ -18,9 +18,7 @@ pub enum Extent {
 
 /// Runs the everyday stages. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    if let Some(extra) = arguments.first() {
-        return Err(format!("`test` takes no arguments, got {extra:?}"));
-    }
+    crate::no_arguments("test", arguments)?;
     let mut stages = Stages::default();
     common(workspace, Extent::Everyday, &mut stages);
     stages.keeping("mutants of changed files", || mutants::changed(workspace));

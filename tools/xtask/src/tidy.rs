@@ -38,9 +38,7 @@ const GENERATED: Check = ("generated files", describe::check);
 
 /// Runs every check, failed or not. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    if let Some(extra) = arguments.first() {
-        return Err(format!("`tidy` takes no arguments, got {extra:?}"));
-    }
+    crate::no_arguments("tidy", arguments)?;
     all(workspace, CHECKS.iter().chain([&GENERATED]))
 }
 

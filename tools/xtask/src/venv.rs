@@ -1,7 +1,7 @@
 //! Python environments in the target folder, with pinned packages: that of tests and examples, and one for each command
 //! that needs a tool which comes as a package.
 
-use crate::{Outcome, shell, workspace::Workspace};
+use crate::{Outcome, files, shell, workspace::Workspace};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -32,8 +32,7 @@ pub fn importers(workspace: &Workspace) -> Outcome<PathBuf> {
 
 fn made(workspace: &Workspace, name: &str, requirements: &str) -> Outcome<PathBuf> {
     let file = workspace.root.join(requirements);
-    let wanted =
-        std::fs::read_to_string(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
+    let wanted = files::read(&file)?;
     let folder = workspace.target.join(name);
     let python = if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
     if is_current(&folder, &wanted) && works(&python) {
@@ -41,18 +40,14 @@ fn made(workspace: &Workspace, name: &str, requirements: &str) -> Outcome<PathBu
     }
     shell::stage(&format!("Python packages into {}", folder.display()));
     let base = base_python()?;
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder)
-            .map_err(|e| format!("{} cannot be removed: {e}", folder.display()))?;
-    }
+    files::remove(&folder)?;
     make(base, &folder)?;
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]).arg(&file);
     shell::run(&mut pip).map_err(|e| {
         format!("the packages of {requirements} could not be installed; is the network reachable? {e}")
     })?;
-    let stamp = folder.join(STAMP);
-    std::fs::write(&stamp, &wanted).map_err(|e| format!("{} cannot be written: {e}", stamp.display()))?;
+    files::write(&folder.join(STAMP), &wanted)?;
     Ok(python)
 }
 

@@ -1,6 +1,6 @@
 //! The workspace as cargo describes it: folders, packages and their dependencies.
 
-use crate::{Outcome, shell};
+use crate::{Outcome, files, shell};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -77,6 +77,12 @@ impl Workspace {
     /// A program of the workspace, built in the release profile.
     pub fn program(&self, name: &str) -> PathBuf {
         self.target.join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+    }
+
+    /// All Rust files of the crates.
+    pub fn sources(&self) -> Outcome<Vec<PathBuf>> {
+        let folders = ["fmu-src", "tools"].map(|folder| files::rust(&self.root.join(folder)));
+        Ok(folders.into_iter().collect::<Outcome<Vec<_>>>()?.concat())
     }
 
     /// The folder of built archives.

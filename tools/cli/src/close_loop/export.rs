@@ -1,13 +1,12 @@
 //! Export: the calibrated preset, the terms, and the FMUs of both standards with them.
 
-use super::put;
-use crate::Failure;
+use crate::{Failure, write};
 use archive::build::{Contents, Standard, TermText, TermsFile, build_all, library_path};
 use archive::validate::{Severity, validate};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Outcome, Setting};
 use describe::{Declaration, Entry, Kind, ModelType, Preset, models};
-use std::fmt::Write;
+use std::fmt::Write as _;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -32,8 +31,7 @@ impl Exported {
     /// # Errors
     /// An archive that cannot be read.
     pub fn findings(&self) -> Result<Vec<String>, Failure> {
-        let program = std::env::current_exe()
-            .map_err(|e| Failure::new(format!("the path of this program cannot be determined: {e}")))?;
+        let program = crate::program()?;
         let wrong = |(name, (_, path)): (&String, &(Standard, PathBuf))| -> Result<Vec<String>, Failure> {
             let wrong = validate(path, &program)?.into_iter().filter(|f| f.severity == Severity::Error);
             Ok(wrong.map(|f| format!("{name}: {}: {}", f.place, f.message)).collect())
@@ -56,14 +54,14 @@ pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<
     let kind = models::by_name(outcome.model)
         .ok_or_else(|| Failure::new(format!("unknown model {}", outcome.model)))?;
     let file = out.join("preset.toml");
-    put(&file, &preset_text(experiment, outcome, (kind.declaration)()))?;
+    write(&file, &preset_text(experiment, outcome, (kind.declaration)()))?;
     let preset = Preset::load(&file.to_string_lossy())?;
     let effects = terms(outcome, &outcome.export)?;
     let path = out.join("effects.json");
     match &effects {
-        Some(effects) => put(&path, &effects.text())?,
+        Some(effects) => write(&path, &effects.text())?,
         // Of an earlier run, which had terms.
-        None if path.is_file() => std::fs::remove_file(&path).map_err(|e| super::unwritten(&path, &e))?,
+        None if path.is_file() => std::fs::remove_file(&path).map_err(|e| crate::unwritten(&path, &e))?,
         None => {}
     }
     let library = library_path()?;

@@ -1,7 +1,7 @@
 //! `motor-fmu steady --load`: a motor under the periodic load of a gait.
 
-use super::{SteadyArgs, rounded, write};
-use crate::Failure;
+use super::{SteadyArgs, rounded};
+use crate::{Failure, write};
 use ::study::reproduce::significant;
 use ::study::walk::{Periodic, Walked, continuous_support, walk};
 use present::figure::{Axis, Figure};
@@ -32,7 +32,7 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
             "no_continuous_torque": continuous.as_ref().err().map(ToString::to_string),
             "mass": load.mass()?,
         });
-        crate::say(&format!("{}\n", serde_json::to_string_pretty(&result)?));
+        crate::say_json(&result)?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = format!("gait data: {source}\n");

@@ -4,13 +4,15 @@ pub mod paper;
 pub mod report;
 pub mod thesis;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
-/// Assessment of a published number in the audit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// What the audit says of a published number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It follows from what is published.
+    #[default]
     Holds,
     /// It follows, with the restriction in the note.
     HoldsWithNote,
@@ -31,37 +33,27 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// All verdicts.
-    pub const ALL: [Verdict; 9] = [
-        Verdict::Holds,
-        Verdict::HoldsWithNote,
-        Verdict::Inconsistent,
-        Verdict::Garbled,
-        Verdict::UnitError,
-        Verdict::SignError,
-        Verdict::PhysicsError,
-        Verdict::NotAValidation,
-        Verdict::Remark,
+    /// All verdicts in their order, as words in a table.
+    pub const ALL: [(Verdict, &str); 9] = [
+        (Verdict::Holds, "holds"),
+        (Verdict::HoldsWithNote, "holds, see note"),
+        (Verdict::Inconsistent, "inconsistent"),
+        (Verdict::Garbled, "garbled"),
+        (Verdict::UnitError, "unit error"),
+        (Verdict::SignError, "sign error"),
+        (Verdict::PhysicsError, "physics error"),
+        (Verdict::NotAValidation, "not a validation"),
+        (Verdict::Remark, "remark"),
     ];
 
     /// As words in a table.
     pub fn text(self) -> &'static str {
-        match self {
-            Verdict::Holds => "holds",
-            Verdict::HoldsWithNote => "holds, see note",
-            Verdict::Inconsistent => "inconsistent",
-            Verdict::Garbled => "garbled",
-            Verdict::UnitError => "unit error",
-            Verdict::SignError => "sign error",
-            Verdict::PhysicsError => "physics error",
-            Verdict::NotAValidation => "not a validation",
-            Verdict::Remark => "remark",
-        }
+        Verdict::ALL[self as usize].1
     }
 }
 
-/// Origin of a native model's value: prediction or fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// How a native model came to a value that stands beside a published one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
     /// Parameters of the model were fitted to the published value: the agreement is that of a fit.
@@ -81,37 +73,36 @@ impl Basis {
 }
 
 /// What is published: a number, or text and formulas.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(untagged)]
 pub enum Printed {
     /// A number in the row's unit.
     Number(f64),
     /// Words.
-    Text(&'static str),
+    Text(String),
 }
 
-impl From<f64> for Printed {
-    fn from(number: f64) -> Printed {
-        Printed::Number(number)
-    }
-}
-
-impl From<&'static str> for Printed {
-    fn from(text: &'static str) -> Printed {
-        Printed::Text(text)
+impl Default for Printed {
+    /// Nothing, until the program enters a constant of its own.
+    fn default() -> Printed {
+        Printed::Text(String::new())
     }
 }
 
 /// A published number or statement, recomputed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Row {
     /// Number in the audit, with a suffix where it has several.
-    pub id: &'static str,
+    #[serde(skip_deserializing)]
+    pub id: String,
     /// Where it is published.
-    pub location: &'static str,
+    #[serde(default)]
+    pub location: String,
     /// What it is.
     pub quantity: String,
     /// The published value.
+    #[serde(default)]
     pub printed: Printed,
     /// Recomputed by the published equations and inputs.
     pub as_published: Option<f64>,
@@ -126,80 +117,84 @@ pub struct Row {
     /// Measured by the authors.
     pub measured: Option<f64>,
     /// Unit of all values.
-    pub unit: &'static str,
+    pub unit: String,
     /// Verdict.
+    #[serde(default)]
     pub verdict: Verdict,
     /// Why.
+    #[serde(default)]
     pub note: String,
 }
 
 impl Row {
-    /// A row without a recomputed value; its verdict is `Holds`.
-    pub fn new(
-        id: &'static str,
-        location: &'static str,
-        quantity: impl Into<String>,
-        printed: impl Into<Printed>,
-        unit: &'static str,
-    ) -> Row {
-        Row {
-            id,
-            location,
-            quantity: quantity.into(),
-            printed: printed.into(),
-            as_published: None,
-            corrected: None,
-            basis: None,
-            untuned: None,
-            leave_one_out: None,
-            measured: None,
-            unit,
-            verdict: Verdict::Holds,
-            note: String::new(),
-        }
+    /// Enters a published value that is a constant of the program.
+    fn printed(&mut self, value: f64) -> &mut Row {
+        self.printed = Printed::Number(value);
+        self
     }
 
-    /// With the value that the published equations give.
-    pub fn published(mut self, value: f64) -> Row {
+    /// Enters the value that the published equations give.
+    fn published(&mut self, value: f64) -> &mut Row {
         self.as_published = Some(value);
         self
     }
 
-    /// With the corrected value.
-    pub fn right(mut self, value: impl Into<Option<f64>>) -> Row {
+    /// Enters the corrected value.
+    fn right(&mut self, value: impl Into<Option<f64>>) -> &mut Row {
         self.corrected = value.into();
         self
     }
 
-    /// With the origin of the corrected value: fit or prediction.
-    pub fn by(mut self, basis: Basis) -> Row {
+    /// Enters the origin of the corrected value: fit or prediction.
+    fn by(&mut self, basis: Basis) -> &mut Row {
         self.basis = self.corrected.map(|_| basis);
         self
     }
 
-    /// With the predictions of the untuned model and of the model fitted to the other tests.
-    pub fn predictions(mut self, untuned: Option<f64>, leave_one_out: Option<f64>) -> Row {
+    /// Enters the predictions of the untuned model and of the model fitted to the other tests.
+    fn predictions(&mut self, untuned: Option<f64>, leave_one_out: Option<f64>) -> &mut Row {
         (self.untuned, self.leave_one_out) = (untuned, leave_one_out);
         self
     }
 
-    /// With the measured value.
-    pub fn measured(mut self, value: f64) -> Row {
+    /// Enters the measured value.
+    fn measured(&mut self, value: f64) -> &mut Row {
         self.measured = Some(value);
         self
     }
 
-    /// With a verdict and its reason.
-    pub fn but(mut self, verdict: Verdict, note: impl Into<String>) -> Row {
-        self.verdict = verdict;
-        self.note = note.into();
+    /// Enters the numbers of the note, one for each `{}`.
+    fn fill<const N: usize>(&mut self, numbers: [String; N]) -> &mut Row {
+        debug_assert_eq!(self.note.matches("{}").count(), N, "{}", self.id);
+        self.note = numbers.iter().fold(self.note.clone(), |note, number| note.replacen("{}", number, 1));
         self
     }
+}
 
-    /// With a remark; the verdict does not change.
-    pub fn note(mut self, note: impl Into<String>) -> Row {
-        self.note = note.into();
-        self
+/// The rows of a table by id, which is their order.
+struct Rows(BTreeMap<String, Row>);
+
+impl Rows {
+    /// The rows of a text of this crate in TOML.
+    fn read(text: &str) -> Rows {
+        let mut rows: BTreeMap<String, Row> = toml::from_str(text).expect("the tests read every table");
+        rows.iter_mut().for_each(|(id, row)| row.id.clone_from(id));
+        Rows(rows)
+    }
+
+    /// The row of an id that the text has.
+    fn of(&mut self, id: &str) -> &mut Row {
+        self.0.get_mut(id).unwrap_or_else(|| panic!("there is no row {id}"))
+    }
+
+    /// Adds a row.
+    fn add(&mut self, row: Row) -> &mut Row {
+        self.0.entry(row.id.clone()).or_insert(row)
+    }
+
+    /// All rows, in the order of the audit.
+    fn all(self) -> Vec<Row> {
+        self.0.into_values().collect()
     }
 }
 

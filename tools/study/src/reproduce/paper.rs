@@ -6,7 +6,7 @@ mod rows;
 
 pub use native::{Run, Sample, runs};
 
-use super::{Basis, Row, significant};
+use super::{Row, significant};
 use crate::StudyError;
 use crate::numeric::Line;
 use published::{CURRENT, DURATION, DUTIES, L_A, R_A, SUPPLY, T_ROOM};
@@ -159,8 +159,7 @@ pub fn paper() -> Result<Paper, StudyError> {
         Parts::of(power.electrical * DURATION, 0.5 * L_A * CURRENT * CURRENT, power.mechanical * DURATION);
     let temperatures = temperatures(&simulated, &work);
     let compared = simulated.as_deref().map(compared).unwrap_or_default();
-    let mut rows = rows::rows(&voltage, &power, &work, &temperatures, simulated.as_deref().ok(), &compared);
-    rows.sort_by_key(|row| row.id);
+    let rows = rows::rows(&voltage, &power, &work, &temperatures, simulated.as_deref().ok(), &compared);
     let misprints = rows.iter().filter(|r| r.verdict == super::Verdict::UnitError).count();
     let conclusion = format!(
         "At full duty {} V = {} V in the resistance + {} V against the counter-electromotive force, {} A and {} W are \
@@ -236,12 +235,6 @@ fn compared(runs: &[Run]) -> Vec<Compared> {
         Compared { quantity, published, simulated, unit, used_in_fit: !fitted.is_empty(), fitted }
     })
     .to_vec()
-}
-
-/// Origin of a row's simulated value.
-fn basis(compared: &[Compared], quantity: &str) -> Basis {
-    let used = compared.iter().any(|c| c.quantity == quantity && c.used_in_fit);
-    if used { Basis::Fitted } else { Basis::Predicted }
 }
 
 /// Voltage and current at a duty, by the published lines through the point at full duty.
@@ -320,6 +313,7 @@ fn temperatures(simulated: &Result<Vec<Run>, String>, work: &Parts) -> Temperatu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reproduce::Basis;
 
     fn near(value: f64, expected: f64, by: f64) {
         assert!((value - expected).abs() <= by, "{value} instead of {expected}");
@@ -406,7 +400,7 @@ mod tests {
             assert!(!c.used_in_fit && (c.simulated - c.published).abs() < 8.0, "{c:?}");
         }
         for row in paper.rows.iter().filter(|row| row.basis.is_some()) {
-            let fitted = ["P26", "P27"].contains(&row.id);
+            let fitted = ["P26", "P27"].contains(&row.id.as_str());
             assert_eq!(row.basis == Some(Basis::Fitted), fitted, "{}", row.id);
         }
     }

@@ -189,7 +189,7 @@ fn result(case: &Case, native: &Native, left_out: Option<f64>) -> Result<CaseRes
         ambient_K: case.ambient(),
         T_w_measured_K: case.t_w,
         R_ha_measured: case.r_ha,
-        T_w_as_published_K: case.r_star.map(|r| Annulus::new(r).winding_temperature()),
+        T_w_as_published_K: case.r_star().map(|r| Annulus::new(r).winding_temperature()),
         T_w_model_K: None,
         T_w_untuned_K: None,
         T_w_leave_one_out_K: None,

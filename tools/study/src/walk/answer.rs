@@ -3,7 +3,7 @@
 
 use super::cycle::{Envelope, envelope, steady};
 use super::load::Load;
-use super::stride::Stride;
+use super::stride::Periodic;
 use crate::StudyError;
 use crate::numeric::try_root;
 use serde::Serialize;
@@ -22,112 +22,67 @@ const NEAR: f64 = 0.5;
 const SUPPORT: &str = "gait.support";
 
 /// Objective of a sweep under a gait.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Objective {
-    /// Peak torque of the joint at the greatest continuous support, N.m.
-    ContinuousTorque,
-    /// The same per mass of motor, fan and tube, N.m/kg.
-    TorqueDensity,
-    /// The greatest fraction of the biological torque that can be given continuously.
-    ContinuousSupport,
-    /// Greatest temperature of the winding in the periodic steady state, K.
-    WindingTemperature,
-    /// Mean power from the supply in the periodic steady state, W.
-    SupplyPower,
-    /// Rms error of the torque, N.m.
-    TorqueError,
-    /// Time until the winding reaches its limit, s; the duration of the walk where it does not.
-    TimeToLimit {
-        /// Duration of the walk, h.
-        hours: f64,
-    },
+#[derive(Clone, Copy)]
+pub struct Objective {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Whether the least value is the best.
+    pub least_is_best: bool,
+    of: fn(&Load, f64) -> Result<f64, StudyError>,
 }
 
-impl Objective {
-    /// All, for a walk of `hours` at most.
-    fn all(hours: f64) -> [Objective; 7] {
-        use Objective::*;
-        [
-            ContinuousTorque,
-            TorqueDensity,
-            ContinuousSupport,
-            WindingTemperature,
-            SupplyPower,
-            TorqueError,
-            TimeToLimit { hours },
-        ]
+/// The torque and its fraction at the greatest continuous support; temperature, power and torque error in the periodic steady
+/// state; the time until the winding reaches its limit, or the duration of the walk where it does not.
+const OBJECTIVES: [Objective; 7] = {
+    const fn new(
+        name: &'static str,
+        unit: &'static str,
+        least_is_best: bool,
+        of: fn(&Load, f64) -> Result<f64, StudyError>,
+    ) -> Objective {
+        Objective { name, unit, least_is_best, of }
     }
+    [
+        new("continuous_torque", "N.m", false, |l, _| Ok(continuous_support(l)?.at.joint_torque_peak)),
+        new("torque_density", "N.m/kg", false, |l, _| {
+            Ok(continuous_support(l)?.at.joint_torque_peak / l.mass()?)
+        }),
+        new("continuous_support", "1", false, |l, _| Ok(continuous_support(l)?.support)),
+        new("winding_temperature", "K", true, |l, _| Ok(periodic(l)?.winding_temperature)),
+        new("supply_power", "W", true, |l, _| Ok(periodic(l)?.power_supply)),
+        new("torque_error", "N.m", true, |l, _| Ok(periodic(l)?.torque_error_rms)),
+        new("time_to_limit", "s", false, |l, hours| {
+            Ok(walk(l, hours)?.envelope.time_to_limit.unwrap_or(hours * 3600.0))
+        }),
+    ]
+};
 
+impl Objective {
     /// From its name.
     ///
     /// # Errors
     /// One sentence with the known names.
-    pub fn named(name: &str, hours: f64) -> Result<Objective, StudyError> {
-        Objective::all(hours).into_iter().find(|o| o.describe().0 == name).ok_or_else(|| {
-            let known: Vec<&str> = Objective::all(hours).iter().map(|o| o.describe().0).collect();
+    pub fn named(name: &str) -> Result<Objective, StudyError> {
+        OBJECTIVES.into_iter().find(|o| o.name == name).ok_or_else(|| {
             StudyError::new(format!(
                 "--objective {name}: with --load the objectives are {}",
-                known.join(", ")
+                OBJECTIVES.map(|o| o.name).join(", ")
             ))
         })
     }
 
-    /// Name, unit, and whether the least value is the best.
-    pub fn describe(&self) -> (&'static str, &'static str, bool) {
-        match self {
-            Objective::ContinuousTorque => ("continuous_torque", "N.m", false),
-            Objective::TorqueDensity => ("torque_density", "N.m/kg", false),
-            Objective::ContinuousSupport => ("continuous_support", "1", false),
-            Objective::WindingTemperature => ("winding_temperature", "K", true),
-            Objective::SupplyPower => ("supply_power", "W", true),
-            Objective::TorqueError => ("torque_error", "N.m", true),
-            Objective::TimeToLimit { .. } => ("time_to_limit", "s", false),
-        }
+    /// Its value under a load, in a walk of so many hours at most.
+    ///
+    /// # Errors
+    /// A load without that value.
+    pub fn of(&self, load: &Load, hours: f64) -> Result<f64, StudyError> {
+        (self.of)(load, hours)
     }
-}
-
-/// Means and peaks over one stride.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Periodic {
-    /// Greatest temperature of the winding within the stride, K.
-    pub winding_temperature: f64,
-    /// Mean temperature of the winding, K.
-    pub winding_temperature_mean: f64,
-    /// Rms current, A.
-    pub current_rms: f64,
-    /// Peak current, A.
-    pub current_peak: f64,
-    /// Peak torque at the joint, N.m.
-    pub joint_torque_peak: f64,
-    /// Rms error of the torque, N.m.
-    pub torque_error_rms: f64,
-    /// Mean electrical power of the motor, W.
-    pub power_electrical: f64,
-    /// Mean mechanical power at the joint, W.
-    pub power_joint: f64,
-    /// Mean power from the supply, W.
-    pub power_supply: f64,
-    /// Strides that were computed to find it.
-    pub strides_walked: u32,
 }
 
 impl Periodic {
-    fn of(stride: &Stride, strides_walked: u32) -> Periodic {
-        let [electrical, joint, supply] = stride.power;
-        Periodic {
-            winding_temperature: stride.winding[0],
-            winding_temperature_mean: stride.winding[1],
-            current_rms: stride.current[0],
-            current_peak: stride.current[1],
-            joint_torque_peak: stride.joint_torque,
-            torque_error_rms: stride.torque_error,
-            power_electrical: electrical,
-            power_joint: joint,
-            power_supply: supply,
-            strides_walked,
-        }
-    }
-
     /// How far the torque error is above what counts as followed, N.m; negative where it is below.
     fn lag(&self) -> f64 {
         self.torque_error_rms - FOLLOWED.0 * self.joint_torque_peak - FOLLOWED.1
@@ -162,13 +117,12 @@ pub fn walk(load: &Load, hours: f64) -> Result<Walked, StudyError> {
     let walker = load.walker()?;
     let limit = load.get("thermal.T_w_max")?;
     let forever = match steady(&walker) {
-        Ok((_, stride, walked)) => Some(Periodic::of(&stride, walked)),
+        Ok((_, stride)) => Some(stride),
         Err(StudyError::Unsettled(_)) => None,
         Err(other) => return Err(other),
     };
     let envelope = envelope(&walker, hours * 3600.0, limit)?;
-    let at_limit = envelope.at_limit.map(|stride| Periodic::of(&stride, envelope.strides_walked));
-    Ok(Walked { stride_time: walker.stride_time(), limit, forever, at_limit, envelope })
+    Ok(Walked { stride_time: walker.stride_time(), limit, forever, at_limit: envelope.at_limit, envelope })
 }
 
 /// The periodic steady state of a walk, without the way there.
@@ -176,8 +130,7 @@ pub fn walk(load: &Load, hours: f64) -> Result<Walked, StudyError> {
 /// # Errors
 /// Thermal runaway, or a load that does not start.
 pub fn periodic(load: &Load) -> Result<Periodic, StudyError> {
-    let (_, stride, walked) = steady(&load.walker()?)?;
-    Ok(Periodic::of(&stride, walked))
+    Ok(steady(&load.walker()?)?.1)
 }
 
 /// What limits the continuous support.
@@ -237,9 +190,8 @@ pub fn continuous_support(load: &Load) -> Result<Continuous, StudyError> {
             steady(&walker).ok()
         });
         match from_warm.map_or_else(|| steady(&cold), Ok) {
-            Ok((walker, stride, walked)) => {
+            Ok((walker, at)) => {
                 warm = Some(walker.temperatures());
-                let at = Periodic::of(&stride, walked);
                 let excess = (at.winding_temperature - limit).max(KELVINS * at.lag());
                 // The greatest support with a steady state within the limits, to the search's tolerance.
                 if excess <= NEAR && found.is_none_or(|(best, _)| support > best) {
@@ -322,7 +274,7 @@ mod tests {
             while moved > 1e-4 {
                 let before = last;
                 for _ in 0..20 {
-                    last = walker.stride().unwrap().winding[0];
+                    last = walker.stride().unwrap().winding_temperature;
                 }
                 moved = (last - before).abs();
             }
@@ -343,7 +295,7 @@ mod tests {
         let mut walker = load.walker().unwrap();
         let mut exact = Vec::new();
         while exact.last().is_none_or(|t| *t < found.limit) {
-            exact.push(walker.stride().unwrap().winding[0]);
+            exact.push(walker.stride().unwrap().winding_temperature);
         }
         let time = exact.len() as f64 * walker.stride_time();
         let to_limit = found.envelope.time_to_limit.unwrap();

@@ -11,7 +11,7 @@
 //! *Source*: Broyden, Math. Comp. 19 (1965) 577; (3) is the exponential Rosenbrock-Euler step of Hochbruck, Ostermann,
 //! Acta Numerica 19 (2010) 209, for a map in place of a flow.
 
-use super::stride::{Stride, Walker};
+use super::stride::{Periodic, Walker};
 use crate::StudyError;
 use nalgebra::{DMatrix, DVector};
 
@@ -37,7 +37,7 @@ struct Change {
     /// Increase, K.
     gain: DVector<f64>,
     /// The stride.
-    stride: Stride,
+    stride: Periodic,
 }
 
 fn change(walker: &mut Walker) -> Result<Change, StudyError> {
@@ -55,11 +55,11 @@ fn change_with_slopes(walker: &mut Walker) -> Result<(Change, DMatrix<f64>), Stu
     Ok((Change { gain: DVector::from_vec(walker.temperatures()) - before, stride }, s))
 }
 
-/// The walker in its periodic steady state, the stride there, and the number of strides that were simulated to find it.
+/// The walker in its periodic steady state, and the stride there with the number of strides that were simulated to find it.
 ///
 /// # Errors
-/// No steady state: thermal runaway of the winding.
-pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
+/// No steady state: the winding runs away.
+pub fn steady(walker: &Walker) -> Result<(Walker, Periodic), StudyError> {
     let mut walker = walker.clone();
     for _ in 0..SETTLING {
         walker.stride()?;
@@ -93,7 +93,7 @@ pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
         let left = minus.clone().lu().solve(&-&f).ok_or_else(runaway)?;
         if left.amax() < STEADY {
             return if comes_back(&walker, &f, s)? {
-                Ok((walker, stride, walked + 1))
+                Ok((walker, Periodic { strides_walked: walked + 1, ..stride }))
             } else {
                 Err(runaway())
             };
@@ -138,7 +138,7 @@ pub struct Envelope {
     pub time_to_limit: Option<f64>,
     /// The stride in which it does.
     #[serde(skip)]
-    pub at_limit: Option<Stride>,
+    pub at_limit: Option<Periodic>,
 }
 
 /// Follows the winding for `duration`, s, or until it reaches `limit`, K: eq. (3).
@@ -156,11 +156,12 @@ pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, 
         // A stride walked: a point of the envelope, and what the temperatures gain.
         let (Change { gain, stride }, s) = change_with_slopes(&mut now)?;
         (strides, found.strides_walked) = (strides + 1, found.strides_walked + 1);
-        let at = EnvelopePoint { time: strides as f64 * time, winding_temperature: stride.winding[0] };
+        let at =
+            EnvelopePoint { time: strides as f64 * time, winding_temperature: stride.winding_temperature };
         let earlier = found.points.last().copied();
         found.points.push(at);
         if at.winding_temperature > limit {
-            found.at_limit = Some(stride);
+            found.at_limit = Some(Periodic { strides_walked: found.strides_walked, ..stride });
             found.time_to_limit = Some(match earlier {
                 Some(p) if p.winding_temperature < limit => {
                     let share =
@@ -186,9 +187,9 @@ pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, 
             let Change { gain, stride } = change(&mut now)?;
             found.strides_walked += 1;
             let halves = jumped(&s, &gain, jump - jump / 2, &middle);
-            let gap = stride.winding[0] - at.winding_temperature;
+            let gap = stride.winding_temperature - at.winding_temperature;
             // The limit is passed stride by stride.
-            let near = stride.winding[0] + gap.max(0.0) > limit;
+            let near = stride.winding_temperature + gap.max(0.0) > limit;
             let error = &halves - whole;
             if error.amax() < JUMP_ERROR && !near {
                 // The whole jump errs by its square as the halves by half of it.
@@ -240,7 +241,9 @@ mod tests {
     #[test]
     fn steady_states_exist_up_to_thermal_runaway() {
         let found: Vec<Option<f64>> = (0..13)
-            .map(|k| steady(&bare(0.40 + 0.02 * f64::from(k))).ok().map(|(_, stride, _)| stride.winding[0]))
+            .map(|k| {
+                steady(&bare(0.40 + 0.02 * f64::from(k))).ok().map(|(_, stride)| stride.winding_temperature)
+            })
             .collect();
         println!("{found:?}");
         let settled = found.iter().take_while(|t| t.is_some()).count();

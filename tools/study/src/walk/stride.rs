@@ -4,6 +4,7 @@
 use crate::StudyError;
 use crate::bench::Bench;
 use physics::model::{Model, Slot};
+use serde::Serialize;
 
 /// Longest step, s.
 const STEP: f64 = 1e-3;
@@ -73,19 +74,29 @@ impl Clone for Walker {
     }
 }
 
-/// Peaks and means over a stride.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stride {
-    /// Greatest temperature of the winding, K, and its mean.
-    pub winding: [f64; 2],
-    /// Root mean square of the current, A, and its greatest size.
-    pub current: [f64; 2],
-    /// Greatest torque at the joint, N.m.
-    pub joint_torque: f64,
-    /// Root mean square of the torque's error, N.m.
-    pub torque_error: f64,
-    /// Mean powers, W: electrical power of the motor, at the joint, from the supply.
-    pub power: [f64; 3],
+/// Means and peaks over one stride.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Periodic {
+    /// Greatest temperature of the winding within the stride, K.
+    pub winding_temperature: f64,
+    /// Mean temperature of the winding, K.
+    pub winding_temperature_mean: f64,
+    /// Rms current, A.
+    pub current_rms: f64,
+    /// Peak current, A.
+    pub current_peak: f64,
+    /// Peak torque at the joint, N.m.
+    pub joint_torque_peak: f64,
+    /// Rms error of the torque, N.m.
+    pub torque_error_rms: f64,
+    /// Mean electrical power of the motor, W.
+    pub power_electrical: f64,
+    /// Mean mechanical power at the joint, W.
+    pub power_joint: f64,
+    /// Mean power from the supply, W.
+    pub power_supply: f64,
+    /// Strides that were computed to find it.
+    pub strides_walked: u32,
 }
 
 impl Walker {
@@ -177,12 +188,12 @@ impl Walker {
     ///
     /// # Errors
     /// Equations that have no solution.
-    pub fn stride(&mut self) -> Result<Stride, StudyError> {
+    pub fn stride(&mut self) -> Result<Periodic, StudyError> {
         self.steps_of_a_stride(|_, _| ())
     }
 
-    fn steps_of_a_stride(&mut self, mut look: impl FnMut(&Walker, u32)) -> Result<Stride, StudyError> {
-        let mut s = Stride { winding: [f64::NEG_INFINITY, 0.0], ..Stride::default() };
+    fn steps_of_a_stride(&mut self, mut look: impl FnMut(&Walker, u32)) -> Result<Periodic, StudyError> {
+        let mut s = Periodic { winding_temperature: f64::NEG_INFINITY, ..Periodic::default() };
         let before = self.energies();
         for step in 0..self.steps {
             look(self, step);
@@ -197,17 +208,20 @@ impl Walker {
             self.done += 1;
             let [motor, actuator, _] = &mut self.models;
             let (winding, current) = (motor.get(self.read.winding), motor.get(self.read.current));
-            s.winding = [s.winding[0].max(winding), s.winding[1] + winding];
-            s.current = [s.current[0] + current * current, s.current[1].max(current.abs())];
-            s.joint_torque = s.joint_torque.max(actuator.get(self.read.joint_torque).abs());
-            s.torque_error += actuator.get(self.read.torque_error).powi(2);
+            s.winding_temperature = s.winding_temperature.max(winding);
+            s.winding_temperature_mean += winding;
+            s.current_rms += current * current;
+            s.current_peak = s.current_peak.max(current.abs());
+            s.joint_torque_peak = s.joint_torque_peak.max(actuator.get(self.read.joint_torque).abs());
+            s.torque_error_rms += actuator.get(self.read.torque_error).powi(2);
         }
         let n = f64::from(self.steps);
-        s.winding[1] /= n;
-        s.current[0] = (s.current[0] / n).sqrt();
-        s.torque_error = (s.torque_error / n).sqrt();
+        s.winding_temperature_mean /= n;
+        s.current_rms = (s.current_rms / n).sqrt();
+        s.torque_error_rms = (s.torque_error_rms / n).sqrt();
         let (after, time) = (self.energies(), self.stride_time());
-        s.power = std::array::from_fn(|k| (after[k] - before[k]) / time);
+        [s.power_electrical, s.power_joint, s.power_supply] =
+            std::array::from_fn(|k| (after[k] - before[k]) / time);
         Ok(s)
     }
 
@@ -238,7 +252,7 @@ impl Walker {
     ///
     /// # Errors
     /// Equations that have no solution.
-    pub fn stride_with_slopes(&mut self) -> Result<(Stride, Vec<Vec<f64>>), StudyError> {
+    pub fn stride_with_slopes(&mut self) -> Result<(Periodic, Vec<Vec<f64>>), StudyError> {
         let n = self.temperatures().len();
         let mut slopes = vec![vec![0.0; n]; n];
         let stride = self.steps_of_a_stride(|walker, step| {

@@ -1,7 +1,7 @@
 //! The same run on a platform as on this one: the archive for all platforms, and the smallest master, built for it.
 
 use super::{RUN, SETTINGS, TOLERANCE, Target, built};
-use crate::{Outcome, product, shell, workspace::Workspace};
+use crate::{Outcome, files, product, shell, workspace::Workspace};
 use std::path::Path;
 use std::process::Command;
 
@@ -71,15 +71,14 @@ pub fn help_wine(one: &Target, target: &Path) -> Outcome {
     let Some(compiler) = one.linker else { return Ok(()) };
     let folder = built(one, target).join("examples");
     let source = folder.join("bcryptprimitives.c");
-    std::fs::write(&source, PRNG).map_err(|e| format!("{} cannot be written: {e}", source.display()))?;
+    files::write(&source, PRNG)?;
     let mut command = Command::new(compiler);
     command.arg("-shared").arg("-o").arg(folder.join("bcryptprimitives.dll")).arg(&source).arg("-ladvapi32");
     shell::output(&mut command).map(drop)
 }
 
 fn read(file: &Path) -> Outcome<Table> {
-    let text =
-        std::fs::read_to_string(file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
+    let text = files::read(file)?;
     let number = |cell: &str| cell.trim().parse().map_err(|e| format!("{}: {cell:?}: {e}", file.display()));
     let mut lines = text.lines();
     let names = lines.next().unwrap_or_default().split(',').map(str::to_string).collect();

@@ -1,6 +1,6 @@
 //! A copy of the workspace that may be broken.
 
-use crate::{Outcome, workspace::Workspace};
+use crate::{Outcome, files, workspace::Workspace};
 use std::path::{Path, PathBuf};
 
 /// Folders that are built, not written. The target folder is left out wherever it is.
@@ -15,10 +15,7 @@ impl Copy {
     /// Copies the workspace into a folder of this name in its target folder.
     pub fn of(workspace: &Workspace, name: &str) -> Outcome<Self> {
         let root = workspace.target.join(name);
-        if root.exists() {
-            std::fs::remove_dir_all(&root)
-                .map_err(|e| format!("{} cannot be removed: {e}", root.display()))?;
-        }
+        files::remove(&root)?;
         let left_out = |path: &Path| {
             path == workspace.target
                 || path.parent() == Some(&workspace.root) && LEFT_OUT.iter().any(|name| path.ends_with(name))

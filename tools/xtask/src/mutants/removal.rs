@@ -3,7 +3,8 @@
 //!
 //! An effect is one file and one line of the list. If anything else names it, taking the line out breaks the build.
 
-use super::{copy::Copy, read, write};
+use super::copy::Copy;
+use crate::files::{read, write};
 use crate::{Outcome, shell, workspace::Workspace};
 use std::path::Path;
 
@@ -12,10 +13,8 @@ const LIST: &str = "fmu-src/physics/src/effects.rs";
 
 /// Removes every effect in turn.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    match arguments.first() {
-        Some(extra) => Err(format!("`removals` takes no arguments, got {extra:?}")),
-        None => summary(workspace).1,
-    }
+    crate::no_arguments("removals", arguments)?;
+    summary(workspace).1
 }
 
 /// The same, with the closing line for a summary.

@@ -1,7 +1,8 @@
 //! All mutants in one program: each expression becomes a choice between itself and its replacement.
 
-use super::{Mutant, read, write};
+use super::Mutant;
 use crate::Outcome;
+use crate::files::{read, write};
 use std::collections::BTreeMap;
 use std::path::Path;
 

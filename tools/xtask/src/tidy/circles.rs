@@ -4,9 +4,11 @@
 //! is re-exported. A module may use its own children, which belong to it, while they may use its types; so that way down
 //! does not count, and neither does code for tests.
 
-use crate::{Outcome, workspace::Workspace};
+use crate::{Outcome, files, workspace::Workspace};
+use proc_macro2::{Ident, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::Path;
+use syn::UseTree;
 
 /// Crates that are not checked yet, and why.
 const LATER: &[(&str, &str)] = &[
@@ -22,8 +24,8 @@ pub fn check(workspace: &Workspace) -> Outcome {
     for package in workspace.packages.iter().filter(|p| LATER.iter().all(|(name, _)| *name != p.name)) {
         let sources = FOLDERS.iter().map(|f| workspace.root.join(f).join(&package.name).join("src"));
         for folder in sources.filter(|f| f.is_dir()) {
-            let files = read(&folder, &[])?;
-            found.extend(circles(&files).into_iter().map(|circle| format!("{}: {circle}", package.name)));
+            let files = read(&folder)?;
+            found.extend(circles(&files)?.into_iter().map(|circle| format!("{}: {circle}", package.name)));
         }
     }
     if found.is_empty() { Ok(()) } else { Err(format!("import circles: {}", found.join("; "))) }
@@ -33,23 +35,14 @@ pub fn check(workspace: &Workspace) -> Outcome {
 type Module = Vec<String>;
 
 /// All modules below a folder, with their text.
-fn read(folder: &Path, above: &[String]) -> Outcome<BTreeMap<Module, String>> {
-    let wrong = |e: std::io::Error| format!("{} cannot be read: {e}", folder.display());
-    let mut files = BTreeMap::new();
-    for path in folder.read_dir().map_err(wrong)?.flatten().map(|e| e.path()) {
-        let Some(stem) = path.file_stem().and_then(|s| s.to_str()).map(String::from) else { continue };
-        let mut module = above.to_vec();
-        if path.is_dir() {
-            module.push(stem);
-            files.extend(read(&path, &module)?);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            if !["lib", "main", "mod"].contains(&stem.as_str()) {
-                module.push(stem);
-            }
-            files.insert(module, std::fs::read_to_string(&path).map_err(wrong)?);
-        }
-    }
-    Ok(files)
+fn read(folder: &Path) -> Outcome<BTreeMap<Module, String>> {
+    let module = |file: &Path| {
+        let path = file.strip_prefix(folder).unwrap_or(file).with_extension("");
+        let mut module: Module = path.iter().map(|name| name.to_string_lossy().into_owned()).collect();
+        module.pop_if(|last| ["lib", "main", "mod"].contains(&last.as_str()));
+        module
+    };
+    files::rust(folder)?.iter().map(|file| Ok((module(file), files::read(file)?))).collect()
 }
 
 /// A path in the code, from the crate's root.
@@ -60,10 +53,10 @@ struct Reference {
 }
 
 /// The circles among the modules of a crate, each as `a -> b -> a`.
-fn circles(files: &BTreeMap<Module, String>) -> Vec<String> {
+fn circles(files: &BTreeMap<Module, String>) -> Outcome<Vec<String>> {
     let known: BTreeSet<&Module> = files.keys().collect();
-    let references: BTreeMap<&Module, Vec<Reference>> =
-        files.iter().map(|(module, text)| (module, references(module, text, &known))).collect();
+    let references = files.iter().map(|(module, text)| Ok((module, references(module, text, &known)?)));
+    let references: BTreeMap<&Module, Vec<Reference>> = references.collect::<Outcome<_>>()?;
     let mut needs: BTreeMap<&Module, BTreeSet<&Module>> = BTreeMap::new();
     for (module, list) in &references {
         for reference in list {
@@ -85,7 +78,7 @@ fn circles(files: &BTreeMap<Module, String>) -> Vec<String> {
             found.push(format!("{} -> {}", names.join(" -> "), names[0]));
         }
     }
-    found
+    Ok(found)
 }
 
 fn name(module: &Module) -> String {
@@ -97,20 +90,14 @@ fn shortest_circle<'a>(
     start: &'a Module,
     needs: &BTreeMap<&'a Module, BTreeSet<&'a Module>>,
 ) -> Option<Vec<&'a Module>> {
-    let mut from: BTreeMap<&Module, &'a Module> = BTreeMap::new();
-    let mut open = VecDeque::from([start]);
-    while let Some(at) = open.pop_front() {
-        for next in needs.get(at).into_iter().flatten() {
+    let (mut open, mut seen) = (VecDeque::from([vec![start]]), BTreeSet::new());
+    while let Some(way) = open.pop_front() {
+        for next in needs.get(way[way.len() - 1]).into_iter().flatten() {
             if *next == start {
-                let mut circle = vec![at];
-                while let Some(before) = from.get(circle[0]).filter(|_| circle[0] != start) {
-                    circle.insert(0, before);
-                }
-                return Some(circle);
+                return Some(way);
             }
-            if !from.contains_key(*next) {
-                from.insert(next, at);
-                open.push_back(next);
+            if seen.insert(*next) {
+                open.push_back([&way[..], &[*next]].concat());
             }
         }
     }
@@ -137,62 +124,11 @@ fn target<'a>(
 }
 
 /// All paths of a file that lead into its own crate, but for those of tests.
-fn references(module: &Module, text: &str, known: &BTreeSet<&Module>) -> Vec<Reference> {
-    let tokens = tokens(text);
+fn references(module: &Module, text: &str, known: &BTreeSet<&Module>) -> Outcome<Vec<Reference>> {
+    let wrong = |e| format!("the code of {} cannot be read: {e}", name(module));
     let mut reader = Reader { module, known, inline: Vec::new(), found: Vec::new() };
-    let (mut at, mut depth, mut is_public) = (0, 0_usize, false);
-    let mut ends: Vec<usize> = Vec::new();
-    while at < tokens.len() {
-        let token = tokens[at].as_str();
-        match token {
-            "#" => {
-                let end = closing(&tokens, at + 1);
-                let attribute = tokens[at..end].concat();
-                at = end;
-                if attribute.starts_with("#[cfg(") && attribute.contains("test") {
-                    at = item_end(&tokens, at);
-                }
-                continue;
-            }
-            "{" => depth += 1,
-            "}" => {
-                depth = depth.saturating_sub(1);
-                if ends.last() == Some(&depth) {
-                    ends.pop();
-                    reader.inline.pop();
-                }
-            }
-            "mod" if tokens.get(at + 2).is_some_and(|t| t == "{") => {
-                reader.inline.push(tokens[at + 1].clone());
-                ends.push(depth);
-                depth += 1;
-                at += 3;
-                continue;
-            }
-            "use" => {
-                let end = (at..tokens.len()).find(|i| tokens[*i] == ";").unwrap_or(tokens.len());
-                reader.tree(&tokens[at + 1..end], &[], is_public);
-                (at, is_public) = (end, false);
-                continue;
-            }
-            // A method, the rest of a path, and `$crate::` in a macro, which another crate may expand.
-            _ if at > 0 && [".", "::", "$"].contains(&tokens[at - 1].as_str()) => {}
-            _ if tokens.get(at + 1).is_some_and(|t| t == "::") => {
-                let mut path = vec![tokens[at].clone()];
-                while tokens.get(at + 1).is_some_and(|t| t == "::") && tokens.get(at + 2).is_some_and(is_word)
-                {
-                    path.push(tokens[at + 2].clone());
-                    at += 2;
-                }
-                reader.add(&path, None);
-            }
-            _ => {}
-        }
-        // `pub`, or the end of `pub(crate)`.
-        is_public = token == "pub" || is_public && ["(", ")", "crate", "super", "in", "::"].contains(&token);
-        at += 1;
-    }
-    reader.found
+    reader.walk(text.parse().map_err(wrong)?);
+    Ok(reader.found)
 }
 
 struct Reader<'a> {
@@ -204,175 +140,106 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Adds a path as it stands in the code, if it leads into the crate.
-    fn add(&mut self, path: &[String], exported_as: Option<String>) {
-        let mut base: Module = self.module.iter().chain(&self.inline).cloned().collect();
-        let mut rest = path;
-        match path[0].as_str() {
-            "crate" => {
-                base.clear();
-                rest = &path[1..];
-            }
-            "self" => rest = &path[1..],
-            "super" => {
-                while rest.first().is_some_and(|s| s == "super") {
-                    base.pop();
-                    rest = &rest[1..];
-                }
-            }
-            child => {
-                base.push(child.into());
-                if !self.inline.is_empty() || !self.known.contains(&base) {
-                    return;
-                }
-                rest = &path[1..];
-            }
-        }
-        base.extend(rest.iter().cloned());
-        // What stays within the modules of the file itself leads to the file.
-        if !self.inline.is_empty() && base.starts_with(self.module) {
-            base.clone_from(self.module);
-        }
-        self.found.push(Reference { path: base, exported_as });
-    }
-
-    /// Adds what a `use` names: `a::{b, c::d as e, *}`.
-    fn tree(&mut self, tokens: &[String], before: &[String], is_public: bool) {
-        let mut path = before.to_vec();
+    /// Adds the paths of a code and of all macros and brackets in it.
+    fn walk(&mut self, code: TokenStream) {
+        let trees: Vec<TokenTree> = code.into_iter().collect();
+        let is = |at: usize, text: &str| match trees.get(at) {
+            Some(TokenTree::Ident(word)) => word == text,
+            Some(TokenTree::Punct(mark)) => text.starts_with(mark.as_char()),
+            _ => false,
+        };
+        let is_colons = |at: usize| is(at, ":") && is(at + 1, ":");
         let mut at = 0;
-        while at < tokens.len() {
-            match tokens[at].as_str() {
-                "::" => {}
-                "{" => {
-                    let inner = &tokens[at + 1..closing(tokens, at) - 1];
-                    let (mut start, mut depth) = (0, 0);
-                    for (i, token) in inner.iter().map(String::as_str).chain([","]).enumerate() {
-                        match token {
-                            "{" => depth += 1,
-                            "}" => depth -= 1,
-                            "," if depth == 0 => {
-                                if start < i {
-                                    self.tree(&inner[start..i], &path, is_public);
-                                }
-                                start = i + 1;
-                            }
-                            _ => {}
-                        }
+        while let Some(tree) = trees.get(at) {
+            let is_behind = |text: &str, by: usize| at >= by && is(at - by, text);
+            match tree {
+                TokenTree::Group(group) if is_behind("#", 1) => {
+                    let attribute = group.stream().to_string().replace(' ', "");
+                    let is_end = |t: &TokenTree| t.to_string() == ";" || is_braces(t);
+                    if attribute.starts_with("cfg(") && attribute.contains("test") {
+                        at += trees[at..].iter().position(is_end).unwrap_or_default();
                     }
-                    return;
                 }
-                "as" | "*" => break,
-                // `use a::{self}` names `a`.
-                "self" if !path.is_empty() => {}
-                word => path.push(word.into()),
+                TokenTree::Group(group) => {
+                    let is_module = is_braces(tree) && is_behind("mod", 2);
+                    self.inline.extend(is_module.then(|| trees[at - 1].to_string()));
+                    self.walk(group.stream());
+                    self.inline.truncate(self.inline.len() - usize::from(is_module));
+                }
+                TokenTree::Ident(word) if word == "use" => {
+                    let length = (at..trees.len()).take_while(|i| !is(*i, ";")).count();
+                    let code = trees[at + 1..at + length].iter().cloned().collect();
+                    if let Ok(tree) = syn::parse2::<UseTree>(code) {
+                        let is_public = is_behind("pub", 1)
+                            || is_behind("pub", 2) && matches!(trees[at - 1], TokenTree::Group(_));
+                        self.tree(&tree, &[], is_public);
+                        at += length;
+                    }
+                }
+                // A method, the rest of a path, and `$crate::` in a macro, which another crate may expand.
+                TokenTree::Ident(_) if is_behind(".", 1) || is_behind("$", 1) => {}
+                TokenTree::Ident(_) if at >= 2 && is_colons(at - 2) => {}
+                TokenTree::Ident(word) if is_colons(at + 1) => {
+                    let mut path = vec![word.to_string()];
+                    while let (true, Some(TokenTree::Ident(next))) = (is_colons(at + 1), trees.get(at + 3)) {
+                        path.push(next.to_string());
+                        at += 3;
+                    }
+                    self.add(&path, None);
+                }
+                _ => {}
             }
             at += 1;
         }
-        let alias = tokens.iter().position(|t| t == "as").and_then(|i| tokens.get(i + 1));
-        let name = alias.or(path.last()).filter(|_| is_public && tokens.last().is_some_and(|t| t != "*"));
-        let name = name.cloned();
-        if !path.is_empty() {
-            self.add(&path, name);
-        }
     }
-}
 
-/// The token after the bracket that closes the one at `open` (or the first one behind it).
-fn closing(tokens: &[String], open: usize) -> usize {
-    let mut depth = 0;
-    for (i, token) in tokens.iter().enumerate().skip(open) {
-        match token.as_str() {
-            "(" | "[" | "{" => depth += 1,
-            ")" | "]" | "}" => {
-                depth -= 1;
-                if depth == 0 {
-                    return i + 1;
-                }
-            }
-            _ => {}
-        }
-    }
-    tokens.len()
-}
-
-/// The token behind the item that begins at `at`: after its `;` or its braces.
-fn item_end(tokens: &[String], mut at: usize) -> usize {
-    while let Some(token) = tokens.get(at) {
-        match token.as_str() {
-            ";" => return at + 1,
-            "{" => return closing(tokens, at),
-            "(" | "[" => at = closing(tokens, at),
-            _ => at += 1,
-        }
-    }
-    at
-}
-
-fn is_word(token: &String) -> bool {
-    token.starts_with(|c: char| c.is_alphabetic() || c == '_')
-}
-
-/// Words, `::`, and single characters; without comments, texts and lifetimes.
-fn tokens(text: &str) -> Vec<String> {
-    let mut tokens = Vec::new();
-    let mut rest = text;
-    while let Some(c) = rest.chars().next() {
-        let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |i| i + 2)
-        } else if let Some(length) = literal(rest) {
-            length
-        } else if c.is_alphanumeric() || c == '_' {
-            let length = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-            tokens.push(rest[..length].into());
-            length
-        } else if rest.starts_with("::") {
-            tokens.push("::".into());
-            2
-        } else {
-            if !c.is_whitespace() {
-                tokens.push(c.into());
-            }
-            c.len_utf8()
+    /// Adds what a `use` names.
+    fn tree(&mut self, tree: &UseTree, before: &[String], is_public: bool) {
+        // `use a::{self}` names `a`.
+        let with = |name: &Ident| match before {
+            [_, ..] if name == "self" => before.to_vec(),
+            _ => [before, &[name.to_string()]].concat(),
         };
-        rest = &rest[length..];
+        match tree {
+            UseTree::Path(path) => self.tree(&path.tree, &with(&path.ident), is_public),
+            UseTree::Group(group) => group.items.iter().for_each(|t| self.tree(t, before, is_public)),
+            UseTree::Glob(_) => self.add(before, None),
+            UseTree::Rename(as_other) => {
+                self.add(&with(&as_other.ident), is_public.then(|| as_other.rename.to_string()));
+            }
+            UseTree::Name(name) => {
+                let path = with(&name.ident);
+                self.add(&path, path.last().filter(|_| is_public).cloned());
+            }
+        }
     }
-    tokens
+
+    /// Adds a path as it stands in the code, if it leads into the crate.
+    fn add(&mut self, path: &[String], exported_as: Option<String>) {
+        let (mut base, mut rest) = ([&self.module[..], &self.inline].concat(), path);
+        while let [first, others @ ..] = rest {
+            match first.as_str() {
+                "crate" => base.clear(),
+                "super" => drop(base.pop()),
+                "self" => {}
+                _ => break,
+            }
+            rest = others;
+        }
+        let whole = [&base[..], rest].concat();
+        let is_child = || self.inline.is_empty() && self.known.contains(&whole[..base.len() + 1].to_vec());
+        if rest.len() == path.len() && !is_child() {
+            return;
+        }
+        // What stays within the modules of the file itself leads to the file.
+        let is_own = !self.inline.is_empty() && whole.starts_with(self.module);
+        self.found.push(Reference { path: if is_own { self.module.clone() } else { whole }, exported_as });
+    }
 }
 
-/// The length of the text, character or lifetime that begins here.
-fn literal(rest: &str) -> Option<usize> {
-    let prefix = ["br", "cr", "b", "c", "r"].into_iter().find(|p| {
-        rest.strip_prefix(p).is_some_and(|r| {
-            r.trim_start_matches('#').starts_with('"') && (!r.starts_with('#') || p.ends_with('r'))
-        })
-    });
-    let start = prefix.map_or(0, str::len);
-    let body = &rest[start..];
-    let hashes = body.len() - body.trim_start_matches('#').len();
-    if prefix.is_some_and(|p| p.ends_with('r')) {
-        let end = format!("\"{}", "#".repeat(hashes));
-        return Some(start + hashes + 1 + body[hashes + 1..].find(&end).map_or(0, |i| i + end.len()));
-    }
-    let quoted = |quote: char| {
-        let mut escaped = false;
-        let end = body.char_indices().skip(1).find(|(_, c)| {
-            let is_end = *c == quote && !escaped;
-            escaped = *c == '\\' && !escaped;
-            is_end
-        });
-        start + end.map_or(body.len(), |(i, _)| i + 1)
-    };
-    if body.starts_with('"') {
-        return Some(quoted('"'));
-    }
-    let second = body.strip_prefix('\'')?.chars().next()?;
-    let is_character = second == '\\' || body[1 + second.len_utf8()..].starts_with('\'');
-    if is_character {
-        return Some(quoted('\''));
-    }
-    Some(1 + body[1..].find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(body.len() - 1))
+/// Whether a tree of tokens stands in braces.
+fn is_braces(tree: &TokenTree) -> bool {
+    matches!(tree, TokenTree::Group(group) if group.delimiter() == proc_macro2::Delimiter::Brace)
 }
 
 #[cfg(test)]
@@ -381,7 +248,7 @@ mod tests {
 
     fn found(files: &[(&str, &str)]) -> Vec<String> {
         let module = |path: &str| path.split("::").filter(|s| !s.is_empty()).map(String::from).collect();
-        circles(&files.iter().map(|(path, text)| (module(path), (*text).to_owned())).collect())
+        circles(&files.iter().map(|(path, text)| (module(path), (*text).to_owned())).collect()).unwrap()
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! Limits on the length of a source file.
 
-use crate::{Outcome, shell, workspace::Workspace};
-use std::path::{Path, PathBuf};
+use crate::{Outcome, files, shell, workspace::Workspace};
 
 /// Lines that no Rust file may exceed.
 const MOST: usize = 500;
@@ -9,18 +8,12 @@ const MOST: usize = 500;
 const LONG: usize = 400;
 /// Generated files are marked in their first line.
 const GENERATED: &str = "@generated";
-/// Folders with the sources of our crates.
-const SOURCES: [&str; 2] = ["fmu-src", "tools"];
 
 /// Names long files and fails on too long ones.
 pub fn check(workspace: &Workspace) -> Outcome {
     let mut too_long = Vec::new();
-    for file in
-        SOURCES.iter().map(|s| rust_files(&workspace.root.join(s))).collect::<Outcome<Vec<_>>>()?.concat()
-    {
-        let text =
-            std::fs::read_to_string(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
-        let Some(lines) = counted(&text) else { continue };
+    for file in workspace.sources()? {
+        let Some(lines) = counted(&files::read(&file)?) else { continue };
         let shown = file.strip_prefix(&workspace.root).unwrap_or(&file).display();
         if lines > MOST {
             too_long.push(format!("{shown} has {lines} lines, the limit is {MOST}"));
@@ -37,19 +30,6 @@ fn counted(text: &str) -> Option<usize> {
     (!generated).then(|| text.lines().count())
 }
 
-pub fn rust_files(folder: &Path) -> Outcome<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
-    for path in entries.flatten().map(|e| e.path()) {
-        if path.is_dir() {
-            found.extend(rust_files(&path)?);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
-    Ok(found)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,7 +43,7 @@ mod tests {
 
     #[test]
     fn files_are_found_in_folders_of_folders() {
-        let files = rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).unwrap();
+        let files = files::rust(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).unwrap();
         assert!(files.iter().any(|f| f.ends_with("tidy/lengths.rs")));
     }
 }

@@ -1,7 +1,7 @@
 //! Words that must not come back: each line of `words.txt` is a regular expression and its replacement.
 
-use crate::{Outcome, workspace::Workspace};
-use regex_lite::Regex;
+use crate::{Outcome, files, workspace::Workspace};
+use regex::Regex;
 use std::path::{Path, PathBuf};
 
 /// The words.
@@ -17,8 +17,6 @@ const BETWEEN: &str = r#"[\s/!#\\*"]+"#;
 /// A word and its replacement.
 struct Word {
     pattern: Regex,
-    /// Letters that every match contains: most texts need no more than a search for them.
-    letters: String,
     replacement: &'static str,
 }
 
@@ -26,9 +24,8 @@ struct Word {
 pub fn check(workspace: &Workspace) -> Outcome {
     let words = words(TABLE)?;
     let mut found = Vec::new();
-    for file in files(&workspace.root, &workspace.root)? {
-        let text =
-            std::fs::read_to_string(&file).map_err(|e| format!("{} cannot be read: {e}", file.display()))?;
+    for file in texts(&workspace.root)? {
+        let text = files::read(&file)?;
         let shown = file.strip_prefix(&workspace.root).unwrap_or(&file).display().to_string();
         // The path is checked as well, as line 0.
         found.extend(places(&shown, &words).into_iter().map(|(_, message)| format!("{shown}: {message}")));
@@ -46,35 +43,11 @@ fn words(text: &'static str) -> Outcome<Vec<Word>> {
             let (pattern, replacement) = line
                 .split_once(" => ")
                 .ok_or_else(|| wrong("expected `regular expression => replacement`"))?;
-            let letters = letters(pattern);
-            let pattern = format!(r"\b(?:{})\b", pattern.trim().replace(' ', BETWEEN));
+            let pattern = format!(r"(?-u:\b)(?:{})(?-u:\b)", pattern.trim().replace(' ', BETWEEN));
             let pattern = Regex::new(&pattern).map_err(|e| wrong(&e.to_string()))?;
-            Ok(Word { pattern, letters, replacement: replacement.trim() })
+            Ok(Word { pattern, replacement: replacement.trim() })
         })
         .collect()
-}
-
-/// The longest sequence of letters that every match of a pattern contains: outside of groups, and not optional.
-fn letters(pattern: &str) -> String {
-    let (mut longest, mut run, mut depth) = (String::new(), String::new(), 0);
-    for c in pattern.chars().chain([' ']) {
-        match c {
-            '|' if depth == 0 => return String::new(),
-            _ if c.is_ascii_lowercase() && depth == 0 => {
-                run.push(c);
-                continue;
-            }
-            '?' | '*' | '{' => drop(run.pop()),
-            '(' => depth += 1,
-            ')' => depth -= 1,
-            _ => {}
-        }
-        if run.len() > longest.len() {
-            longest = run.clone();
-        }
-        run.clear();
-    }
-    longest
 }
 
 /// The places of the words in a text, in small letters: line and message.
@@ -82,7 +55,7 @@ fn places(text: &str, words: &[Word]) -> Vec<(usize, String)> {
     // One byte for one byte: a name is a sequence of words, and places stay.
     let text = text.replace('_', " ").to_ascii_lowercase();
     let mut found = Vec::new();
-    for Word { pattern, replacement, .. } in words.iter().filter(|w| text.contains(&w.letters)) {
+    for Word { pattern, replacement } in words {
         for place in pattern.find_iter(&text) {
             let line = 1 + text[..place.start()].matches('\n').count();
             let word = place.as_str().split_whitespace().collect::<Vec<_>>().join(" ");
@@ -93,23 +66,14 @@ fn places(text: &str, words: &[Word]) -> Vec<(usize, String)> {
     found
 }
 
-/// All files with text below a folder, sorted.
-fn files(root: &Path, folder: &Path) -> Outcome<Vec<PathBuf>> {
-    let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.sort();
-    let mut found = Vec::new();
-    for path in paths {
-        let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if hidden || WITHOUT.iter().any(|without| path == root.join(without)) {
-            continue;
-        }
-        if path.is_dir() {
-            found.extend(files(root, &path)?);
-        } else if path.extension().is_some_and(|e| EXTENSIONS.iter().any(|known| e == *known)) {
-            found.push(path);
-        }
-    }
+/// All files with text, sorted.
+fn texts(root: &Path) -> Outcome<Vec<PathBuf>> {
+    let is_left_out = |path: &Path| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
+            || WITHOUT.iter().any(|without| path == root.join(without))
+    };
+    let mut found = files::below(root, &is_left_out)?;
+    found.retain(|path| path.extension().is_some_and(|e| EXTENSIONS.iter().any(|known| e == *known)));
     Ok(found)
 }
 
@@ -130,19 +94,6 @@ mod tests {
     }
 
     #[test]
-    fn letters_are_in_every_match() {
-        for (pattern, expected) in [
-            ("red herring", "herring"),
-            ("herrings?", "herring"),
-            ("a|b", ""),
-            ("(ab|cd) efg?h", "ef"),
-            ("(a|b)c", "c"),
-        ] {
-            assert_eq!(letters(pattern), expected, "{pattern}");
-        }
-    }
-
-    #[test]
     fn a_line_without_replacement_is_an_error() {
         assert!(words("foo\n").err().unwrap().contains("words.txt:1"));
         assert!(words("\n(foo => bar\n").err().unwrap().contains("words.txt:2"));
@@ -152,7 +103,7 @@ mod tests {
     fn the_table_is_valid_and_all_text_is_read() {
         assert!(words(TABLE).unwrap().len() > 30);
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let all = files(&root, &root).unwrap();
+        let all = texts(&root).unwrap();
         for file in ["README.md", "tools/xtask/src/tidy.rs", "model-description/GaitLoad/fmi3.xml"] {
             assert!(all.contains(&root.join(file)), "{file}");
         }

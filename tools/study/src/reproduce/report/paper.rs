@@ -7,6 +7,8 @@ use crate::reproduce::{Basis, significant};
 use maud::{Markup, html};
 use present::figure::{Axis, Figure};
 use present::page::{Cell, Plate, table};
+use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// The page about the paper.
 pub fn paper(found: &Paper) -> Page {
@@ -55,100 +57,61 @@ fn over_time(run: &Run, f: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
     run.course.iter().map(|s| (s.time, f(s))).collect()
 }
 
-/// One line a duty.
-fn five(runs: &[Run], title: &str, unit: &str, f: impl Fn(&Sample) -> f64) -> Figure {
-    runs.iter().fold(Figure::new(title, Axis::new("time in s"), Axis::new(unit)), |figure, run| {
-        figure.line(&format!("{} %", run.duty_percent), over_time(run, &f))
-    })
-}
-
-/// The parts of a quantity at full duty.
-fn parts(run: &Run, title: &str, unit: &str, f: impl Fn(&Sample) -> Parts) -> Figure {
-    Figure::new(title, Axis::new("time in s"), Axis::new(unit))
-        .line("total", over_time(run, |s| f(s).total))
-        .line("mechanical", over_time(run, |s| f(s).mechanical))
-        .line("electrical", over_time(run, |s| f(s).electrical))
-        .line("magnetic", over_time(run, |s| f(s).magnetic))
+/// What is written at a figure over time.
+#[derive(Deserialize)]
+struct Text {
+    title: String,
+    axis: String,
+    caption: String,
 }
 
 fn simulated(runs: &[Run]) -> Vec<Plate> {
     let Some(full) = runs.last() else { return Vec::new() };
+    let texts: BTreeMap<String, Text> =
+        toml::from_str(include_str!("paper.toml")).expect("the tests read the texts");
+    let plate = |name: &'static str, draw: &dyn Fn(Figure) -> Figure| {
+        let Text { title, axis, caption } = &texts[name];
+        let empty = Figure::new(title, Axis::new("time in s"), Axis::new(axis));
+        Plate::new(name, draw(empty), caption.as_str())
+    };
+    // The parts of a quantity at full duty.
+    let parts = |name, f: fn(&Sample) -> Parts| {
+        plate(name, &|figure| {
+            figure
+                .line("total", over_time(full, |s| f(s).total))
+                .line("mechanical", over_time(full, |s| f(s).mechanical))
+                .line("electrical", over_time(full, |s| f(s).electrical))
+                .line("magnetic", over_time(full, |s| f(s).magnetic))
+        })
+    };
+    // One line a duty.
+    let lines = |name, runs: &[Run], f: fn(&Sample) -> f64| {
+        plate(name, &|figure| {
+            runs.iter().fold(figure, |figure, run| {
+                figure.line(&format!("{} %", run.duty_percent), over_time(run, f))
+            })
+        })
+    };
+    let last = std::slice::from_ref(full);
     vec![
-        Plate::new(
-            "4a",
-            parts(full, "Figure 4a: power at 100 %", "power in W", |s| s.power),
-            "The mechanical part is friction: the shaft had no load.",
-        ),
-        Plate::new(
-            "4b",
-            five(runs, "Figure 4b: power", "power in W", |s| s.power.total),
-            "Voltage and current rise linearly with the duty, their product as a parabola.",
-        ),
-        Plate::new(
-            "5a",
-            parts(full, "Figure 5a: work at 100 %", "work in J", |s| s.work),
-            "The unit is J; the paper writes W and kW.",
-        ),
-        Plate::new(
-            "5b",
-            five(runs, "Figure 5b: work", "work in J", |s| s.work.total),
-            "Up to 900 s, as recorded.",
-        ),
-        Plate::new(
-            "6a",
-            five(runs, "Figure 6a: voltage", "voltage in V", |s| s.voltage.total),
-            "At the motor's terminals, after the bridge.",
-        ),
-        Plate::new(
-            "6b",
-            five(runs, "Figure 6b: current", "current in A", |s| s.current),
-            "From 5 s on, after the rotor has started.",
-        ),
-        Plate::new(
-            "6c",
-            five(runs, "Figure 6c: winding temperature", "temperature in °C", |s| s.temperature),
-            "Each run starts at 20 °C; the paper does not give its initial temperatures.",
-        ),
-        Plate::new(
-            "6d",
-            five(runs, "Figure 6d: torque at the output shaft", "torque in N·m", |s| s.torque),
-            "The paper's unit, µN·m per percent, is wrong by a factor of 1000.",
-        ),
-        Plate::new(
-            "7",
-            accuracy(full),
-            "The paper compares eq. (14) with data from which its torque was computed. Compared with an independent model, the electrical term is wrong by the omitted constant as soon as the winding warms.",
-        ),
-        Plate::new(
-            "8",
-            parts(full, "Figure 8: voltage at 100 %", "voltage in V", |s| s.voltage),
-            "In steady state the voltage across the inductance is zero.",
-        ),
-        Plate::new(
-            "9",
-            five(&runs[runs.len() - 1..], "Figure 9: current at 100 %", "current in A", |s| s.current),
-            "The contributions in the paper's figure are not currents.",
-        ),
-        Plate::new(
-            "11",
-            five(
-                &runs[runs.len() - 1..],
-                "Figure 11: winding temperature at 100 %",
-                "temperature in °C",
-                |s| s.temperature,
-            ),
-            "The temperature still rises after 900 s; there is no plateau.",
-        ),
-        Plate::new(
-            "12",
-            five(&runs[runs.len() - 1..], "Figure 12: torque at 100 %", "torque in N·m", |s| s.torque),
-            "Friction at the output shaft.",
-        ),
+        parts("4a", |s| s.power),
+        lines("4b", runs, |s| s.power.total),
+        parts("5a", |s| s.work),
+        lines("5b", runs, |s| s.work.total),
+        lines("6a", runs, |s| s.voltage.total),
+        lines("6b", runs, |s| s.current),
+        lines("6c", runs, |s| s.temperature),
+        lines("6d", runs, |s| s.torque),
+        plate("7", &|figure| accuracy(full, figure)),
+        parts("8", |s| s.voltage),
+        lines("9", last, |s| s.current),
+        lines("11", last, |s| s.temperature),
+        lines("12", last, |s| s.torque),
     ]
 }
 
 /// Eq. (14) with the temperature of the run, over the run's own voltage.
-fn accuracy(run: &Run) -> Figure {
+fn accuracy(run: &Run, figure: Figure) -> Figure {
     let ratio = |s: &Sample, right: bool| {
         let p = Point {
             v: s.voltage.total,
@@ -162,13 +125,7 @@ fn accuracy(run: &Run) -> Figure {
         100.0 * (resistance * p.i + s.voltage.mechanical) / s.voltage.total
     };
     let later = |right: bool| run.course.iter().map(|s| (s.time, ratio(s, right))).collect::<Vec<_>>();
-    Figure::new(
-        "Figure 7: voltage by the state function over voltage, 100 %",
-        Axis::new("time in s"),
-        Axis::new("ratio in %"),
-    )
-    .line("as published, R = α R₀ T", later(false))
-    .line("R = R₀ [1 + α (T − 20 °C)]", later(true))
+    figure.line("as published, R = α R₀ T", later(false)).line("R = R₀ [1 + α (T − 20 °C)]", later(true))
 }
 
 fn temperatures(found: &Paper) -> Plate {

@@ -129,7 +129,7 @@ fn native_curve(native: &Native, from: f64, to: f64, calibrated: bool) -> Vec<(f
 fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
     let measured = |mode: &str| {
         let of_mode = |c: &&Case| c.cooling_mode == mode;
-        CASES.iter().filter(of_mode).filter_map(|c| Some((c.r_star?, c.t_w))).collect::<Vec<_>>()
+        CASES.iter().filter(of_mode).filter_map(|c| Some((c.r_star()?, c.t_w))).collect::<Vec<_>>()
     };
     let bars = vec![UNCERTAINTY; 2];
     let figure =

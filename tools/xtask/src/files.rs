@@ -1,0 +1,50 @@
+//! Files and folders, with errors in sentences.
+
+use crate::Outcome;
+use std::path::{Path, PathBuf};
+
+/// The text of a file.
+pub fn read(file: &Path) -> Outcome<String> {
+    std::fs::read_to_string(file).map_err(|e| format!("{} cannot be read: {e}", file.display()))
+}
+
+/// Writes a file.
+pub fn write(file: &Path, text: &str) -> Outcome {
+    std::fs::write(file, text).map_err(|e| format!("{} cannot be written: {e}", file.display()))
+}
+
+/// What a folder holds, sorted.
+pub fn entries(folder: &Path) -> Outcome<Vec<PathBuf>> {
+    let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
+    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    paths.sort();
+    Ok(paths)
+}
+
+/// All files below a folder but for those in paths that are left out, sorted.
+pub fn below(folder: &Path, is_left_out: &dyn Fn(&Path) -> bool) -> Outcome<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for path in entries(folder)?.into_iter().filter(|path| !is_left_out(path)) {
+        if path.is_dir() {
+            found.extend(below(&path, is_left_out)?);
+        } else {
+            found.push(path);
+        }
+    }
+    Ok(found)
+}
+
+/// All Rust files below a folder.
+pub fn rust(folder: &Path) -> Outcome<Vec<PathBuf>> {
+    let mut files = below(folder, &|_| false)?;
+    files.retain(|path| path.extension().is_some_and(|e| e == "rs"));
+    Ok(files)
+}
+
+/// Removes a folder, where it is there, with all that it holds.
+pub fn remove(folder: &Path) -> Outcome {
+    if !folder.exists() {
+        return Ok(());
+    }
+    std::fs::remove_dir_all(folder).map_err(|e| format!("{} cannot be removed: {e}", folder.display()))
+}
