@@ -1,7 +1,7 @@
-"""A motor on a bench, heated near standstill; in one run a fan was on. Which effects did the fan have? The truth is not known.
+"""A motor on a bench, heated near standstill; in one run a fan was on. Which effects did the fan have? The true effects are unknown.
 
-From the raw logs: two clocks aligned, logs merged, the motor calibrated in still air, the run with the fan predicted, the
-residual traced to effects that act in that run alone, on its first 60 %; the rest of the run is the test. Run it after `cargo xtask
+Steps from the raw logs: align the two clocks, merge the logs, calibrate the motor in still air, predict the run with the fan, and
+attribute the residual to effects that act in that run only. The first 60 % of that run are fitted, the rest is the test. Run it after `cargo xtask
 demo`, with `motor-fmu` on the path; `--out FOLDER` keeps everything: runs, reports, FMUs, and the answer as a page of Markdown.
 """
 
@@ -25,16 +25,16 @@ FAN = 4
 LIKE = (3, 5)
 CHANNELS = {"winding": "winding_temperature_degC", "body": "housing_temperature_degC"}
 STAGES = ("before", "refit", "after")
-# Energy passed on, kJ, at which the controllers of runs 3, 4 and 5 are compared.
+# Cumulative electrical energy, kJ, at which the controllers of runs 3, 4 and 5 are compared.
 SPENT_KJ = 107.0
-# Ratio of the scatter from row to row beyond which a thermocouple is taken to be in moving air.
-TREMBLE = 2.0
+# Ratio of the row-to-row scatter above which a thermocouple is classified as exposed to an air flow.
+SCATTER_RATIO = 2.0
 # The goal for the test part: a fraction of the error before, and kelvins.
 GOAL_SHARE, GOAL_K = 0.2, 12.0
 
 
 def figures(value: float, digits: int = 3) -> float:
-    """A number to so many digits: more would be the arithmetic of one machine."""
+    """A number rounded to significant digits, so that rounding errors of the machine do not change it."""
     return float(f"{value:.{digits}g}")
 
 
@@ -46,8 +46,8 @@ def close_loop(folder: Path, name: str, answers: tuple[int, ...] = (0,)) -> dict
     return json.loads(motor_fmu("close-loop", *arguments, answers=answers))
 
 
-def told(report: dict) -> dict:
-    """What a report found, in few words."""
+def summary(report: dict) -> dict:
+    """Verdict, effects and parameters of a report."""
     return {
         "verdict": report["verdict"],
         "effects": [
@@ -71,7 +71,7 @@ def errors(report: dict, role: str) -> dict:
 
 
 def outside(prepared: dict, usual: float) -> dict:
-    """Evidence that the fit does not use; `usual` is what the winding's sensor loses of the rise in still air."""
+    """Evidence that the fit does not use; `usual` is the fraction of the rise that the winding's sensor loses in still air."""
     rises = {run: facts.first_rise(RAW, run, prepared[f"run-{run}.csv"]["shift_s"]) for run in (*STILL_AIR, FAN)}
     still = sum(rises[run]["K_per_kJ"] for run in STILL_AIR) / len(STILL_AIR)
     less = 1.0 - rises[FAN]["K_per_kJ"] / still
@@ -82,11 +82,11 @@ def outside(prepared: dict, usual: float) -> dict:
         "less_in_the_fan_run": figures(less),
         "body_conductance_needed_W_per_K": figures(less * rises[FAN]["power_W"] / rises[FAN]["body_over_air_K"]),
         "controller_warmed_K": {str(run): figures(facts.controller_warming(RAW, run, SPENT_KJ)) for run in (3, 5, FAN)},
-        "tremble_K": {
-            name: {str(run): figures(facts.tremble(RAW, run, column), 2) for run in (*STILL_AIR, FAN)}
+        "row_scatter_K": {
+            name: {str(run): figures(facts.row_scatter(RAW, run, column), 2) for run in (*STILL_AIR, FAN)}
             for name, column in CHANNELS.items()
         },
-        "second_thermocouple_shows": figures(facts.two_places(RAW)),
+        "second_thermocouple_fraction": figures(facts.two_places(RAW)),
         "winding_reads_at_the_end_degC": figures(last[CHANNELS["winding"]]),
         "winding_truly": {name: figures(value) for name, value in winding.items()},
     }
@@ -97,7 +97,7 @@ def study(folder: Path) -> dict:
     print("two clocks aligned, logs merged: six runs", file=sys.stderr)
     prepared = prepare(RAW, folder)
     still, fan = (close_loop(folder, name) for name in ("still-air", "fan"))
-    # Its refit is asked for and nothing else: whether the FMU of what the search then proposes agrees (1 if not) is no matter.
+    # Only the refit of this report is used, so exit code 1 (replay check failed) is accepted.
     alone = close_loop(folder, "body-alone", answers=(0, 1))
     test = errors(fan, "test")
     reached = all(e["after"] <= min(GOAL_SHARE * e["before"], GOAL_K) for e in test.values())
@@ -107,8 +107,8 @@ def study(folder: Path) -> dict:
         "repeatability_K": {name: figures(repeats[column], 2) for name, column in CHANNELS.items()},
         "shift_s": {run: figures(one["shift_s"]) for run, one in prepared.items()},
         "not_trusted": [run for run, one in prepared.items() if not one["energy_trusted"]],
-        "still_air": told(still) | {"validate_K": errors(still, "validate")},
-        "fan": told(fan) | {"test_K": test, "goal_reached": reached},
+        "still_air": summary(still) | {"validate_K": errors(still, "validate")},
+        "fan": summary(fan) | {"test_K": test, "goal_reached": reached},
         "body_convection_alone_K": {name: error["refit"] for name, error in errors(alone, "test").items()},
         "outside_the_fit": outside(prepared, still["parameters"]["effect.winding_sensor_stem_loss.k"]["value"]),
     }
@@ -183,19 +183,19 @@ def beside_words(answer: dict) -> str:
     seen, repeats = answer["outside_the_fit"], answer["outside_the_fit"]["controller_warmed_K"]
     less = seen["less_in_the_fan_run"]
     still = [repeats[run] for run in ("3", "5")]
-    # The controller's loss heats it: as much more as the winding got less would show in its temperature.
+    # If the missing heat were lost in the controller, its temperature rise would increase by the same ratio.
     expected = sum(still) / len(still) / (1.0 - less)
     lost = repeats[str(FAN)] >= 0.5 * (expected + max(still))
     drive = "which agrees with a higher loss in the controller" if lost else "which does not indicate a higher loss in the controller unless the fan cooled it as well"
     ratio = {
-        name: seen["tremble_K"][name][str(FAN)] / max(seen["tremble_K"][name][str(run)] for run in STILL_AIR) for name in CHANNELS
+        name: seen["row_scatter_K"][name][str(FAN)] / max(seen["row_scatter_K"][name][str(run)] for run in STILL_AIR) for name in CHANNELS
     }
-    moving = [name for name, times in ratio.items() if times > TREMBLE]
+    moving = [name for name, times in ratio.items() if times > SCATTER_RATIO]
     where = f"the thermocouple of the {' and of the '.join(moving)} is in moving air" if moving else "no thermocouple is in moving air"
     return f"""After {SPENT_KJ:.0f} kJ the controller had warmed by {still[0]:.0f} and {still[1]:.0f} K in still air and by
         {repeats[str(FAN)]:.0f} K in the run with the fan, {drive}. The scatter from row to row is {ratio["body"]:.1f} times that in
         still air at the body and {ratio["winding"]:.1f} times at the winding: {where}. Of two thermocouples on the winding of run 12
-        the second indicates {100 * seen["second_thermocouple_shows"]:.0f} % of the first's rise."""
+        the second indicates {100 * seen["second_thermocouple_fraction"]:.0f} % of the first's rise."""
 
 
 def separating_words(answer: dict) -> str:

@@ -1,7 +1,7 @@
-"""The thesis's eight tests close the loop: the error of the data sheet's motor, the fit of the unknown parameters, which of them
-the tests do not separate, and the predictions of the tests that the fit did not use.
+"""The thesis's eight tests close the loop: the error of the datasheet's motor, the fit of the unknown parameters, the
+parameters that the tests do not distinguish, and the predictions of the tests that the fit did not use.
 
-Run it with `motor-fmu` on the path; `--write` writes the runs of `05_thesis/` anew from `motor-fmu reproduce`.
+Run it with `motor-fmu` on the path; `--write` regenerates the runs of `05_thesis/` with `motor-fmu reproduce`.
 """
 
 import argparse
@@ -15,7 +15,7 @@ FOLDER = Path(__file__).resolve().parent / "05_thesis"
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="write the runs anew")
+    parser.add_argument("--write", action="store_true", help="regenerate the runs")
     if parser.parse_args().write:
         write(thesis_runs(), FOLDER)
     answer = summary(close_loop(FOLDER / "EXPERIMENT.toml")) | {"winding_temperature_K": thesis_predictions()}

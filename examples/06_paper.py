@@ -1,7 +1,7 @@
-"""The paper's five runs close the loop: what an ideal DC motor misses, what a bridge's drop and friction explain of it, and what
-no consistent model does: its temperatures, for which the sensor would have to be 12 K off.
+"""The paper's five runs close the loop: the error of an ideal DC motor, the part of it that the bridge voltage drop and friction
+explain, and the temperatures, which no consistent model explains unless the sensor is 12 K off.
 
-Run it with `motor-fmu` on the path; `--write` writes the runs of `06_paper/` anew from `motor-fmu reproduce`.
+Run it with `motor-fmu` on the path; `--write` regenerates the runs of `06_paper/` with `motor-fmu reproduce`.
 """
 
 import argparse
@@ -15,7 +15,7 @@ FOLDER = Path(__file__).resolve().parent / "06_paper"
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="write the runs anew")
+    parser.add_argument("--write", action="store_true", help="regenerate the runs")
     if parser.parse_args().write:
         write(paper_runs(), FOLDER)
     print(json.dumps(summary(close_loop(FOLDER / "EXPERIMENT.toml")), indent=2))

@@ -27,12 +27,12 @@ WITHIN_95 = 1.96
 
 
 def figures(value: float, digits: int = 3) -> float:
-    """A number to so many digits: more would be the arithmetic of one machine."""
+    """A number rounded to significant digits, so that rounding errors of the machine do not change it."""
     return float(f"{value:.{digits}g}")
 
 
 def off(estimate: dict, true: float) -> dict:
-    """How far a fitted number is from the truth: in percent of it, and in the deviations that the fit itself claims."""
+    """Error of a fitted value: in percent of the true value, and in standard deviations of the fit."""
     low, high = estimate["ci95"]
     deviations = (estimate["value"] - true) / (0.5 * (high - low) / WITHIN_95)
     return {

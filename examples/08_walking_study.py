@@ -87,8 +87,8 @@ def walked(arrangement: str, activity: str, design: dict) -> dict:
     continuous = found["continuous"]
     return {
         "minutes_to_limit": found["time_to_limit"] and found["time_to_limit"] / 60.0,
-        "support_for_ever": continuous["support"] if continuous else 0.0,
-        "torque_for_ever_Nm": continuous["at"]["joint_torque_peak"] if continuous else 0.0,
+        "continuous_support": continuous["support"] if continuous else 0.0,
+        "continuous_torque_Nm": continuous["at"]["joint_torque_peak"] if continuous else 0.0,
         "limited_by": LIMITS[continuous["limited_by"]] if continuous else found["no_continuous_torque"],
         "mass_kg": found["mass"],
         "gait": found["gait"],
@@ -139,7 +139,7 @@ def study() -> dict:
         level = grids[arrangement, LEVEL]
         designs[arrangement] = {
             "mass_kg": answers[arrangement, LEVEL]["mass_kg"],
-            "declared": answers[arrangement, LEVEL]["support_for_ever"],
+            "declared": answers[arrangement, LEVEL]["continuous_support"],
             "best": level["best"] | walked(arrangement, LEVEL, settings(level["best"])),
             "edges": level["edges"],
             "points": level["points"],
@@ -174,8 +174,8 @@ def front(designs: dict) -> list[str]:
     """The arrangements that no lighter one exceeds in continuous torque."""
     best, found = 0.0, []
     for name, design in sorted(designs.items(), key=lambda item: item[1]["mass_kg"]):
-        if design["best"]["torque_for_ever_Nm"] > best:
-            best = design["best"]["torque_for_ever_Nm"]
+        if design["best"]["continuous_torque_Nm"] > best:
+            best = design["best"]["continuous_torque_Nm"]
             found.append(name)
     return found
 
@@ -188,13 +188,13 @@ def figure(answer: dict, path: Path):
         canvas, panel = plt.subplots(figsize=(8.0, 4.6), layout="constrained")
         for color, (name, design) in zip((GREY, *CURVES), answer["designs"].items()):
             mass, best = 1000.0 * design["mass_kg"], design["best"]
-            whole = best["torque_for_ever_Nm"] / best["support"]
+            whole = best["continuous_torque_Nm"] / best["support"]
             torques = [whole * point["support"] for point in design["points"] if point["support"] is not None]
             panel.plot([mass] * len(torques), torques, "o", ms=3, alpha=0.35, color=color, mew=0)
             label = f"{name}: {best['ratio']:.0f} : 1, {best['stiffness_Nm_per_rad']:.0f} N·m/rad"
-            panel.plot(mass, best["torque_for_ever_Nm"], "o", ms=8, color=color, label=label)
+            panel.plot(mass, best["continuous_torque_Nm"], "o", ms=8, color=color, label=label)
         line = [answer["designs"][name] for name in answer["pareto_front"]]
-        panel.plot([1000.0 * d["mass_kg"] for d in line], [d["best"]["torque_for_ever_Nm"] for d in line], color=GREY, lw=1.0, zorder=0)
+        panel.plot([1000.0 * d["mass_kg"] for d in line], [d["best"]["continuous_torque_Nm"] for d in line], color=GREY, lw=1.0, zorder=0)
         panel.set(
             title=f"Continuous torque at the ankle\n{answer['activities'][REFERENCE][LEVEL]['gait']}",
             xlabel="motor, fan and annulus, g",
@@ -227,10 +227,10 @@ def declared_design(answer: dict) -> str:
     """Level walking with the declared ratio and spring."""
     cells = {name: answer["activities"][name][LEVEL] for name in SHOWN}
     times = listed([f"{name} {ended(cell)}" for name, cell in cells.items()])
-    supports = listed([f"{name} {percent(cell['support_for_ever'])}" for name, cell in cells.items()])
+    supports = listed([f"{name} {percent(cell['continuous_support'])}" for name, cell in cells.items()])
     reference = cells[REFERENCE]
     gains = [
-        f"{name} {cell['torque_for_ever_Nm'] / reference['torque_for_ever_Nm']:.2f} times the continuous torque of {REFERENCE} for "
+        f"{name} {cell['continuous_torque_Nm'] / reference['continuous_torque_Nm']:.2f} times the continuous torque of {REFERENCE} for "
         f"{100.0 * (cell['mass_kg'] / reference['mass_kg'] - 1.0):.0f} % more mass of motor and fan"
         for name, cell in cells.items()
         if name != REFERENCE
@@ -243,7 +243,7 @@ def best_designs(answer: dict) -> str:
     """The best ratio and spring of each arrangement, with the gain against its declared ones, and edges of the grid."""
     designs = answer["designs"]
     gain = lambda d: f"{100.0 * (d['best']['support'] / d['declared'] - 1.0):+.0f} %"  # noqa: E731
-    best = [f"{name} {d['best']['torque_for_ever_Nm']:.0f} N.m at {at(d['best'])} ({gain(d)})" for name, d in designs.items()]
+    best = [f"{name} {d['best']['continuous_torque_Nm']:.0f} N.m at {at(d['best'])} ({gain(d)})" for name, d in designs.items()]
     text = f"""Continuous torque on level ground with the best ratio and spring of the grid, and its change against the declared ones of
     the same arrangement: {"; ".join(best)}."""
     edges: dict = {}
@@ -253,7 +253,7 @@ def best_designs(answer: dict) -> str:
     for edge, names in edges.items():
         variable, end = edge.split()
         text += f" The best {variable.split('_')[0]} is at the {end} end of the grid for {listed(names)}: the optimum may lie outside."
-    bends = {name: d["best"]["torque_for_ever_Nm"] / d["best"]["stiffness_Nm_per_rad"] for name, d in designs.items()}
+    bends = {name: d["best"]["continuous_torque_Nm"] / d["best"]["stiffness_Nm_per_rad"] for name, d in designs.items()}
     low, high = min(bends.values()), max(bends.values())
     text += f" The best springs deflect by {low:.2f} to {high:.2f} rad at the peak torque."
     infeasible = {name: [p for p in d["points"] if p["infeasible"]] for name, d in designs.items()}
@@ -267,7 +267,7 @@ def robust_designs(answer: dict) -> str:
     sentences = []
     for name, rows in answer["across_activities"].items():
         level, robust = rows[f"best for {LEVEL}"], rows["best in the worst activity"]
-        declared = {activity: answer["activities"][name][activity]["support_for_ever"] for activity in DESIGNED_FOR}
+        declared = {activity: answer["activities"][name][activity]["continuous_support"] for activity in DESIGNED_FOR}
         worse = [
             f"{activity} {percent(level['support'][activity])} instead of {percent(declared[activity])}"
             + (f" (infeasible: {level['infeasible'][activity]})" if activity in level["infeasible"] else "")
@@ -287,7 +287,7 @@ def front_sentence(answer: dict) -> str:
     others = [name for name in answer["designs"] if name not in members]
     text = f"On the Pareto front of continuous torque over mass: {listed(members)}."
     heavier = [
-        f"{name} is heavier and gives {answer['designs'][name]['best']['torque_for_ever_Nm']:.0f} N.m" for name in others
+        f"{name} is heavier and gives {answer['designs'][name]['best']['continuous_torque_Nm']:.0f} N.m" for name in others
     ]
     return text + (f" Not on it: {listed(heavier)}." if heavier else "")
 
@@ -312,7 +312,7 @@ def markdown(answer: dict) -> str:
         for arrangement in SHOWN:
             cell = table[arrangement][activity]
             end = f"> {HOURS} h" if cell["minutes_to_limit"] is None else f"{cell['minutes_to_limit']:.0f} min"
-            cells.append(f"{end}; {percent(cell['support_for_ever'])}, {cell['limited_by']}")
+            cells.append(f"{end}; {percent(cell['continuous_support'])}, {cell['limited_by']}")
         text += f"| {activity} | {' | '.join(cells)} | {table[REFERENCE][activity]['gait']} |\n"
     text += "\nEach cell: time to the winding's limit with the whole biological torque; continuous support (followed within 5 % of the peak\n"
     text += "torque) and what limits it. Where not stated, the body mass is 75 kg.\n"
@@ -327,7 +327,7 @@ def markdown(answer: dict) -> str:
     for name, design in answer["designs"].items():
         b = design["best"]
         edges = ", ".join(edge.replace("stiffness_Nm_per_rad", "spring") for edge in design["edges"]) or "no"
-        text += f"| {name} | {1000 * design['mass_kg']:.0f} | {b['ratio']:.0f} | {b['stiffness_Nm_per_rad']:.0f} | {b['torque_for_ever_Nm']:.1f} | {edges} |\n"
+        text += f"| {name} | {1000 * design['mass_kg']:.0f} | {b['ratio']:.0f} | {b['stiffness_Nm_per_rad']:.0f} | {b['continuous_torque_Nm']:.1f} | {edges} |\n"
     return text
 
 

@@ -46,7 +46,7 @@ class LogLine(NamedTuple):
 class FmuError(RuntimeError):
     """A call that the FMU refused: its name, the status it returned, and the log lines that came with it.
 
-    An instance that is not made has neither name nor status, for fmpy tells neither."""
+    A failed instantiation has neither name nor status, because fmpy reports neither."""
 
     def __init__(self, call: Exception, lines: list[LogLine]):
         self.function, self.status, self.lines = getattr(call, "function", None), getattr(call, "status", None), lines

@@ -1,4 +1,4 @@
-"""The seeds' own measurements as runs: one file for each test, its end the only row with a reading."""
+"""The measurements of the two publications as runs: one file for each test, with a reading in its last row only."""
 
 import json
 from pathlib import Path
@@ -6,9 +6,9 @@ from pathlib import Path
 from clients.program import motor_fmu
 
 KELVIN = 273.15
-# Hours of heating until the end is the end to 0.02 K, s: ten times the slowest time constant, which is shorter in a draught.
-STILL_AIR, DRAUGHT = 18_000.0, 9_000.0
-# Rows on the way to the end: closing the loop linearises the model from row to row, and the gearmotor's start is not its end.
+# Heating time until the steady state is reached to 0.02 K, s: ten times the slowest time constant, which is shorter with the fan.
+STILL_AIR, FAN = 18_000.0, 9_000.0
+# Rows before the last one: the closed loop linearises the model from row to row, and the gearmotor's state changes much.
 THESIS_ROWS, PAPER_ROWS = 10, 60
 
 
@@ -23,7 +23,7 @@ def thesis_runs() -> dict[str, str]:
             "ambient_temperature_degC": case["ambient_K"] - KELVIN,
         }
         outputs = {"winding_temperature_degC": case["T_w_measured_K"] - KELVIN}
-        files[f"{case['name']}.csv"] = run(STILL_AIR if bare else DRAUGHT, THESIS_ROWS, inputs, outputs)
+        files[f"{case['name']}.csv"] = run(STILL_AIR if bare else FAN, THESIS_ROWS, inputs, outputs)
     return files
 
 
@@ -54,7 +54,7 @@ def paper_runs() -> dict[str, str]:
 
 
 def run(end: float, count: int, inputs: dict[str, float], outputs: dict[str, float]) -> str:
-    """A file with inputs that stand still and outputs that were read at the end alone."""
+    """A file with constant inputs, and readings of the outputs in the last row only."""
     number = "{:.6g}".format
     held = [number(value) for value in inputs.values()]
     rows = [["time_s", *inputs, *outputs]]

@@ -1,4 +1,4 @@
-"""Minutes of walking with the motor FMU in the loop: run, books and results.
+"""Minutes of walking with the motor FMU in the loop: run, energy balance and results.
 
 The loop is causal: the motor gives angle and speed, the spring gives torque, the torque loads the motor.
 """
@@ -27,7 +27,7 @@ OUTPUTS = (
 
 @dataclass(frozen=True)
 class Walk:
-    """A finished run: arrays over the communication points, and what they were made with."""
+    """A finished run: arrays over the communication points, with actuator and temperature limit."""
 
     time: np.ndarray
     motor: dict[str, np.ndarray]  # by name of the FMU's variable, inputs included
@@ -40,7 +40,7 @@ class Walk:
 
     @property
     def first_judged(self) -> int:
-        """The first point that counts in means: the motor starts at rest and needs a stride to get in step."""
+        """First point used for mean values: the motor starts at rest and follows the gait after one stride."""
         return int(self.actuator.gait.stride_time / STEP) + 1
 
 

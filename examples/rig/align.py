@@ -1,13 +1,13 @@
 """The shift between two clocks: that of the logged power and that of the thermometer which the power warms.
 
-While the winding has warmed by a few kelvin, nothing has been lost yet and its reading is
+While the winding has warmed by only a few kelvin, its heat loss is negligible and its reading is
 
     T(t) = T_0 + a E_tau(t - s),    E_tau + tau dE_tau/dt = E,    E the energy since the power's log began             (1)
 
 with s the shift, tau the lag of the reading (the thermocouple, and the way of the heat to it) and a a scale. The onset of the
-rise alone would give s + tau; the curvature of its foot tells the two apart. T_0 and a follow by linear regression for every
-s and tau, these from grids that close in. Eq. (1) is fitted up to several rises; the median is the answer, and how far the
-answers differ says how sure it is.
+rise alone would give s + tau; the curvature at its foot distinguishes the two. T_0 and a follow by linear regression for every
+s and tau, which are taken from successively refined grids. Eq. (1) is fitted up to several rises; the result is the median, and
+the spread of the fits is its uncertainty.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 RISES_K = (4.0, 6.0, 8.0, 10.0, 12.0)
-# The foot of the rise: where the reading has left its rest for good.
+# Foot of the rise: the reading stays this far above its initial value, K.
 FOOT_K = 1.0
 # Grids of shift (around the foot) and lag, s; then this many times finer around the best.
 SHIFTS_S = np.arange(-10.0, 2.0, 0.25)

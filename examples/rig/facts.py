@@ -1,4 +1,4 @@
-"""What the rig's logs say by themselves, before any model: the evidence that a fit of two temperatures does not use."""
+"""Evidence from the rig's logs that needs no model and that a fit of two temperatures does not use."""
 
 from pathlib import Path
 
@@ -6,16 +6,16 @@ import numpy as np
 
 from rig.prepare import NEEDED, TEMPERATURES, energy, read
 
-# The stretch of the first rise in which the winding has warmed by this much, K.
+# Interval of the winding's temperature rise over which the first rise is evaluated, K.
 FIRST_RISE_K = (5.0, 25.0)
 # Copper's resistance per kelvin, relative to that at 20 degC.
 COPPER = 0.00393
 
 
 def first_rise(raw: Path, run: int, shift: float) -> dict:
-    """How fast the winding warms for the power it gets, K/kJ, and how far the body then is above the air, K.
+    """Temperature rise of the winding per energy, K/kJ, and the body's temperature above ambient during this rise, K.
 
-    A body that is not yet warmer than the air has nothing to give off, whatever blows.
+    A body at ambient temperature transfers no heat by convection, whatever the air flow.
     """
     daq, esc = read(raw / f"run{run}_daq.csv"), read(raw / f"run{run}_esc.csv")
     rise = daq["Winding_Temp_degC"] - np.median(daq["Winding_Temp_degC"][:10])
@@ -31,17 +31,17 @@ def first_rise(raw: Path, run: int, shift: float) -> dict:
 
 
 def controller_warming(raw: Path, run: int, spent_kJ: float) -> float:
-    """How far the motor's controller has warmed, K, once it has passed on so much energy: more, if it loses more."""
+    """Temperature rise of the motor controller, K, at a given cumulative energy; it increases with the controller's losses."""
     esc = read(raw / f"run{run}_esc.csv")
     time, spent = energy(esc["t_s"], esc["P_dc_W"])
     at = np.interp(1e3 * spent_kJ, spent, time)
     return float(np.interp(at, esc["t_s"], esc["T_esc_degC"]) - esc["T_esc_degC"][0])
 
 
-def tremble(raw: Path, run: int, column: str) -> float:
-    """How much a reading trembles from row to row while the winding is hot, K: a row against the line between its neighbours.
+def row_scatter(raw: Path, run: int, column: str) -> float:
+    """Standard deviation of a reading from row to row while the winding is hot, K, relative to the mean of the adjacent rows.
 
-    A body of hundreds of J/K cannot; a thermocouple in moving air can.
+    The temperature of a body of hundreds of J/K cannot scatter from row to row; a thermocouple in an air flow can.
     """
     daq = read(raw / f"run{run}_daq.csv")
     winding = daq["Winding_Temp_degC"]
@@ -53,7 +53,7 @@ def tremble(raw: Path, run: int, column: str) -> float:
 
 
 def repeatability(raw: Path, runs: tuple[int, int], shifts: tuple[float, float]) -> dict:
-    """How far a reading of one run is from what the rig repeats, K: two like runs against each other at the same energy."""
+    """Repeatability of a reading, K: standard deviation between two equal runs at the same energy."""
     rises = []
     logs = [(read(raw / f"run{run}_daq.csv"), read(raw / f"run{run}_esc.csv")) for run in runs]
     clocks = [energy(esc["t_s"] + shift, esc["P_dc_W"]) for (_, esc), shift in zip(logs, shifts)]
@@ -67,17 +67,17 @@ def repeatability(raw: Path, runs: tuple[int, int], shifts: tuple[float, float])
 
 
 def two_places(raw: Path) -> float:
-    """Run 12 had two thermocouples on the winding: the rise that the second shows at the end, over that of the first."""
+    """Run 12 had two thermocouples on the winding: ratio of the second's rise to the first's at the end."""
     daq = read(raw / "run12_daq.csv")
     first, second = (daq[name] - np.median(daq[name][:5]) for name in ("Winding_Temp_degC", "Winding2_degC"))
     return float(second[-5:].mean() / first[-5:].mean())
 
 
 def two_readings_of_one_number(reading: float, ambient: float, usual: float, more: float) -> dict:
-    """Where the winding is if its sensor shows what it always does, and if the air takes a further share of the rise.
+    """Winding temperature if the sensor error is that of still air, and if the air flow removes a further fraction of the rise.
 
-    `usual` is the share of the rise that the sensor loses in still air; the winding's resistance right after switching off would
-    tell: the ratio is that of the hotter winding over the cooler.
+    `usual` is the fraction of the rise that the sensor loses in still air. The winding's resistance right after switching off
+    distinguishes the two cases: `resistance_ratio` is that of the hotter winding over the cooler.
     """
     as_usual = ambient + (reading - ambient) / (1.0 - usual)
     cooled = ambient + (as_usual - ambient) / (1.0 - more)

@@ -224,7 +224,7 @@ def test_the_fan_run_is_fitted_in_its_first_60_percent_alone(prepared):
     assert "run-4.csv" not in [run["file"] for run in tomllib.loads((RIG / "still-air.toml").read_text())["run"]]
 
 
-def test_the_logs_themselves_tell_what_the_fit_does_not_use(prepared):
+def test_logs_contain_evidence_that_the_fit_does_not_use(prepared):
     """Two temperatures cannot distinguish less heat from a cooled thermocouple; other columns of the logs can."""
     _, report = prepared
     rise = {run: facts.first_rise(RAW, run, report[f"run-{run}.csv"]["shift_s"]) for run in (1, 3, 4, 5)}
@@ -234,16 +234,16 @@ def test_the_logs_themselves_tell_what_the_fit_does_not_use(prepared):
     # The controller lost no more with the fan on.
     warmed = {run: facts.controller_warming(RAW, run, 107.0) for run in (3, 4, 5)}
     assert warmed[3] - 1.0 <= warmed[4] <= warmed[5] + 1.0, warmed
-    # The body's thermocouple sat in moving air, the winding's did not more than before.
-    body = {run: facts.tremble(RAW, run, "housing_temperature_degC") for run in (1, 3, 4, 5)}
+    # The body's thermocouple was in an air flow; the winding's was not more exposed than before.
+    body = {run: facts.row_scatter(RAW, run, "housing_temperature_degC") for run in (1, 3, 4, 5)}
     assert body[4] > 4.0 * max(body[1], body[3], body[5]), body
-    winding = {run: facts.tremble(RAW, run, "winding_temperature_degC") for run in (1, 3, 4, 5)}
+    winding = {run: facts.row_scatter(RAW, run, "winding_temperature_degC") for run in (1, 3, 4, 5)}
     assert winding[4] < 1.5 * max(winding[3], winding[5]), winding
-    # One winding, two places.
+    # Two thermocouples at different positions on one winding.
     assert facts.two_places(RAW) == pytest.approx(0.60, abs=0.03)
 
 
-def test_the_noise_of_the_experiments_is_what_the_rig_does_not_repeat(prepared):
+def test_declared_noise_is_the_repeatability_of_the_rig(prepared):
     _, report = prepared
     apart = facts.repeatability(RAW, (3, 5), tuple(report[f"run-{run}.csv"]["shift_s"] for run in (3, 5)))
     for name in EXPERIMENTS:
@@ -263,14 +263,14 @@ def test_the_first_rise_counts_the_energy_of_its_own_time(tmp_path):
     assert facts.first_rise(tmp_path, 7, 12.0)["K_per_kJ"] == pytest.approx(20.0 / (8.0 + 1.8 + 0.8), rel=0.04)
 
 
-def test_trembling_is_that_of_the_reading(tmp_path):
+def test_row_scatter_is_the_standard_deviation_of_the_noise(tmp_path):
     """White noise of 0.05 K on a slow rise."""
     random = np.random.default_rng(3)
     time = np.arange(0.0, 600.0, DAQ_S)
     reading = 60.0 + 0.2 * time + random.normal(0.0, 0.05, len(time))
     rows = "\n".join(f"{t:.4f},{90.0 + t},{21.0},{r:.5f}" for t, r in zip(time, reading))
     (tmp_path / "run7_daq.csv").write_text(f"t_s,Winding_Temp_degC,Ambient_degC,Stator_Body_degC\n{rows}\n")
-    assert facts.tremble(tmp_path, 7, "housing_temperature_degC") == pytest.approx(0.05, rel=0.06)
+    assert facts.row_scatter(tmp_path, 7, "housing_temperature_degC") == pytest.approx(0.05, rel=0.06)
 
 
 def test_a_cooled_thermocouple_hides_a_hotter_winding():

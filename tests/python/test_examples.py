@@ -1,5 +1,5 @@
-"""Each numbered example runs as a user runs it. Its numbers are held against independent truths (`example_truths.py`), and against
-the stored output of an earlier run with the tolerances of `stored.py`."""
+"""Each numbered example runs as a user runs it. Its numbers are compared with independent results (`example_truths.py`) and with
+the stored output of an earlier run, within the tolerances of `stored.py`."""
 
 import json
 import os

@@ -43,9 +43,9 @@ def test_fmpy_stops_with_the_reason(fmi, kind, model):
     command = [sys.executable, __file__, str(paths.archive(model, fmi)), kind, json.dumps(OVERLOADED[model])]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
     assert done.returncode == 0, done.stderr[-2000:]
-    told = json.loads(done.stdout.splitlines()[-1])
-    result = {name: np.array(column) for name, column in told["result"].items()}
-    time = ended(result, told["log"])
+    answer = json.loads(done.stdout.splitlines()[-1])
+    result = {name: np.array(column) for name, column in answer["result"].items()}
+    time = ended(result, answer["log"])
     assert abs(result["time"][-1] - time) < 1.5, f"{result['time'][-1]} s and {time} s"
 
 
@@ -65,7 +65,7 @@ def simulated(path, kind, start):
     return {"result": {name: result[name].tolist() for name in result.dtype.names}, "log": logged}
 
 
-def test_fmi_2_discards_the_step_and_tells_why(archives):
+def test_fmi_2_discards_the_step_and_logs_the_reason(archives):
     with archives[2].instance() as motor:
         motor.initialise(STALLED)
         slave = motor.slave
@@ -75,7 +75,7 @@ def test_fmi_2_discards_the_step_and_tells_why(archives):
         assert slave.getBooleanStatus(3), "fmi2Terminated"
         end = slave.getRealStatus(2)
         assert 10.0 < end < STOP
-        # The instance stands there: the step was computed up to the last successful time.
+        # The state of the instance is that of the last successful time.
         assert LIMIT - 1e-2 < motor.get("winding_temperature")[0] <= LIMIT
         slave.terminate()
 

@@ -20,8 +20,8 @@ def answer(study):
     """Results in which the middle of the grid is best, everywhere and for all activities."""
     cell = lambda support, minutes=None, mass=0.3: {  # noqa: E731
         "minutes_to_limit": minutes,
-        "support_for_ever": support,
-        "torque_for_ever_Nm": 100.0 * support,
+        "continuous_support": support,
+        "continuous_torque_Nm": 100.0 * support,
         "limited_by": "winding temperature",
         "mass_kg": mass,
         "gait": "Level walking of adults (source)",
@@ -71,7 +71,7 @@ def test_a_design_that_fails_on_stairs_is_named_with_numbers(study, answer):
 
 
 def test_percentages_belong_to_the_design_that_is_printed(study, answer):
-    answer["designs"]["bare"]["best"] |= {"support": 1.5, "torque_for_ever_Nm": 150.0, "ratio": 375.0}
+    answer["designs"]["bare"]["best"] |= {"support": 1.5, "continuous_torque_Nm": 150.0, "ratio": 375.0}
     answer["designs"]["bare"]["declared"] = 0.5
     assert "bare 150 N.m at 375 : 1 and 200 N.m/rad (+200 %)" in page(study, answer)
 

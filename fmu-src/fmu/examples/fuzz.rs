@@ -1,4 +1,4 @@
-//! As many random calls of each model as asked for: `cargo xtask fuzz --calls 1000000`.
+//! A given number of random calls of each model: `cargo xtask fuzz --calls 1000000`.
 
 #[path = "../tests/common/fuzz.rs"]
 mod fuzz;

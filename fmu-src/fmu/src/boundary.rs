@@ -7,7 +7,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-/// Runs an operation on the instance behind a handle; refusals and panics become a log line and a status.
+/// Runs an operation on the instance of a handle; an error or a panic becomes a log message and a status.
 ///
 /// # Safety
 /// `handle` is NULL or a live instance of this library.
@@ -23,7 +23,7 @@ pub unsafe fn enter(
     // SAFETY: by contract; instances are not shared between threads during a call (FMI 2 section 2.1.1, FMI 3
     // section 2.2.1).
     let instance = unsafe { &mut *handle.cast::<Instance>() };
-    // Judged where it arises, a good outcome is no more than its status.
+    // The outcome is converted here, so that the success path only returns the status.
     let judged = catch_unwind(AssertUnwindSafe(|| match operation(&mut *instance) {
         Ok(()) => Status::Ok,
         Err(refused) => refuse(instance, name, &refused),
@@ -34,7 +34,7 @@ pub unsafe fn enter(
 /// Logs why a call was refused.
 #[cold]
 fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
-    instance.log.tell(refused.status, &format!("{name}: {}", refused.message));
+    instance.log.send(refused.status, &format!("{name}: {}", refused.message));
     refused.status
 }
 
@@ -42,14 +42,14 @@ fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
 #[cold]
 fn fail(instance: &mut Instance, name: &str) -> Status {
     instance.enter_error_state();
-    instance.log.tell(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
+    instance.log.send(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
     Status::Error
 }
 
-/// An array that is not there.
+/// A missing array.
 #[cold]
 fn missing(n: usize, what: &str) -> Refused {
-    Refused::error(format!("{what} is NULL though {n} elements are announced."))
+    Refused::error(format!("{what} is NULL although its length is {n}."))
 }
 
 /// Arguments of an instantiation.
@@ -78,7 +78,7 @@ pub struct Instantiation {
     pub unsupported: Option<String>,
 }
 
-/// Makes an instance and hands it to the importer; NULL and a message where that fails.
+/// Creates an instance and returns its handle; on failure NULL and a log message.
 ///
 /// # Safety
 /// The texts are NULL or end in zero.
@@ -109,7 +109,7 @@ pub unsafe fn instantiate(instantiation: Instantiation) -> *mut c_void {
         Err(_) => Refused::error("internal failure."),
     };
     Log::new(instantiation.sink, &name, false)
-        .tell(refused.status, &format!("{}: {}", instantiation.function, refused.message));
+        .send(refused.status, &format!("{}: {}", instantiation.function, refused.message));
     std::ptr::null_mut()
 }
 
@@ -148,17 +148,17 @@ macro_rules! life_cycle {
     )*};
 }
 
-/// Takes an instance back and drops it.
+/// Frees an instance.
 ///
 /// # Safety
-/// As [`enter`]; the handle is dead afterwards.
+/// As [`enter`]; the handle is invalid afterwards.
 pub unsafe fn free_instance(handle: *mut c_void) {
     if !handle.is_null() {
         // SAFETY: by contract the handle came from `instantiate`.
         let instance = unsafe { &*handle.cast::<Instance>() };
         if instance.is_in_intermediate_update() {
             // The step continues after the callback, in memory that would be freed.
-            instance.log.tell(Status::Error, "an instance cannot be freed in intermediate update mode.");
+            instance.log.send(Status::Error, "an instance cannot be freed in intermediate update mode.");
             return;
         }
         // SAFETY: as above.
@@ -195,7 +195,7 @@ pub unsafe fn array_mut<'a, T>(pointer: *mut T, n: usize, what: &str) -> Outcome
     }
 }
 
-/// The place behind `pointer`.
+/// The variable at `pointer`.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to a writable place.
@@ -205,7 +205,7 @@ pub unsafe fn place<'a, T>(pointer: *mut T, what: &str) -> Outcome<&'a mut T> {
     unsafe { pointer.as_mut() }.ok_or_else(|| Refused::error(format!("{what} is NULL.")))
 }
 
-/// Writes `value` where the importer gave a place for it.
+/// Writes `value` to `pointer` unless it is NULL.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to a writable place.

@@ -25,10 +25,10 @@ pub type FmuState = *mut c_void;
 /// FMI 2's Boolean: zero is false.
 pub type Boolean = c_int;
 
-/// What the importer offers an instance.
+/// Callback functions of the importer.
 #[repr(C)]
 pub struct CallbackFunctions {
-    /// Takes messages.
+    /// Logger.
     pub logger: Option<Logger2>,
     /// Unused: this library has an allocator of its own.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
@@ -47,11 +47,11 @@ const CO_SIMULATION: c_int = 1;
 /// `fmi2StatusKind`: time of the last successful step.
 const PENDING_STATUS: c_int = 1;
 const LAST_SUCCESSFUL_TIME: c_int = 2;
-/// `fmi2StatusKind`: whether the model asks to end.
+/// `fmi2StatusKind`: whether the model requests the end of the simulation.
 const TERMINATED: c_int = 3;
 
 fn nothing_pending() -> Outcome {
-    Err(Refused::discard("steps are synchronous, so none is pending."))
+    Err(Refused::discard("steps are synchronous; no step is pending."))
 }
 
 /// Platform of the header files; section 2.1.3.
@@ -344,7 +344,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, _kind: c_int, _value
     unsafe { enter(c, "fmi2GetIntegerStatus", |_| nothing_pending()) }
 }
 
-/// Whether the model asks to end; section 4.2.3. It does where a step would lead beyond a limit of validity.
+/// Whether the model requests the end of the simulation (at a limit of validity); section 4.2.3.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status {
     unsafe {

@@ -1,4 +1,4 @@
-//! An instance: its life cycle, and what it refuses.
+//! An instance: its life cycle and the checks of each call.
 
 mod cache;
 mod exchange;
@@ -20,11 +20,11 @@ use physics::terms::GenericTerm;
 use std::ffi::{CStr, CString};
 use std::path::Path;
 
-/// One motor, or whatever else the token asked for, in an importer's hands.
+/// One instance of the model that the token selects.
 pub struct Instance {
     kind: &'static ModelType,
     model: Box<dyn Model>,
-    /// A model to be moved about for derivatives, made when the first are asked for.
+    /// A copy of the model for evaluating derivatives, created at the first request.
     scratch: Option<Box<dyn Model>>,
     /// The terms of the archive.
     terms: Vec<GenericTerm>,
@@ -39,7 +39,7 @@ pub struct Instance {
     step_start: Option<Box<dyn Model>>,
     /// The model at the start of a step with intermediate updates.
     update_start: Option<Box<dyn Model>>,
-    /// How many elements its variables have whose number a parameter says. In FMI 2 that of the archive.
+    /// Number of elements of the arrays whose size is a structural parameter; in FMI 2 that of the archive.
     elements: u32,
     mode: Mode,
     /// Start and stop time, s; the stop is infinite where it was not announced.
@@ -50,7 +50,7 @@ pub struct Instance {
     read: Cache,
     written: Cache,
     sloped: Cache,
-    /// Why the run is over, where the model has reached a limit of validity.
+    /// Reason of the end of the run at a limit of validity.
     ended: Option<CString>,
     /// Where messages go.
     pub log: Log,
@@ -73,7 +73,7 @@ impl Instance {
                 .collect();
             let token = token.unwrap_or("NULL");
             return Err(Refused::error(format!(
-                "the token {token} is none of this library's: {}; its modelDescription.xml is of another build.",
+                "the token {token} is not known to this library, which has {}; modelDescription.xml is from another build.",
                 known.join(", ")
             )));
         };
@@ -81,7 +81,7 @@ impl Instance {
         let terms = terms.map_err(|error| Refused::error(format!("{error}.")))?;
         let Some(mut model) = crate::new_model(kind, &terms) else {
             return Err(Refused::error(format!(
-                "{} does not take the {} terms of {}.",
+                "{} does not accept the {} terms of {}.",
                 (kind.declaration)().name,
                 terms.len(),
                 terms::FILE_NAME
@@ -147,7 +147,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Announces the window of time; `None` where no stop is known.
+    /// Sets start and stop time; `None` without a stop time.
     pub fn set_window(&mut self, start: f64, stop: Option<f64>) -> Outcome {
         self.require(&[Mode::Instantiated])?;
         if !start.is_finite() {
@@ -183,7 +183,7 @@ impl Instance {
                 let counted = counted(self.model.as_mut());
                 if counted > self.elements {
                     return Err(Refused::error(format!(
-                        "this archive shows {} segments of the housing as states and {counted} are asked for; \
+                        "this archive has {} segments of the housing as states, but {counted} are requested; \
                          in Co-Simulation there may be more of them than are shown.",
                         self.elements
                     )));
@@ -214,7 +214,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Arrays of FMI 3 have as many elements as the parameter says; what FMI 2 lists stays listed.
+    /// In FMI 3 the parameter gives the number of elements of arrays; in FMI 2 the list of variables is fixed.
     fn count(&mut self) {
         if self.standard == Standard::Three {
             self.elements = counted(self.model.as_mut());
@@ -228,13 +228,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Any -> instantiated, as new: start values, time and integrator.
+    /// Any -> instantiated, with start values, time and integrator reset.
     pub fn reset(&mut self) -> Outcome {
         if self.mode == Mode::Intermediate {
             return self.require(&[]);
         }
         self.model = crate::new_model(self.kind, &self.terms)
-            .ok_or_else(|| Refused::error("the model no longer takes the terms that it has taken."))?;
+            .ok_or_else(|| Refused::error("the model no longer accepts its terms."))?;
         if self.interface == Interface::ModelExchange {
             self.model.hand_over();
         }
@@ -246,7 +246,7 @@ impl Instance {
         Ok(())
     }
 
-    /// During initialization the model starts anew from what was set last.
+    /// In initialization mode the model is initialized again from the values that were set last.
     #[inline]
     fn settle(&mut self) -> Outcome {
         if self.mode == Mode::Initialization && self.unsettled {
@@ -271,14 +271,14 @@ impl Instance {
         }
     }
 
-    /// A step that the model has not taken, or not to its end.
+    /// The error of a step that failed or ended early.
     #[cold]
     fn halted(&mut self, fault: Fault) -> Refused {
         self.ended = self.model.ended().then(|| c_string(&fault.0));
         Refused::discard(fault.0)
     }
 
-    /// Why the run is over; `None` while it goes on.
+    /// Reason of the end of the run; `None` while it continues.
     pub fn end(&self) -> Option<&CStr> {
         self.ended.as_deref()
     }
@@ -288,18 +288,18 @@ impl Instance {
         if self.interface == Interface::ModelExchange {
             let sentence = self.model.ending();
             if let (Some(sentence), None) = (&sentence, &self.ended) {
-                self.log.tell(Status::Warning, sentence);
+                self.log.send(Status::Warning, sentence);
             }
             self.ended = sentence.map(|s| c_string(&s));
         }
         self.ended.is_some()
     }
 
-    /// The outcome of a step in FMI 3, where the end of a run is no refusal but a flag; the reason goes to the log.
+    /// Outcome of a step in FMI 3: the end of a run is a flag and not an error status; the reason is logged.
     pub fn unless_over(&self, function: &str, outcome: Outcome) -> Outcome {
         match outcome {
             Err(refused) if self.ended.is_some() => {
-                self.log.tell(Status::Warning, &format!("{function}: {}", refused.message));
+                self.log.send(Status::Warning, &format!("{function}: {}", refused.message));
                 Ok(())
             }
             outcome => outcome,
@@ -320,16 +320,16 @@ impl Instance {
                 "the communication step size {h} s is not positive and finite."
             )));
         }
-        // Importers count time in their own way; a thousandth of a step is rounding, more is a mistake.
+        // A deviation up to a thousandth of a step is rounding error of the importer's time; more is an error.
         let rounding = (1e-3 * h).max(8.0 * f64::EPSILON * now.abs());
         if at.is_nan() || (at - now).abs() > rounding {
             return Err(Refused::error(format!(
-                "the communication point {at} s is not where the instance stands, {now} s."
+                "the communication point {at} s differs from the time of the instance, {now} s."
             )));
         }
         if at + h > self.window.1 + rounding {
             return Err(Refused::error(format!(
-                "the step from {at} s by {h} s leads past the announced stop time {} s.",
+                "the step from {at} s by {h} s exceeds the stop time {} s.",
                 self.window.1
             )));
         }
@@ -384,19 +384,19 @@ impl Instance {
         }))
     }
 
-    /// Takes the instance back to what was saved.
+    /// Restores a saved state.
     pub fn restore(&mut self, saved: &Saved) -> Outcome {
         self.require_living()?;
         if saved.interface != self.interface {
             return Err(Refused::error(format!(
-                "the saved state is of an instance for {} and this is one for {}.",
+                "the saved state is from an instance for {}, but this instance is for {}.",
                 saved.interface.words(),
                 self.interface.words()
             )));
         }
         if !self.model.copy_from(saved.model.as_ref()) {
             return Err(Refused::error(format!(
-                "the saved state is of {} and not of {}.",
+                "the saved state is from {}, not from {}.",
                 saved.model.declaration().name,
                 self.model.declaration().name
             )));
@@ -412,7 +412,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Refuses a call that belongs to events.
+    /// Rejects a call that is allowed in event mode only.
     pub fn require_event(&self) -> Outcome {
         self.require(&[Mode::Event])
     }
@@ -424,7 +424,7 @@ impl Instance {
     }
 }
 
-/// The number that a parameter gives to the elements of a variable; 0 where no variable of the model has such.
+/// Number of elements from the structural parameter; 0 if the model has no arrays.
 fn counted(model: &mut dyn Model) -> u32 {
     let declaration = model.declaration();
     // Whole numbers within their limits pass through tables exactly.

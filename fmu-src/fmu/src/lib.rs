@@ -1,15 +1,15 @@
 //! The C interface: all 44 functions of FMI 2.0 and all 75 of FMI 3.0, for every model, in one library.
 //!
-//! A volt passes `fmi2.rs` or `fmi3.rs`, which only translate C into Rust, then [`instance`], which keeps the
-//! state machine and refuses what the standard or the declaration forbids, and reaches the model in `physics`.
+//! A call passes through `fmi2.rs` or `fmi3.rs`, which only translate C into Rust, then through [`instance`], which implements the
+//! state machine and rejects what the standard or the declaration forbids, and reaches the model in `physics`.
 //!
-//! *Invariants*: the GUID or instantiation token picks the model. There are no globals but the start values of
-//! the archive. No panic crosses the interface: it becomes status Error, and the instance takes no further call
-//! but reset and free. A refused call leaves the instance as it was. Nothing is allocated in a step.
+//! *Invariants*: the GUID or instantiation token selects the model. The start values of the archive are the only global data.
+//! No panic crosses the interface: it becomes status Error, after which the instance accepts reset and free only.
+//! A rejected call does not change the instance. A step allocates no memory.
 //!
 //! # Safety
-//! Every function takes what the FMI standard says it takes: handles that this library made and that are not
-//! freed, arrays as long as their lengths say, strings that end in zero. NULL is refused, not followed.
+//! The arguments of every function are those of the FMI standard: handles of this library that are not freed, arrays of
+//! the given length, zero-terminated strings. NULL is rejected.
 
 #![allow(non_snake_case)] // the functions' names are the standards'
 
@@ -31,7 +31,7 @@ use physics::terms::GenericTerm;
 #[used]
 static START_VALUES: [u8; start_values::SIZE] = start_values::empty();
 
-/// A model at the archive's start values that carries these terms; `None` where it takes none such.
+/// A model with the archive's start values and these terms; `None` if it does not accept the terms.
 pub(crate) fn new_model(kind: &ModelType, terms: &[GenericTerm]) -> Option<Box<dyn Model>> {
     // SAFETY: the address is that of a live static. The read is volatile because the bytes in the file need not
     // be those the compiler saw.
@@ -42,7 +42,7 @@ pub(crate) fn new_model(kind: &ModelType, terms: &[GenericTerm]) -> Option<Box<d
     }
     let declaration = model.declaration();
     for (value_reference, value) in start_values::entries(&block) {
-        // The builder has checked the values; what does not fit this model is not for it.
+        // The builder has checked the values; values for other models are ignored.
         if let Some(entry) = declaration.by_reference(value_reference)
             && entry.check(value, false).is_ok()
         {

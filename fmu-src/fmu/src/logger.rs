@@ -6,15 +6,15 @@ use std::ffi::{CString, c_char, c_int, c_void};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// All well.
+    /// Success.
     Ok = 0,
-    /// Done, with something to say.
+    /// Success, with a message.
     Warning = 1,
-    /// Not done: the value or the step is refused. Nothing has changed.
+    /// The value or the step is rejected. The instance is unchanged.
     Discard = 2,
-    /// Not done: the call is not allowed, or the model has failed. Nothing has changed.
+    /// The call is not allowed, or the model has failed. The instance is unchanged.
     Error = 3,
-    /// The instance is lost.
+    /// The instance cannot be used any more.
     Fatal = 4,
 }
 
@@ -52,7 +52,7 @@ pub enum Sink {
 pub struct Log {
     sink: Sink,
     instance: CString,
-    /// Whether events are told too; refusals and failures always are.
+    /// Whether events are logged; rejected calls and failures are always logged.
     pub on: bool,
 }
 
@@ -62,8 +62,8 @@ impl Log {
         Log { sink, instance: c_string(instance), on }
     }
 
-    /// Tells a message; [`Status::Ok`] is an event.
-    pub fn tell(&self, status: Status, message: &str) {
+    /// Logs a message; [`Status::Ok`] is an event.
+    pub fn send(&self, status: Status, message: &str) {
         if status == Status::Ok && !self.on {
             return;
         }

@@ -1,11 +1,11 @@
-//! Why a call is refused: a status and a sentence.
+//! Error of a rejected call: status and message.
 
 use crate::logger::Status;
 
 /// Why a call is refused.
 #[derive(Debug)]
 pub struct Refused {
-    /// What the importer gets to see.
+    /// Status that the importer receives.
     pub status: Status,
     /// One sentence for its log.
     pub message: String,

@@ -1,4 +1,4 @@
-//! Where an archive's resources are, as importers say it.
+//! The resource folder of an archive from the importer's URI or path.
 
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ fn strip_scheme(uri: &str) -> Option<&str> {
     scheme.eq_ignore_ascii_case("file").then_some(rest)
 }
 
-/// The text with each %xx replaced by its byte; what is no such triple stays.
+/// The text with each %xx replaced by its byte; other text is unchanged.
 fn decoded(text: &str) -> String {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();

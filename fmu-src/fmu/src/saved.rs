@@ -8,7 +8,7 @@ use physics::model::Model;
 /// Begins every serialized state; the digit is the format's version.
 const MAGIC: &[u8; 8] = b"motorfm3";
 
-/// What an FMU state handle of the importer leads to.
+/// The content of an FMU state handle.
 pub struct Saved {
     /// The model with its integrator.
     pub model: Box<dyn Model>,
@@ -18,7 +18,7 @@ pub struct Saved {
     pub mode: Mode,
     /// The window of time the importer announced, s.
     pub window: (f64, f64),
-    /// What discrete outputs show since the last event, where the importer handles events.
+    /// Discrete outputs since the last event, if the importer uses event mode.
     pub discrete_pre: Vec<f64>,
 }
 
@@ -52,7 +52,7 @@ impl Saved {
         };
         let length = |b: &[u8]| u32::from_le_bytes(b.try_into().unwrap_or_default()) as usize;
         if take(MAGIC.len())? != MAGIC {
-            return Err(bad("is none of this library's version 3"));
+            return Err(bad("does not have version 3 of this library"));
         }
         if take(1)?[0] != interface as u8 {
             return Err(bad("belongs to an instance of another interface"));
@@ -76,8 +76,8 @@ impl Saved {
     }
 }
 
-/// Whether parameters are within their limits, which equations count on; inputs, numbers at least, may have run beyond them on a
-/// slope.
+/// Whether parameters are within the limits that the equations require. Inputs are only checked to be finite, because a derivative
+/// may have led them beyond their limits.
 fn is_sound(model: &mut dyn Model) -> bool {
     model.declaration().entries.iter().all(|entry| match entry.row.causality {
         Causality::Parameter => entry.check(model.get(entry.slot), false).is_ok(),
@@ -91,7 +91,7 @@ type Parts<'a> = ((f64, f64), &'a [f64], &'a [f64]);
 
 fn parts(numbers: &[f64]) -> Option<Parts<'_>> {
     let (&[start, stop, count], rest) = numbers.split_first_chunk()?;
-    // A count that was no number casts to one that is too large or to none, and the model's numbers do not fit.
+    // An invalid count is cast to a wrong one, and then the length of the model's data does not match.
     let (discrete_pre, model) = rest.split_at_checked(count as usize)?;
     Some(((start, stop), discrete_pre, model))
 }

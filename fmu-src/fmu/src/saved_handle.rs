@@ -6,7 +6,7 @@ use crate::refusal::{Outcome, Refused};
 use crate::saved::Saved;
 use std::ffi::c_void;
 
-/// Takes the instance back to the state of a handle.
+/// Restores the state of a handle.
 ///
 /// # Safety
 /// `state` is NULL or a handle that [`save`] or [`deserialize`] made.
@@ -14,7 +14,7 @@ pub unsafe fn restore(i: &mut Instance, state: *mut c_void) -> Outcome {
     i.restore(unsafe { place(state.cast::<Saved>(), "FMUstate")? })
 }
 
-/// Saves into the handle at `state`, using one that is there already.
+/// Saves into the handle at `state`; an existing state is overwritten.
 ///
 /// # Safety
 /// `state` is NULL or leads to NULL or to a handle that this function made.
@@ -31,7 +31,7 @@ pub unsafe fn save(i: &mut Instance, state: *mut *mut c_void) -> Outcome {
     }
 }
 
-/// Drops the handle at `state` and makes it NULL.
+/// Frees the handle at `state` and sets it to NULL.
 ///
 /// # Safety
 /// As [`save`].
@@ -69,7 +69,7 @@ pub unsafe fn serialize(state: *mut c_void, bytes: *mut u8, n: usize) -> Outcome
         let room = array_mut(bytes, n, "serializedState")?;
         let needed = written.len();
         let room = room.get_mut(..needed).ok_or_else(|| {
-            Refused::error(format!("the state needs {needed} bytes and there is room for {n}."))
+            Refused::error(format!("the state needs {needed} bytes, but the buffer has {n}."))
         })?;
         room.copy_from_slice(&written);
         Ok(())

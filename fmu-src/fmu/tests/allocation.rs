@@ -1,4 +1,4 @@
-//! A step allocates nothing: in every model, in every combination of its choices, in both standards and both interfaces.
+//! A step allocates no memory: in every model, in every combination of its modes, in both standards and both interfaces.
 
 use crate::counting::allocations;
 use motor_fmu::fmi2::*;

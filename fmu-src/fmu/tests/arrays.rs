@@ -1,4 +1,4 @@
-//! FMI 3 arrays: the segments of the housing, as many as a structural parameter says.
+//! FMI 3 arrays: the segments of the housing, whose number is a structural parameter.
 
 use crate::common::three::Three;
 use crate::common::vr;
@@ -98,7 +98,7 @@ fn states_of_any_number_are_saved_through_bytes() {
     }
 }
 
-/// Model Exchange counts its states anew, and derivatives of arrays come element by element.
+/// The number of continuous states follows the array size, and derivatives of arrays are given element by element.
 #[test]
 fn states_and_derivatives_follow_the_number() {
     let motor = Three::exchanged().segments(3).started(PUSHED);

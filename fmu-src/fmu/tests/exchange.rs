@@ -93,7 +93,7 @@ fn the_life_cycle_is_enforced() {
     }
 }
 
-/// What is read follows from what was put, whatever was put and read before.
+/// The values read depend only on the values set, not on earlier calls.
 #[test]
 fn readings_have_no_history() {
     for kind in models() {
@@ -145,7 +145,7 @@ fn rollback_is_bitwise_in_memory_and_through_bytes() {
             assert_eq!(me.all(), before);
             me.put(0.25, &elsewhere(&x, 2.0));
             let on = me.all();
-            // An instance that was never elsewhere takes the bytes and goes on as this one does.
+            // A new instance continues from the serialized state as this one does.
             let fresh = Exchanged::instantiated(kind);
             assert_eq!(fmi2SetFMUstate(fresh.c, copy), Status::Ok);
             fresh.put(0.25, &elsewhere(&x, 2.0));
@@ -164,9 +164,9 @@ fn rollback_is_bitwise_in_memory_and_through_bytes() {
     }
 }
 
-/// What an input imposes is no state, and a node that is not there stands still; both keep what was put.
+/// States that an input imposes and states of absent nodes are constant; both keep the value that was set.
 #[test]
-fn states_without_use_stand_still() {
+fn unused_states_are_constant() {
     let start = [
         ("drive_mode", 3.0),
         ("mechanical_mode", 2.0),
@@ -209,7 +209,7 @@ fn states_without_use_stand_still() {
     assert_eq!(me.states(), x);
     assert_eq!((me.get("current"), me.get("shaft_speed"), me.get("magnet_temperature")), before);
     assert_eq!(before.0, 5.0);
-    // A sensor that begins to lag at an event is a state from there on, and says so.
+    // A lag that is switched on at an event makes the sensor temperature a state, and the FMU reports changed values.
     assert_eq!(unsafe { fmi2EnterEventMode(me.c) }, Status::Ok);
     assert_eq!(me.update().values_changed, 0);
     assert_eq!(me.set("effect.housing_sensor_lag.tau", 5.0), Status::Ok);

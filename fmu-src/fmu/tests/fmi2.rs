@@ -182,7 +182,7 @@ fn the_life_cycle_is_enforced() {
         assert_eq!(fmi2ExitInitializationMode(motor.0), Status::Ok);
         assert_eq!(motor.step(2.0, 1e-3), Status::Ok);
         assert_eq!(motor.step(2.001, 1e-3), Status::Ok);
-        assert_eq!(motor.step(2.002, 1e-3), Status::Error, "past the announced stop time");
+        assert_eq!(motor.step(2.002, 1e-3), Status::Error, "past the stop time");
         let mut time = 0.0;
         assert_eq!(fmi2GetRealStatus(motor.0, 2, &mut time), Status::Ok);
         assert!((time - 2.002).abs() < 1e-12);
@@ -278,7 +278,7 @@ fn damaged_bytes_are_refused() {
     said("bytes");
 }
 
-/// A slope holds for one step; the input then stands where it has led.
+/// An input derivative applies to one step; afterwards the input keeps its end value.
 #[test]
 fn slopes_hold_for_one_step() {
     let motor = Motor2::initialized("ramp");
@@ -315,7 +315,7 @@ fn choices_and_flags() {
     assert!(message[0].contains("drive_mode = 9") && message[0].contains("3 = current"), "{message:?}");
 }
 
-/// No step of any length makes the winding's heat run away beyond a double unnoticed.
+/// A thermal runaway to values beyond the range of a double is reported for every step size.
 #[test]
 fn a_step_without_solution_is_discarded_and_changes_nothing() {
     let motor = Motor2::instantiated("runaway");
@@ -353,7 +353,7 @@ fn null_handles_and_wrong_tokens() {
     }
 }
 
-/// The C interface adds nothing and takes nothing: the model itself gives the same bits.
+/// The C interface does not change values: the native model gives the same bits.
 #[test]
 fn the_native_model_gives_the_same_bits() {
     let motor = Motor2::initialized("native");
@@ -378,7 +378,7 @@ fn native_slot(name: &str) -> physics::model::Slot {
     (physics::models::ALL[0].declaration)().by_name(name).unwrap().slot
 }
 
-/// A panic inside becomes a status; the instance then takes reset and free and nothing else.
+/// A panic becomes status Error; afterwards the instance accepts reset and free only.
 #[test]
 fn a_panic_does_not_cross_the_interface() {
     let motor = Motor2::initialized("panic");

@@ -1,4 +1,4 @@
-//! A thousand instances in one process: an allocator that counts sees every byte come back.
+//! A thousand instances in one process: a counting allocator verifies that all memory is freed.
 
 use crate::counting::live;
 use motor_fmu::fmi2::*;
@@ -10,7 +10,7 @@ use physics::declare::{Causality, Kind};
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
 
-/// A thousand instances alive together, of all kinds, each stepped, saved and asked for a derivative; then none.
+/// A thousand instances of all kinds at the same time, each with a step, a saved state and a derivative; then all are freed.
 fn a_thousand() -> isize {
     let mut alive = Vec::with_capacity(1000);
     for k in 0..1000usize {

@@ -1,5 +1,4 @@
-//! What an instance remembers from call to call changes no value: the lists of references that it was asked for, and the step
-//! that served.
+//! Cached data of an instance do not change values: lists of value references, and the accepted step size.
 
 use crate::common::{Motor2, said, vr};
 use motor_fmu::fmi2::*;
@@ -46,7 +45,7 @@ fn step(motor: &Motor2, k: u32) {
     assert_eq!(motor.step(f64::from(k) * 1e-3, 1e-3), Status::Ok);
 }
 
-/// A motor that is driven list by list is one that is driven variable by variable, whatever other lists come between.
+/// Setting variables in lists gives the same result as setting them one by one, also with other lists in between.
 #[test]
 fn a_list_that_is_known_is_that_of_its_variables() {
     let (lists, single) = (Motor2::initialized("lists"), Motor2::initialized("single"));
@@ -117,11 +116,11 @@ fn a_list_that_is_known_is_judged_each_time() {
     said("judged");
 }
 
-/// A motor that is thrown from one end of its supply to the other cuts its steps and remembers the one that served; from a
-/// saved state, in memory or through bytes, it goes on with that one.
+/// A motor under reversing full voltage reduces its internal step and keeps the accepted step size as a discrete state. A saved
+/// state, in memory or serialized, restores it.
 #[test]
-fn the_step_that_served_is_restored_to_the_bit() {
-    let thrown = |motor: &Motor2, from: u32, to: u32| {
+fn the_accepted_step_size_is_restored_to_the_bit() {
+    let reversed = |motor: &Motor2, from: u32, to: u32| {
         let mut seen = Vec::new();
         for k in from..to {
             assert_eq!(motor.set("voltage", if k % 3 == 0 { 40.0 } else { -40.0 }), Status::Ok);
@@ -130,23 +129,23 @@ fn the_step_that_served_is_restored_to_the_bit() {
         }
         seen
     };
-    let motor = Motor2::initialized("thrown");
-    thrown(&motor, 0, 7);
+    let motor = Motor2::initialized("reversed");
+    reversed(&motor, 0, 7);
     unsafe {
         let (mut state, mut copy, mut size) = (null_mut(), null_mut(), 0);
         assert_eq!(fmi2GetFMUstate(motor.0, &mut state), Status::Ok);
-        let there = thrown(&motor, 7, 12);
-        thrown(&motor, 12, 14);
+        let there = reversed(&motor, 7, 12);
+        reversed(&motor, 12, 14);
         assert_eq!(fmi2SetFMUstate(motor.0, state), Status::Ok);
-        assert_eq!(thrown(&motor, 7, 12), there, "from memory");
+        assert_eq!(reversed(&motor, 7, 12), there, "from memory");
 
         assert_eq!(fmi2SerializedFMUstateSize(motor.0, state, &mut size), Status::Ok);
         let mut bytes = vec![0u8; size];
         assert_eq!(fmi2SerializeFMUstate(motor.0, state, bytes.as_mut_ptr(), size), Status::Ok);
-        let other = Motor2::initialized("other thrown");
+        let other = Motor2::initialized("other reversed");
         assert_eq!(fmi2DeSerializeFMUstate(other.0, bytes.as_ptr(), size, &mut copy), Status::Ok);
         assert_eq!(fmi2SetFMUstate(other.0, copy), Status::Ok);
-        assert_eq!(thrown(&other, 7, 12), there, "from bytes, in another instance");
+        assert_eq!(reversed(&other, 7, 12), there, "from bytes, in another instance");
         assert_eq!(fmi2FreeFMUstate(motor.0, &mut state), Status::Ok);
         assert_eq!(fmi2FreeFMUstate(other.0, &mut copy), Status::Ok);
     }

@@ -31,18 +31,18 @@ fn a_step_ends_at_an_event_where_it_may() {
     let (event, early, at) = motor.step(0.0, 20.0);
     assert!(event && early);
     assert!(at <= hot + 1e-9 && at > hot - 1.2e-4 - 20.0 * 1e-6, "{at} and {hot}");
-    // Past the limit, by no more than the way in which the event is found; the flag waits for the importer.
+    // Past the limit by no more than the tolerance of the event time; the flag changes when the importer handles the event.
     let margin = motor.get("winding_margin");
     assert!(margin < 0.0 && margin > -1e-3, "{margin}");
     assert!(!motor.is_hot());
-    // One that does not mind goes on, and is told again.
+    // An importer that ignores the event continues, and the next step reports the event again.
     let (again, early, there) = motor.step(at, 1e-3);
     assert!(again && !early && (there - at - 1e-3).abs() < 1e-12);
     motor.handle_event();
     assert!(motor.is_hot());
     let (event, early, end) = motor.step(there, 20.0 - there);
     assert_eq!((event, early, end), (false, false, 20.0));
-    // A plain step gets to the same place.
+    // A step without event mode gives the same result.
     let plain = Three::with(false, false, None).started(HEATING);
     assert_eq!(plain.step(0.0, 20.0), (false, false, 20.0));
     assert!(plain.is_hot());
@@ -53,7 +53,7 @@ fn a_step_ends_at_an_event_where_it_may() {
 }
 
 #[test]
-fn without_early_return_an_event_is_told_at_the_end() {
+fn without_early_return_an_event_is_reported_at_the_end() {
     let motor = Three::with(true, false, None).started(HEATING);
     motor.handle_event();
     let plain = Three::with(false, false, None).started(HEATING);
@@ -165,12 +165,12 @@ fn an_event_is_saved_and_restored() {
     }
 }
 
-/// What the callback does and sees.
+/// Actions of the callback, and the values that it reads.
 struct Looker {
     motor: *mut c_void,
     /// Set in the middle of the step.
     load: Option<f64>,
-    /// Time that is asked for as the end of the step.
+    /// Requested end of the step.
     until: Option<f64>,
     /// Time, speed, whether inputs may be set, whether the step may end.
     seen: Vec<(f64, f64, bool, bool)>,
@@ -267,7 +267,7 @@ fn an_importer_ends_a_step() {
         assert!(!event && early && (at - end).abs() < 1e-15, "{at} for {until}");
         assert_eq!(looker.seen.len(), looks);
         assert!(!looker.seen[looks - 1].3 || looks == 1, "at its end it cannot end earlier");
-        // It goes on from there.
+        // The run continues from this point.
         let (_, _, on) = motor.step(at, 1e-3);
         assert!(on <= at + 1e-3);
     }

@@ -32,7 +32,7 @@ pub trait Exchange {
     fn read_states(&self, out: &mut [f64]);
     /// Takes the states.
     fn write_states(&mut self, states: &[f64]);
-    /// Takes the time, s.
+    /// Sets the time, s.
     fn write_time(&mut self, time: f64);
     /// Writes the derivatives of the states with respect to time, per second.
     fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault>;

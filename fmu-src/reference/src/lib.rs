@@ -1,7 +1,9 @@
 //! Reference integration of ordinary differential equations by diffsol's variable-order BDF, for tests and benchmarks.
 //!
 //! It takes the derivatives of all states and shares no code with the models' own integrators. It is a crate of its
-//! own so that the models are compiled with one set of features, and the FMU library never contains diffsol. *Source*: diffsol, Bdf (Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997)).
+//! own so that the models are compiled with one set of features, and the FMU library never contains diffsol.
+//!
+//! *Source*: diffsol, Bdf (Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997)).
 
 use diffsol::{DenseMatrix, DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod};
 
@@ -16,7 +18,7 @@ pub struct Tolerance {
 
 /// Integrates y' = rates(t, y) from t = 0 and gives y at each of `times`, which ascend from above 0.
 ///
-/// The rates must be smooth between 0 and the last time: begin anew where an input breaks.
+/// The rates must be smooth between 0 and the last time: restart the integration at a discontinuity of an input.
 pub fn integrate<const S: usize>(
     rates: impl Fn(f64, &[f64; S]) -> [f64; S],
     y0: &[f64; S],

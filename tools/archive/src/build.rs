@@ -49,7 +49,7 @@ impl Standard {
     }
 }
 
-/// What is built into an archive beside the model.
+/// Additional content of an archive.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contents<'a> {
     /// Start values.
@@ -147,7 +147,7 @@ fn file(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> File {
     File { name: name.into(), bytes: bytes.into(), executable: false }
 }
 
-/// What the archives of both standards hold alike.
+/// Common content of the archives of both standards.
 fn common(native: &Native<'_>, contents: Contents<'_>) -> Vec<(String, Vec<u8>)> {
     let name = (native.kind.declaration)().name;
     let page = documentation::page(native, contents.preset);

@@ -1,4 +1,4 @@
-//! The native model behind an archive, by names: what the archive shows of itself is computed with it.
+//! The native model of an archive, accessed by names; figures and reference results of the archive are computed with it.
 
 use describe::{Entry, GenericTerm, Kind, Model, ModelType, StartValues};
 
@@ -26,7 +26,7 @@ impl<'a> Native<'a> {
         (self.kind.declaration)().by_name(name)
     }
 
-    /// An instance with these values beside the start values; choices by the name of an item.
+    /// An instance with these values instead of the start values; enumerations by the name of an item.
     pub fn start(&self, values: &[(&str, f64)], choices: &[(&str, &str)]) -> Option<Run<'a>> {
         let mut run = Run { native: *self, model: (self.kind.new)(), steps: 0 };
         if !self.terms.is_empty() && !run.model.set_terms(self.terms) {

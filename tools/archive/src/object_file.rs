@@ -24,7 +24,7 @@ pub fn platform(bytes: &[u8]) -> Option<String> {
     Some(format!("{architecture}-{system}"))
 }
 
-/// Names that the library exports beside the functions of FMI.
+/// Exported names that are not functions of FMI.
 pub fn foreign_exports(bytes: &[u8]) -> Vec<String> {
     let Ok(file) = object::File::parse(bytes) else { return Vec::new() };
     let names = file.exports().unwrap_or_default();
@@ -35,7 +35,7 @@ pub fn foreign_exports(bytes: &[u8]) -> Vec<String> {
         .collect()
 }
 
-/// The newest version of glibc whose symbols the library asks for.
+/// The newest version of glibc whose symbols the library requires.
 pub fn glibc(bytes: &[u8]) -> Option<(u32, u32)> {
     let newest = || -> object::Result<Option<(u32, u32)>> {
         let header = FileHeader64::<Endianness>::parse(bytes)?;
@@ -84,7 +84,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn what_is_exported_beside_fmi_is_told() {
+    fn exports_other_than_fmi_functions_are_listed() {
         let folder = tempfile::tempdir().unwrap();
         let (source, library) = (folder.path().join("x.c"), folder.path().join("x.so"));
         std::fs::write(&source, "int fmi2Reset(void) { return 0; }\nint helper(void) { return 1; }\n")

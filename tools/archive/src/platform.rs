@@ -79,7 +79,7 @@ pub fn by_name(name: &str) -> Result<Platform, BuildError> {
     })
 }
 
-/// The FMU library beside the running program.
+/// The FMU library in the folder of the running program.
 pub fn library_path() -> Result<PathBuf, BuildError> {
     match std::env::current_exe() {
         Ok(program) => Ok(program.with_file_name(HERE.file)),
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_is_found_or_told() {
+    fn an_unknown_name_is_an_error_that_lists_the_names() {
         assert_eq!(by_name("x86_64-windows").unwrap().fmi2, "win64");
         let error = by_name("win64").unwrap_err().to_string();
         assert!(error.contains("win64") && error.contains("aarch64-linux"), "{error}");

@@ -1,8 +1,8 @@
 //! Reference results that an archive carries, in the place and with the manifest of the layered standard FMI-LS-REF:
-//! a table of inputs that every importer can play, and what the native model answers.
+//! a table of inputs that every importer can apply, and the outputs of the native model.
 //!
 //! The excitation is the same for all models: one after the other, each input goes from its start value to its nominal value. Between two
-//! jumps inputs stand still, so that it does not matter whether an importer holds them or draws lines.
+//! steps the inputs are constant, so that the result does not depend on the importer's interpolation of inputs.
 
 use crate::native::Native;
 use describe::{Causality, DEFAULT_STEP, DEFAULT_STOP, Entry};
@@ -29,11 +29,11 @@ pub fn file_names(model: &str) -> [String; 2] {
     [format!("{model}_in.csv"), format!("{model}_ref.csv")]
 }
 
-/// Where an input goes, and at which point.
+/// New value of an input, and its communication point.
 pub struct Jump {
     /// The input.
     pub entry: &'static Entry,
-    /// The value that it takes.
+    /// The new value.
     pub to: f64,
     /// The number of the communication point.
     pub at: u32,

@@ -52,7 +52,7 @@ const PLACES: &[Place] = &[
     (
         "heat",
         "heat_to_ambient",
-        "Surroundings that take the heat",
+        "Heat flow to ambient",
         &[
             ("ambient_temperature", "signal"),
             ("housing_temperature", "signal"),

@@ -138,7 +138,7 @@ fn steps(criterion: &mut Criterion) {
             });
         }
     }
-    group.bench_function("diffsol BDF, rtol 1e-6, begun anew at every step", |b| {
+    group.bench_function("diffsol BDF, rtol 1e-6, restarted at every step", |b| {
         let motor = AnnulusCooledMotor::default();
         let volts = volts(false);
         let constants = Constants::of(&motor.parameters);

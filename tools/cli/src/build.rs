@@ -24,7 +24,7 @@ pub enum Which {
 /// Writes <out>/fmi2/<Model>.fmu and <out>/fmi3/<Model>.fmu and validates them.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Models to build; all if none is named.
+    /// Models to build [default: all].
     #[arg(value_name = "MODEL")]
     models: Vec<String>,
     /// Version of the standard.
@@ -37,8 +37,8 @@ pub struct Args {
     /// Terms found in data, written to resources/effects.json of the archives.
     #[arg(long, value_name = "FILE")]
     effects: Option<PathBuf>,
-    /// Platforms whose libraries the archives hold, built before by `cargo xtask cross`: x86_64-linux, x86_64-windows,
-    /// aarch64-linux, ...; the one that this program runs on if none is named.
+    /// Platforms of the libraries in the archives, built before with `cargo xtask cross`: x86_64-linux, x86_64-windows,
+    /// aarch64-linux, ...; by default the platform of this program.
     #[arg(long, value_name = "P,...", value_delimiter = ',')]
     platform: Vec<String>,
     /// Folder to write to.

@@ -133,7 +133,7 @@ fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> 
     text + &format!("{}: report.html, report.json, preset.toml, fmi2, fmi3\n", out.display())
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// A progress bar on a terminal, else no output.
 fn progress_bar() -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

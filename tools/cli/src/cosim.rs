@@ -27,16 +27,16 @@ pub struct Args {
     /// Set a parameter or input of a component, or an input of the system. May be repeated
     #[arg(long = "set", value_name = "COMPONENT.VARIABLE=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
-    /// How components see each other during a step
+    /// Coupling algorithm
     #[arg(long, value_enum, default_value_t = Scheme::Jacobi)]
     algorithm: Scheme,
-    /// Hold inputs during a step, also where an FMU could take their slopes
+    /// Hold inputs constant over a step, also if an FMU accepts input derivatives
     #[arg(long)]
     no_slopes: bool,
-    /// Vary the step so that each keeps the connected outputs to this relative error; the FMUs must be able to go back
+    /// Variable communication step with this relative error of the connected outputs; the FMUs must support rollback
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Keep every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]
+    /// Record every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]
     #[arg(long, value_name = "N")]
     every: Option<usize>,
     /// Write time and all outputs as CSV with 17 digits: time,<component>.<output>
@@ -63,11 +63,11 @@ pub struct SspArgs {
 /// The names of the algorithms on the command line.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Scheme {
-    /// All step at once; what passes through a component arrives in the same communication point
+    /// Parallel: all components step from the same inputs; direct feedthrough is resolved at the same communication point
     Jacobi,
-    /// One after the other; who comes later sees the ends of the steps before
+    /// Sequential: later components use the end values of the earlier ones
     GaussSeidel,
-    /// As jacobi, but what passes through a component arrives one step later, as in many other masters
+    /// As jacobi, but a value with direct feedthrough is delayed by one step, as in many other masters
     JacobiDelayed,
 }
 
@@ -132,7 +132,7 @@ pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Tells on stderr what is odd, what the FMUs complained about, and whether one ended the run.
+/// Prints notes, messages of the FMUs, and an early end of the run to stderr.
 fn remarks(run: &SystemRun) {
     for note in &run.notes {
         eprintln!("note: {note}");

@@ -20,11 +20,11 @@ pub enum Which {
 
 /// Recompute every number of a published system: published, recomputed by the published equations, corrected, measured.
 ///
-/// Where the corrected value comes from a fitted model, the table says so: "fitted" if the published value was used in the fit,
+/// Where the corrected value comes from a fitted model, the table marks it: "fitted" if the published value was used in the fit,
 /// "predicted" if it was not.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Which one
+    /// Publication
     which: Which,
     /// Print everything as JSON
     #[arg(long)]
@@ -126,7 +126,7 @@ fn cases(cases: &[CaseResult]) -> String {
     text
 }
 
-/// Published quantities of the paper beside the simulated ones.
+/// Published and simulated quantities of the paper.
 fn compared(all: &[Compared]) -> String {
     let mut text =
         format!("{:34} {:>12} {:>12} {:6} {}\n", "quantity", "published", "simulated", "unit", "basis");

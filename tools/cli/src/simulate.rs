@@ -29,7 +29,7 @@ pub struct Args {
     /// Set a parameter or input, in its unit; an enumeration by the name of an item. May be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
-    /// Inputs over time: CSV with the header time,<input names>; reals run linearly between rows, the rest holds
+    /// Inputs over time: CSV with the header time,<input names>; reals are interpolated linearly, other inputs are constant between rows
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
     /// Write time and all outputs as CSV with 17 digits
@@ -99,7 +99,7 @@ pub fn setting(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// A progress bar on a terminal, else no output.
 pub fn progress_bar() -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -111,7 +111,7 @@ pub fn progress_bar() -> ProgressBar {
     bar
 }
 
-/// Writes to stderr what the FMU complained about, and why it ended the simulation: its last message.
+/// Prints the FMU's warnings and errors to stderr; if the FMU ended the simulation, the last message is the reason.
 fn remarks(recording: &Recording) {
     let mut complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
     let reason = recording.ended_early.and_then(|_| complaints.pop());

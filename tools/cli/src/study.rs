@@ -249,7 +249,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text).map_err(|e| Failure::new(format!("{} cannot be written: {e}", path.display())))
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// A progress bar on a terminal, else no output.
 fn progress_bar(points: usize) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

@@ -74,7 +74,7 @@ fn text(file: &str, findings: &[Finding]) -> String {
     text
 }
 
-/// The child of `validate`: loads and runs one FMU and prints what it sees, as it sees it.
+/// The child process of `validate`: loads and runs one FMU and prints each finding immediately.
 #[derive(clap::Args)]
 pub struct ProbeArgs {
     file: PathBuf,

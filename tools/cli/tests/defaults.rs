@@ -85,7 +85,7 @@ fn studies_start_from_the_declared_values() {
     }
 }
 
-/// Every start value that is neither zero nor a choice says where it comes from; an effect is neutral, so that a value of
+/// Every start value that is neither zero nor an enumeration names its source; an effect is neutral, so that a value of
 /// its own that is not zero can only be a regularisation or a neutral factor.
 #[test]
 fn start_values_have_sources_and_effects_are_neutral() {

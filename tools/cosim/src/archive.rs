@@ -16,7 +16,7 @@ const MAX_RATIO: u64 = 100;
 /// ... and that none may exceed.
 const NEVER_ALLOWED: u64 = 4 << 30;
 
-/// An opened FMU. The unpacked files live until the archive and all its instances are gone.
+/// An opened FMU. The unpacked files exist until the archive and all its instances are dropped.
 #[derive(Clone, Debug)]
 pub struct Archive {
     path: PathBuf,
@@ -60,7 +60,7 @@ impl Archive {
         self.dir.path()
     }
 
-    /// What `modelDescription.xml` says.
+    /// The content of `modelDescription.xml`.
     pub fn description(&self) -> &ModelDescription {
         &self.description
     }
@@ -124,7 +124,7 @@ impl Archive {
     }
 }
 
-/// A directory with all that the zip archive at `path` holds, checked as [`Archive::open`] says.
+/// A directory with the content of the zip archive at `path`, checked as [`Archive::open`] says.
 pub(crate) fn unpacked(path: &Path) -> Result<TempDir, Error> {
     let io = |source| Error::Io { action: "open", path: path.to_owned(), source };
     let file = fs::File::open(path).map_err(io)?;
@@ -191,7 +191,7 @@ fn unpack(path: &Path, file: fs::File, dir: &Path, limit: u64) -> Result<(), Err
         }
         // Symbolic links are never made: their target becomes the content of a plain file.
         let mut out = fs::File::create(&target).map_err(failed)?;
-        // What is counted is what comes out, not what the entry claims.
+        // The limit applies to the unpacked bytes, not to the declared size.
         let mut bounded = (&mut entry).take(left + 1);
         let written =
             io::copy(&mut bounded, &mut out).map_err(|e| bad(path, format!("entry {name}: {e}")))?;

@@ -1,4 +1,4 @@
-//! What `modelDescription.xml` says, in one shape for FMI 2.0 and 3.0. The reader is in `description/parse.rs`.
+//! The content of `modelDescription.xml` in one structure for FMI 2.0 and 3.0. The reader is in `description/parse.rs`.
 mod parse;
 
 use std::fmt;
@@ -48,16 +48,16 @@ pub struct ModelDescription {
     pub enumerations: Vec<Enumeration>,
     /// All variables, in the order of the file.
     pub variables: Vec<Variable>,
-    /// What `ModelStructure` says of the outputs that it lists.
+    /// Dependencies of the outputs listed in `ModelStructure`.
     pub output_dependencies: Vec<Dependencies>,
 }
 
-/// What an output depends on within one communication point, as the FMU declares it.
+/// Declared dependencies of an output at one communication point (direct feedthrough).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dependencies {
     /// Place of the output in [`ModelDescription::variables`].
     pub output: usize,
-    /// Places of the variables that it depends on; `None` if the FMU leaves that open.
+    /// Places of the variables that it depends on; `None` if the FMU does not declare them.
     pub on: Option<Vec<usize>>,
 }
 
@@ -90,7 +90,7 @@ pub struct Interface {
     pub line: u32,
 }
 
-/// What the FMU proposes for a run; times in s.
+/// Default experiment; times in s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DefaultExperiment {
     /// `startTime`
@@ -103,12 +103,12 @@ pub struct DefaultExperiment {
     pub step: Option<f64>,
 }
 
-/// A unit and the units in which its values may be shown.
+/// A unit and its display units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
     /// The name that variables refer to.
     pub name: String,
-    /// What it is in SI base units, if the FMU says so.
+    /// The unit in SI base units, if the FMU defines it.
     pub base: Option<BaseUnit>,
     /// Display units.
     pub display_units: Vec<DisplayUnit>,
@@ -170,7 +170,7 @@ pub struct EnumerationItem {
 
 /// The type of a variable. FMI 2 `Real` is `Float64`, FMI 2 `Integer` is `Int32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs)] // the names say it all
+#[allow(missing_docs)] // the names are sufficient
 pub enum Kind {
     Float64,
     Float32,
@@ -346,8 +346,8 @@ impl ModelDescription {
         self.variables.iter().filter(|v| v.causality == Causality::Output)
     }
 
-    /// The inputs that the variable at place `output` passes on without a step in between; `None` if the FMU leaves
-    /// that open, and then it may be all of them.
+    /// The inputs on which the variable at place `output` depends directly; `None` if the FMU does not declare them, and then
+    /// it may depend on all inputs.
     pub fn feedthrough(&self, output: usize) -> Option<Vec<usize>> {
         let on = self.output_dependencies.iter().find(|d| d.output == output)?.on.as_ref()?;
         Some(on.iter().copied().filter(|i| self.variables[*i].causality == Causality::Input).collect())
@@ -371,8 +371,8 @@ impl ModelDescription {
         (!variable.relative || display.offset == 0.0).then(|| display.clone())
     }
 
-    /// Number of elements of a variable, 1 for a scalar. Sizes that hang on structural parameters are those of
-    /// the start values, unless `size_of` knows better.
+    /// Number of elements of a variable, 1 for a scalar. Sizes given by structural parameters are those of
+    /// the start values, unless `size_of` gives another value.
     pub fn element_count(&self, variable: &Variable, size_of: &dyn Fn(u32) -> Option<u64>) -> u64 {
         let size = |dimension: &Dimension| match *dimension {
             Dimension::Size(n) => n,

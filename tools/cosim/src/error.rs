@@ -1,4 +1,4 @@
-//! What can go wrong, with the data a caller needs; the text of each error is one sentence.
+//! Errors with their data; the text of each error is one sentence.
 use crate::log::{LogMessage, Status};
 use std::path::PathBuf;
 
@@ -51,7 +51,7 @@ pub enum Error {
         path: PathBuf,
         /// The binary, relative to the unpacked archive.
         binary: PathBuf,
-        /// What the loader says.
+        /// Message of the loader.
         reason: String,
     },
     /// The binary lacks a function of its standard.
@@ -94,7 +94,7 @@ pub enum Error {
         /// The C function.
         function: &'static str,
     },
-    /// The FMU, or its version of the standard, cannot do what is asked for.
+    /// The FMU, or its version of the standard, does not support the request.
     #[error("{name} {reason}")]
     Unsupported {
         /// The FMU or the instance.
@@ -115,7 +115,7 @@ pub enum Error {
     /// No variable has this name.
     #[error("{model} has no variable {name}{}", suggestion(near))]
     UnknownVariable {
-        /// The name that was asked for.
+        /// The requested name.
         name: String,
         /// The model.
         model: String,
@@ -130,14 +130,14 @@ pub enum Error {
         /// Its causality and variability, as text.
         what: String,
     },
-    /// The text is no value of the variable's type.
+    /// The text is not a value of the variable's type.
     #[error("{name} = {text:?} is not {expected}")]
     BadValue {
         /// The variable.
         name: String,
         /// The text as given.
         text: String,
-        /// What would be right: "a finite number", "one of off, slow, fast".
+        /// The expected value: "a finite number", "one of off, slow, fast".
         expected: String,
     },
     /// The value lies outside the declared limits.
@@ -206,7 +206,7 @@ fn at(time: Option<f64>) -> String {
     time.map(|t| format!(" at t = {t} s")).unwrap_or_default()
 }
 
-/// The FMU's own words, on one line.
+/// The FMU's messages, on one line.
 fn because(messages: &[LogMessage]) -> String {
     let texts: Vec<String> =
         messages.iter().map(|m| m.text.split_whitespace().collect::<Vec<_>>().join(" ")).collect();

@@ -42,7 +42,7 @@ impl Grid {
         if ratio > MAX_STEPS || start + step == start || stop - step == stop {
             return refuse("step size", step, format!("is too small for a span of {span} s"));
         }
-        // Whole but for rounding: 3600 / 0.01 is not exactly 360000.
+        // An integer up to rounding error: 3600 / 0.01 is not exactly 360000.
         let whole = (ratio - ratio.round()).abs() <= 1e-9 * ratio.max(1.0) && ratio.round() >= 1.0;
         if let (false, Some(name)) = (whole, rigid) {
             let reason = format!(

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 /// Inputs over time: header `time,<input names>`, then rows of numbers (enumerations also by item name).
 ///
-/// Continuous reals run linearly from row to row; everything else holds its value until the next row. Before the
-/// first row and after the last its values hold. Two rows with the same time make a jump.
+/// Continuous reals are interpolated linearly; all other inputs are constant until the next row. Before the first row and after
+/// the last one the values are constant. Two rows with the same time define a discontinuity.
 #[derive(Clone, Debug)]
 pub struct InputTable {
     path: PathBuf,
@@ -19,7 +19,7 @@ pub(crate) struct InputColumn {
     pub(crate) name: String,
     pub(crate) kind: Kind,
     pub(crate) value_reference: u32,
-    /// Linear between rows, else held.
+    /// Linear between rows, else constant.
     pub(crate) continuous: bool,
     values: Vec<f64>,
 }
@@ -29,7 +29,7 @@ impl InputTable {
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Input`] with the line: an empty file, a first column that is not `time`, a name that
-    /// is unknown, no input or twice there, a row of another length, a value that is no finite number of its type
+    /// is unknown, not an input or repeated, a row of another length, a value that is no finite number of its type
     /// or outside its limits, time running backwards, no rows.
     pub fn read(path: &Path, description: &ModelDescription) -> Result<Self, Error> {
         let io = |source| Error::Io { action: "read", path: path.to_owned(), source };
@@ -114,7 +114,7 @@ impl InputTable {
         }
         let (t0, t1) = (self.times[next - 1], self.times[next]);
         let (v0, v1) = (values[next - 1], values[next]);
-        // Rows at the same time: nothing to run along.
+        // Rows at the same time: no interpolation.
         let share = if t1 > t0 { ((t - t0) / (t1 - t0)).clamp(0.0, 1.0) } else { 1.0 };
         if share == 1.0 { v1 } else { v0 + share * (v1 - v0) }
     }
@@ -136,10 +136,10 @@ impl InputTable {
                 ));
             }
             if !variable.kind.is_numeric() || !variable.dimensions.is_empty() {
-                return Err(format!("column {name} is no scalar number"));
+                return Err(format!("column {name} is not a scalar number"));
             }
             if self.columns.iter().any(|c| c.name == name) {
-                return Err(format!("column {name} is there twice"));
+                return Err(format!("column {name} is repeated"));
             }
             self.columns.push(InputColumn {
                 name: name.to_owned(),
@@ -149,7 +149,7 @@ impl InputTable {
                 values: Vec::new(),
             });
         }
-        if self.columns.is_empty() { Err("there is no input column beside time".to_owned()) } else { Ok(()) }
+        if self.columns.is_empty() { Err("there is no input column besides time".to_owned()) } else { Ok(()) }
     }
 
     fn push_row(&mut self, record: &csv::StringRecord, description: &ModelDescription) -> Result<(), String> {
@@ -171,7 +171,7 @@ impl InputTable {
                 Value::Real(x) => x,
                 Value::Integer(x) => x as f64,
                 Value::Boolean(x) => f64::from(u8::from(x)),
-                Value::String(_) => return Err(format!("column {} is no number", column.name)),
+                Value::String(_) => return Err(format!("column {} is not a number", column.name)),
             });
         }
         self.times.push(time);
@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(at(1.0), (4.0, 3.0));
         assert_eq!(at(2.0), (2.0, 3.0));
         assert_eq!(at(9.0), (0.0, 4.0));
-        // A point that is a rounding error short of a jump is past it.
+        // A point that is a rounding error before a discontinuity counts as after it.
         assert_eq!(at(1.0 - 1e-12).1, 3.0);
     }
 
@@ -224,11 +224,11 @@ mod tests {
         for (text, expected) in [
             ("", "in.csv, line 1: the file is empty"),
             ("time,u\n", "in.csv, line 1: there are no rows below the header"),
-            ("time\n0\n", "in.csv, line 1: there is no input column beside time"),
+            ("time\n0\n", "in.csv, line 1: there is no input column besides time"),
             ("t,u\n0,0\n", "in.csv, line 1: the first column is \"t\", not \"time\""),
             ("time,v\n0,0\n", "in.csv, line 1: unknown column: m has no variable v"),
             ("time,p\n0,0\n", "in.csv, line 1: column p is a parameter, only inputs can change in time"),
-            ("time,u,u\n0,0,0\n", "in.csv, line 1: column u is there twice"),
+            ("time,u,u\n0,0,0\n", "in.csv, line 1: column u is repeated"),
             ("time,u\n0,0\n\n1,x\n", "in.csv, line 4: u = \"x\" is not a finite number"),
             ("time,u\n0,0\n1,NaN\n", "in.csv, line 3: u = \"NaN\" is not a finite number"),
             ("time,u\n0,11\n", "in.csv, line 2: u = 11 is outside its limits -10 ... 10"),

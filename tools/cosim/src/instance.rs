@@ -15,7 +15,7 @@ type Names = [&'static str; 2];
 pub enum Step {
     /// At `t + h`.
     Done,
-    /// The FMU asks for the end of the simulation.
+    /// The FMU requests the end of the simulation.
     Terminated,
 }
 
@@ -28,13 +28,13 @@ pub enum Step {
 pub struct Instance {
     name: String,
     raw: RawInstance,
-    /// Tells this instance's states from others'.
+    /// Distinguishes the states of this instance from those of other instances.
     id: u64,
     /// States of the FMU by slot; none where freed.
     states: Vec<RawState>,
     /// Slots of `states` that no [`State`] refers to.
     free_slots: Vec<usize>,
-    /// A state was saved once, so the FMU may have to go back in time.
+    /// A state was saved, so a rollback is possible.
     saved: bool,
 }
 
@@ -118,7 +118,7 @@ impl Instance {
         self.call_optional(names, |f| f.exit_configuration.is_some(), RawInstance::exit_configuration)
     }
 
-    /// Tells the FMU its start time, stop time (s) and relative tolerance, and enters initialization mode.
+    /// Enters initialization mode with start time, stop time (s) and relative tolerance.
     ///
     /// # Errors
     /// [`Error::Call`], as for all calls below.
@@ -198,7 +198,7 @@ impl Instance {
         self.call_at(names, None, f)
     }
 
-    /// The one place where the FMU's status is judged; all calls but free go through here.
+    /// Evaluates the FMU's status; all calls except free use this function.
     #[inline]
     fn call_at(
         &mut self,

@@ -1,17 +1,17 @@
 //! A black-box FMI client: open, check, step and record any FMU, FMI 2.0 or 3.0, Co-Simulation.
 //!
-//! The crate knows nothing of the models of this project: what it can say about an FMU it reads from
-//! the archive, and what it can do it does through the C functions of the standard.
+//! The crate does not depend on the models of this project: it uses only the content of the archive and the C functions of the
+//! standard.
 //!
 //! | step | item |
 //! |---|---|
 //! | unpack the archive, safely | [`Archive`] |
 //! | read `modelDescription.xml` | [`ModelDescription`], [`Variable`] |
-//! | read its elements with their lines, right or wrong | [`elements`], [`xml`] |
+//! | read its elements with their lines, valid or not | [`elements`], [`xml`] |
 //! | turn text into a checked value | [`ModelDescription::parse_value`], [`Value`] |
 //! | call the binary | [`Instance`], [`State`], [`Log`] |
 //! | time tables for the inputs | [`InputTable`] |
-//! | call anything, right or wrong, to test an FMU | [`raw`] |
+//! | call any function, valid or not, to test an FMU | [`raw`] |
 //! | systems of FMUs: SSP and TOML, the master | [`System`], [`cosimulate`], [`SystemRun`] |
 //! | the whole run | [`simulate`](fn@simulate), [`Options`], [`Recording`] |
 //!

@@ -1,21 +1,21 @@
-//! Where an FMU's messages go, and the two C callbacks that bring them there.
+//! The log of an FMU's messages, and the C callbacks of both standards.
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Messages kept by a [`Log`]; older ones make room, so that a talkative FMU cannot fill the memory.
+/// Messages kept by a [`Log`]; older ones are dropped, so that the memory is bounded.
 const CAPACITY: usize = 1000;
 
 /// The result of an FMI call. The order is that of the standards: worse is greater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {
-    /// All is well.
+    /// Success.
     Ok,
-    /// Something looks wrong, the computation goes on.
+    /// Warning; the computation continues.
     Warning,
-    /// The call was refused; the FMU is as it was before.
+    /// The call was rejected; the state of the FMU is unchanged.
     Discard,
     /// The instance can no longer be used, apart from reset and free.
     Error,
@@ -48,9 +48,9 @@ impl fmt::Display for Status {
 /// One message of an FMU.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogMessage {
-    /// How bad it is, in the FMU's view.
+    /// Status that the FMU gave to the message.
     pub status: Status,
-    /// The log category, one of [`crate::ModelDescription::log_categories`] if the FMU keeps to them.
+    /// The log category, normally one of [`crate::ModelDescription::log_categories`].
     pub category: String,
     /// The text.
     pub text: String,
@@ -78,7 +78,7 @@ impl Log {
         Self::default()
     }
 
-    /// A sink that also asks the FMU for its debug messages (`loggingOn`), which may be slow.
+    /// A sink that also requests the debug messages (`loggingOn`), which may be slow.
     pub fn with_debug() -> Self {
         Self { debug: true, ..Self::default() }
     }
@@ -88,7 +88,7 @@ impl Log {
         self.sink.lock().iter().cloned().collect()
     }
 
-    /// Whether debug messages are asked for.
+    /// Whether debug logging is on.
     pub(crate) fn debug(&self) -> bool {
         self.debug
     }
@@ -114,7 +114,7 @@ impl Log {
 
 impl Sink {
     fn lock(&self) -> MutexGuard<'_, VecDeque<LogMessage>> {
-        // A poisoned list of messages is still a list of messages.
+        // A poisoned lock does not invalidate the list of messages.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -161,13 +161,13 @@ pub(crate) unsafe extern "C" fn log_message(
 
 /// The fixed arguments of the C-variadic `fmi2CallbackLogger`, and the first of the variable ones.
 ///
-/// Stable Rust cannot define a variadic function, so this plain one stands in for it. That works where a
+/// Stable Rust cannot define a variadic function, so this plain one replaces it. That works where a
 /// variadic call passes its first pointers as a plain call would: the System V ABI of x86-64, AAPCS64
 /// and the Windows x64 ABI. `argument` sits in the sixth pointer register (or stack slot); if the FMU passed
-/// no sixth argument it is noise, which is harmless to receive and is never followed unless `message` is
-/// exactly "%s" - and then the FMU did pass a string, or would crash every other importer too.
-/// Any other format is shown raw: the remaining arguments are out of reach.
-/// Apple's AArch64 ABI passes variable arguments on the stack, so there "%s" is shown raw as well.
+/// no sixth argument, its value is undefined; it is dereferenced only if `message` is exactly "%s", and then the FMU must have
+/// passed a string.
+/// Any other format is logged unchanged, because the remaining arguments are not accessible.
+/// Apple's AArch64 ABI passes variable arguments on the stack, so "%s" is logged unchanged there, too.
 pub(crate) unsafe extern "C" fn log_fmi2(
     environment: *mut c_void,
     _instance: *const c_char,

@@ -8,7 +8,7 @@ pub(crate) fn svg(recording: &Recording) -> Result<String, String> {
     if recording.columns.is_empty() {
         return Err("there are no numeric outputs".to_owned());
     }
-    // A panel for what stays constant would be empty: such outputs are listed. Where nothing changes, all are drawn.
+    // Constant outputs are listed and not drawn. If all outputs are constant, all are drawn.
     let is_constant = |c: &&Column| c.values.iter().all(|v| *v == c.values[0] || v.is_nan());
     let (mut constant, mut drawn): (Vec<&Column>, Vec<&Column>) =
         recording.columns.iter().partition(is_constant);
@@ -44,7 +44,7 @@ pub(crate) fn svg(recording: &Recording) -> Result<String, String> {
     Ok(figure.svg())
 }
 
-/// A column in the unit for people, with steps for what cannot run continuously.
+/// A column in its display unit; discrete variables are drawn as steps.
 fn line(times: &[f64], column: &Column) -> Vec<(f64, f64)> {
     let show = |y: f64| column.display_unit.as_ref().map_or(y, |d| d.show(y));
     let points = times.iter().copied().zip(column.values.iter().map(|y| show(*y)));
@@ -73,7 +73,7 @@ fn axis_title(column: &Column) -> String {
     }
 }
 
-/// A unit as people write it.
+/// A unit in its usual notation.
 fn readable(unit: &str) -> String {
     unit.replace("degC", "°C")
         .replace("Ohm", "Ω")

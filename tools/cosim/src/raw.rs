@@ -1,4 +1,4 @@
-//! Every call of the two standards as it stands, for a caller that tests an FMU rather than uses it.
+//! Every call of the two standards without checks, for testing FMUs.
 //!
 //! [`Instance`](crate::Instance) keeps its caller from mistakes; here a wrong token, a call out of order or a NaN reaches
 //! the FMU, each call gives the bare [`Status`], and all interface types can be instantiated. The one promise kept for
@@ -102,13 +102,13 @@ impl RawBinary {
         self.loaded.functions.missing(self.loaded.version)
     }
 
-    /// What `fmiXGetVersion` says; `None` without that function.
+    /// Result of `fmiXGetVersion`; `None` without that function.
     pub fn version(&self) -> Option<String> {
         // SAFETY: it takes nothing and gives a static C string or NULL.
         self.loaded.functions.version.map(|f| unsafe { crate::log::text_of(f()) })
     }
 
-    /// What `fmi2GetTypesPlatform` says; `None` without that function, as in FMI 3.
+    /// Result of `fmi2GetTypesPlatform`; `None` without that function, as in FMI 3.
     pub fn types_platform(&self) -> Option<String> {
         // SAFETY: as for `version`.
         self.loaded.functions.types_platform.map(|f| unsafe { crate::log::text_of(f()) })
@@ -150,7 +150,7 @@ impl RawBinary {
         let f = &self.loaded.functions;
         let (name, token) = (c_string(setup.name), c_string(setup.token));
         let (n, t): (Text, Text) = (name.as_ptr(), token.as_ptr());
-        // The standard wants a trailing separator, and NULL if there is no such directory.
+        // The standard requires a trailing separator, and NULL if there is no such directory.
         let separator = std::path::MAIN_SEPARATOR;
         let path =
             self.resources.is_dir().then(|| c_string(&format!("{}{separator}", self.resources.display())));
@@ -212,7 +212,7 @@ impl RawInstance {
         &self.log
     }
 
-    /// Whether nothing is called any more.
+    /// Whether calls are blocked after Fatal.
     #[inline]
     pub(crate) fn is_dead(&self) -> bool {
         self.dead
@@ -224,7 +224,7 @@ impl RawInstance {
         &self.loaded.functions
     }
 
-    /// All calls go through here: `None` stands for a function that the binary lacks, which counts as Error.
+    /// All calls use this function: `None` means that the binary lacks the function, which counts as Error.
     #[inline]
     fn status(&mut self, call: impl FnOnce(&Functions, Handle) -> Option<c_int>) -> Status {
         if self.dead {

@@ -20,9 +20,9 @@ pub struct Recording {
     pub steps: usize,
     /// Wall time from instantiation to termination (s).
     pub seconds_wall: f64,
-    /// The time (s) at which the FMU asked for the end, if it did so before the stop time.
+    /// The time (s) at which the FMU requested the end of the simulation, if before the stop time.
     pub ended_early: Option<f64>,
-    /// What the FMU had to say (the last 1000 messages).
+    /// The last 1000 messages of the FMU.
     pub messages: Vec<LogMessage>,
 }
 

@@ -7,7 +7,7 @@ use crate::{
 };
 use std::time::Instant;
 
-/// How to run an FMU. What is `None` comes from the FMU's default experiment.
+/// Options of a run of an FMU. `None` means the value of the FMU's default experiment.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Start time (s), else 0.
@@ -22,7 +22,7 @@ pub struct Options {
     pub input: Option<InputTable>,
     /// Set the derivatives of continuous inputs of FMI 2 FMUs that take them; otherwise inputs are constant during a step.
     pub input_slopes: bool,
-    /// Where the FMU's messages go.
+    /// Log of the FMU's messages.
     pub log: Log,
 }
 
@@ -46,7 +46,7 @@ const MAX_ELEMENTS: u64 = 100_000;
 /// Runs an FMU from start to stop and records its outputs.
 ///
 /// Parameters are set before initialization, inputs during it. At each communication point the inputs are set, then
-/// the FMU steps, then the outputs are read, so an output with direct feedthrough shows the input of the step that
+/// the FMU steps, then the outputs are read, so an output with direct feedthrough depends on the input of the step that
 /// ends there. `progress` gets the fraction of the time that is simulated, 0 ... 1, at most about 200 times.
 ///
 /// # Errors
@@ -113,7 +113,7 @@ pub fn simulate(
     })
 }
 
-/// The communication points of a run: as asked for, else as the FMU proposes.
+/// The communication points of a run, from the options, else from the default experiment.
 fn grid(description: &ModelDescription, interface: &Interface, options: &Options) -> Result<Grid, Error> {
     let default = &description.default_experiment;
     let start = options.start.or(default.start).unwrap_or(0.0);
@@ -127,7 +127,7 @@ fn grid(description: &ModelDescription, interface: &Interface, options: &Options
     Grid::new(start, stop, step, fallback, rigid.then_some(description.model_name.as_str()))
 }
 
-/// The settings as variables and values; refuses what is set twice over.
+/// The settings as variables and values; rejects repeated settings.
 fn checked_sets<'a>(
     description: &'a ModelDescription,
     options: &Options,
@@ -152,7 +152,7 @@ fn checked_sets<'a>(
     Ok(sets)
 }
 
-/// Structural parameters have a mode of their own.
+/// Structural parameters are set in configuration mode.
 pub(crate) fn set_structural(instance: &mut Instance, sets: &[(&Variable, Value)]) -> Result<(), Error> {
     let structural: Vec<_> =
         sets.iter().filter(|(v, _)| v.causality == Causality::StructuralParameter).collect();

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `structure.rs` | what a file says, with its lines; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
+//! | `structure.rs` | content of a file, with line numbers; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
 //! | `connections.rs`, `ends.rs`, `settings.rs`, `units.rs` | their names resolved in the FMUs: sources of inputs, unit conversions, values |
 //! | `order.rs` | what passes through without a step; algebraic loops |
 //! | `master.rs`, `batch.rs` | instances and one macro step |
@@ -64,7 +64,7 @@ impl System {
             }
             let archive = match earlier.iter().position(|c| c.path == component.path) {
                 Some(same) => archives[same].clone(),
-                // The name of the temporary folder means nothing to the user.
+                // The path of the temporary folder is not useful to the user.
                 None => Archive::open(&component.path).map_err(|e| {
                     fault(e.to_string().replace(&component.path.display().to_string(), &component.source))
                 })?,

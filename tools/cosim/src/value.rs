@@ -117,7 +117,7 @@ impl ModelDescription {
         (items.is_empty() || items.iter().any(|i| i.value == number)).then_some(number)
     }
 
-    /// At most three settable names that look like `name`, best first.
+    /// At most three settable names similar to `name`, best first.
     fn near(&self, name: &str) -> Vec<String> {
         nearest(name, self.variables.iter().filter(|v| self.settable_role(v)).map(|v| v.name.as_str()))
     }
@@ -127,7 +127,7 @@ impl ModelDescription {
     }
 }
 
-/// At most three of the `candidates` that look like `name`, best first.
+/// At most three of the `candidates` similar to `name`, best first.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<String> {
     let wanted = name.to_lowercase();
     let letters = wanted.chars().count();

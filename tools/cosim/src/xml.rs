@@ -144,7 +144,7 @@ pub fn unsigned_list(text: &str) -> Vec<u32> {
 /// White space of XML Schema.
 const SPACE: [char; 4] = [' ', '\t', '\n', '\r'];
 
-/// Reads an xs:double; unlike Rust it knows `INF` but neither `inf`, `infinity` nor `nan`.
+/// Reads an xs:double; unlike Rust it accepts `INF` but not `inf`, `infinity` or `nan`.
 pub fn parse_double(text: &str) -> Option<f64> {
     match text.trim_matches(SPACE) {
         "INF" => Some(f64::INFINITY),

@@ -66,7 +66,7 @@ fn broken_descriptions_name_the_line() {
         (
             "<fmiModelDescription fmiVersion='2.0' modelName='m' guid='t'>\n<CoSimulation modelIdentifier='../a'/>\
              </fmiModelDescription>",
-            "modelDescription.xml, line 2: modelIdentifier \"../a\" is no identifier",
+            "modelDescription.xml, line 2: modelIdentifier \"../a\" is not an identifier",
         ),
     ] {
         let message = ModelDescription::parse(text).unwrap_err().to_string();

@@ -84,7 +84,7 @@ fn a_refused_value_carries_the_words_of_the_fmu() {
 }
 
 #[test]
-fn statuses_are_told_apart() {
+fn statuses_are_distinguished() {
     for version in BOTH {
         let (archive, mut instance, log) = ready(version);
         let step = if version == FmiVersion::V3 { "fmi3DoStep" } else { "fmi2DoStep" };

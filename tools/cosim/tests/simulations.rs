@@ -1,4 +1,4 @@
-//! Whole runs, held against the closed form; and every bad option.
+//! Complete runs compared with the closed-form solution; errors of all options.
 use crate::common::*;
 use cosim::{FmiVersion, Options, simulate};
 

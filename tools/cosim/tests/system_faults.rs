@@ -1,4 +1,4 @@
-//! What is wrong with a system is told in one sentence, with component, connector, file and line.
+//! Each error in a system description is one sentence with component, connector, file and line.
 use crate::common::sets;
 use crate::parts::*;
 use cosim::SystemOptions;
@@ -47,7 +47,7 @@ fn connections_in_toml() {
         (
             "spring.torque -> rotor.torque",
             "here -> there",
-            "s.toml, line 6: connection here -> there: both ends are connectors of the system, no component is between them",
+            "s.toml, line 6: connection here -> there: both ends are connectors of the system",
         ),
         (
             "w = 1.0",
@@ -106,7 +106,7 @@ fn algebraic_loops_are_named() {
     let own = folder.sentence(folder.toml(&gains("\"a.y -> a.u\"")), &SystemOptions::default());
     assert_eq!(own, "s.toml, line 4: algebraic loop: a.y -> a.u -> a.y");
 
-    // An FMU that says nothing of dependencies may have none: the loop is left open, and a note says so.
+    // An FMU without declared dependencies may have none: the loop is not reported as an error but in a note.
     let silent = xml("gain").replace(" dependencies=\"1 3\"", "");
     assert_ne!(silent, xml("gain"));
     folder.fmu("silent", &silent);
@@ -114,7 +114,7 @@ fn algebraic_loops_are_named() {
     let run =
         cosim::cosimulate(&folder.toml(&text).unwrap(), &SystemOptions::default(), &mut |_| ()).unwrap();
     let note = run.notes.iter().find(|n| n.contains("algebraic loop")).unwrap();
-    assert!(note.contains("a.u -> a.y -> b.u") && note.ends_with("one step late"), "{note}");
+    assert!(note.contains("a.u -> a.y -> b.u") && note.ends_with("delayed by one step"), "{note}");
 }
 
 #[test]
@@ -160,11 +160,11 @@ fn options_that_make_no_sense() {
     for (flag, expected) in [
         (
             "canGetAndSetFMUstate=\"true\"",
-            "tolerance = 0.001 asks for repeated steps, and rotor cannot save its state",
+            "tolerance = 0.001 requires rollback, but rotor cannot save its state",
         ),
         (
             "canHandleVariableCommunicationStepSize=\"true\"",
-            "tolerance = 0.001 asks for a variable step, and rotor cannot vary its step",
+            "tolerance = 0.001 requires a variable communication step, which rotor does not support",
         ),
     ] {
         folder.fmu("rotor", &xml("rotor").replace(flag, ""));
@@ -178,7 +178,7 @@ fn options_that_make_no_sense() {
 }
 
 #[test]
-fn a_tolerance_that_cannot_be_met_is_told() {
+fn a_tolerance_that_cannot_be_met_is_an_error() {
     let folder = Folder::new();
     // No step is that short: far below a billionth of the time.
     let options = SystemOptions {
@@ -233,16 +233,16 @@ fn structures_of_ssp() {
         ("<a/>".to_owned(), "line 1: the root is <a>, not <SystemStructureDescription>"),
         (
             HEAD.replace("1.0", "2.0") + "</SystemStructureDescription>",
-            "line 1: version \"2.0\" is not supported, only SSP 1 is",
+            "line 1: version \"2.0\" is not supported; only SSP 1 is supported",
         ),
-        (nested, "line 4: element inner is a system within the system, and only flat systems are run"),
+        (nested, "line 4: element inner is a nested system; only flat systems are supported"),
         (
             component("").replace("gain.fmu", "none.fmu"),
             "line 4: component g: there is no FMU resources/none.fmu",
         ),
         (
             component("").replace("resources/gain.fmu", "../gain.fmu"),
-            "line 4: component g: the source \"../gain.fmu\" is no file within the package",
+            "line 4: component g: the source \"../gain.fmu\" is not a file in the package",
         ),
         (
             component("").replace("name=\"g\"", "name=\"g\" type=\"application/x-ssp-package\""),
@@ -250,11 +250,11 @@ fn structures_of_ssp() {
         ),
         (
             component("").replace("name=\"g\"", "name=\"g\" implementation=\"ModelExchange\""),
-            "line 4: component g asks for Model Exchange, and only Co-Simulation is run",
+            "line 4: component g requires Model Exchange; only Co-Simulation is supported",
         ),
         (
             binding("<ParameterBinding source=\"resources/none.ssv\"/>"),
-            "line 6: the parameter file \"resources/none.ssv\" is not in the package, or no text",
+            "line 6: the parameter file \"resources/none.ssv\" is not in the package or is not text",
         ),
         (
             binding("<ParameterBinding><ParameterMapping/></ParameterBinding>"),
@@ -286,7 +286,7 @@ fn structures_of_ssp() {
         ),
         (
             joined("<Connector name=\"u\" kind=\"inout\"/>", connection),
-            "line 5: connector u: the kind \"inout\" does not exist",
+            "line 5: connector u: unknown kind \"inout\"",
         ),
         (
             joined("<Connector name=\"u\" kind=\"input\"/>", &connection.replace("endElement=\"g\" ", "")),

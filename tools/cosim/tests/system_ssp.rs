@@ -159,7 +159,7 @@ fn an_archive_that_is_written_again_means_the_same() {
     let linear = "endElement=\"rotor\" endConnector=\"speed\"><ssc:LinearTransformation factor=\"3\" offset=\"1\"/></ssd:Connection>";
     let ssd = SSD.replace("endElement=\"rotor\" endConnector=\"speed\"/>", linear);
     let folder = Folder::new();
-    // Another FMU's idea of the unit, which needs a name of its own.
+    // Another FMU defines the unit differently, so its definition gets another name.
     let described = xml("gain").replace("factor=\"0.10471975511965977\"", "factor=\"0.1\"");
     let output = "name=\"y\" valueReference=\"2\" causality=\"output\" variability=\"continuous\"><Real";
     assert!(described.contains(output));
@@ -196,7 +196,7 @@ fn settings_on_the_command_line_win() {
 }
 
 #[test]
-fn inputs_that_nobody_feeds_are_told() {
+fn unconnected_inputs_are_reported() {
     let without = SSD.replace("<ssv:Parameter name=\"n\"><ssv:Integer value=\"4\"/></ssv:Parameter>", "");
     assert_eq!(run(&without, &[]).notes, ["gain: n stays at its start value"]);
 }

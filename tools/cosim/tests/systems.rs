@@ -1,4 +1,4 @@
-//! Systems of FMUs: orders of accuracy against the closed form, the energy books, what is bitwise the same.
+//! Systems of FMUs: orders of accuracy against the closed form, the energy balance, bitwise equal results.
 use crate::parts::*;
 use cosim::{Algorithm, SystemOptions, SystemRun, cosimulate};
 
@@ -96,7 +96,7 @@ fn the_variable_step_meets_its_tolerance() {
         }
         // The first step would make 600: where the tolerance allows, steps grow.
         assert!(work[0] < 200.0, "{work:?}");
-        // A local error of order p + 1 asks for 10^(1 / (p + 1)) as many steps for a digit.
+        // With a local error of order p + 1, one digit costs 10^(1 / (p + 1)) times as many steps.
         let growth = (work[3] / work[1]).powf(0.5).log10();
         let expected = if held { 0.5 } else { 1.0 / 3.0 };
         assert!((growth - expected).abs() < 0.06, "held {held}: {growth}, {work:?}");
@@ -112,7 +112,7 @@ fn a_step_that_is_refused_is_made_shorter_where_that_is_possible() {
         SystemOptions { tolerance: Some(1e-2), sets: sets.clone(), ..options(Algorithm::Jacobi, false, 1.0) };
     let run = pair(&variable);
     assert!(run.rejected > 0 && run.recording.steps >= 200);
-    // Steps that were taken back are not in the books: the halves are at most half as long as what the rotor takes.
+    // Rejected steps do not count in the energy balance; the accepted steps are at most as long as the longest step of the rotor.
     let halves = pair(&options(Algorithm::Jacobi, false, 0.0075));
     assert!(run.bonds[0].gross_residual < 1.1 * halves.bonds[0].gross_residual);
     assert!((run.bonds[0].throughput / halves.bonds[0].throughput - 1.0).abs() < 1e-3);

@@ -14,14 +14,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Damping at which no step can help.
+/// Damping at which the iteration ends.
 const MOST_DAMPING: f64 = 1e12;
 /// Least ratio of decrease to predicted decrease of a step that is accepted.
 const ACCEPTED: f64 = 1e-4;
-/// Least ratio with which slopes are used again.
+/// Least ratio at which the sensitivities are reused.
 const GOOD: f64 = 0.25;
 
-/// A least-squares problem. Slopes may be held as suits the problem; the solver asks for N and g of (2).
+/// A least-squares problem. `Slopes` may store J in any form; the solver requires only N and g of (2).
 pub trait Problem {
     /// The result of an evaluation, such as residuals or a simulation.
     type Point;
@@ -60,7 +60,7 @@ pub trait Problem {
 /// When to stop, and how often slopes are used.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// First damping: small for a start near the answer.
+    /// Initial damping: small for a start near the solution.
     pub damping: f64,
     /// Most linearisations.
     pub linearisations: usize,
@@ -205,7 +205,7 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// Whether a variable stands at a limit that a decrease of F would leave.
+    /// Whether a variable is at a limit that the descent direction of F points beyond.
     fn is_held(&self, k: usize) -> bool {
         let (least, most) = self.limits[k];
         (self.x[k] <= least && self.gradient[k] >= 0.0) || (self.x[k] >= most && self.gradient[k] <= 0.0)

@@ -70,12 +70,12 @@ fn rosenbrock_from_the_usual_start_and_from_far() {
     }
 }
 
-/// With x1 <= 0.5 the answer is at the limit, where x2 = x1^2.
+/// With x1 <= 0.5 the solution is at the limit, where x2 = x1^2.
 #[test]
 fn rosenbrock_in_a_box() {
     let found = solve(rosenbrock, &[-1.2, 1.0], &[(-2.0, 0.5), (-2.0, 2.0)], Options::default());
     assert_near(&found.x, &[0.5, 0.25], 1e-9);
-    // A start at a limit that the answer does not need is left.
+    // A start value at an inactive limit moves away from it.
     let found = solve(rosenbrock, &[-2.0, 2.0], &[(-2.0, 2.0), (-2.0, 2.0)], Options::default());
     assert_near(&found.x, &[1.0, 1.0], 1e-8);
     // With x2 <= 0.25 both limits of x1 are inactive: the answer is where d/dx1 of 100 (0.25 - x1^2)^2 + (1 - x1)^2 is zero.
@@ -84,7 +84,7 @@ fn rosenbrock_in_a_box() {
     assert!(slope(found.x[0]).abs() < 1e-5 && found.x[1] == 0.25 && found.x[0] > 0.0, "{}", found.x);
 }
 
-/// The Jacobian is singular at the answer: convergence is linear, and the residuals become small long before x does.
+/// The Jacobian is singular at the solution: convergence is linear, and the residuals become small long before x does.
 #[test]
 fn powell_s_singular_function() {
     let powell = |x: &DVector<f64>| {
@@ -194,7 +194,7 @@ fn units_do_not_matter() {
     );
 }
 
-/// Chords save linearisations and change nothing at the answer: convergence is judged with fresh slopes.
+/// Reused sensitivities save linearisations and do not change the solution: convergence is judged with new sensitivities.
 #[test]
 fn slopes_can_be_used_again() {
     let decay = |x: &DVector<f64>| {

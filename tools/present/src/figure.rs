@@ -67,7 +67,7 @@ impl Series {
         self.points.iter().enumerate().flat_map(move |(k, p)| [p.1 - wide(k), p.1 + wide(k)])
     }
 
-    /// Dashes, where asked for, and where all colours are in use.
+    /// Dashes if requested, or if all colours are used.
     fn dash(&self) -> Option<&'static str> {
         match (self.kind == Kind::Dashed, self.colour / 8) {
             (true, _) => Some("6 4"),
@@ -275,7 +275,7 @@ impl Figure {
             [] => x.ticks_that_fit().marks(),
             names => names.iter().enumerate().map(|(k, n)| (k as f64, n.clone())).collect(),
         };
-        // Names have the room of their category; numbers have been chosen to fit.
+        // A name is wrapped to the width of its category; the tick numbers already fit.
         let slot = if self.categories.is_empty() { WIDTH } else { (right - left) / names.len() as f64 - 4.0 };
         let tall_names = names.iter().map(|(_, name)| wrap(name, slot).len()).max().unwrap_or(0) as f64;
         let x_label = wrap(&x.ticks_that_fit().with_power(&self.x.label), right - left);

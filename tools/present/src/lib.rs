@@ -1,4 +1,4 @@
-//! What people look at: figures as SVG ([`figure`]), pages as HTML ([`page`]). Both are written with maud, whose escaper is the only one.
+//! Figures as SVG ([`figure`]) and pages as HTML ([`page`]). Both are written with maud, whose escaper is the only one.
 //! They need no network, no script library and no font, and follow the reader's light or dark scheme.
 
 // The only statement of a maud template is @let.

@@ -189,7 +189,7 @@ impl Bench {
         self.model.housing_heat()
     }
 
-    /// Those of `candidates` that have no effect with the values set so far; asked before the start.
+    /// Those of `candidates` that have no effect with the values set so far; called before the start.
     pub fn unused(&self, candidates: &[&'static Entry], scope: Scope) -> Vec<Unused> {
         describe::usage::unused(self.model.as_ref(), candidates, scope)
     }

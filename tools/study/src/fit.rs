@@ -1,7 +1,7 @@
 //! Parameters of a native model from measured steady states by bounded least squares, the leave-one-out predictions, and what the data
 //! identify.
 //!
-//! Parameters move in units of their scale: a logarithm where the declaration says so, else the nominal value.
+//! Parameters move in units of their scale: a logarithm if declared, else the nominal value.
 
 use crate::StudyError;
 use crate::bench::{Bench, STEADY};
@@ -72,7 +72,7 @@ pub struct Fitted {
     /// Standard deviation of the estimate for measurements with a standard deviation of 1; infinite where the
     /// data say nothing.
     pub deviation: Option<f64>,
-    /// Whether it stands on a limit.
+    /// Whether it is at a limit.
     pub at_limit: bool,
 }
 
@@ -87,7 +87,7 @@ pub struct LeftOut {
     pub predicted: f64,
     /// Predicted less measured.
     pub error: f64,
-    /// Parameters that the fit without it leaves on a limit: the others say nothing about them.
+    /// Parameters at a limit in the fit without it: the other data do not identify them.
     pub at_limit: Vec<String>,
 }
 
@@ -118,7 +118,7 @@ impl Axis {
         value.clamp(self.entry.row.min, self.entry.row.max)
     }
 
-    /// Whether a scaled value stands on a limit.
+    /// Whether a scaled value is at a limit.
     fn is_limit(&self, z: f64) -> bool {
         z <= self.range.0 || z >= self.range.1
     }
@@ -369,9 +369,9 @@ mod tests {
         assert!(fit.rms < 1e-3 && fit.parameters.iter().all(|p| !p.at_limit));
     }
 
-    /// A heat capacity has no say in a steady state: it stays where it was, without a deviation.
+    /// A heat capacity has no effect on a steady state: it keeps its start value and has no standard deviation.
     #[test]
-    fn what_the_data_cannot_tell_is_said() {
+    fn a_parameter_that_the_data_do_not_identify_has_no_deviation() {
         let fit = problem(&["conductance.G_still", "thermal.C_w"]).fit().unwrap();
         assert!(fit.singular_values[1] < 1e-9 * fit.singular_values[0], "{:?}", fit.singular_values);
         let capacity = &fit.parameters[1];

@@ -36,7 +36,7 @@ impl Setup {
     ///
     /// Modes that are not set follow from the inputs that are, as in the design's section 6: electrical_power
     /// means drive_mode power, and so on. The shaft turns at imposed_speed, by default 0, unless load_torque
-    /// is set: a free shaft without load has nothing thermal to ask.
+    /// is set: a free shaft without load has no thermal steady state of interest.
     ///
     /// # Errors
     /// One sentence naming what is wrong: model, preset, variable, value, limits.

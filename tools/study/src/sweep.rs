@@ -87,7 +87,7 @@ pub trait Case: Sync {
     /// Source of the measured data that the case uses, if any.
     ///
     /// # Errors
-    /// A case that does not know its data.
+    /// A case without the source of its data.
     fn source(&self) -> Result<Option<String>, StudyError> {
         Ok(None)
     }

@@ -8,7 +8,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     shell::run(command.args(arguments))
 }
 
-/// Whether the committed files are what the declarations say.
+/// Whether the committed files agree with the declarations.
 pub fn check(workspace: &Workspace) -> Outcome {
     run(workspace, &["--check".into()])
         .map_err(|e| format!("model-description/ is not up to date, run `cargo xtask describe`: {e}"))

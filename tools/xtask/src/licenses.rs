@@ -25,7 +25,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     }
 }
 
-/// Compares the file with what `cargo metadata` says.
+/// Compares the file with `cargo metadata`.
 pub fn check(workspace: &Workspace) -> Outcome {
     let file = workspace.root.join(FILE);
     let kept =

@@ -43,7 +43,7 @@ impl Mutant {
     }
 }
 
-/// What the tests say of a mutant.
+/// Test result of a mutant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     Noticed,

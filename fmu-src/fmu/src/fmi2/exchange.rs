@@ -6,12 +6,12 @@ use crate::instance::{Instance, Interface};
 use crate::logger::Status;
 use crate::refusal::Outcome;
 
-/// What an event brought about.
+/// Result of an event iteration.
 #[repr(C)]
 pub struct EventInfo {
     /// Another event iteration is needed.
     pub new_discrete_states_needed: Boolean,
-    /// The model asks to end.
+    /// The model requests the end of the simulation.
     pub terminate_simulation: Boolean,
     /// Nominal values have changed.
     pub nominals_changed: Boolean,
@@ -44,7 +44,7 @@ pub unsafe extern "C" fn fmi2EnterEventMode(c: Component) -> Status {
     unsafe { exchange(c, "fmi2EnterEventMode", Instance::enter_event) }
 }
 
-/// Lets what is held between events follow; section 3.2.2.
+/// Updates the discrete variables; section 3.2.2.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2NewDiscreteStates(c: Component, info: *mut EventInfo) -> Status {
     unsafe {
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: Component) -> Status {
     unsafe { exchange(c, "fmi2EnterContinuousTimeMode", Instance::enter_continuous) }
 }
 
-/// Tells that a step is accepted; section 3.2.2.
+/// Completes an integrator step; section 3.2.2.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     c: Component,

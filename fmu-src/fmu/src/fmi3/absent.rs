@@ -8,7 +8,7 @@ use crate::refusal::Refused;
 use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
 
-/// Functions that refuse with one sentence.
+/// Functions that return an error with a message.
 macro_rules! absent {
     ($why:literal; $($(#[doc = $doc:literal])* $name:ident($($argument:ident: $type:ty),*);)*) => {$(
         $(#[doc = $doc])*
@@ -20,7 +20,7 @@ macro_rules! absent {
     )*};
 }
 
-/// Constructors that refuse with one sentence.
+/// Constructors that return an error with a message.
 unsafe fn refuse_to_make(
     function: &'static str,
     interface: &str,
@@ -28,7 +28,7 @@ unsafe fn refuse_to_make(
     environment: *mut c_void,
     log_message: Option<Logger3>,
 ) -> InstanceHandle {
-    let unsupported = Some(format!("{interface} is not in this FMU; Model Exchange and Co-Simulation are."));
+    let unsupported = Some(format!("this FMU has no {interface}; it has Model Exchange and Co-Simulation."));
     let sink = super::sink(log_message, environment);
     // SAFETY: as the crate's documentation says.
     unsafe {
@@ -85,7 +85,7 @@ absent! {
 }
 
 absent! {
-    "there are no clocks in this FMU.";
+    "this FMU has no clocks.";
     /// Get interval decimal.
     fmi3GetIntervalDecimal(_vr: *const u32, _n: usize, _intervals: *mut f64, _qualifiers: *mut c_int);
     /// Get interval fraction.

@@ -61,7 +61,7 @@ pub unsafe extern "C" fn fmi3EnterEventMode(instance: InstanceHandle) -> Status 
     unsafe { enter(instance, "fmi3EnterEventMode", Instance::enter_event) }
 }
 
-/// Evaluates discrete states; they follow [`fmi3UpdateDiscreteStates`] alone, so that nothing is to be done.
+/// Has no effect: discrete states change in [`fmi3UpdateDiscreteStates`] only.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EvaluateDiscreteStates(instance: InstanceHandle) -> Status {
     unsafe { enter(instance, "fmi3EvaluateDiscreteStates", |i| i.require_event()) }
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: InstanceHandle) -
     unsafe { exchange(instance, "fmi3EnterContinuousTimeMode", Instance::enter_continuous) }
 }
 
-/// Tells that a step is accepted.
+/// Completes an integrator step.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     instance: InstanceHandle,
@@ -164,7 +164,7 @@ macro_rules! count {
         pub unsafe extern "C" fn $name(instance: InstanceHandle, n: *mut usize) -> Status {
             unsafe {
                 enter(instance, stringify!($name), |i| {
-                    // An instance that integrates by itself shows none.
+                    // An instance for Co-Simulation has none.
                     let integrates = i.require_interface(Interface::ModelExchange).is_err();
                     *place(n, "the number")? = if integrates { 0 } else { i.$method() };
                     Ok(())

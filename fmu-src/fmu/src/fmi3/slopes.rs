@@ -4,7 +4,7 @@ use super::InstanceHandle;
 use crate::boundary::{array, array_mut, enter};
 use crate::logger::Status;
 
-/// Derivatives of the unknowns where each known moves by its seed.
+/// Directional derivatives of the unknowns for the seeds of the knowns.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     instance: InstanceHandle,
@@ -29,7 +29,7 @@ pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     }
 }
 
-/// For each known the sum over the unknowns of seed times derivative.
+/// Adjoint derivatives: for each known the sum of seed times derivative over the unknowns.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetAdjointDerivative(
     instance: InstanceHandle,

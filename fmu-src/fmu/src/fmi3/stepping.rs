@@ -60,8 +60,8 @@ life_cycle! {
     fmi3EnterStepMode => enter_step;
 }
 
-/// Steps. Where a step would lead beyond a limit of validity, `terminateSimulation` is true and the instance stands at
-/// `lastSuccessfulTime`, the last time within it; the status is OK, since by `fmi3Discard` nothing would have changed.
+/// Steps. If the step reaches a limit of validity, `terminateSimulation` is true and the state is that at `lastSuccessfulTime`,
+/// the last time within the limit. The status is OK, because `fmi3Discard` requires an unchanged state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DoStep(
     instance: InstanceHandle,
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     }
 }
 
-/// Takes a step in parts. The intermediate update callback runs while nothing here refers to the instance.
+/// Takes a step in parts. No Rust reference to the instance exists during the intermediate update callback.
 unsafe fn step_with_updates(
     instance: InstanceHandle,
     parts: &mut StepInParts,

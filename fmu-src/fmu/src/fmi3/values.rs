@@ -1,5 +1,5 @@
 //! FMI 3.0 getters and setters. Float64, Int64 (whole numbers and enumerations), UInt64 (sizes of arrays) and Boolean have
-//! variables, the other types have none and say so. The elements of an array follow one another.
+//! variables; for the other types every call returns an error. The elements of an array are consecutive.
 
 use super::{Boolean, InstanceHandle};
 use crate::boundary::{array, array_mut, enter};

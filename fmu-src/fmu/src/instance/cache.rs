@@ -1,4 +1,4 @@
-//! Lists of value references that a master repeats at every step: resolved and checked once.
+//! Cache of the lists of value references that a master repeats at every step: resolved and checked once.
 //!
 //! The meaning of a reference never changes, so no entry becomes invalid, neither by a reset nor by a saved state. Lists with
 //! arrays, whose sizes may change, are not stored. The last few lists are kept, since a master may set an instance in several

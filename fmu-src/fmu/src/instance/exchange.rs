@@ -1,4 +1,4 @@
-//! Model Exchange: what an importer may ask of an instance that it integrates itself.
+//! Model Exchange: states, derivatives, event indicators and events.
 
 use super::{Instance, Mode};
 use crate::refusal::{Outcome, Refused};
@@ -11,7 +11,7 @@ fn same_number(what: &str, asked: usize, there: usize) -> Outcome {
     if asked == there {
         return Ok(());
     }
-    Err(Refused::error(format!("there are {there} {what} and not {asked}.")))
+    Err(Refused::error(format!("the number of {what} is {there}, not {asked}.")))
 }
 
 fn discard(fault: Fault) -> Refused {
@@ -45,15 +45,15 @@ impl Instance {
         Ok(())
     }
 
-    /// A step of the importer's has been accepted; true where the run is over. It never asks for an event: those have
-    /// indicators and times.
+    /// Completes an integrator step; true if the run is over. It never requests event mode, because all events are state events with
+    /// indicators or time events.
     pub fn accept_step(&mut self) -> Outcome<bool> {
         self.require(&[Mode::Continuous])?;
         self.model.accept_step();
         Ok(self.is_over())
     }
 
-    /// Takes the time, s.
+    /// Sets the time, s.
     pub fn set_time(&mut self, time: f64) -> Outcome {
         self.require(&[Mode::Event, Mode::Continuous])?;
         if !time.is_finite() {
@@ -63,7 +63,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Takes the continuous states.
+    /// Sets the continuous states.
     pub fn set_states(&mut self, states: &[f64]) -> Outcome {
         self.require(&[Mode::Continuous])?;
         same_number("continuous states", states.len(), self.number_of_states())?;

@@ -1,4 +1,4 @@
-//! Directional and adjoint derivatives: what may be asked for, and of what (`physics/src/slopes.rs` takes them).
+//! Directional and adjoint derivatives: allowed modes, unknowns and knowns (`physics/src/slopes.rs` evaluates the derivatives).
 
 use super::{Instance, Interface, Mode, Type};
 use crate::refusal::{Outcome, Refused};
@@ -6,10 +6,10 @@ use physics::declare::{Causality, Kind, Variability};
 use physics::model::{Entry, Slot, TIME};
 use physics::slopes::{Known, Move, SHORT_WAY, Slope, Slopes, Unknown, WAY};
 
-/// Where derivatives may be asked for.
+/// Modes in which derivatives may be requested.
 const READABLE: &[Mode] =
     &[Mode::Initialization, Mode::Step, Mode::Event, Mode::Continuous, Mode::Terminated];
-/// Uncertainty of a derivative that is given out, of itself.
+/// Relative uncertainty of a derivative that is returned.
 const RELATIVE: f64 = 1e-6;
 /// The same by what it makes of the unknown, as a share of its nominal value, where a known moves by its own.
 const OF_NOMINAL: f64 = 1e-7;
@@ -21,14 +21,14 @@ fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     if there == wanted {
         return Ok(());
     }
-    Err(Refused::error(format!("there are {there} {what} for {wanted} values.")))
+    Err(Refused::error(format!("the number of {what} is {there}, but {wanted} values are given.")))
 }
 
-/// A slope that differs by more than this share is that of a tangent.
+/// A derivative that differs by more than this fraction is that of the linearized cooling.
 const TANGENT: f64 = 1e-5;
 
 impl Instance {
-    /// Derivatives of `unknowns` where each of `knowns` moves by its seed.
+    /// Directional derivatives of `unknowns` for the seeds of `knowns`.
     pub fn directional(
         &mut self,
         unknowns: &[u32],
@@ -47,7 +47,7 @@ impl Instance {
         Ok(())
     }
 
-    /// For each of `knowns` the sum over `unknowns` of their seed times their derivative.
+    /// Adjoint derivatives: for each of `knowns` the sum of seed times derivative over `unknowns`.
     pub fn adjoint(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome {
         self.ready(seed)?;
         let (unknowns, knowns) = (self.unknowns(unknowns)?, self.knowns(knowns)?);
@@ -61,7 +61,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Derivatives of outputs with respect to time where a step has led, with the inputs held.
+    /// Time derivatives of outputs at the end of a step, with constant inputs.
     pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], out: &mut [f64]) -> Outcome {
         self.require_interface(Interface::CoSimulation)?;
         self.require(&[Mode::Step, Mode::Intermediate, Mode::Terminated])?;
@@ -71,7 +71,7 @@ impl Instance {
             let shown =
                 entry.row.causality == Causality::Output || entry.is_intermediate() && !entry.is_settable();
             if !shown {
-                return Err(Refused::error(format!("{} is no output.", entry.name)));
+                return Err(Refused::error(format!("{} is not an output.", entry.name)));
             }
             self.require_to_read(entry)?;
             if order != 1 {
@@ -145,7 +145,7 @@ impl Instance {
             }
             _ => {
                 return Err(Refused::error(format!(
-                    "{} is neither an input nor a parameter that may change now nor a state to start from.",
+                    "{} is not a known here: it is not an input, a tunable parameter or a state.",
                     entry.name
                 )));
             }
@@ -175,8 +175,7 @@ impl Instance {
         let base = handed.as_ref().unwrap_or(&self.model).as_ref();
         let mut found = Slopes { base, scratch: scratch.as_mut(), restart, way: WAY }.along(moves, &asked);
         if stepping && moves.iter().all(|m| matches!(m.known, Known::Variable(_))) {
-            // Steps take cooling by its tangents. Where these say something else than the equations, what is seen from outside is
-            // what the tangents say.
+            // A step linearizes the cooling. If the linearized and the exact derivative differ, the linearized one describes the step.
             let base = self.model.as_ref();
             let near =
                 Slopes { base, scratch: scratch.as_mut(), restart, way: SHORT_WAY }.along(moves, &asked);
@@ -190,11 +189,11 @@ impl Instance {
         }
         if let Some((entry, slope)) = unknowns.iter().zip(&found).find(doubtful) {
             return Err(Refused::discard(format!(
-                "{} has no derivative in this direction here: its differences do not settle beside {} (+-{}).",
+                "{} has no derivative in this direction at this point: the difference quotients do not converge; the best is {} (+-{}).",
                 entry.name, slope.value, slope.error
             )));
         }
-        // What books miss is rounding, and the slope of rounding is none.
+        // An energy balance residual is rounding error: its derivative is zero.
         let known =
             |slope: &Slope| if slope.error > ROUNDING * slope.value.abs() { 0.0 } else { slope.value };
         Ok(found.iter().map(known).collect())

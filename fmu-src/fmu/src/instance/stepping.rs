@@ -1,11 +1,11 @@
 //! Co-Simulation steps of FMI 3 with event mode, early return and intermediate update.
 //!
-//! *Events* are what changes a discrete output, and what comes at a time that is known. A sector of commutation or a bridge that
-//! turns round changes nothing that an importer could see at once: the step takes these by itself, as it takes all of them
-//! where the importer has no event mode. A discrete output stands from one event to the next.
-//! *Early return*: at an event the step ends, found by halving to [`NEAR`] of the step, with the output on its new side.
-//! *Intermediate update*: a step is taken in [`PARTS`] equal parts, each accurate by itself, and after each the importer may read its
-//! intermediate variables, set continuous inputs, and end the step there or later. A step that fails in any part is undone.
+//! *Event*: a discrete output changes, or a time event occurs. A change of the commutation sector or of the bridge's current direction
+//! changes no output discontinuously: the step handles these internally, and it handles all events internally if the importer does
+//! not use event mode. A discrete output is constant between two events.
+//! *Early return*: the step ends at an event. The event time is located by bisection to [`NEAR`] of the step, just after the event.
+//! *Intermediate update*: a step is divided into [`PARTS`] equal parts, each within the tolerance. After each part the importer may
+//! read intermediate variables, set continuous inputs, and end the step there or later. If a part fails, the step is undone.
 //!
 //! Without these features the result is that of the plain step, bit for bit.
 
@@ -49,14 +49,14 @@ pub struct Part {
 }
 
 impl Part {
-    /// Refuses intermediate variables that are no continuous inputs or outputs.
+    /// Rejects intermediate variables other than continuous inputs and outputs.
     pub(super) fn check(&self, declaration: &Declaration) -> Outcome {
         for &reference in self.updates.iter().flat_map(|updates| &updates.references) {
             let entry = declaration.by_reference(reference);
             if !entry.is_some_and(Entry::is_intermediate) {
                 let name = entry.map_or_else(|| format!("value reference {reference}"), |e| e.name.clone());
                 return Err(Refused::error(format!(
-                    "{name} is no continuous input or output of {} and cannot be an intermediate variable.",
+                    "{name} is not a continuous input or output of {} and cannot be an intermediate variable.",
                     declaration.name
                 )));
             }
@@ -81,7 +81,7 @@ impl Part {
 /// How a step, or a part of one, ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ended {
-    /// At an event, or past one, that the importer has to handle.
+    /// At or after an event that the importer has to handle.
     pub event: bool,
     /// Before its end.
     pub early: bool,
@@ -93,7 +93,7 @@ pub struct StepInParts {
     /// Start and end, s.
     start: f64,
     end: f64,
-    /// The length that was asked for, s.
+    /// The requested communication step size, s.
     h: f64,
     /// Parts taken.
     taken: u32,
@@ -118,12 +118,12 @@ pub struct View {
 }
 
 impl Instance {
-    /// Refuses event mode where it was not asked for.
+    /// Rejects event mode if the instance was created without it.
     pub fn require_events(&self) -> Outcome {
         if self.interface == Interface::ModelExchange || self.part.event_mode {
             return Ok(());
         }
-        Err(Refused::error("event mode was not asked for when the instance was made (eventModeUsed)."))
+        Err(Refused::error("the instance was created without event mode (eventModeUsed = false)."))
     }
 
     /// Event -> step mode.
@@ -146,14 +146,14 @@ impl Instance {
         Ok(Update { states_changed: false, next_event: if passed { f64::INFINITY } else { next } })
     }
 
-    /// Discrete outputs show what they are now.
+    /// Sets the discrete outputs to their present values.
     pub(super) fn hold(&mut self) {
         for (discrete_pre, slot) in self.discrete_pre.iter_mut().zip(&self.discrete) {
             *discrete_pre = self.model.get(*slot);
         }
     }
 
-    /// What a discrete output shows since the last event.
+    /// Value of a discrete output since the last event.
     pub(super) fn discrete_pre(&mut self, slot: Slot) -> f64 {
         match self.discrete.iter().position(|s| *s == slot) {
             Some(k) => self.discrete_pre[k],
@@ -161,7 +161,7 @@ impl Instance {
         }
     }
 
-    /// Whether a discrete output is no longer what it shows.
+    /// Whether the present value of a discrete output differs from its value since the last event.
     fn is_due(&mut self) -> bool {
         self.discrete_pre
             .iter()
@@ -191,12 +191,12 @@ impl Instance {
         let mut ended = Ended::default();
         let mut way = h;
         if ahead && self.part.early_return && timed < at + h - IMMINENT {
-            // To the event and not a rounding before it.
+            // Ends at the event, not a rounding error before it.
             way = timed - at;
             way += if at + way < timed { f64::EPSILON * timed.abs() } else { 0.0 };
             ended.early = true;
         }
-        // What the importer has not yet handled is no reason to stop again.
+        // An event that is not yet handled does not end the step again.
         let due = self.is_due();
         let before = copy(self.step_start.take(), self.model.as_ref());
         if let Err(fault) = self.model.step(at, way) {
@@ -215,7 +215,7 @@ impl Instance {
         Ok(ended)
     }
 
-    /// Where in the step by `way` from `before` a discrete output changes; the model stands there afterwards.
+    /// Locates the change of a discrete output in the step `way` from `before`; afterwards the model is at this point.
     fn find(&mut self, before: &dyn Model, at: f64, way: f64) -> Outcome<f64> {
         let (mut low, mut high) = (0.0, way);
         let near = (NEAR * way).max(4.0 * f64::EPSILON * at.abs());
@@ -282,7 +282,7 @@ impl Instance {
         Ok(Some(View { callback, environment, time: self.model.time(), sets, may_return }))
     }
 
-    /// After an intermediate update: `until` is where the importer wants the step to end, s.
+    /// Continues after an intermediate update: `until` is the end of the step that the importer requests, s.
     pub fn after_update(&mut self, parts: &mut StepInParts, until: Option<f64>) -> Outcome {
         self.require(&[Mode::Intermediate])?;
         self.mode = Mode::Step;

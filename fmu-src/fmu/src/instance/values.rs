@@ -1,6 +1,6 @@
-//! Values by reference: what may be read and set when, and how many values a variable has.
+//! Values by reference: access in each mode, and number of values of a variable.
 //!
-//! FMI 2 has scalars alone, and an element is a variable of its own. In FMI 3 the elements are one variable with the reference of the first.
+//! In FMI 2 all variables are scalars, and each element is a separate variable. In FMI 3 the elements are one variable with the reference of the first.
 
 use super::{Instance, Interface, Mode, Standard, Type};
 use crate::refusal::{Outcome, Refused};
@@ -68,7 +68,7 @@ impl Instance {
         Ok(entry)
     }
 
-    /// FMI 3 wants sizes of arrays without a sign.
+    /// FMI 3 requires unsigned array sizes.
     #[inline]
     fn type_of(&self, entry: &Entry) -> Type {
         match Type::of(entry) {
@@ -93,7 +93,7 @@ impl Instance {
         n: usize,
         mut put: impl FnMut(usize, f64),
     ) -> Outcome {
-        // While it runs everything may be read; that is asked once and not for each variable.
+        // In the running modes all variables may be read; the mode is checked once and not for each variable.
         let running = matches!(self.mode, Mode::Step | Mode::Continuous);
         if !running {
             self.require_readable()?;
@@ -197,7 +197,7 @@ impl Instance {
             self.unsettled = true;
             return Ok(());
         }
-        // In step mode nothing but a size has a mode of its own.
+        // In step mode only structural parameters depend on the mode.
         let special = self.mode != Mode::Step || of == Type::Size;
         let running = !matches!(self.mode, Mode::Instantiated | Mode::Configuration | Mode::Initialization);
         let mut last = None;
@@ -209,7 +209,7 @@ impl Instance {
             if special {
                 self.require_to_set(entry)?;
             }
-            // Whatever may be set is a scalar; an array is refused for what it is and not for its length.
+            // All settable variables are scalars. A variable that cannot be set is reported as such, also if the number of values is wrong.
             if n != references.len() && entry.is_settable() {
                 break;
             }
@@ -226,7 +226,7 @@ impl Instance {
         if n != references.len() {
             return Err(wrong_number(references.len(), references.len(), n));
         }
-        // All are good. A single value, the common case, needs no second look-up.
+        // All values are valid. A single value, the common case, needs no second look-up.
         if let (&[_], Some(slot)) = (references, last) {
             self.model.set(slot, value(0));
         } else {
@@ -264,7 +264,7 @@ impl Instance {
         )))
     }
 
-    /// Sets the slopes of continuous inputs over the next step, all or none.
+    /// Sets the derivatives of continuous inputs for the next step, all or none.
     pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], slopes: &[f64]) -> Outcome {
         self.require_interface(Interface::CoSimulation)?;
         self.require(&[Mode::Initialization, Mode::Step])?;
@@ -281,7 +281,7 @@ impl Instance {
             let entry = self.entry(value_reference, Type::Real)?;
             if !entry.is_continuous_input() {
                 return Err(Refused::error(format!(
-                    "{} is no continuous input and takes no slope.",
+                    "{} is not a continuous input and has no input derivative.",
                     entry.name
                 )));
             }
@@ -293,7 +293,7 @@ impl Instance {
             }
             if !slope.is_finite() {
                 return Err(Refused::discard(format!(
-                    "the slope {slope} {}/s of {} is not a finite number.",
+                    "the input derivative {slope} {}/s of {} is not a finite number.",
                     entry.row.unit.name(),
                     entry.name
                 )));
@@ -309,5 +309,5 @@ impl Instance {
 }
 
 fn wrong_number(variables: usize, wanted: usize, there: usize) -> Refused {
-    Refused::error(format!("{variables} variables have {wanted} values and not {there}."))
+    Refused::error(format!("{variables} variables have {wanted} values, but {there} are given."))
 }

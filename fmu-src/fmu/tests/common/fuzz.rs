@@ -1,6 +1,6 @@
 //! Random calls: every function of both C interfaces, with arguments that make sense and arguments that do not.
 //!
-//! Only what C cannot check is kept honest: handles are alive, arrays are as long as their lengths say. Nothing may crash, every
+//! Only conditions that C cannot check are always met: handles are valid, arrays have the given length. Nothing may crash, every
 //! status is one of the standards', and no call may meet an internal failure, which is how a panic inside is reported.
 
 use motor_fmu::fmi2::*;
@@ -87,7 +87,7 @@ struct Looker {
     references: Vec<u32>,
 }
 
-/// An intermediate update with calls that are allowed and calls that are not; now and then it asks for an early return.
+/// An intermediate update with allowed and forbidden calls; sometimes it requests an early return.
 unsafe extern "C" fn look(
     environment: *mut c_void,
     time: f64,

@@ -9,7 +9,7 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
 
-/// What the logger of [`Motor2`] has been told, in the order of the calls.
+/// Messages that the logger of [`Motor2`] received, in the order of the calls.
 pub static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 /// FMI 2's logger without its variadic tail: the library passes "%s" and one text.

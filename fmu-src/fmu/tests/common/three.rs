@@ -14,7 +14,7 @@ pub type Ended = (bool, bool, f64);
 pub struct Three(pub *mut c_void);
 
 impl Three {
-    /// One that takes part in events, may return early, and looks at these variables.
+    /// An instance with event mode, early return and these intermediate variables.
     pub fn with(events: bool, early: bool, look: Option<(IntermediateUpdate, *mut c_void, &[u32])>) -> Three {
         let (callback, environment, references) = match look {
             Some((callback, environment, references)) => (Some(callback), environment, references),

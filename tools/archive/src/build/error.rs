@@ -18,7 +18,7 @@ pub enum BuildError {
         /// Why.
         source: io::Error,
     },
-    /// The library does not take start values.
+    /// The library has no block for start values.
     #[error("the FMU library {path} does not fit this tool: {source}")]
     Patch {
         /// Which.
@@ -31,7 +31,7 @@ pub enum BuildError {
     WrongPlatform {
         /// Which.
         path: PathBuf,
-        /// What its own header says.
+        /// Platform from the file's header.
         found: String,
         /// What it was to be.
         platform: &'static str,
@@ -70,10 +70,10 @@ pub enum BuildError {
         preset: String,
         /// Its model.
         of: String,
-        /// The model that was asked for.
+        /// The requested model.
         model: &'static str,
     },
-    /// Terms that do not hold.
+    /// Invalid terms.
     #[error(transparent)]
     Terms(#[from] TermsError),
     /// Terms for a model that carries none.

@@ -1,6 +1,6 @@
-//! The figures of the page, each asked of the model that the archive holds, with its start values and terms.
+//! The figures of the page, computed by the model of the archive with its start values and terms.
 //!
-//! A model that cannot be asked (its start values leave no fan, or the importer's preset no tube) goes without the line.
+//! A line is omitted if the model cannot compute it (for example without a fan or a tube in the start values).
 
 mod actuator;
 mod gait;
@@ -11,7 +11,7 @@ use describe::{DEFAULT_STEP, DEFAULT_STOP};
 use present::figure::{Axis, Figure};
 use present::page::Plate;
 
-/// The hour that a torque is held for, s, and its steps.
+/// Duration of constant torque, s, and number of steps.
 const HOUR: f64 = 3600.0;
 const HOUR_STEP: f64 = 10.0;
 /// Points of a characteristic.
@@ -26,7 +26,7 @@ pub struct Captioned {
 }
 
 impl Captioned {
-    /// As pages hold it.
+    /// As markup of a page.
     pub fn plate(self) -> Plate {
         Plate::new("behaviour", self.figure, self.caption)
     }

@@ -13,7 +13,7 @@ use super::zip::{self, Archive};
 /// No library of an FMU is larger; a larger one is not read.
 const LARGEST_BINARY: u64 = 1 << 30;
 
-/// What a platform folder promises.
+/// Properties of a platform folder.
 struct Platform {
     system: System,
     architecture: Architecture,

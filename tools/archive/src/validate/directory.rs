@@ -1,6 +1,6 @@
 //! Reads the central directory of a zip file as it is written, before any library tidies it.
 //!
-//! Archive libraries hide what a validator must see: they keep one of two entries of the same name, clean up
+//! Archive libraries hide faults that a validator must detect: they keep one of two entries of the same name, clean up
 //! paths and ignore flags. Layout: PKWARE APPNOTE 4.3.7 (local header), 4.3.12 (central directory header),
 //! 4.3.14 and 4.3.16 (end records).
 
@@ -10,7 +10,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 /// One entry of the central directory, untouched.
 pub(crate) struct RawEntry {
     pub(crate) name: Vec<u8>,
-    /// The name in front of the data; some readers believe this one.
+    /// The name in the local header; some readers use this one.
     pub(crate) local_name: Option<Vec<u8>>,
     pub(crate) version_needed: u16,
     pub(crate) flags: u16,
@@ -79,7 +79,7 @@ pub(crate) fn read(file: &mut File) -> io::Result<Option<Directory>> {
     let e = &tail[end..];
     let (mut count, mut size, mut offset) =
         (u64::from(u16_at(e, 10)), u64::from(u32_at(e, 12)), u64::from(u32_at(e, 16)));
-    // 0xFFFF marks "see the zip64 record" and is not a disk number.
+    // 0xFFFF refers to the zip64 record and is not a disk number.
     let spanned = [u16_at(e, 4), u16_at(e, 6)].iter().any(|&d| d != 0 && d != u16::MAX);
     let mut directory_end = tail_at + end as u64;
     if let Some(locator) = end.checked_sub(20).map(|i| &tail[i..]).filter(|l| l.starts_with(b"PK\x06\x07")) {
@@ -89,7 +89,7 @@ pub(crate) fn read(file: &mut File) -> io::Result<Option<Directory>> {
             directory_end = u64_at(locator, 8);
         }
     }
-    // Something may stand in front of the archive; then all offsets are short by its length.
+    // Other data may precede the archive; then all offsets are too small by its length.
     let shift = directory_end.saturating_sub(size).saturating_sub(offset);
     let bytes = read_at(file, offset.saturating_add(shift), size.min(LARGEST_DIRECTORY))?;
     let mut entries = Vec::new();

@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use std::os::unix::fs::PermissionsExt;
 
-    /// What a program that stands for the validator's child leads to.
+    /// Findings with a program that replaces the validator's child process.
     fn codes(script: &str) -> Vec<&'static str> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("child");

@@ -1,4 +1,4 @@
-//! What the validator reports, and the list it is collected in.
+//! Findings of the validator, and their list.
 
 use std::collections::HashMap;
 
@@ -62,7 +62,7 @@ impl Findings {
         self.list.iter().any(|f| f.severity == Severity::Error)
     }
 
-    /// The list, with a last line for each rule that was broken too often to show every case.
+    /// The list; the last line of a rule with many findings gives the number of those that are not listed.
     pub(crate) fn into_list(mut self) -> Vec<Finding> {
         let mut cut: Vec<_> = self.counts.into_iter().filter(|(_, n)| *n > MOST_PER_RULE).collect();
         cut.sort_unstable();

@@ -36,7 +36,7 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
         out.add(
             &rules::DOCUMENTATION_MISSING,
             "documentation/",
-            "The archive has no documentation/index.html, which tools show to who asks what the model is",
+            "The archive has no documentation/index.html, which tools present as the documentation of the model",
         );
     }
     // Releases of FMI 2.0 differ in where the folder is.

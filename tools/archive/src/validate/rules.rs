@@ -19,11 +19,11 @@ pub enum Severity {
 /// A rule.
 #[derive(Debug)]
 pub struct Rule {
-    /// Short and unique, as it stands in a finding.
+    /// Short and unique code of a finding.
     pub code: &'static str,
     /// Severity of a breach.
     pub severity: Severity,
-    /// What must hold, in a few words.
+    /// The condition in a few words.
     pub title: &'static str,
     /// Section of FMI 2.0 (numbering of 2.0.4).
     pub fmi2: &'static str,
@@ -246,13 +246,13 @@ rules! {
     SET_LOST "set-lost" Error "a value that was set is kept" "2.1.7" "2.2.7.2";
     GET_CHANGES "get-changes" Error "reading changes nothing" "2.1.7" "2.2.7.2";
     // Behaviour: the same run again.
-    NOT_DETERMINISTIC "not-deterministic" Warning "two instances that are treated alike do alike" "" "";
+    NOT_DETERMINISTIC "not-deterministic" Warning "equal calls give equal results in two instances" "" "";
     RESET "reset" Error "a reset instance runs as a new one" "2.1.6" "2.3.1";
     INSTANCES "instances" Error "instances do not disturb each other" "2.1.5" "2.2.1";
     MEMORY "memory" Error "what was allocated is freed" "2.1.5" "2.3.1";
-    ROLLBACK "rollback" Error "a saved state brings everything back" "2.1.8" "2.2.7.4";
-    ROLLBACK_INEXACT "rollback-inexact" Warning "a saved state brings everything back bit for bit" "" "";
-    SERIALIZE "serialize" Error "a state goes through bytes unchanged" "2.1.8" "2.2.7.4";
+    ROLLBACK "rollback" Error "a saved state restores all values" "2.1.8" "2.2.7.4";
+    ROLLBACK_INEXACT "rollback-inexact" Warning "a saved state restores all values bit for bit" "" "";
+    SERIALIZE "serialize" Error "serialization does not change a state" "2.1.8" "2.2.7.4";
     STATE_POINTER "state-pointer" Error "freeing a state sets its pointer to NULL" "2.1.8" "2.2.7.4";
     // Behaviour: steps and derivatives.
     STEP_SIZE "step-size" Error "smaller communication steps converge" "4.3.1" "4.4";
@@ -265,19 +265,19 @@ rules! {
     STATES_ORDER "states-order" Error "states and derivatives are in the order of the model structure" "2.2.8" "2.4.8";
     STATES_KEPT "states-kept" Error "states that were set are kept" "3.2.1" "3.2.1";
     NOMINAL_VALUE "nominal-value" Error "nominal values of states are positive" "3.2.2" "2.3.3";
-    EVALUATION_MEMORY "evaluation-memory" Error "derivatives hang on time, states and inputs alone" "3.1" "3.1";
-    INDICATOR_JUMPS "indicator-jumps" Warning "event indicators go through zero and do not jump over it" "3.1" "3.1.1";
+    EVALUATION_MEMORY "evaluation-memory" Error "derivatives depend on time, states and inputs only" "3.1" "3.1";
+    INDICATOR_JUMPS "indicator-jumps" Warning "event indicators are continuous at their zero crossings" "3.1" "3.1.1";
     DIRECTIONAL "directional-derivative" Error "directional derivatives are the derivatives" "2.1.9" "2.2.12.1";
     ADJOINT "adjoint-derivative" Error "adjoint derivatives are the derivatives" "" "2.2.12.2";
     DEPENDENCY_UNDECLARED "dependency-undeclared" Error "unknowns depend on declared dependencies alone" "2.2.8" "2.4.8";
     EXCHANGE_DIFFERS "exchange-differs" Error "Model Exchange and Co-Simulation agree" "" "";
     // Behaviour: reference results in extra/org.fmi-standard.fmi-ls-ref.
-    REFERENCE_FILE "reference-file" Warning "files with reference results are there and are tables" "" "";
-    REFERENCE_DIFFERS "reference-differs" Error "the FMU computes the reference results that it carries" "" "";
+    REFERENCE_FILE "reference-file" Warning "files with reference results are present and are tables" "" "";
+    REFERENCE_DIFFERS "reference-differs" Error "the FMU reproduces the reference results of its archive" "" "";
     // Behaviour: what importers must not do.
     TOKEN_UNCHECKED "token-unchecked" Warning "a wrong guid or token is refused" "2.1.5" "2.3.1";
     NAN_ACCEPTED "nan-accepted" Note "NaN and infinity are refused" "" "";
-    RANGE_UNCHECKED "range-unchecked" Note "values outside the limits are refused or remarked" "2.2.3" "2.2.7.3";
+    RANGE_UNCHECKED "range-unchecked" Note "values outside the limits are rejected or reported by a warning" "2.2.3" "2.2.7.3";
     REFERENCE_UNCHECKED "reference-unchecked" Error "unknown value references are errors" "2.1.2" "2.2.4";
     CONSTANT_SETTABLE "constant-settable" Error "constants cannot be set" "2.1.2" "2.2.4";
     CRASH_ON_MISUSE "crash-on-misuse" Warning "no wrong call ends the process" "2.1.3" "2.2.4";

@@ -128,7 +128,7 @@ fn check_storage(entry: &RawEntry, name: &str, out: &mut Findings) {
     }
 }
 
-/// Unpacks every entry once into nothing: a damaged or lying entry must be known before anything relies on it.
+/// Unpacks every entry once without storing it, to detect damaged entries and wrong sizes before they are used.
 ///
 /// Entries that cannot be read for a reason already reported (method, encryption) are passed over.
 pub(crate) fn check_content(archive: &mut Archive, directory: &Directory, out: &mut Findings) {

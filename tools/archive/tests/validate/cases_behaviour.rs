@@ -64,7 +64,7 @@ fn here() -> &'static str {
     if cfg!(target_arch = "aarch64") { "aarch64-linux" } else { "linux64" }
 }
 
-/// What the child would see.
+/// Observations of the child process.
 fn codes(path: &Path) -> Vec<String> {
     let mut codes = Vec::new();
     let mut ended = false;

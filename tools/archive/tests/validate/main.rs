@@ -1,4 +1,4 @@
-//! Every rule of the validator finds its fault, and finds nothing in an FMU without fault.
+//! Every rule of the validator reports its fault, and reports nothing for an FMU without faults.
 
 mod cases_archive;
 mod cases_behaviour;
@@ -109,7 +109,7 @@ fn an_archive_with_another_name_is_doubtful() {
 }
 
 #[test]
-fn a_fault_in_every_variable_is_told_in_few_lines() {
+fn many_findings_of_one_kind_are_summarized() {
     let mut fmu = Fmu::new(Base::Clocks);
     let many: String =
         (100..1000).map(|i| format!("<Float64 name=\"x{i}\" valueReference=\"{i}\" unit=\"?\"/>")).collect();
@@ -119,7 +119,7 @@ fn a_fault_in_every_variable_is_told_in_few_lines() {
     assert_eq!(found[200].message, "700 more findings of this kind are not listed.");
 }
 
-/// Validates without caring about the result: it must come back.
+/// Validates and ignores the findings: the call must return.
 fn survives(bytes: &[u8]) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.fmu");

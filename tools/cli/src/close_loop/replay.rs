@@ -17,7 +17,7 @@ use cosim::{Archive, Causality, Instance, Kind, Log, ModelDescription, Step, Val
 use rayon::prelude::*;
 use std::path::PathBuf;
 
-/// What the FMU's error may differ from the model's, as a share of the channel's range.
+/// Tolerance of the FMU's error relative to the model's, as a fraction of the channel's range.
 const LIMIT: f64 = 1e-6;
 /// Pairs of parts of a step between rows for FMI 3.
 const PAIRS: usize = 16;
@@ -41,7 +41,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
             let shown = if carries(setting, outcome) {
                 shown(&archive, &differences(setting, outcome, exported), experiment, &drive)?
             } else {
-                // A run with terms of its own: an archive of its own.
+                // A run with its own terms needs a separate archive.
                 let folder =
                     tempfile::tempdir().map_err(|e| Failure::new(format!("no folder to replay in: {e}")))?;
                 let effects = terms(outcome, setting)?;
@@ -105,7 +105,7 @@ fn span(experiment: &Experiment, output: usize) -> f64 {
 /// The name of the parameter that scales all terms.
 const GAIN: &str = "effect.generic_term.gain";
 
-/// Whether the exported archive can show a run: it has the run's terms, or the run has none and they are switched off.
+/// Whether the exported archive can simulate a run: it has the run's terms, or the run has none and they are switched off.
 fn carries(setting: &Setting, outcome: &Outcome) -> bool {
     setting.terms == outcome.export.terms || setting.terms.is_empty()
 }
@@ -273,7 +273,7 @@ fn compare(experiment: &Experiment, outcome: &Outcome, run: &Run, shown: &[Vec<f
             continue;
         };
         for (t, native) in curves.time.iter().zip(&curve.after).filter(|(_, v)| v.is_finite()) {
-            // Thinned curves stand at rows.
+            // Points of decimated curves are rows of the data.
             if let Ok(k) = run.table.time.binary_search_by(|x| x.total_cmp(t)) {
                 sum.apart = sum.apart.max((shown[n][k] - channel.offset - native).abs());
             }

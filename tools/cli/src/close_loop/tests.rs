@@ -95,7 +95,7 @@ fn page_of(verdict: Verdict) -> String {
     page::page(&sample::experiment(), &outcome, &replay, &outcome.notes, declaration)
 }
 
-/// One file that opens without a network, with everything that its verdict has to say.
+/// One file without network references that contains all parts of its verdict.
 #[test]
 fn a_page_is_complete_in_itself() {
     for (verdict, words) in ALL.iter().zip([

@@ -1,4 +1,4 @@
-//! From the elements of `modelDescription.xml` to a [`ModelDescription`]: strict, but only in what it takes.
+//! From the elements of `modelDescription.xml` to a [`ModelDescription`]; strict for the elements that it uses.
 use super::*;
 use crate::Error;
 use crate::elements::{self, FILE, Model, TypeDefinition, Unknown};
@@ -100,7 +100,7 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
     if model.version == FmiVersion::V2 && v.typed == node {
         let other = elements(Some(node)).find(|n| n.tag_name().name() != "Annotations");
         return Err(match other {
-            Some(body) => xml.fault(body, format!("<{}> is no FMI 2.0 type", body.tag_name().name())),
+            Some(body) => xml.fault(body, format!("<{}> is not an FMI 2.0 type", body.tag_name().name())),
             None => xml.fault(node, format!("variable {} has no type", xml.required(node, "name")?)),
         });
     }
@@ -116,7 +116,7 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
         other => return unknown("causality", other),
     };
     let variability = match node.attribute("variability") {
-        // FMI 3: parameters are fixed unless they say otherwise.
+        // FMI 3: the default variability of parameters is fixed.
         None => match causality {
             Causality::Parameter | Causality::CalculatedParameter | Causality::StructuralParameter => {
                 Variability::Fixed
@@ -172,18 +172,18 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
     })
 }
 
-/// What an output depends on. What is no variable here (the independent variable of FMI 2, say) is left out.
+/// Dependencies of an output. Entries that are not variables here (as the independent variable of FMI 2) are omitted.
 fn dependencies(model: &Model, unknown: &Unknown) -> Result<Dependencies, Fault> {
     let (xml, node) = (model.xml, unknown.node);
     let key = if model.version == FmiVersion::V2 { "index" } else { "valueReference" };
     let text = xml.required(node, key)?;
     xml.number::<u32>(node, key)?;
     let output = unknown.variable;
-    let output = output.ok_or_else(|| xml.fault(node, format!("{key} = {text:?} is no variable")))?;
+    let output = output.ok_or_else(|| xml.fault(node, format!("{key} = {text:?} is not a variable")))?;
     let Some(text) = node.attribute("dependencies") else { return Ok(Dependencies { output, on: None }) };
     let mut on = Vec::new();
     for word in text.split_ascii_whitespace() {
-        let wrong = |_| xml.fault(node, format!("dependencies has {word:?}, which is no number"));
+        let wrong = |_| xml.fault(node, format!("dependencies has {word:?}, which is not a number"));
         on.extend(model.resolve(word.parse().map_err(wrong)?));
     }
     Ok(Dependencies { output, on: Some(on) })
@@ -191,11 +191,11 @@ fn dependencies(model: &Model, unknown: &Unknown) -> Result<Dependencies, Fault>
 
 fn interface(xml: &Xml, node: Node) -> Result<Interface, Fault> {
     let model_identifier = xml.required(node, "modelIdentifier")?.to_owned();
-    // It becomes a file name: nothing that leads elsewhere.
+    // It becomes a file name, so it must not contain path separators.
     let good = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     if model_identifier.is_empty() || model_identifier.starts_with('.') || !model_identifier.chars().all(good)
     {
-        return Err(xml.fault(node, format!("modelIdentifier {model_identifier:?} is no identifier")));
+        return Err(xml.fault(node, format!("modelIdentifier {model_identifier:?} is not an identifier")));
     }
     let is = |name| Ok(xml.flag(node, name)?.unwrap_or(false));
     // The two standards spell some flags differently.
@@ -270,6 +270,6 @@ mod tests {
             assert_eq!(d.feedthrough(4), None);
         }
         let message = ModelDescription::parse(&two.replace("index=\"5\"", "index=\"6\"")).unwrap_err();
-        assert_eq!(message.to_string(), "modelDescription.xml, line 8: index = \"6\" is no variable");
+        assert_eq!(message.to_string(), "modelDescription.xml, line 8: index = \"6\" is not a variable");
     }
 }

@@ -197,7 +197,7 @@ enum Verb {
     Set,
 }
 
-/// What masters call at every step.
+/// Functions that masters call at every step.
 const GET_REAL: [&str; 2] = names(Verb::Get, Kind::Float64);
 const SET_REAL: [&str; 2] = names(Verb::Set, Kind::Float64);
 

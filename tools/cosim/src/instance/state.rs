@@ -54,7 +54,7 @@ impl Instance {
         self.with(names::free_state, &state, |instance, raw_state| {
             let has = |f: &Functions| f.free_state.is_some();
             let result = instance.call_optional(names::free_state, has, |raw| raw.free_state(raw_state));
-            // Whatever the FMU says, the state must not be used again; the slot can be.
+            // Whatever status the FMU returns, the state must not be used again; the slot may be.
             *raw_state = RawState::NONE;
             instance.free_slots.push(state.slot);
             result
@@ -122,7 +122,7 @@ impl Instance {
 }
 
 impl Drop for Instance {
-    /// The standards want states freed before the instance.
+    /// The standards require that states are freed before the instance.
     fn drop(&mut self) {
         for state in self.states.iter_mut().filter(|state| !state.is_none()) {
             self.raw.free_state(state);

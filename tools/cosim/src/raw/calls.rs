@@ -9,7 +9,7 @@ use std::ptr;
 pub struct RawState(*mut c_void);
 
 impl RawState {
-    /// No state yet: NULL, as the standards want it for a first save.
+    /// No state yet: NULL, as the standards require for the first save.
     pub const NONE: Self = Self(ptr::null_mut());
 
     /// Whether there is no state.
@@ -23,9 +23,9 @@ impl RawState {
 pub struct RawStep {
     /// The status of the call.
     pub status: Status,
-    /// The FMU asks for the end of the simulation.
+    /// The FMU requests the end of the simulation.
     pub terminated: bool,
-    /// FMI 3: the FMU asks for event mode.
+    /// FMI 3: the FMU requests event mode.
     pub event: bool,
     /// FMI 3: the FMU stopped before the end of the step.
     pub early: bool,
@@ -93,7 +93,7 @@ impl RawInstance {
         }
     }
 
-    /// `DoStep` from `t` to `t + h` (s); `no_rollback` tells the FMU that it never goes back before `t`.
+    /// `DoStep` from `t` to `t + h` (s); with `no_rollback` the FMU need not support a rollback to a time before `t`.
     #[inline]
     pub fn do_step(&mut self, t: f64, h: f64, no_rollback: bool) -> RawStep {
         match self.version() {
@@ -102,7 +102,7 @@ impl RawInstance {
                     // SAFETY: see above.
                     f.do_step2.map(|step| unsafe { step(instance, t, h, no_rollback.into()) })
                 });
-                // FMI 2 has no other way to ask for the end than to discard the step.
+                // In FMI 2 an FMU can request the end only by discarding the step.
                 let terminated = status == Status::Discard && self.wants_to_end();
                 let status = if terminated { Status::Ok } else { status };
                 RawStep { status, terminated, event: false, early: false, reached: None }
@@ -123,7 +123,7 @@ impl RawInstance {
         }
     }
 
-    /// Whether the FMU discarded a step because it wants the simulation to end.
+    /// Whether the FMU discarded a step to request the end of the simulation.
     #[cold]
     fn wants_to_end(&mut self) -> bool {
         const TERMINATED: i32 = 3;
@@ -152,7 +152,7 @@ impl RawInstance {
         self.status(|f, h| f.set_state.map(|f| unsafe { f(h, state.0) }))
     }
 
-    /// Frees a saved state; the FMU must set its pointer to NULL, which [`RawState::is_none`] tells.
+    /// Frees a saved state; the FMU must set its pointer to NULL, see [`RawState::is_none`].
     pub fn free_state(&mut self, state: &mut RawState) -> Status {
         // SAFETY: see above.
         self.status(|f, h| f.free_state.map(|f| unsafe { f(h, &mut state.0) }))

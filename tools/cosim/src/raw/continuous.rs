@@ -9,7 +9,7 @@ use std::ffi::c_int;
 pub struct DiscreteUpdate {
     /// It has to be called once more.
     pub again: bool,
-    /// The FMU asks for the end of the simulation.
+    /// The FMU requests the end of the simulation.
     pub terminate: bool,
     /// Nominal values of states have changed.
     pub nominals_changed: bool,
@@ -20,7 +20,7 @@ pub struct DiscreteUpdate {
 }
 
 // SAFETY, for all unsafe blocks below: the functions belong to the loaded library, the handle is alive, and each
-// pointer comes with the length of what it points to.
+// pointer is passed with the length of its array.
 impl RawInstance {
     /// One iteration of the events.
     pub fn update_discrete_states(&mut self) -> (Status, DiscreteUpdate) {
@@ -57,8 +57,8 @@ impl RawInstance {
         (status, update)
     }
 
-    /// `CompletedIntegratorStep`, without going back before this point; then whether event mode is asked for, and
-    /// whether the end is.
+    /// `CompletedIntegratorStep`, without a later rollback to a time before this point; returns whether the FMU requests event mode and
+    /// whether it requests the end of the simulation.
     pub fn completed_integrator_step(&mut self) -> (Status, bool, bool) {
         match self.version() {
             FmiVersion::V2 => {

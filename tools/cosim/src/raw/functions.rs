@@ -20,7 +20,7 @@ pub(crate) struct EventInfo {
 }
 
 /// Declares the table: `field: C type = symbol in FMI 2.0, symbol in FMI 3.0`, with `_` for no such function. What both
-/// standards have with one C type is one field. Each line of `values` stands for a get and a set function, with the part
+/// standards have with one C type is one field. Each line of `values` declares a get and a set function, with the part
 /// of their names that names the type. The symbols of a field are also in `names`, for messages.
 macro_rules! functions {
     (

@@ -3,7 +3,7 @@ use crate::{Error, Recording, plot};
 use std::path::Path;
 
 impl Recording {
-    /// Draws the outputs over time as SVG: one panel for each unit, kelvin as degC where the FMU says so.
+    /// Draws the outputs over time as SVG: one panel for each unit, kelvin as degC if the FMU declares this display unit.
     ///
     /// # Errors
     /// [`Error::Plot`], [`Error::Io`].

@@ -1,7 +1,7 @@
 //! Resolves the names of a system in its FMUs: the source and the conversion of each connected input, and the values to set.
 use super::ends::{Found, apart, find, no_signal, sort};
 use super::parts::{Parts, Port};
-use super::settings::{Given, given, owner, refused, told, value};
+use super::settings::{Given, given, owner, refused, setting_error, value};
 use super::structure::{Connection, Direction, End};
 use super::units::{Affine, conversion};
 use crate::{Causality, Error, Kind, Unit, Value};
@@ -26,7 +26,7 @@ pub(crate) struct SystemOutput {
     pub(crate) unit: Option<Unit>,
 }
 
-/// Everything that the master needs to know of the connections.
+/// The connections as the master uses them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Connections {
     /// Connected outputs, each once.
@@ -48,7 +48,7 @@ pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Co
     for (index, component) in structure.components.iter().enumerate() {
         for setting in &component.settings {
             let set = value(parts.description(index), &setting.name, setting, None);
-            connections.put(index, set.map_err(|e| told(component, setting, false, e))?);
+            connections.put(index, set.map_err(|e| setting_error(component, setting, false, e))?);
         }
     }
     // What belongs to no component is for inputs of the system.
@@ -56,7 +56,8 @@ pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Co
     for Given { setting, asked, used } in &mut given {
         let Some((index, name)) = owner(structure, &setting.name) else { continue };
         let set = value(parts.description(index), name, setting, None);
-        connections.put(index, set.map_err(|e| told(&structure.components[index], setting, *asked, e))?);
+        connections
+            .put(index, set.map_err(|e| setting_error(&structure.components[index], setting, *asked, e))?);
         *used = true;
     }
     for (index, connection) in structure.connections.iter().enumerate() {
@@ -93,7 +94,7 @@ impl Connections {
                 self.join(parts, index, connection, a, b)
             }
             (Found::System { .. }, Found::System { .. }) => {
-                Err(fault("both ends are connectors of the system, no component is between them".to_owned()))
+                Err(fault("both ends are connectors of the system".to_owned()))
             }
             (
                 Found::System { name, declared },
@@ -144,7 +145,7 @@ impl Connections {
                 let set =
                     value(parts.description(port.component), variable, setting, Some((outer.as_ref(), way)));
                 let component = &parts.structure.components[port.component];
-                self.put(port.component, set.map_err(|e| told(component, setting, *asked, e))?);
+                self.put(port.component, set.map_err(|e| setting_error(component, setting, *asked, e))?);
                 Ok(())
             }
         }
@@ -225,7 +226,7 @@ impl Connections {
         }
     }
 
-    /// Inputs that nobody inputs keep their start value, if they have one.
+    /// Unconnected inputs keep their start value, if they have one.
     fn check_open_inputs(&mut self, parts: Parts) -> Result<(), Error> {
         for (index, component) in parts.structure.components.iter().enumerate() {
             let mut open: Vec<&str> = Vec::new();

@@ -67,7 +67,7 @@ pub(crate) fn find<'a>(parts: Parts<'a>, connection: &Connection, end: &'a End) 
     let way = |a: &Option<Unit>, b: &Option<Unit>| conversion(a.as_ref(), b.as_ref(), variable.relative);
     let (Some(to_connector), Some(from_connector)) = (way(&inner, &outer), way(&outer, &inner)) else {
         return Err(at(format!(
-            "its unit {} is no unit of the variable, which is in {}",
+            "its unit {} is not compatible with the variable, whose unit is {}",
             named(&outer),
             named(&inner)
         )));

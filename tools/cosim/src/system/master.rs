@@ -8,7 +8,7 @@ use super::units::Affine;
 use crate::simulate::set_structural;
 use crate::{Causality, Error, FmiVersion, Instance, Kind, Log, State, Step, Value, Variability, Variable};
 
-/// How components see each other during a step.
+/// Coupling algorithm during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Algorithm {
     /// All components step with the outputs at the beginning of the step. Direct feedthrough is resolved within the
@@ -29,7 +29,7 @@ struct Round {
     sets: Vec<Batch>,
 }
 
-/// State of the master itself, beside the states of the FMUs.
+/// State of the master, in addition to the states of the FMUs.
 #[derive(Clone, Debug)]
 struct Memory {
     /// Connected outputs now.
@@ -61,7 +61,7 @@ impl Memory {
 pub(crate) struct Outcome {
     pub(crate) steps: usize,
     pub(crate) rejected: usize,
-    /// The component that asked for the end, and when.
+    /// The component that requested the end, and the time.
     pub(crate) ended: Option<(usize, f64)>,
 }
 
@@ -251,7 +251,7 @@ impl Master {
         let input = &connections.inputs[input];
         let connection = &parts.structure.connections[input.connection];
         Err(connection.place.fault(format!(
-            "{connection}: no consistent initial values, {} still changes after {MAX_ITERATIONS} rounds",
+            "{connection}: no consistent initial values, {} still changes after {MAX_ITERATIONS} iterations",
             parts.name(input.port)
         )))
     }
@@ -269,7 +269,7 @@ impl Master {
         self.memory.inputs.iter().zip(&self.memory.earlier).position(moved)
     }
 
-    /// One communication step. `Some(component)` if a component asks for the end.
+    /// One communication step. `Some(component)` if a component requests the end.
     pub(crate) fn step(&mut self, t: f64, h: f64) -> Result<Option<usize>, Error> {
         self.before.copy_from_slice(&self.memory.outputs);
         self.extrapolate();

@@ -1,5 +1,5 @@
-//! In which order connected outputs are read and inputs are set, so that what passes through an FMU without a step in
-//! between arrives in one go; and in which order components step after each other.
+//! The order in which connected outputs are read and inputs are set, so that values with direct feedthrough are consistent
+//! at a communication point, and the order in which components step.
 use super::connections::Connections;
 use super::parts::Parts;
 use crate::Error;
@@ -29,8 +29,8 @@ struct Graph<'a> {
 /// Orders the connections.
 ///
 /// # Errors
-/// An algebraic loop through declared dependencies, with all that it leads through. Dependencies that an FMU leaves open
-/// count, too, unless they close a loop: then the values go round with a step's delay, and a note says so.
+/// An algebraic loop through declared dependencies, with the variables along it. If an FMU declares no dependencies, all are assumed;
+/// a loop that contains such a dependency is solved with a delay of one step, and a note reports it.
 pub(crate) fn order(parts: Parts, connections: &Connections) -> Result<Order, Error> {
     let mut notes = Vec::new();
     let all = Graph::new(parts, connections, true);
@@ -40,12 +40,12 @@ pub(crate) fn order(parts: Parts, connections: &Connections) -> Result<Order, Er
             let declared = Graph::new(parts, connections, false);
             if let Some(circle) = declared.circle() {
                 let place = &parts.structure.connections[connections.inputs[circle[0]].connection].place;
-                return Err(place.fault(format!("algebraic loop: {}", declared.told(&circle))));
+                return Err(place.fault(format!("algebraic loop: {}", declared.path_text(&circle))));
             }
             notes.push(format!(
                 "{} may be an algebraic loop, as an FMU in it does not declare what its outputs depend on; \
-                 the values go round one step late",
-                all.told(&open)
+                 the values are delayed by one step",
+                all.path_text(&open)
             ));
             declared
         }
@@ -66,7 +66,7 @@ impl<'a> Graph<'a> {
         Self { parts, connections, through: through.collect() }
     }
 
-    /// The inputs along a circle, in the order in which values go round.
+    /// The inputs along a loop, in the direction of the signal flow.
     fn circle(&self) -> Option<Vec<usize>> {
         #[derive(Clone, Copy, PartialEq)]
         enum Mark {
@@ -87,7 +87,7 @@ impl<'a> Graph<'a> {
                     Mark::Done => {}
                     Mark::Open => {
                         let first = path.iter().position(|i| *i == next).unwrap_or(0);
-                        // The path goes against the stream.
+                        // The path runs against the signal flow.
                         return Some(path[first..].iter().rev().copied().collect());
                     }
                     Mark::New => {
@@ -114,7 +114,8 @@ impl<'a> Graph<'a> {
         None
     }
 
-    fn told(&self, circle: &[usize]) -> String {
+    /// The variables along a loop as text.
+    fn path_text(&self, circle: &[usize]) -> String {
         let mut words = Vec::new();
         for &input in circle {
             let input = &self.connections.inputs[input];
@@ -128,7 +129,7 @@ impl<'a> Graph<'a> {
     fn rounds(&self) -> (Vec<usize>, Vec<usize>, usize) {
         let count = self.connections.outputs.len();
         let mut read = vec![0_usize; count];
-        // Without circles the longest way has no more members than there are outputs.
+        // Without loops the longest path has at most as many members as there are outputs.
         for _ in 0..count {
             for output in 0..count {
                 let after = self.through[output].iter().map(|i| read[self.connections.inputs[*i].source] + 1);
@@ -136,15 +137,15 @@ impl<'a> Graph<'a> {
             }
         }
         let rounds: usize = read.iter().max().map_or(0, |r| r + 1);
-        // An input waits as long as nobody needs it, so that most inputs of a component go in one call.
+        // An input is set as late as possible, so that most inputs of a component are set in one call.
         let needed = |input: usize| {
             let users = (0..count).filter(|o| self.through[*o].contains(&input));
             users.map(|o| read[o]).min().map(|first| first - 1)
         };
         let inputs = &self.connections.inputs;
         let asked: Vec<Option<usize>> = (0..inputs.len()).map(needed).collect();
-        // One that nobody needs goes with others of its component: set after its outputs were read, it would let the
-        // component forget what it has computed for them.
+        // An input without dependent outputs is set together with others of its component: if it were set after the outputs were
+        // read, the component would have to compute them again.
         let with_others = |input: usize| {
             let input = &inputs[input];
             let others = inputs.iter().zip(&asked).filter(|(f, _)| f.port.component == input.port.component);
@@ -156,8 +157,7 @@ impl<'a> Graph<'a> {
         (read, set, rounds)
     }
 
-    /// Components with sources before those that pass their values on, or that input nobody; otherwise in the order of
-    /// the file.
+    /// Source components before those that depend on them; otherwise in the order of the file.
     fn components(&self) -> Vec<usize> {
         let count = self.parts.structure.components.len();
         let (outputs, inputs) = (&self.connections.outputs, &self.connections.inputs);

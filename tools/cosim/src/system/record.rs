@@ -1,14 +1,14 @@
-//! What is kept of a run: a row for every so many communication points, all numeric outputs of all components.
+//! The recording of a run: rows at a multiple of the communication step, all numeric outputs of all components.
 use super::connections::Connections;
 use super::master::Master;
 use super::parts::Parts;
 use crate::simulate::Recorder;
 use crate::{Column, Error, Kind, Value, Variable};
 
-/// Rows that a run keeps unless more are asked for.
+/// Default limit of the number of rows.
 pub(crate) const ROWS: usize = 100_000;
 
-/// Collects rows. When there is no room for more, every second one goes, and from then on only every second one comes.
+/// Collects rows. At the limit every second row is removed and the output interval is doubled.
 pub(crate) struct Record {
     recorders: Vec<Recorder>,
     times: Vec<f64>,
@@ -21,7 +21,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    /// For `points` communication points, if that is known; `every` as asked for.
+    /// For `points` communication points, if that is known; `every` from the options.
     pub(crate) fn new(
         parts: Parts,
         connections: &Connections,
@@ -47,7 +47,7 @@ impl Record {
         })
     }
 
-    /// Told at each communication point; keeps a row if it is time for one, or if it is the `last`.
+    /// Called at each communication point; records a row at the output interval and at the `last` point.
     pub(crate) fn point(&mut self, master: &mut Master, t: f64, last: bool) -> Result<(), Error> {
         if self.points.is_multiple_of(self.every) || last {
             if self.room.is_some_and(|room| self.times.len() >= room) {

@@ -11,7 +11,7 @@ use crate::grid::Grid;
 use crate::{Error, Log, Recording};
 use std::time::Instant;
 
-/// How to run a system. What is `None` comes from the system, then from its FMUs.
+/// Options of a run of a system. `None` means the value of the system, else of its FMUs.
 #[derive(Clone, Debug, Default)]
 pub struct SystemOptions {
     /// Start time (s), else 0.
@@ -25,14 +25,14 @@ pub struct SystemOptions {
     pub tolerance: Option<f64>,
     /// Settings `component.variable` or inputs of the system, as name and text; they win over the file's.
     pub sets: Vec<(String, String)>,
-    /// How components see each other.
+    /// Coupling algorithm.
     pub algorithm: Algorithm,
     /// Hold all inputs constant during a step, also where an FMU takes input derivatives.
     pub held_inputs: bool,
     /// Communication points between rows of the recording; by default the least of 1, 2, 5, 10, 20, ... that keeps the
     /// rows at 100,000.
     pub every: Option<usize>,
-    /// Where the FMUs' messages go.
+    /// Log of the FMUs' messages.
     pub log: Log,
 }
 
@@ -45,7 +45,7 @@ pub struct SystemRun {
     pub bonds: Vec<PowerBond>,
     /// Warnings: inputs without a source, loops closed with a delay of one step.
     pub notes: Vec<String>,
-    /// The component that asked for the end, if the run ended early.
+    /// The component that requested the end, if the run ended early.
     pub ended_by: Option<String>,
     /// Communication points between rows.
     pub every: usize,
@@ -59,13 +59,13 @@ pub struct SystemRun {
 
 /// Runs a system from start to stop.
 ///
-/// At every communication point all connections are brought up to date, in an order in which values that pass through
-/// a component without a step in between arrive at once (but see [`Algorithm`]). Then all components step.
+/// At every communication point all connections are updated, in an order that respects direct feedthrough (see [`Algorithm`] for
+/// the exception). Then all components step.
 /// `progress` gets the fraction of the time that is simulated, 0 ... 1, at most about 200 times.
 ///
 /// # Errors
 /// A connection, a setting or a component that does not fit, with its place in the file; an algebraic loop; bad times;
-/// an FMU that refuses, with its own words.
+/// a failed call of an FMU, with its messages.
 pub fn cosimulate(
     system: &System,
     options: &SystemOptions,
@@ -79,7 +79,7 @@ pub fn cosimulate(
     let stop = options.stop.or(structure.stop).unwrap_or(start + 1.0);
     let proposed = parts.archives.iter().filter_map(|a| a.description().default_experiment.step);
     let step = options.step.or(structure.step).or(proposed.reduce(f64::min));
-    // A variable step does not keep to a grid.
+    // A variable step has no fixed communication points.
     let rigid = rigid(parts).filter(|_| options.tolerance.is_none());
     let grid = Grid::new(start, stop, step, |span| span / 500.0, rigid)?;
     if options.every == Some(0) {
@@ -175,7 +175,7 @@ fn rigid(parts: Parts<'_>) -> Option<&str> {
     Some(&parts.structure.components[index].name)
 }
 
-/// A variable step needs FMUs that vary their step and go back.
+/// A variable step needs FMUs with variable communication step size and rollback.
 fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
     let refuse =
         |reason: String| Err(Error::Option { option: "tolerance", value: tolerance.to_string(), reason });
@@ -183,11 +183,11 @@ fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
         return refuse("must be above 0 and below 1".to_owned());
     }
     if let Some(name) = rigid(parts) {
-        return refuse(format!("asks for a variable step, and {name} cannot vary its step"));
+        return refuse(format!("requires a variable communication step, which {name} does not support"));
     }
     for (archive, component) in parts.archives.iter().zip(&parts.structure.components) {
         if !archive.description().co_simulation.as_ref().is_some_and(|c| c.can_get_and_set_state) {
-            return refuse(format!("asks for repeated steps, and {} cannot save its state", component.name));
+            return refuse(format!("requires rollback, but {} cannot save its state", component.name));
         }
     }
     Ok(())

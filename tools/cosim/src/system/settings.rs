@@ -1,4 +1,4 @@
-//! Values for parameters and inputs: whose they are, in which unit, and what is wrong with them.
+//! Values for parameters and inputs: component, unit, and errors.
 use super::ends::named;
 use super::structure::{Component, Place, Setting, Structure};
 use super::units::{Affine, conversion, unit_of};
@@ -7,9 +7,9 @@ use crate::{Error, ModelDescription, Unit, Value};
 /// A setting with its origin.
 pub(crate) struct Given {
     pub(crate) setting: Setting,
-    /// Asked for on the command line, and not in the file.
+    /// Given on the command line, not in the file.
     pub(crate) asked: bool,
-    /// Somebody took it.
+    /// The setting was applied.
     pub(crate) used: bool,
 }
 
@@ -64,8 +64,8 @@ pub(crate) fn value(
     Ok((place, description.value_of(variable, &text)?))
 }
 
-/// What is wrong with a setting, and where it stands.
-pub(crate) fn told(component: &Component, setting: &Setting, asked: bool, error: Error) -> Error {
+/// Error of a setting, with its location.
+pub(crate) fn setting_error(component: &Component, setting: &Setting, asked: bool, error: Error) -> Error {
     if asked {
         return refused(setting, true, format!("is refused: {error}"));
     }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(crate) const MAIN: &str = "SystemStructure.ssd";
 /// MIME type of a component that is an FMU.
 pub(crate) const FMU: &str = "application/x-fmu-sharedlibrary";
-/// Type of the annotation that holds a step size, which SSP 1.0 itself has no place for.
+/// Type of the annotation with the step size, for which SSP 1.0 has no element.
 pub(crate) const STEP_ANNOTATION: &str = "com.opensimulationplatform";
 
 /// Unpacks and reads the package at `path`.
@@ -104,7 +104,9 @@ impl Reader {
         }
         let version = file.required(root, "version")?;
         if !version.starts_with("1.") {
-            return Err(file.fault(root, format!("version {version:?} is not supported, only SSP 1 is")));
+            return Err(
+                file.fault(root, format!("version {version:?} is not supported; only SSP 1 is supported"))
+            );
         }
         file.units(child(root, "Units"))?;
         let system = child(root, "System").ok_or_else(|| file.fault(root, "there is no <System>"))?;
@@ -137,8 +139,7 @@ impl Reader {
         match node.tag_name().name() {
             "Component" => {}
             "System" => {
-                let message =
-                    format!("element {name} is a system within the system, and only flat systems are run");
+                let message = format!("element {name} is a nested system; only flat systems are supported");
                 return Err(file.fault(node, message));
             }
             other => {
@@ -152,12 +153,13 @@ impl Reader {
             return Err(file.fault(node, format!("component {name} is of type {kind:?}, not an FMU ({FMU})")));
         }
         if node.attribute("implementation") == Some("ModelExchange") {
-            let message = format!("component {name} asks for Model Exchange, and only Co-Simulation is run");
+            let message =
+                format!("component {name} requires Model Exchange; only Co-Simulation is supported");
             return Err(file.fault(node, message));
         }
         let source = file.required(node, "source")?.to_owned();
         let path = self.resource(&source).ok_or_else(|| {
-            let message = format!("component {name}: the source {source:?} is no file within the package");
+            let message = format!("component {name}: the source {source:?} is not a file in the package");
             file.fault(node, message)
         })?;
         Ok(Component {
@@ -206,7 +208,7 @@ impl Reader {
                 let text = readable.ok_or_else(|| {
                     file.fault(
                         binding,
-                        format!("the parameter file {source:?} is not in the package, or no text"),
+                        format!("the parameter file {source:?} is not in the package or is not text"),
                     )
                 })?;
                 let name: Arc<str> = format!("{}: {source}", self.package).into();
@@ -226,7 +228,7 @@ impl Reader {
 /// The values of one `ParameterSet`.
 fn parameters(mut file: File, set: Node, prefix: &str, settings: &mut Vec<Setting>) -> Result<(), Error> {
     if set.tag_name().name() != "ParameterSet" {
-        return Err(file.fault(set, format!("<{}> is no <ParameterSet>", set.tag_name().name())));
+        return Err(file.fault(set, format!("<{}> is not a <ParameterSet>", set.tag_name().name())));
     }
     file.units(child(set, "Units"))?;
     for node in elements(child(set, "Parameters")) {
@@ -252,7 +254,7 @@ fn connectors(file: &File, element: Node) -> Result<Vec<Connector>, Error> {
             "output" => Direction::Output,
             "parameter" | "calculatedParameter" => Direction::Parameter,
             other => {
-                return Err(file.fault(node, format!("connector {name}: the kind {other:?} does not exist")));
+                return Err(file.fault(node, format!("connector {name}: unknown kind {other:?}")));
             }
         };
         let (mut sort, mut unit) = (None, None);

@@ -24,7 +24,7 @@ impl Place {
 pub(crate) enum Direction {
     Input,
     Output,
-    /// Parameters can be set, but no connection leads there.
+    /// Parameters can be set but not connected.
     Parameter,
 }
 
@@ -38,7 +38,7 @@ impl fmt::Display for Direction {
     }
 }
 
-/// The types of SSP; each stands for all FMI types of its sort.
+/// The types of SSP; each corresponds to several FMI types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sort {
     Real,
@@ -126,7 +126,7 @@ pub(crate) struct Structure {
     pub(crate) stop: Option<f64>,
     pub(crate) step: Option<f64>,
     pub(crate) components: Vec<Component>,
-    /// Connectors of the system itself; `None`: whatever the connections name.
+    /// Connectors of the system itself; `None`: those that the connections name.
     pub(crate) connectors: Option<Vec<Connector>>,
     /// Values for `component.variable` or for an input of the system.
     pub(crate) settings: Vec<Setting>,

@@ -71,7 +71,7 @@ impl Lines<'_> {
                 Value::Float(number) => number.to_string(),
                 Value::Boolean(flag) => flag.to_string(),
                 _ => {
-                    return Err(place.fault(format!("{} is no number, text or Boolean", name.get_ref())));
+                    return Err(place.fault(format!("{} is not a number, text or Boolean", name.get_ref())));
                 }
             };
             settings.push(Setting { name: name.into_inner(), text, unit: None, place });
@@ -119,7 +119,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
         let ends: Vec<&str> = text.get_ref().split("->").map(str::trim).collect();
         let [start, end] = ends[..] else {
             let form = "\"component.output -> component.input\"";
-            return Err(place.fault(format!("{:?} is no connection, it should read {form}", text.get_ref())));
+            return Err(place.fault(format!("{:?} is not a connection; expected: {form}", text.get_ref())));
         };
         connections.push(Connection {
             start: self::end(start),
@@ -206,7 +206,7 @@ fmu = "b.fmu"
             ),
             (
                 "[system]\nname = \"s\"\nconnect = [\"a.y, b.u\"]\n",
-                "s.toml, line 3: \"a.y, b.u\" is no connection, it should read \"component.output -> component.input\"",
+                "s.toml, line 3: \"a.y, b.u\" is not a connection; expected: \"component.output -> component.input\"",
             ),
             (
                 "[system]\nname = \"s\"\n[[component]]\nname = \"a.b\"\nfmu = \"a.fmu\"\n",
@@ -214,7 +214,7 @@ fmu = "b.fmu"
             ),
             (
                 &format!("[system]\nname = \"s\"\n{component}[component.set]\np = [1]\n"),
-                "s.toml, line 7: p is no number, text or Boolean",
+                "s.toml, line 7: p is not a number, text or Boolean",
             ),
         ] {
             assert_eq!(parse(text, "s.toml", Path::new("")).unwrap_err().to_string(), expected);

@@ -29,10 +29,9 @@ pub(crate) fn unit_of(description: &ModelDescription, variable: &Variable) -> Op
     Some(defined.unwrap_or_else(|| Unit { name: name.clone(), base: None, display_units: Vec::new() }))
 }
 
-/// The conversion of values from one unit to another; of differences if `relative`, which know no offset.
+/// The conversion of values from one unit to another; of differences, without offset, if `relative`.
 ///
-/// Without a unit on either side there is nothing to convert. `None` if the units measure different things or
-/// nobody says what they are.
+/// Without a unit on one side the value is not converted. `None` if the dimensions of the units differ or a unit is undefined.
 pub(crate) fn conversion(from: Option<&Unit>, to: Option<&Unit>, relative: bool) -> Option<Affine> {
     let (Some(from), Some(to)) = (from, to) else { return Some(Affine::IDENTITY) };
     let (Some(a), Some(b)) = (from.base, to.base) else {

@@ -26,7 +26,7 @@ const GROW: f64 = 2.0;
 enum Attempt {
     /// Completed, with its error estimate over the allowed error.
     Completed(f64),
-    /// A component asks for the end.
+    /// A component requests the end.
     Ended(usize),
     /// An FMU refused it.
     Refused(Error),

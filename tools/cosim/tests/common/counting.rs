@@ -1,4 +1,4 @@
-//! A global allocator that counts: for tests that nothing is allocated.
+//! A counting global allocator, for tests of allocations.
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 

@@ -90,7 +90,7 @@ pub fn zip(path: &Path, entries: &[(&str, &[u8])]) {
     zip.finish().unwrap();
 }
 
-/// A folder with the three FMUs and whatever a test adds.
+/// A folder with the three FMUs and files of the test.
 pub struct Folder {
     pub dir: tempfile::TempDir,
 }

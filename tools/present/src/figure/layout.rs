@@ -108,7 +108,7 @@ pub(super) fn frame(title: &str, content: Markup, height: f64) -> String {
     svg.into_string()
 }
 
-/// What stands before a name in a legend.
+/// The symbol before a name in a legend.
 pub(super) enum Swatch {
     Line(Option<&'static str>),
     Point,

@@ -6,7 +6,7 @@ pub mod thesis;
 
 use serde::Serialize;
 
-/// What the audit says of a published number.
+/// Assessment of a published number in the audit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -60,7 +60,7 @@ impl Verdict {
     }
 }
 
-/// How a native model came to a value that stands beside a published one.
+/// Origin of a native model's value: prediction or fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
@@ -115,11 +115,11 @@ pub struct Row {
     pub printed: Printed,
     /// Recomputed by the published equations and inputs.
     pub as_published: Option<f64>,
-    /// Recomputed by right equations and the inputs that were really used.
+    /// Recomputed with correct equations and the inputs that were used.
     pub corrected: Option<f64>,
-    /// Whether the model behind `corrected` was fitted to the published value; absent where no fitted model is behind it.
+    /// Whether the model of `corrected` was fitted to the published value; `None` without a fitted model.
     pub basis: Option<Basis>,
-    /// Computed by the native model with declared values, nothing fitted.
+    /// Computed by the native model with declared values, untuned.
     pub untuned: Option<f64>,
     /// Computed by the native model fitted to the other tests, without this one.
     pub leave_one_out: Option<f64>,
@@ -134,7 +134,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row with nothing recomputed yet; it holds.
+    /// A row without a recomputed value; its verdict is `Holds`.
     pub fn new(
         id: &'static str,
         location: &'static str,
@@ -165,19 +165,19 @@ impl Row {
         self
     }
 
-    /// With the right value.
+    /// With the corrected value.
     pub fn right(mut self, value: impl Into<Option<f64>>) -> Row {
         self.corrected = value.into();
         self
     }
 
-    /// With the fact that the model behind the right value was fitted to the published one, or not.
+    /// With the origin of the corrected value: fit or prediction.
     pub fn by(mut self, basis: Basis) -> Row {
         self.basis = self.corrected.map(|_| basis);
         self
     }
 
-    /// With what the model predicts untuned, and fitted to the other tests.
+    /// With the predictions of the untuned model and of the model fitted to the other tests.
     pub fn predictions(mut self, untuned: Option<f64>, leave_one_out: Option<f64>) -> Row {
         (self.untuned, self.leave_one_out) = (untuned, leave_one_out);
         self
@@ -196,7 +196,7 @@ impl Row {
         self
     }
 
-    /// With a remark; the verdict stays.
+    /// With a remark; the verdict does not change.
     pub fn note(mut self, note: impl Into<String>) -> Row {
         self.note = note.into();
         self

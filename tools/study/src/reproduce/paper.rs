@@ -72,11 +72,11 @@ pub struct Temperatures {
     pub power_W: Vec<f64>,
     /// Measured less the line T = a + b P of least squares, K, at each duty.
     pub residuals_K: Vec<f64>,
-    /// Rise of a truly adiabatic box of 95 J/K by the work at full duty, K.
+    /// Temperature rise of an adiabatic box of 95 J/K by the work at full duty, K.
     pub adiabatic_rise_K: f64,
     /// Winding temperature of the native model after 900 s at each duty, degC, each run from ambient.
     pub simulated_degC: Option<Vec<f64>>,
-    /// What follows.
+    /// Conclusion.
     pub finding: String,
 }
 
@@ -100,7 +100,7 @@ pub struct Measured {
     pub temperature_degC: f64,
 }
 
-/// A published quantity beside the simulated one.
+/// A published quantity and its simulated value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compared {
     /// What it is.
@@ -137,13 +137,13 @@ pub struct Paper {
     pub temperatures: Temperatures,
     /// The native model's runs.
     pub simulated: Option<Vec<Run>>,
-    /// Published quantities beside those of the runs, each with whether it was used in the fit of the preset.
+    /// Published and simulated quantities, with their use in the fit of the preset.
     pub compared: Vec<Compared>,
     /// Every published number.
     pub rows: Vec<Row>,
-    /// Which statements hold and which do not.
+    /// Assessment of the paper's statements.
     pub conclusion: String,
-    /// Why the native model is not there, where it is not.
+    /// Reason why the native model is not available; `None` if it is.
     pub absent: Option<String>,
 }
 
@@ -165,7 +165,7 @@ pub fn paper() -> Result<Paper, StudyError> {
     let conclusion = format!(
         "At full duty {} V = {} V in the resistance + {} V against the counter-electromotive force, {} A and {} W are \
          consistent; {misprints} numbers and equations have the wrong unit, among them all works; the mechanical part is \
-         friction, for no load was on the shaft; {}",
+         friction, because the shaft had no load; {}",
         significant(voltage.total),
         significant(voltage.electrical),
         significant(voltage.mechanical),
@@ -206,7 +206,7 @@ fn speed_at_full_duty() -> f64 {
     V_MECHANICAL * CURRENT / rows::TORQUE
 }
 
-/// Published quantities beside those of the runs.
+/// Published and simulated quantities.
 fn compared(runs: &[Run]) -> Vec<Compared> {
     let line = |f: &dyn Fn(&Run) -> f64| {
         Line::through(&runs.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>())
@@ -238,7 +238,7 @@ fn compared(runs: &[Run]) -> Vec<Compared> {
     .to_vec()
 }
 
-/// How a row's simulated value came about.
+/// Origin of a row's simulated value.
 fn basis(compared: &[Compared], quantity: &str) -> Basis {
     let used = compared.iter().any(|c| c.quantity == quantity && c.used_in_fit);
     if used { Basis::Fitted } else { Basis::Predicted }
@@ -300,8 +300,8 @@ fn temperatures(simulated: &Result<Vec<Run>, String>, work: &Parts) -> Temperatu
     let adiabatic = work.total / native::BOX_CAPACITY;
     let ratio = points[4].0 / points[0].0;
     let finding = format!(
-        "heating power rises {ratio:.1} times from 20 to 100 % while the winding is said to have two temperatures, \
-         {} and {} degC; the best line in power is off by up to {worst:.1} K, and an adiabatic box of {} J/K \
+        "heating power rises {ratio:.1} times from 20 to 100 % while the paper states two winding temperatures, \
+         {} and {} degC; the best line over power has an error of up to {worst:.1} K, and an adiabatic box of {} J/K \
          has no plateau but a rise of {adiabatic:.1} K in 900 s.",
         PLATEAUS.0,
         PLATEAUS.1,
@@ -386,8 +386,8 @@ mod tests {
         }
     }
 
-    /// Each comparison says whether its published value was used in the fit; those that were agree, as a fit does, and what was
-    /// not used is a prediction: the work within 1 %, the temperatures within 5 K of the published plateaus.
+    /// Each comparison states whether its published value was used in the fit. Values used in the fit agree; the others are
+    /// predictions: the work within 1 %, the temperatures within 5 K of the published plateaus.
     #[test]
     fn fitted_and_predicted_quantities_are_distinguished() {
         let paper = paper().unwrap();

@@ -26,7 +26,7 @@ choice.onchange=()=>{for(const r of document.querySelectorAll('#rows tbody tr'))
 r.hidden=choice.value===''?false:r.dataset.filter!==choice.value};
 ";
 
-/// Everything that a page says.
+/// The content of a page.
 struct Content<'a> {
     name: &'static str,
     title: &'static str,

@@ -39,7 +39,7 @@ pub struct CaseResult {
     pub T_w_as_published_K: Option<f64>,
     /// Winding temperature of the native model fitted to all eight tests, K: the agreement is that of a fit.
     pub T_w_model_K: Option<f64>,
-    /// Winding temperature of the native model with nothing fitted, K.
+    /// Winding temperature of the untuned native model, K.
     pub T_w_untuned_K: Option<f64>,
     /// Winding temperature of the native model fitted to the other seven tests, K; absent where no fit is made.
     pub T_w_leave_one_out_K: Option<f64>,
@@ -66,7 +66,7 @@ impl CaseResult {
         Some(projection::r_ha(t_w?, self.ambient_K, self.power_W))
     }
 
-    /// The same with nothing fitted, K/W.
+    /// The same of the untuned model, K/W.
     pub fn r_ha_untuned(&self) -> Option<f64> {
         self.r_ha(self.T_w_untuned_K)
     }
@@ -76,7 +76,7 @@ impl CaseResult {
         self.r_ha(self.T_w_leave_one_out_K)
     }
 
-    /// Enters what the model says of the test: fitted to all tests, untuned, fitted to the others.
+    /// Adds the model's values for the test: fitted to all tests, untuned, fitted to the others.
     fn predict(&mut self, fitted: Option<f64>, untuned: Option<f64>, left_out: Option<f64>) {
         (self.T_w_model_K, self.T_w_untuned_K, self.T_w_leave_one_out_K) = (fitted, untuned, left_out);
         self.R_ha_model = self.r_ha(fitted);
@@ -87,7 +87,7 @@ impl CaseResult {
     }
 }
 
-/// What the published annulus model gives.
+/// Results of the published annulus model.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(non_snake_case)] // the keys of the JSON contract
 pub struct Published {
@@ -118,13 +118,13 @@ pub struct Thesis {
     pub rows: Vec<Row>,
     /// The answer to the thesis's question, computed from the cases.
     pub conclusion: String,
-    /// What the calibrated model predicts for a test that it was not calibrated with.
+    /// Predictions of the calibrated model for tests that were not used in the calibration.
     pub leave_one_out: Option<Vec<LeftOut>>,
-    /// What the eight tests determine of the fitted parameters.
+    /// Identifiability of the fitted parameters from the eight tests.
     pub identifiability: Option<Fit>,
     /// The same in sentences: which parameters are determined, which only together, which not at all.
     pub findings: Vec<String>,
-    /// Why the native model is not there, where it is not.
+    /// Reason why the native model is not available; `None` if it is.
     pub absent: Option<String>,
 }
 
@@ -250,7 +250,7 @@ fn conclusion(cases: &[CaseResult]) -> String {
     let worst_fan = densities(false).fold(f64::MAX, f64::min);
     let best_annulus = densities(true).fold(f64::MIN, f64::max);
     let fan_alone =
-        if worst_fan > best_annulus { ", and the fan alone beats every annulus tested" } else { "" };
+        if worst_fan > best_annulus { ", and the fan alone is better than every tested annulus" } else { "" };
     let (at_5_a, density_at_5_a) = best(&|c| c.torque_density_at_5A);
     let (at_limit, torque) = best(&|c| c.torque_at_limit);
     let (least_torque, most_torque) = range(&|c| c.torque_at_limit);
@@ -284,7 +284,7 @@ mod tests {
         for words in ["fan-5mm", "0.4141", "0.3937", "+5.2 %", "the fan alone beats"] {
             assert!(thesis.conclusion.contains(words), "{words} in {}", thesis.conclusion);
         }
-        // The rig as fitted is within 0.5 K of every test; with nothing fitted it is not (audit: up to 21 K).
+        // The fitted rig is within 0.5 K of every test; the untuned model is not (audit: up to 21 K).
         for case in &thesis.cases {
             let miss = |t: Option<f64>| (t.unwrap() - case.T_w_measured_K).abs();
             assert!(miss(case.T_w_model_K) < 0.5, "{case:?}");

@@ -295,8 +295,8 @@ mod tests {
 
     const WALK: &str = "[motor]\ndrive_mode = \"current\"\n[gait]\n\"gait.support\" = 0.6\n";
 
-    /// The fixed point against the long way: stride by stride until nothing moves, in both drives and two ways of cooling.
-    /// A housing of little capacity gets there in minutes; where it gets does not depend on that.
+    /// The fixed point compared with a simulation stride by stride up to the steady state, in both drives and two cooling modes.
+    /// A housing of small heat capacity reaches it in minutes; the steady state does not depend on the capacity.
     #[test]
     fn the_periodic_steady_state_is_where_a_long_walk_ends() {
         for (text, sets) in [

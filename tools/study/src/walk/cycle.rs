@@ -55,10 +55,10 @@ fn change_with_slopes(walker: &mut Walker) -> Result<(Change, DMatrix<f64>), Stu
     Ok((Change { gain: DVector::from_vec(walker.temperatures()) - before, stride }, s))
 }
 
-/// The walker in its steady state, the stride there, and how many strides were walked to find it.
+/// The walker in its periodic steady state, the stride there, and the number of strides that were simulated to find it.
 ///
 /// # Errors
-/// No steady state: the winding runs away.
+/// No steady state: thermal runaway of the winding.
 pub fn steady(walker: &Walker) -> Result<(Walker, Stride, u32), StudyError> {
     let mut walker = walker.clone();
     for _ in 0..SETTLING {
@@ -235,10 +235,10 @@ mod tests {
         Load::parse(&text, "gait.toml", Some(&preset), &[]).unwrap().walker().unwrap()
     }
 
-    /// Up to where the winding runs away there is a steady state, the hotter the more is asked of it. Steps as long as the slopes in
-    /// the cold say lead past it, near the end beyond all bounds.
+    /// Below thermal runaway a steady state exists, and its temperature increases with the support. Steps from the gradients at low
+    /// temperature overshoot it, near the runaway without bound.
     #[test]
-    fn steady_states_end_where_the_winding_runs_away() {
+    fn steady_states_exist_up_to_thermal_runaway() {
         let found: Vec<Option<f64>> = (0..13)
             .map(|k| steady(&bare(0.40 + 0.02 * f64::from(k))).ok().map(|(_, stride, _)| stride.winding[0]))
             .collect();

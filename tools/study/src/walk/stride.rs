@@ -165,7 +165,7 @@ impl Walker {
         }
     }
 
-    /// The motor has stepped: its power at the end of the step is known, and nothing in the step depends on it.
+    /// After the motor's step: its power at the end of the step is known and does not affect the step.
     fn interpolate_power(&mut self) {
         if let Some(Link { from, to, last: Some(last) }) = self.links.last().copied() {
             let slope = (self.models[from.0].get(from.1) - last) / self.h;

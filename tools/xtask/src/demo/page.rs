@@ -93,7 +93,7 @@ pub fn study(results: &str, figure: &str) -> Outcome<Markup> {
         for answers in arrangements.values() {
             let answer = &answers[activity];
             let fraction =
-                answer["support_for_ever"].as_f64().ok_or("the study has no fraction of the torque")?;
+                answer["continuous_support"].as_f64().ok_or("the study has no fraction of the torque")?;
             let minutes = answer["minutes_to_limit"].as_f64();
             let minutes = minutes.map_or_else(|| "continuous".into(), |m| format!("{m:.0} min"));
             cells.push(Cell::Number(format!("{minutes}, {:.0} %", 100.0 * fraction)));
@@ -166,7 +166,7 @@ mod tests {
 
     fn studied() -> String {
         let cell = |minutes: &str, fraction: f64| {
-            format!(r#"{{"walking": {{"minutes_to_limit": {minutes}, "support_for_ever": {fraction}}}}}"#)
+            format!(r#"{{"walking": {{"minutes_to_limit": {minutes}, "continuous_support": {fraction}}}}}"#)
         };
         format!(r#"{{"activities": {{"bare": {}, "fan": {}}}}}"#, cell("15.1", 0.45), cell("null", 1.04))
     }

@@ -1,4 +1,4 @@
-//! Which crate may depend on which: physics know neither FMI nor files, and cosim knows no other crate of the workspace.
+//! Allowed dependencies between crates: physics depends on neither FMI nor files, and cosim on no other crate but present.
 
 use crate::{
     Outcome,
@@ -26,7 +26,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("xtask", &["present"]),
 ];
 
-/// Compares with what `cargo metadata` says.
+/// Compares with `cargo metadata`.
 pub fn check(workspace: &Workspace) -> Outcome {
     let wrong = wrong(&workspace.packages);
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("; ")) }

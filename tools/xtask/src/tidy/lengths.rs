@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const MOST: usize = 500;
 /// Lines from which on a file is named, without failing.
 const LONG: usize = 400;
-/// Generated files say so in their first line.
+/// Generated files are marked in their first line.
 const GENERATED: &str = "@generated";
 /// Folders with the sources of our crates.
 const SOURCES: [&str; 2] = ["fmu-src", "tools"];

@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn a_module_is_named_by_a_line_of_its_own() {
-        assert!(names("mod common;\nmod books;\n", "books"));
-        assert!(!names("mod bookshelf;\n// mod books;\n", "books"));
+        assert!(names("mod common;\nmod balance;\n", "balance"));
+        assert!(!names("mod balances;\n// mod balance;\n", "balance"));
     }
 }

@@ -8,7 +8,7 @@ pub fn both_ways(native: &Native<'_>) -> Option<Captioned> {
     let speed = native.entry("motor_speed")?.row.nominal;
     let most = native.entry("torque_demand")?.row.nominal;
     let load = |torque: f64, speed: f64| {
-        // At the start the spring carries the demand.
+        // At the start the spring torque is equal to the demand.
         let mut run = native.start(&[("torque_demand", torque), ("motor_speed", speed)], &[])?;
         run.get("load_torque")
     };

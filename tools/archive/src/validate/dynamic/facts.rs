@@ -62,7 +62,7 @@ impl Variable {
             && !self.is("structuralParameter")
             && self.start.len() == self.size
     }
-    /// A value beside the start value and within the limits; the start value itself where there is no other.
+    /// A value within the limits that differs from the start value; the start value if there is no other.
     pub(super) fn other_value(&self) -> f64 {
         let start = self.start.first().copied().unwrap_or(0.0);
         if !self.kind.is_float() {
@@ -260,7 +260,7 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
     };
     let written = v.typed.attribute("start").filter(|_| kind.is_numeric()).unwrap_or_default();
     let mut start: Vec<f64> = written.split_ascii_whitespace().filter_map(number).collect();
-    // One value stands for all elements.
+    // One value applies to all elements.
     if let [all] = start[..] {
         start = vec![all; size];
     }

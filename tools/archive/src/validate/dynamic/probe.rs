@@ -1,4 +1,4 @@
-//! What the child process does: all stages for all interface types, each event reported as it happens.
+//! The child process: all stages for all interface types; each event is reported immediately.
 
 use std::path::Path;
 

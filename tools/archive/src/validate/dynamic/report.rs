@@ -15,7 +15,7 @@ use crate::validate::rules::Rule;
 pub enum Event {
     /// A stage begins: its number and its description.
     Begin(usize, String),
-    /// Calls still return; sent now and then, so that a slow FMU does not count as hung.
+    /// Heartbeat while calls return, so that a slow FMU does not count as hung.
     Alive,
     /// Something was found.
     Seen(Observation),
@@ -58,7 +58,7 @@ impl Fault {
     }
 }
 
-/// Least time between two signs of life.
+/// Shortest interval between two heartbeats.
 const PULSE: Duration = Duration::from_secs(1);
 
 /// The channel to the parent process.
@@ -78,7 +78,7 @@ impl<'a> Channel<'a> {
     }
 }
 
-/// Receives a sign of life whenever a call returns.
+/// Receives a heartbeat whenever a call returns.
 pub(super) trait Pulse {
     /// A call has returned.
     fn alive(&self);
@@ -92,10 +92,10 @@ impl Pulse for Channel<'_> {
     }
 }
 
-/// Where stages put what they find.
+/// Findings of the stages.
 pub(super) struct Seen<'a> {
     pub(super) channel: &'a Channel<'a>,
-    /// What has been reported already: the same fault may show in several stages.
+    /// Findings that were reported already: several stages may detect the same fault.
     reported: Vec<(&'static str, String)>,
     pub(super) failed: bool,
 }

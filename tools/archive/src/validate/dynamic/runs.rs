@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1e-6;
 /// Values of everything, after initialisation and after each step.
 pub(super) type Rows = Vec<Vec<f64>>;
 
-/// What moves an instance: its own steps, or the solver.
+/// Integration by the instance's own steps or by the solver.
 pub(super) struct Drive(Option<Solver>);
 
 impl Drive {
@@ -28,7 +28,7 @@ impl Drive {
         Ok(Drive(solver))
     }
 
-    /// On by `h`; `false` when there is no way on.
+    /// Advances by `h`; `false` at the end of the run.
     pub(super) fn advance(&mut self, session: &mut Session, h: f64) -> Result<bool, Fault> {
         match &mut self.0 {
             None => session.step(h),

@@ -1,4 +1,4 @@
-//! One running instance, with each refused call as a fault that names the function, the time and the FMU's own words.
+//! A running instance. Each failed call is a fault with function, time and the FMU's messages.
 
 use cosim::raw::{InterfaceType, RawInstance};
 use cosim::{Kind, Log, Status};
@@ -117,13 +117,13 @@ impl<'a> Session<'a> {
             }
         }
         let message = format!(
-            "The event iteration at t = {} s asks for another round {MOST_ITERATIONS} times in a row",
+            "The event iteration at t = {} s does not converge in {MOST_ITERATIONS} iterations",
             self.now
         );
         Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message))
     }
 
-    /// One communication step of Co-Simulation; `false` when the FMU asks for the end.
+    /// One communication step of Co-Simulation; `false` if the FMU requests the end.
     pub(super) fn step(&mut self, h: f64) -> Result<bool, Fault> {
         let step = self.raw.do_step(self.now, h, false);
         self.ok("DoStep", step.status)?;

@@ -1,4 +1,4 @@
-//! Model Exchange: the states of an instance, integrated by Dormand and Prince's method with error control.
+//! Model Exchange: integration of the states by the method of Dormand and Prince with error control.
 
 use super::report::Fault;
 use super::session::Session;
@@ -159,7 +159,7 @@ impl Solver {
         Ok(Some(event))
     }
 
-    /// A step of size `h`, and its error in units of what is tolerated.
+    /// A step of size `h`, and its error relative to the tolerance.
     fn trial(&self, session: &mut Session, t: f64, h: f64, first: &[f64]) -> Result<(Vec<f64>, f64), Fault> {
         let mut slopes = vec![first.to_vec()];
         let mut at = self.x.clone();
@@ -175,7 +175,7 @@ impl Solver {
             let scale = self.x[i].abs().max(at[i].abs()).max(1e-3 * self.nominals[i]);
             (difference / (self.tolerance * scale)).abs()
         });
-        // A NaN must not get lost in a maximum.
+        // `max` ignores NaN, so it is checked separately.
         let worst = error.fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b) });
         Ok((at, worst.max(1e-10)))
     }

@@ -22,9 +22,9 @@ mod steps;
 pub(super) struct Stage {
     /// What it does, as a phrase.
     pub(super) what: &'static str,
-    /// When this fails there is no point in the others.
+    /// The other stages are skipped if this one fails.
     pub(super) is_basis: bool,
-    /// It does what an importer must not do.
+    /// It makes invalid calls.
     pub(super) is_misuse: bool,
     pub(super) applies: fn(&Subject) -> bool,
     pub(super) run: fn(&Subject, &mut Seen) -> Result<(), Fault>,

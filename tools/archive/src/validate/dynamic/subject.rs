@@ -79,7 +79,7 @@ pub(super) fn fresh(subject: &Subject, settings: &Settings) -> Result<Rows, Faul
 pub(super) struct Base<'a> {
     pub(super) settings: Settings<'a>,
     pub(super) rows: Rows,
-    /// For each column whether a second instance gives it again.
+    /// For each column whether a second instance reproduces it.
     pub(super) steady: Vec<bool>,
 }
 

@@ -1,7 +1,7 @@
-//! The FMI schema files as tables, and the one walker that holds a document against them.
+//! The FMI schema files as tables, and the function that checks a document against them.
 //!
-//! The tables say what the XSDs of the standards say: which attributes, of which type, which children, in which
-//! order and how often. Every content model of the FMI schemas is a sequence of slots; a slot is one element or a
+//! The tables contain the rules of the XSD files of the standards: attributes and their types, child elements, their
+//! order and multiplicity. Every content model of the FMI schemas is a sequence of slots; a slot is one element or a
 //! choice of elements, repeated within limits.
 
 mod table;
@@ -62,7 +62,7 @@ fn walk(xml: &Xml, schema: &Schema, node: Node, element: &Element, out: &mut Fin
                     format!("<{}> has {count} child elements, at most {most} is allowed", element.name);
                 out.add(&rules::XSD_ELEMENT_REPEATED, xml.place(node), message);
             }
-            // A limited number of elements, and nothing between them.
+            // A limited number of elements without text in between.
             if most != UNBOUNDED {
                 node.children().for_each(|child| check_text(xml, child, element, out));
             }
@@ -149,7 +149,7 @@ fn check_attributes(xml: &Xml, node: Node, element: &Element, out: &mut Findings
                 out.add(&rules::XSD_ATTRIBUTE_VALUE, xml.place(node), message);
             }
             Some(_) => {}
-            // No type at all in the schema: nothing to say.
+            // The schema gives no type: no check.
             None if element.any_attribute && matches!(element.content, Content::Any(_)) => {}
             None if element.any_attribute => {
                 let message = format!(

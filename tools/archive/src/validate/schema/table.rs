@@ -1,7 +1,7 @@
 //! The tables of the schemas, read from the text files beside this one.
 //!
 //! A definition begins at the left margin and may go on in indented lines; `#` begins a comment. `@name ...` gives words a
-//! name, and `@name` among the words of a later definition stands for them. Any other first word is an element; what follows
+//! name, and `@name` among the words of a later definition is replaced by them. Any other first word is an element; what follows
 //! a dot tells elements of the same name apart. Its words are attributes (`name:type`, with `name!:type` for a required one and
 //! `anyAttribute` for `xs:anyAttribute`), then `>` and the content: `any`, `any1` for at most one element of whatever kind,
 //! or slots. A slot is an element or a choice `A|B`, with `?`, `*`, `+`, or `?2` for at most two.
@@ -20,12 +20,12 @@ pub(crate) struct Schema {
 pub(super) struct Element {
     pub(super) name: &'static str,
     pub(super) attributes: Vec<Attribute>,
-    /// `xs:anyAttribute`: attributes that the table does not know are allowed.
+    /// `xs:anyAttribute`: attributes that are not in the table are allowed.
     pub(super) any_attribute: bool,
     pub(super) content: Content,
 }
 
-/// What may stand inside an element.
+/// Content model of an element.
 pub(super) enum Content {
     /// A sequence of slots.
     Slots(Vec<Slot>),
@@ -83,7 +83,7 @@ impl Schema {
         self.elements.get(key).unwrap_or_else(|| panic!("the table has no element {key}"))
     }
 
-    /// The elements that may stand at a place.
+    /// The elements that are allowed in a slot.
     pub(super) fn choices(&self, slot: &Slot) -> impl Iterator<Item = &Element> {
         slot.choices.iter().map(|key| self.element(key))
     }

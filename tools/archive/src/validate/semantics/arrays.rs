@@ -82,7 +82,7 @@ fn check_start_count(model: &Model, v: &Variable, out: &mut Findings) {
         Some(start) => start.split_ascii_whitespace().count(),
         None => children(v.typed, "Start").count(),
     };
-    // A single value stands for all elements; an empty list of a start attribute stands for none.
+    // A single value applies to all elements; an empty start attribute has no values.
     let empty = count == 0 && v.typed.attribute("start").is_some();
     if empty || count > 1 && count as u128 != elements {
         let message = format!(

@@ -110,7 +110,7 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     check_name(model, v, target, &place, out);
 }
 
-/// Whether following `derivative` leads back; reported once, at the cycle's first variable.
+/// Whether the chain of `derivative` is cyclic; reported once, at the cycle's first variable.
 fn is_on_cycle(model: &Model, start: usize) -> bool {
     let mut at = start;
     for _ in 0..HIGHEST_ORDER {
@@ -198,7 +198,7 @@ fn check_unit(
     }
 }
 
-/// A derivative of a local variable that Model Exchange does not list is a state that nobody integrates.
+/// A derivative of a local variable that is not listed for Model Exchange is a state that is not integrated.
 fn check_unlisted(model: &Model, out: &mut Findings) {
     if !model.has("ModelExchange") {
         return;

@@ -1,4 +1,4 @@
-//! The list of initial unknowns is complete, and contains nothing else.
+//! The list of initial unknowns is complete and has no other entries.
 
 use std::collections::HashSet;
 
@@ -37,7 +37,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if !expected.contains(&i) && !v.clocked && v.kind != Kind::Clock {
             let initial = v.initial.unwrap_or("none");
             let message = format!(
-                "{} is listed among the initial unknowns but does not belong there: its causality is {}, its initial {initial}",
+                "{} is listed among the initial unknowns but is not one: its causality is {}, its initial {initial}",
                 label(v),
                 v.causality
             );
@@ -45,7 +45,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         }
         if model.version == FmiVersion::V2 && i < last {
             let message = format!(
-                "Variable \"{}\" stands out of order: initial unknowns must be listed in the order of their indices",
+                "Variable \"{}\" is out of order: initial unknowns must be listed in the order of their indices",
                 short(v.name)
             );
             out.add(&rules::INITIAL_UNKNOWNS_ORDER, model.place(unknown.node), message);

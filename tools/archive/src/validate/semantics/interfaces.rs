@@ -22,7 +22,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut names = Vec::new();
     for interface in &model.interfaces {
         let (name, place) = (interface.tag_name().name(), model.place(*interface));
-        // The schema of FMI 2 lets an interface stand twice; that of FMI 3 does not.
+        // The schema of FMI 2 allows an interface twice; that of FMI 3 does not.
         if model.version == FmiVersion::V2 && names.contains(&name) {
             out.add(&rules::INTERFACE_REPEATED, &place, format!("<{name}> is present more than once"));
         }

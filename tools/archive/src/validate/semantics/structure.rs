@@ -187,8 +187,8 @@ fn check_kinds(v: &Variable, kinds: &[&str], written: usize, initial: bool, plac
 
 /// Knowns in event and continuous-time mode and at communication points.
 ///
-/// Discrete-time states are knowns too, and nothing marks them outside the clocked ones; so every discrete variable
-/// passes. Parameters pass in FMI 2 as well: its formulas have them, its list of knowns forgets them.
+/// Discrete-time states are knowns, too, and only clocked ones are marked, so every discrete variable is accepted. Parameters are
+/// also accepted in FMI 2: its formulas contain them, but its list of knowns does not.
 fn is_known(v: &Variable, is_state: bool) -> bool {
     let computed = matches!(v.causality, "output" | "local" | "calculatedParameter");
     !computed || is_state || v.variability == "discrete" || v.kind == Kind::Clock

@@ -27,7 +27,7 @@ pub const DUTIES: [f64; 5] = [20.0, 40.0, 60.0, 80.0, 100.0];
 /// Current at full duty, A: what V_el over R gives.
 pub const CURRENT: f64 = 0.18;
 
-/// A point of operation, as the equations see it.
+/// An operating point of the equations.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Voltage, V.
@@ -59,7 +59,7 @@ pub fn voltage(p: &Point) -> [f64; 3] {
     [resistance(p.t) * p.i, L_A * p.i * p.i / (2.0 * p.q), p.torque * p.theta / p.q]
 }
 
-/// The three terms of eq. (15) in steady state; the last is in joules and not in watts.
+/// The three terms of eq. (15) in steady state; the unit of the last is J instead of W.
 pub fn power(p: &Point) -> [f64; 3] {
     [resistance(p.t) * p.i * p.i, 0.0, p.torque * p.theta]
 }

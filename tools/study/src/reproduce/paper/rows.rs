@@ -48,10 +48,10 @@ fn equations() -> Vec<Row> {
     let warm = PLATEAUS.1;
     vec![
         Row::new("P01", "eqs. (2)-(6)", "Kirchhoff's law, K_a and K_b", "V = R I + L dI/dt + K ω, T = K I", "")
-            .note("K_a = K_b always in SI, not only in steady state"),
+            .note("in SI units K_a = K_b always, not only in steady state"),
         Row::new("P02", "eq. (7)", "counter-electromotive force", "V_a = T_m θ/I_a", "").but(
             UnitError,
-            "with the angle the unit is N.m/A = V.s and not V; it needs the speed: V_a = T_m ω/I_a",
+            "with the angle the unit is N.m/A = V.s instead of V; the speed is required: V_a = T_m ω/I_a",
         ),
         Row::new("P03", "eqs. (8)-(10)", "slope of resistance over temperature", "R = α R₀ T", "Ohm/K")
             .published(ALPHA * R_0)
@@ -59,7 +59,7 @@ fn equations() -> Vec<Row> {
             .but(
                 PhysicsError,
                 format!(
-                    "the constant of integration is dropped: no resistance at 0 degC, and a slope {:.1} times that of copper",
+                    "the constant of integration is omitted: zero resistance at 0 degC, and a temperature coefficient {:.1} times that of copper",
                     R_0 / R_A
                 ),
             ),
@@ -67,11 +67,11 @@ fn equations() -> Vec<Row> {
             .published(R_A / (ALPHA * T_ROOM))
             .right(R_A)
             .measured(R_A)
-            .but(Inconsistent, "115 is 9.2/(0.004·20), worked back so that eq. (10) gives the measured 9.20 at 20 degC"),
+            .but(Inconsistent, "115 is 9.2/(0.004·20), chosen so that eq. (10) gives the measured 9.20 at 20 degC"),
         Row::new("P05", "eq. (10)", format!("resistance at {warm} degC"), "not published", "Ohm")
             .published(resistance(warm))
             .right(right_resistance(warm))
-            .but(Inconsistent, "all published numbers at 100 % are those of 20 degC and not of the measured temperature"),
+            .but(Inconsistent, "all published values at 100 % are for 20 degC, not for the measured temperature"),
     ]
 }
 
@@ -104,7 +104,7 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>)
         Row::new("P08", "§3.2.1", "magnetic voltage at 100 %", V_MAGNETIC, "V").published(v_mag).right(0.0).but(
             Inconsistent,
             format!(
-                "needs a charge of {q:.3} C, {:.2} s of the current and not 900 s; in steady state L dI/dt is 0, as the published power is",
+                "requires a charge of {q:.3} C, {:.2} s of the current instead of 900 s; in steady state L dI/dt is 0, as is the published power",
                 q / CURRENT
             ),
         ),
@@ -124,7 +124,7 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>)
         Row::new("P11", "§3.1", "mechanical power at 100 %", P_MECHANICAL, "W")
             .published(v_mec * CURRENT)
             .right(power.mechanical)
-            .but(Inconsistent, "0.2 % off; without a load it is friction heat and no output"),
+            .but(Inconsistent, "error 0.2 %; without a load this is friction heat, not output power"),
         Row::new("P12", "§3.1", "work in 900 s at 100 %", "1582.7 kW", "J")
             .published(P_TOTAL * DURATION)
             .right(work.total)
@@ -132,30 +132,30 @@ fn full_duty(voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>)
             .but(
                 UnitError,
                 format!(
-                    "the value is in joules; {:.2} % below the published power times 900 s, as if the winding had warmed on the way{simulated}",
+                    "the unit is J; {:.2} % below the published power times 900 s, which is consistent with a warming winding{simulated}",
                     100.0 * (1.0 - WORK_TOTAL / (P_TOTAL * DURATION))
                 ),
             ),
         Row::new("P13", "§3.1", "thermal work", "267.79 W", "J").published(w_el).right(work.electrical).measured(WORK_THERMAL).but(
             UnitError,
-            format!("joules; over 900 s it is {} W", significant(WORK_THERMAL / DURATION)),
+            format!("the unit is J; over 900 s the mean power is {} W", significant(WORK_THERMAL / DURATION)),
         ),
         Row::new("P13-magnetic", "§3.1", "magnetic work", "29.2 µW", "J")
             .published(w_mag)
             .right(work.magnetic)
             .measured(29.2e-6)
-            .but(UnitError, "joules: L I²/2"),
+            .but(UnitError, "the unit is J: L I²/2"),
         Row::new("P13-mechanical", "§3.1", "mechanical work", "1,315 kW", "J")
             .published(P_MECHANICAL * DURATION)
             .right(work.mechanical)
             .measured(1315.0)
-            .but(UnitError, format!("joules, with a comma for thousands; over 900 s it is {} W", significant(1315.0 / DURATION))),
+            .but(UnitError, format!("the unit is J, with a comma as thousands separator; over 900 s the mean power is {} W", significant(1315.0 / DURATION))),
         Row::new("P14", "eq. (14)", "state function of the voltage", "V = αTR₀I + LI²/2q + T_mθ/q", "").but(
             PhysicsError,
-            "units are right, but q and θ depend on the way: it equals Kirchhoff's law only for constant current and speed from t = 0",
+            "units are correct, but q and θ are path-dependent: equal to Kirchhoff's law only for constant current and speed from t = 0",
         ),
         Row::new("P15", "eq. (15)", "mechanical term of the power", "T_m θ", "")
-            .but(UnitError, "joules and not watts; it needs T_m ω"),
+            .but(UnitError, "the unit is J instead of W; the power is T_m ω"),
         Row::new("P16", "eq. (16)", "work", "W = αTR₀Iq + LI²/2 + T_mθ", "")
             .but(HoldsWithNote, "for constant current and temperature only"),
     ]
@@ -171,7 +171,7 @@ fn derivatives() -> Vec<Row> {
             .but(
                 UnitError,
                 format!(
-                    "ohm kelvin and not volt: I is missing, a factor of {:.0}",
+                    "unit Ohm.K instead of V: I is missing, a factor of {:.0}",
                     voltage_change(&p, &warmer) / right_voltage_change(&p, &warmer)
                 ),
             ),
@@ -195,11 +195,11 @@ fn derivatives() -> Vec<Row> {
             .note("per radian turned; J_a is I_a"),
         Row::new("P21", "§3.2", "name of the relations", "Maxwell's equations", "").but(
             Garbled,
-            "the cyclic relation of partial derivatives; q and θ are held although V and I fix them",
+            "cyclic relation of partial derivatives; q and θ are taken as constant although V and I determine them",
         ),
         Row::new("P22", "figs. 6-7", "error of the model", "0.2 %", "%").but(
             NotAValidation,
-            "the torque was never measured but comes from the same identity, so the agreement is built in",
+            "the torque was not measured but computed from the same identity, so the agreement is trivial",
         ),
     ]
 }
@@ -216,7 +216,7 @@ fn machine(voltage: &Parts, power: &Parts) -> Vec<Row> {
             .right(speed * rpm)
             .but(
                 UnitError,
-                "mN m at the output shaft: with µN m the power of the mechanical term would need the speed given as published",
+                "mN.m at the output shaft; with µN.m the power of the mechanical term requires the as-published speed",
             ),
         Row::new("P24", "catalogue", "torque constant at the output shaft", "not published", "V.s/rad")
             .published(voltage.mechanical / speed)
@@ -224,7 +224,7 @@ fn machine(voltage: &Parts, power: &Parts) -> Vec<Row> {
             .but(
                 Inconsistent,
                 format!(
-                    "the catalogue's constant would give {:.0} rpm at {} V and not {:.0}",
+                    "the catalogue's constant gives {:.0} rpm at {} V instead of {:.0}",
                     (voltage.total - CURRENT * terminal) / k * rpm,
                     significant(voltage.total),
                     speed * rpm
@@ -233,22 +233,22 @@ fn machine(voltage: &Parts, power: &Parts) -> Vec<Row> {
         Row::new("P25", "§2.5", "armature resistance", R_A, "Ohm").right(terminal).measured(R_A).but(
             Inconsistent,
             format!(
-                "12 V over the catalogue's stall current; at 9.20 ohm it would be {:.1} A: an AC reading, the brushes, or another motor",
+                "12 V divided by the catalogue's stall current; 9.20 ohm gives {:.1} A: an AC measurement, brush resistance or another motor",
                 SUPPLY / R_A
             ),
         ),
         Row::new("P29", "§2.5", "supply", SUPPLY, "V").right(SUPPLY - voltage.total).but(
             HoldsWithNote,
-            "corrected is the drop to the motor's terminals: that of a bridge of bipolar transistors",
+            "corrected: voltage drop between supply and terminals, typical of a bridge with bipolar transistors",
         ),
         Row::new("P32", "conclusions", "efficiency", "operates efficiently", "")
             .right(0.0)
-            .but(PhysicsError, "no load was on the shaft: the efficiency is 0"),
+            .but(PhysicsError, "the shaft had no load: the efficiency is 0"),
         Row::new("P33", "§2.3", "temperature coefficient", ALPHA, "1/K").published(ALPHA).right(ALPHA_20),
         Row::new("P34", "§2.5", "encoder counts per turn of the output", "131:1, 64 CPR", "").right(131.25 * 64.0),
         Row::new("P35", "§3.2.4", "r² of the torque", 0.9579, "").but(
             Garbled,
-            "that of the current is 0.9991 although T = K I; the paragraph on torque speaks of the current",
+            "r² of the current is 0.9991 although T = K I; the paragraph on torque discusses the current",
         ),
     ]
 }
@@ -271,20 +271,20 @@ fn over_duty(t: &Temperatures, runs: Option<&[Run]>, compared: &[Compared]) -> V
             .by(by("slope of voltage over duty"))
             .but(
                 HoldsWithNote,
-                "recomputed is the line through the origin; the published slope leaves an intercept, as continuous conduction with a drop does",
+                "recomputed: line through the origin; the published slope implies an intercept, as continuous conduction with a voltage drop does",
             ),
         Row::new("P26-r2", "§3.2.1", "r² of voltage over duty", V_R2, "").right(voltage.map(|l| l.r2)).by(by("r² of voltage over duty")),
         Row::new("P27", "§3.2.2", "slope of current over duty", 1e3 * I_SLOPE, "mA/%")
             .right(current.map(|l| 1e3 * l.slope))
             .by(by("slope of current over duty"))
-            .but(HoldsWithNote, "dry and viscous friction; below what the Hall sensor resolves, 35 to 50 mA"),
+            .but(HoldsWithNote, "dry and viscous friction; below the resolution of the Hall sensor, 35 to 50 mA"),
         Row::new("P27-r2", "§3.2.2", "r² of current over duty", I_R2, "").right(current.map(|l| l.r2)).by(by("r² of current over duty")),
         Row::new("P28", "§3.1", "r² of a straight line of power over duty", "first-order", "")
             .right(straight)
-            .but(Inconsistent, "voltage and current are both straight lines, so their product is a parabola"),
+            .but(Inconsistent, "voltage and current are both linear in the duty, so their product is quadratic"),
         Row::new("P30-low", "§3.2.3", "winding at 20 and 40 %", PLATEAUS.0, "degC").right(simulated(1)).by(by("winding temperature at 40 %")).measured(PLATEAUS.0).but(
             Inconsistent,
-            format!("heating differs by a factor of two between them; the best line in power is off by up to {worst:.1} K. Corrected: simulated at 40 %"),
+            format!("their heating power differs by a factor of two; the best line over power has an error of up to {worst:.1} K; corrected: simulated at 40 %"),
         ),
         Row::new("P30-high", "§3.2.3", "winding at 60, 80 and 100 %", PLATEAUS.1, "degC")
             .right(simulated(4))
@@ -293,7 +293,7 @@ fn over_duty(t: &Temperatures, runs: Option<&[Run]>, compared: &[Compared]) -> V
             .but(Inconsistent, "as above; corrected: simulated at 100 % from the ambient temperature"),
         Row::new("P31", "§2.5", "end of a run in a box", "adiabatic", "degC").published(end).right(simulated(4)).by(by("winding temperature at 100 %")).but(
             Inconsistent,
-            format!("without any loss {BOX_CAPACITY} J/K end there and never settle; a plateau needs a loss of 0.1 to 0.2 W/K"),
+            format!("without heat loss a capacity of {BOX_CAPACITY} J/K reaches this value and no steady state; a plateau requires a conductance of 0.1 to 0.2 W/K"),
         ),
         Row::new("P36", "fig. 10", "groups of duty", "low < 40, high > 60", "")
             .but(Garbled, "the groups are 20, 40 and 60, 80, 100"),

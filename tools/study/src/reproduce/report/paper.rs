@@ -27,7 +27,7 @@ pub fn paper(found: &Paper) -> Page {
     })
 }
 
-/// Published quantities beside the simulated ones, with the parameters that were fitted to them.
+/// Published and simulated quantities, with the parameters that were fitted to them.
 fn compared(all: &[Compared]) -> Markup {
     let headers = ["quantity", "published", "simulated", "unit", "basis", "fitted parameters"];
     let rows = all.iter().map(|c| {
@@ -77,7 +77,7 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
         Plate::new(
             "4a",
             parts(full, "Figure 4a: power at 100 %", "power in W", |s| s.power),
-            "The mechanical part is friction: no load was on the shaft.",
+            "The mechanical part is friction: the shaft had no load.",
         ),
         Plate::new(
             "4b",

@@ -87,7 +87,7 @@ pub fn findings(
     ));
     for case in left_out.iter().filter(|c| !c.at_limit.is_empty()) {
         all.push(format!(
-            "Without the test {} the others do not determine {}; the prediction of that test is {:+.1} K off.",
+            "Without the test {} the others do not determine {}; the prediction error of that test is {:+.1} K.",
             case.case,
             case.at_limit.join(", "),
             case.error

@@ -1,4 +1,4 @@
-//! What the thesis measured and what its data sheets say, as published.
+//! Measurements of the thesis and values of its datasheets, as published.
 
 /// Fan: free flow, m3/s (0.28 m3/min; appendix 4).
 pub const FAN_FLOW: f64 = 0.28 / 60.0;

@@ -22,7 +22,7 @@ pub const FITTED: [&str; 6] = [
     "fan.decay",
 ];
 
-/// The native model, as far as it is there: what it lacks is reported and left out, never an error.
+/// The native model, as far as available: missing parts are reported and omitted, and are not errors.
 pub struct Native {
     preset: Result<Preset, String>,
     missing: Vec<String>,
@@ -44,7 +44,7 @@ impl Native {
         Native { preset, missing }
     }
 
-    /// Why results are left out, if some are.
+    /// Reasons for omitted results.
     pub fn absent(&self) -> Option<String> {
         if !self.missing.is_empty() {
             let mut modes = self.missing.clone();
@@ -54,7 +54,7 @@ impl Native {
         self.preset.as_ref().err().cloned()
     }
 
-    /// A test as the model is given it; with `calibrated`, by the preset of the rig.
+    /// Settings of the model for a test; with `calibrated` from the preset of the rig.
     fn setup(&self, case: &Case, calibrated: bool) -> Option<Setup> {
         let preset = if calibrated { Some(self.preset.clone().ok()?) } else { None };
         if !self.missing.is_empty() {
@@ -92,7 +92,7 @@ impl Native {
         Some(course)
     }
 
-    /// Winding temperature over the outer diameter of a pushed annulus, K; nothing where it cannot be computed.
+    /// Winding temperature over the outer diameter of a pushed annulus, K; `None` if it cannot be computed.
     pub fn winding_at(&self, outer_diameter: f64, calibrated: bool) -> Option<f64> {
         let push = CASES.iter().find(|c| c.cooling_mode == "annulus_push")?;
         let case = Case { setting: Some(("annulus.outer_diameter", outer_diameter)), ..*push };
@@ -106,7 +106,7 @@ pub fn fit_thesis_rig(native: &Native, parameters: &[&str]) -> Option<Result<Pro
     let bench = Bench::new(MODEL, None).ok()?;
     let observation = |case: &Case| {
         let mut setup = native.setup(case, true)?;
-        // What is fitted here or in the preset starts as if nothing were known; what is measured stays.
+        // Fitted parameters start at their declared values; measured parameters keep the values of the preset.
         for name in FITTED.iter().chain(parameters) {
             let row = bench.entry(name).ok()?.row;
             setup.sets.push(((*name).to_owned(), row.start.to_string()));

@@ -1,4 +1,4 @@
-//! What follows from a winding temperature: resistance, torque, thermal resistance, continuous torque.
+//! Quantities computed from a winding temperature: resistance, torque, thermal resistance, continuous torque.
 //!
 //! R = R_ref [1 + alpha (T_w - T_ref)]                                                      eqs. (2), (7)
 //! tau = k_t [1 + alpha_mag (T - T_ref)] I                                                  eqs. (4), (5)
@@ -36,12 +36,12 @@ pub fn torque_constant(t: f64) -> f64 {
     K_T * (1.0 + ALPHA_MAG * (t - T_REF))
 }
 
-/// Torque, N.m, at 5 A with the magnet at the winding's temperature: how tables 2 and 3 came about.
+/// Torque, N.m, at 5 A with the magnet at the winding's temperature: method of tables 2 and 3.
 pub fn torque_at_5_a(t_w: f64) -> f64 {
     CURRENT * torque_constant(t_w)
 }
 
-/// Torque, N.m, at 10 W, eq. (6), with `r_ref` at the thesis's reference: how table 1 came about.
+/// Torque, N.m, at 10 W, eq. (6), with `r_ref` at the thesis's reference: method of table 1.
 pub fn torque_at_10_w(t_w: f64, r_ref: f64) -> f64 {
     torque_constant(t_w) * (POWER / resistance(t_w, r_ref, T_REF)).sqrt()
 }

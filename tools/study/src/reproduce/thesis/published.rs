@@ -1,4 +1,4 @@
-//! The thesis's model of the annulus as it was published, errors and all; what is right stands beside it.
+//! The thesis's model of the annulus as published, including its errors, with the corrections.
 //!
 //! u = V/(60 A),  A = pi (r_m^2/r*^2 - r_m^2),  Re = 2 u (r_o - r_m)/nu                     eqs. (13), (14), (17)
 //! p = rho u^2/2 [(K_c + 1 - sigma^2) + 4 f L/D_h - (1 - sigma^2 - K_e)]                    eq. (15)
@@ -6,7 +6,7 @@
 //! T_w = T_a + P (1/(h A) - R_wh)                                                           eq. (10), its sign
 //!
 //! Re in the plate's law is that of the duct, which is the published mistake that puts the optimum at max Re.
-//! What the thesis leaves unsaid is chosen so that its figures come out: air at 300 K; friction of parallel
+//! Values that the thesis does not state are chosen to reproduce its figures: air at 300 K; friction of parallel
 //! plates (24/Re, Blasius 0.079 Re^-1/4 where that is more); sigma is annulus over disc; the mean of 1/x over
 //! a grid of 1 mm; the switch from laminar to turbulent at Re = 4000. With the local Reynolds number, `u x/nu`,
 //! the mean would be twice the value at the end, and the optimum another.
@@ -110,7 +110,7 @@ impl Annulus {
     }
 }
 
-/// The law that the text takes at a Reynolds number.
+/// The correlation that the text uses at a Reynolds number.
 fn law_at(re: f64) -> (f64, f64) {
     if re < RE_SWITCH { LAMINAR } else { TURBULENT }
 }

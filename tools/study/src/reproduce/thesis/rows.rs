@@ -26,7 +26,7 @@ mod tests {
     use crate::reproduce::thesis::Fits;
     use crate::reproduce::{Basis, Printed, Verdict};
 
-    /// What a fitted model gives is marked as such and stands beside the predictions.
+    /// Values of a fitted model are marked and listed together with the predictions.
     #[test]
     fn a_fit_is_not_shown_as_a_prediction() {
         let found = crate::reproduce::thesis::thesis(Fits::Rig).unwrap();

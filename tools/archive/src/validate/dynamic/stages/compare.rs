@@ -1,7 +1,7 @@
-//! Model Exchange against Co-Simulation: two ways to the same trajectory.
+//! Comparison of the trajectories of Model Exchange and Co-Simulation.
 //!
-//! Co-Simulation may be coarse: explicit Euler at the declared step is common, and no fault. What counts is a
-//! difference that neither shrinks with the communication step nor looks like Euler's.
+//! The integration of Co-Simulation may be coarse: explicit Euler at the declared step is common and not a fault. A finding is a
+//! difference that neither decreases with the communication step nor has the shape of the error of Euler's method.
 
 use cosim::raw::{InterfaceType, RawBinary};
 
@@ -14,11 +14,11 @@ use crate::validate::dynamic::subject::Subject;
 use crate::validate::finding::short;
 use crate::validate::rules;
 
-/// Share of a variable's movement that is no difference.
+/// Tolerance relative to the range of a variable.
 const TOLERATED: f64 = 0.005;
-/// Share of a nominal value that is no difference either.
+/// Tolerance relative to the nominal value.
 const SMALLEST: f64 = 1e-6;
-/// What may be left of a difference when Euler's error is taken from it.
+/// Allowed remainder of a difference after subtraction of the error of Euler's method.
 const LIKENESS: f64 = 0.15;
 /// Parts of the default experiment for the second, coarser comparison.
 const PARTS: usize = 50;
@@ -51,7 +51,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     for (h, n) in looks {
         if let Some((v, t, a, b)) = differs(subject, &other, settings, &watched, h, n)? {
             let message = format!(
-                "Variable \"{}\" is {a} at t = {t} s when Model Exchange is integrated and {b} in Co-Simulation, and smaller steps do not help",
+                "Variable \"{}\" is {a} at t = {t} s in Model Exchange and {b} in Co-Simulation, and the difference does not decrease with the step size",
                 short(&v.name)
             );
             seen.add(&rules::EXCHANGE_DIFFERS, &v.place, message);
@@ -72,7 +72,7 @@ fn differs<'a>(
     n: usize,
 ) -> Result<Option<Place<'a>>, Fault> {
     let reference = integrate(subject, settings, watched, h, n)?;
-    // A Co-Simulation that does not take these values has been looked at elsewhere.
+    // A Co-Simulation FMU that rejects these values is checked by another stage.
     let Ok(coarse) = stepped(other, settings, watched, h, n, 1) else { return Ok(None) };
     let rows = reference.len().min(coarse.len());
     let scale: Vec<f64> = (0..watched.len())
@@ -80,7 +80,7 @@ fn differs<'a>(
             let column = || reference[..rows].iter().map(|r| r[i]);
             let (low, high) =
                 (column().fold(f64::INFINITY, f64::min), column().fold(f64::NEG_INFINITY, f64::max));
-            // What hardly moves is compared with its size; below its nominal value's 1e-6 nothing is a difference.
+            // A nearly constant variable is compared relative to its magnitude; differences below 1e-6 of the nominal value are ignored.
             (high - low).max(1e-4 * high.abs().max(low.abs())).max(SMALLEST / TOLERATED * watched[i].nominal)
         })
         .collect();
@@ -114,8 +114,8 @@ fn differs<'a>(
     Ok(None)
 }
 
-/// Whether the difference to the reference has the shape of what a method of first order leaves (explicit or implicit
-/// Euler, with whatever step), and no other.
+/// Whether the difference from the reference has the shape of the error of a first-order method (explicit or implicit Euler with
+/// any step).
 fn is_like_euler(reference: &Rows, coarse: &Rows, euler: &Rows, i: usize) -> bool {
     let n = reference.len().min(coarse.len()).min(euler.len());
     let pairs: Vec<(f64, f64)> =

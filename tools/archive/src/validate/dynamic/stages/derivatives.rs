@@ -44,20 +44,20 @@ impl Series {
         let steps = WINDOW as f64;
         for k in 0..self.values.len().saturating_sub(WINDOW) {
             let pairs = || self.slopes[k..=k + WINDOW].windows(2).map(|d| (d[0], d[1]));
-            let told = pairs().map(|(a, b)| 0.5 * (a + b)).sum::<f64>() / steps;
-            let seen = (self.values[k + WINDOW] - self.values[k]) / (look.h * steps);
+            let given = pairs().map(|(a, b)| 0.5 * (a + b)).sum::<f64>() / steps;
+            let measured = (self.values[k + WINDOW] - self.values[k]) / (look.h * steps);
             // A step may use the derivative at its beginning or at its end.
             let swing = pairs().map(|(a, b)| (b - a).abs()).sum::<f64>() / steps;
             let room = 0.6 * swing + STIFF * largest + noise(self.values[k]) / (look.h * steps);
-            let size = told.abs().max(seen.abs());
-            // NaN is never right.
+            let size = given.abs().max(measured.abs());
+            // NaN is always an error.
             if size == 0.0 || room > 0.5 * size {
                 continue;
             }
             informative += 1;
-            if told.is_nan() || (told - seen).abs() > SHARE * size + room {
-                factors.push(told / seen);
-                example.get_or_insert((k, told, seen));
+            if given.is_nan() || (given - measured).abs() > SHARE * size + room {
+                factors.push(given / measured);
+                example.get_or_insert((k, given, measured));
             }
         }
         let wrong = factors.len() >= 3 && 10 * factors.len() >= 8 * informative;
@@ -65,8 +65,8 @@ impl Series {
     }
 }
 
-/// Whether a derivative is wrong by about the same factor all the time. Values that stand still and jump, as those of a fixed
-/// internal step do when looked at more finely, have no such factor.
+/// Whether a derivative is wrong by nearly the same factor at all points. Piecewise constant values, as those of a fixed internal
+/// step that is sampled more finely, have no such factor.
 fn is_steady(factors: &[f64]) -> bool {
     let low = factors.iter().copied().fold(f64::INFINITY, f64::min);
     let high = factors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -80,14 +80,14 @@ struct Look {
     is_fine: bool,
 }
 
-/// The step sizes for the comparison: those of the experiment, longer ones for slow variables, and fine ones for small faults.
+/// Step sizes of the comparison: that of the experiment, a longer one for slow variables, and a fine one for small faults.
 fn looks(subject: &Subject) -> Vec<Look> {
     let facts = subject.facts;
     let h = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
     let mut looks = vec![Look { h, n: steps(facts), is_fine: false }];
     let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
     if slow > 3.0 * h {
-        // Multiples of the step, as not every FMU takes others.
+        // Multiples of the step: some FMUs accept no others.
         looks.push(Look { h: (slow / h).floor() * h, n: PARTS, is_fine: false });
     }
     let is_free = subject.interface.variable_step && subject.interface.internal_step.is_none();
@@ -107,7 +107,7 @@ fn begin<'a>(subject: &Subject<'a>, look: &Look) -> Result<(Session<'a>, Drive),
     Ok((session, drive))
 }
 
-/// What the values of a variable are uncertain by.
+/// Uncertainty of the values of a variable.
 fn noise(facts: &Facts, v: &Variable, value: f64) -> f64 {
     2.0 * facts.tolerance.unwrap_or(1e-6).min(1e-4) * value.abs().max(1e-3 * v.nominal)
 }
@@ -140,9 +140,10 @@ pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> 
             largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
         }
         for (((value, slope), series), largest) in pairs.iter().zip(series).zip(&largest) {
-            if let Some((k, told, is)) = series.disagrees(&look, *largest, |x| noise(facts, value, x)) {
+            if let Some((k, given, measured)) = series.disagrees(&look, *largest, |x| noise(facts, value, x))
+            {
                 let message = format!(
-                    "Variable \"{}\" is declared to be the derivative of \"{}\", but from t = {} s on it is {told} while \"{}\" changes by {is} per second",
+                    "Variable \"{}\" is declared to be the derivative of \"{}\", but from t = {} s on it is {given} while \"{}\" changes by {measured} per second",
                     short(&slope.name),
                     short(&value.name),
                     start + look.h * k as f64,
@@ -173,15 +174,16 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
                 break;
             }
             let values = session.get_all(&outputs)?;
-            let mut told = vec![0.0; outputs.len()];
-            session.call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, &mut told))?;
-            series.iter_mut().zip(values.iter().zip(&told)).for_each(|(s, (x, d))| s.push(*x, *d));
-            largest.iter_mut().zip(&told).for_each(|(l, d)| *l = l.max(d.abs()));
+            let mut given = vec![0.0; outputs.len()];
+            session
+                .call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, &mut given))?;
+            series.iter_mut().zip(values.iter().zip(&given)).for_each(|(s, (x, d))| s.push(*x, *d));
+            largest.iter_mut().zip(&given).for_each(|(l, d)| *l = l.max(d.abs()));
         }
         for ((v, series), largest) in outputs.iter().zip(series).zip(&largest) {
-            if let Some((k, told, is)) = series.disagrees(&look, *largest, |x| noise(facts, v, x)) {
+            if let Some((k, given, measured)) = series.disagrees(&look, *largest, |x| noise(facts, v, x)) {
                 let message = format!(
-                    "The derivative of output \"{}\" is given as {told} from t = {} s on, but it changes by {is} per second",
+                    "The derivative of output \"{}\" is given as {given} from t = {} s on, but it changes by {measured} per second",
                     short(&v.name),
                     start + look.h * (k + 1) as f64
                 );
@@ -212,7 +214,7 @@ pub(super) fn of_inputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         };
         let (held, moved) = (run(low, 0.0)?, run(0.5 * (low + high), 0.0)?);
         let steady = &subject.base()?.steady;
-        // The input itself differs, of course; something else has to.
+        // The input itself differs; another variable must differ, too.
         let others: Vec<bool> = steady.iter().enumerate().map(|(i, s)| *s && held[0][i] != low).collect();
         let Some(effect) = difference(facts, &others, &held, &moved) else { continue };
         if effect.relative < 1e-6 {

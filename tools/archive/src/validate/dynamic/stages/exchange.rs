@@ -8,7 +8,7 @@ use crate::validate::finding::short;
 use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
-/// Equal up to what an iterative solver inside the FMU leaves.
+/// Equal up to the tolerance of an iterative solver in the FMU.
 const CLOSE: f64 = 1e-6;
 
 fn close(a: f64, b: f64) -> bool {
@@ -84,7 +84,7 @@ fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Faul
     Ok(())
 }
 
-/// Derivatives are a function of time and states: coming back gives them again.
+/// Derivatives are a function of time and states: the same arguments give the same values.
 fn memory(session: &mut Session, x: &[f64], moved: &[f64], seen: &mut Seen) -> Result<(), Fault> {
     let t = session.now;
     let first = Solver::rates(session, t, x)?;
@@ -106,7 +106,7 @@ fn memory(session: &mut Session, x: &[f64], moved: &[f64], seen: &mut Seen) -> R
     Ok(())
 }
 
-/// Where an event indicator changes its sign it goes through zero.
+/// An event indicator passes continuously through zero when it changes its sign.
 fn jumps(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     if facts.indicators == 0 {
@@ -129,7 +129,7 @@ fn jumps(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let after = indicators(&mut session, facts.indicators)?;
         let crossing = (0..facts.indicators).find(|i| (before[*i] > 0.0) != (after[*i] > 0.0));
         let Some(i) = crossing else { continue };
-        // Between the two ends of the step the indicator is looked at on a straight line.
+        // Between the two ends of the step the indicator is evaluated on linearly interpolated states.
         let (mut low, mut high) = ((0.0, before[i]), (1.0, after[i]));
         for _ in 0..50 {
             let middle = 0.5 * (low.0 + high.0);
@@ -141,7 +141,7 @@ fn jumps(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let jump = (high.1 - low.1).abs();
         if jump > 1e-3 * (before[i] - after[i]).abs() {
             let message = format!(
-                "Event indicator {} of {} jumps from {} to {} at t = {} s; importers look for its zero",
+                "Event indicator {} of {} jumps from {} to {} at t = {} s; importers search for its zero crossing",
                 i + 1,
                 facts.indicators,
                 low.1,

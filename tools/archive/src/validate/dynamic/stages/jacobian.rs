@@ -1,4 +1,4 @@
-//! Partial derivatives against differences, and what depends on what.
+//! Partial derivatives compared with difference quotients, and declared dependencies.
 
 use std::time::{Duration, Instant};
 
@@ -16,7 +16,7 @@ use crate::validate::rules;
 /// Relative size of a difference's step, and what a derivative may be off.
 const STEP: f64 = 1e-5;
 const SHARE: f64 = 1e-3;
-/// Columns are looked at for this long.
+/// Time limit of the comparison of columns.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// One scalar that moves: an element of an input or of a state.
@@ -89,7 +89,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             break;
         }
         let Some(column) = point.column(known) else {
-            // Refused at one side: a limit, or a point that the model does not have.
+            // Rejected on one side: a limit, or a point outside the model's domain.
             point.session = subject.started(&subject.base()?.settings)?;
             continue;
         };
@@ -111,7 +111,7 @@ impl<'a> Point<'_, 'a> {
         (references, self.unknowns.iter().map(|(_, v)| v.size).sum())
     }
 
-    /// All unknowns with one known moved by `by`.
+    /// All unknowns with one known changed by `by`.
     fn values(&mut self, known: &Known<'a>, by: f64) -> Option<Vec<f64>> {
         match known.state {
             Some(index) => {
@@ -142,7 +142,7 @@ impl<'a> Point<'_, 'a> {
         let step = STEP * at.abs().max(known.variable.nominal);
         let [plus, minus] = [self.values(known, step)?, self.values(known, -step)?];
         let [plus4, minus4] = [self.values(known, 4.0 * step)?, self.values(known, -4.0 * step)?];
-        // Last, so that the point is where it was.
+        // Last, so that the original point is restored.
         let middle = self.values(known, 0.0)?;
         let quotient = |a: &[f64], b: &[f64], h: f64| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| (a - b) / h).collect()
@@ -168,12 +168,12 @@ impl<'a> Point<'_, 'a> {
             })
             .map_err(|f| f.about(known.variable, &[]))?;
         let still = self.x.is_empty() && column.near.iter().all(|d| *d == 0.0);
-        for (i, told) in out.iter().enumerate() {
-            // A Co-Simulation whose outputs wait for the next step shows nothing to compare with.
+        for (i, given) in out.iter().enumerate() {
+            // A Co-Simulation FMU that updates its outputs only in the next step gives nothing to compare with.
             let itself = is_same(name_at(self.unknowns, i), known.variable);
-            if !still && !itself && !column.allows(i, *told, name_at(self.unknowns, i).nominal) {
+            if !still && !itself && !column.allows(i, *given, name_at(self.unknowns, i).nominal) {
                 let message = format!(
-                    "The directional derivative of \"{}\" over \"{}\" is {told}, but differences give {}",
+                    "The directional derivative of \"{}\" over \"{}\" is {given}, but differences give {}",
                     short(&name_at(self.unknowns, i).name),
                     short(&known.variable.name),
                     column.near[i]
@@ -218,14 +218,14 @@ impl<'a> Point<'_, 'a> {
 }
 
 impl Column {
-    /// Whether a derivative agrees with the differences, as well as these are known.
-    fn allows(&self, i: usize, told: f64, nominal: f64) -> bool {
+    /// Whether a derivative agrees with the difference quotients within their uncertainty.
+    fn allows(&self, i: usize, given: f64, nominal: f64) -> bool {
         let near = self.near[i];
         let bend = (self.forward[i] - self.backward[i]).abs();
-        // What is near zero may be what is left of terms of the usual size.
+        // A value near zero may be the rounding error of cancelling terms of nominal size.
         let noise = 1e-10 * self.middle[i].abs().max(1e-3 * nominal) / self.step;
-        let room = SHARE * told.abs().max(near.abs()) + 3.0 * (near - self.far[i]).abs() + bend + noise;
-        (told - near).abs() <= room
+        let room = SHARE * given.abs().max(near.abs()) + 3.0 * (near - self.far[i]).abs() + bend + noise;
+        (given - near).abs() <= room
     }
 
     /// Whether the change of the unknown is significant.
@@ -247,7 +247,7 @@ fn name_at<'a>(unknowns: &[(&Entry, &'a Variable)], mut i: usize) -> &'a Variabl
     unreachable!("the values are those of the unknowns")
 }
 
-/// What is declared to be independent of a known does not move with it.
+/// An unknown without a declared dependency on a known must not change with it.
 fn dependencies(
     facts: &Facts,
     unknowns: &[(&Entry, &Variable)],
@@ -268,7 +268,7 @@ fn dependencies(
         }
         if let Some(i) = elements.into_iter().find(|i| column.moves(*i, unknown.nominal)) {
             let message = format!(
-                "Variable \"{}\" depends on \"{}\" (it moves by {} per unit), which its list of dependencies does not have",
+                "Variable \"{}\" depends on \"{}\" (derivative {}), which is missing in its list of dependencies",
                 short(&unknown.name),
                 short(&known.variable.name),
                 column.near[i]

@@ -1,4 +1,4 @@
-//! One life of an instance: version, instantiation, initialisation, steps, termination.
+//! Life cycle of an instance: version, instantiation, initialisation, steps, termination.
 
 use cosim::raw::{InterfaceType, RawSetup};
 use cosim::{Kind, Log, Status};
@@ -12,7 +12,7 @@ use crate::validate::finding::short;
 use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
-/// A value may leave its limits by this much of their size, as the standard grants.
+/// Tolerance by which a value may exceed its limits, relative to the limits, as the standard allows.
 const PRECISION: f64 = 1e-6;
 
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
@@ -63,7 +63,7 @@ fn versions(subject: &Subject, seen: &mut Seen) {
     }
 }
 
-/// Outputs are finite, and variables are where the model description says that they are.
+/// Outputs are finite, and variables are within the limits of the model description.
 fn outputs(session: &mut Session, when: &str, seen: &mut Seen) -> Result<(), Fault> {
     let facts = session.facts;
     for v in facts.select(|v| v.kind.is_numeric() && !v.clocked) {
@@ -94,7 +94,7 @@ fn is_outside(v: &Variable, x: f64) -> bool {
     v.min.is_some_and(|m| x < m - room) || v.max.is_some_and(|m| x > m + room)
 }
 
-/// With all messages asked for, each comes in a declared category.
+/// With debug logging on, every message has a declared category.
 fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let log = Log::with_debug();
     let Some(mut raw) = subject.try_instance("probe", &subject.facts.token, &log) else {
@@ -120,7 +120,7 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     Ok(())
 }
 
-/// FMI 3 Co-Simulation as an importer with events runs it.
+/// FMI 3 Co-Simulation with event mode.
 pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> {
     let log = Log::new();
     let setup = RawSetup {

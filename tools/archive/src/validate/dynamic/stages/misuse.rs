@@ -1,4 +1,4 @@
-//! What no importer should do: a token of another FMU, NaN, values outside their limits, references of nothing.
+//! Invalid calls: a wrong token, NaN, values outside their limits, unknown value references.
 
 use cosim::raw::InterfaceType;
 use cosim::{Kind, Log, Status};
@@ -21,7 +21,7 @@ pub(super) fn token(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     if subject.try_instance("probe", FOREIGN, &Log::new()).is_some() {
         let word = if subject.facts.version == FmiVersion::V2 { "GUID" } else { "instantiation token" };
         let message = format!(
-            "The FMU accepts the {word} {FOREIGN}, so a library that does not belong to the description goes unnoticed"
+            "The FMU accepts the {word} {FOREIGN}, so a library that does not match the description is not detected"
         );
         seen.add(&rules::TOKEN_UNCHECKED, &subject.interface.place, message);
     }
@@ -38,7 +38,7 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         for bad in [f64::NAN, f64::INFINITY] {
             if accepts(subject, v, bad)? {
                 let message = format!(
-                    "Variable \"{}\" takes the value {bad} and the FMU steps on with it as if nothing were wrong",
+                    "Variable \"{}\" accepts the value {bad}, and the FMU steps with status OK",
                     short(&v.name)
                 );
                 seen.add(&rules::NAN_ACCEPTED, &v.place, message);
@@ -59,7 +59,7 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         };
         if accepts(subject, v, bad)? {
             let message = format!(
-                "Variable \"{}\" takes {bad}, which is outside its limits ({}), without a word",
+                "Variable \"{}\" accepts {bad}, which is outside its limits ({}), with status OK",
                 short(&v.name),
                 v.limits()
             );
@@ -70,7 +70,7 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether a value is taken with status OK all the way through a step.
+/// Whether a value is accepted with status OK, including the following step.
 fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
     let mut session = subject.instance("probe")?;
     let set = |session: &mut Session| session.raw.set(v.kind, &[v.reference], &vec![bad; v.size]);
@@ -91,7 +91,7 @@ fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
     }
 }
 
-/// References that no variable has, and constants, must be answered by Error.
+/// Access to unknown value references, and setting of constants, must return Error.
 pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let mut session = subject.started(&Vec::new())?;

@@ -1,4 +1,4 @@
-//! Reference results that the FMU carries (layered standard `org.fmi-standard.fmi-ls-ref`), against what it computes.
+//! Comparison of the FMU's results with the reference results in its archive (layered standard `org.fmi-standard.fmi-ls-ref`).
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,10 +15,10 @@ use cosim::xml::{parse_boolean, parse_double};
 /// Where the files are.
 const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 const MANIFEST: &str = "fmi-ls-manifest.xml";
-/// Share of a result's range, and of its size, that another solver may be off.
+/// Tolerance for another solver, relative to the range and to the magnitude of a result.
 const TOLERATED: f64 = 0.005;
 const ROUNDING: f64 = 1e-5;
-/// Long runs are compared as far as this takes.
+/// Time limit of the comparison of long runs.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A table of numbers over time.
@@ -29,7 +29,7 @@ struct Table {
 }
 
 impl Table {
-    /// `None` for anything but a header and rows in the order of time.
+    /// `None` unless the file is a header and rows with ascending time.
     fn read(path: &Path) -> Option<Table> {
         let text = std::fs::read_to_string(path).ok()?;
         let mut lines = text.lines().filter(|l| !l.trim().is_empty());
@@ -77,7 +77,7 @@ fn number(cell: &str) -> Option<f64> {
     parse_double(cell).or_else(|| parse_boolean(cell).map(|b| f64::from(u8::from(b))))
 }
 
-/// Whether the FMU carries such results.
+/// Whether the FMU contains reference results.
 pub(super) fn is_there(subject: &Subject) -> bool {
     subject.archive.dir().join(FOLDER).join(MANIFEST).is_file()
 }
@@ -152,7 +152,7 @@ fn compare(
         if started.elapsed() > PATIENCE || !reach(&mut session, row[0], inputs)? {
             return Ok(());
         }
-        // A row at a jump of the inputs may be meant before or after it.
+        // A row at a discontinuity of the inputs may be before or after it.
         if inputs
             .is_some_and(|i| i.rows.windows(2).any(|w| w[0][0] == w[1][0] && (w[0][0] - row[0]).abs() < 1e-9))
         {
@@ -165,7 +165,7 @@ fn compare(
             let is_near = (value - wanted).abs() <= *room;
             if !is_near && !wanted.is_nan() {
                 let message = format!(
-                    "Variable \"{}\" is {value} at t = {} s, but {wanted} in the reference results that the FMU carries",
+                    "Variable \"{}\" is {value} at t = {} s, but {wanted} in the reference results of the archive",
                     short(&v.name),
                     row[0]
                 );

@@ -1,4 +1,4 @@
-//! The same run again: in a second instance, after a reset, beside another instance, a thousand times.
+//! Repetition of a run: in a second instance, after a reset, together with another instance, a thousand times.
 
 use std::time::{Duration, Instant};
 
@@ -18,7 +18,7 @@ const LEAK: f64 = 128.0;
 /// Bytes that a step, or a state saved and freed, may leave behind.
 const STEP_LEAK: f64 = 24.0;
 const STEP_ROUND: usize = 10_000;
-/// The rounds are cut short when they take longer.
+/// Time limit of the repetitions.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 pub(super) fn reset(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
@@ -27,10 +27,10 @@ pub(super) fn reset(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     if let Some(index) = base.steady.iter().position(|steady| !steady) {
         let (name, variable) = column(facts, index);
         let message =
-            format!("Variable \"{name}\" has other values in a second instance that is treated alike");
+            format!("Variable \"{name}\" has other values in a second instance after the same calls");
         seen.add(&rules::NOT_DETERMINISTIC, &variable.place, message);
     }
-    // A life with other values, which a reset must forget.
+    // A run with other values, which a reset must clear.
     let free = facts.select(Variable::is_free);
     let mut session = subject.started(&others(subject, &free))?;
     runs::from_here(&mut session)?;
@@ -57,7 +57,7 @@ fn after_reset(session: &mut Session, subject: &Subject, place: &str, seen: &mut
     Ok(())
 }
 
-/// One instance runs while another, with other values, does so too.
+/// Two instances with different values run at the same time.
 pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let base = subject.base()?;
@@ -87,7 +87,7 @@ pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
     drop(other);
     if let Some(d) = difference(facts, &base.steady, &base.rows, &rows) {
         let message = format!(
-            "Variable \"{}\" is {} in an instance alone and {} beside a second instance with other values ({})",
+            "Variable \"{}\" is {} in a single instance and {} while a second instance with other values runs ({})",
             d.name,
             d.first,
             d.second,
@@ -131,13 +131,13 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let once = Instant::now();
     drop(subject.started(&Vec::new())?);
     let round_of_instances = round(ROUND, once.elapsed());
-    // Fewer than this drown in the noise of the allocator.
+    // Smaller values are within the noise of the allocator.
     if round_of_instances >= 40
         && let Some(bytes) = growth(round_of_instances, || subject.started(&Vec::new()).map(|_| true))?
         && bytes > LEAK
     {
         let message = format!(
-            "Each instance leaves {bytes:.0} bytes behind after it has been freed ({} instances)",
+            "Each instance leaks {bytes:.0} bytes after it has been freed ({} instances)",
             4 * round_of_instances
         );
         seen.add(&rules::MEMORY, &subject.interface.place, message);
@@ -153,7 +153,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND / 5, piece)?
             && bytes > LEAK
         {
-            let message = format!("Each saved state leaves {bytes:.0} bytes behind after it has been freed");
+            let message = format!("Each saved state leaks {bytes:.0} bytes after it has been freed");
             seen.add(&rules::MEMORY, &subject.interface.place, message);
         }
     }
@@ -162,7 +162,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let end = subject.facts.stop.unwrap_or(f64::INFINITY);
         let piece = || {
             if session.now + h > end {
-                // What leaks does so in a second run, too.
+                // A leak also occurs in a second run.
                 session.call("Reset", |raw| raw.reset())?;
                 session.start(&Vec::new())?;
             }
@@ -171,7 +171,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND, piece)?
             && bytes > STEP_LEAK
         {
-            let message = format!("Each step leaves {bytes:.0} bytes behind");
+            let message = format!("Each step leaks {bytes:.0} bytes");
             seen.add(&rules::MEMORY, &subject.interface.place, message);
         }
     }

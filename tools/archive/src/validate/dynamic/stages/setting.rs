@@ -8,7 +8,7 @@ use crate::validate::dynamic::subject::{Subject, fresh};
 use crate::validate::finding::short;
 use crate::validate::rules;
 
-/// The binary has the start values of its description.
+/// The variables of the binary have the start values of the description.
 pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.instance("probe")?;
     let facts = subject.facts;
@@ -98,7 +98,7 @@ pub(super) fn order(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     reading(subject, &base.settings, seen)
 }
 
-/// All free variables away from their start values, as far as the FMU takes that.
+/// All free variables at other values than their start values, as far as the FMU accepts them.
 pub(super) fn others<'a>(subject: &Subject<'a>, free: &[&'a Variable]) -> Settings<'a> {
     let moved = |test: &dyn Fn(&Variable) -> bool| -> Settings<'a> {
         free.iter()
@@ -159,7 +159,7 @@ fn together(session: &mut Session, settings: &Settings) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Reading changes nothing, whatever is read first.
+/// Reading changes no value, independent of the order of reading.
 fn reading(subject: &Subject, settings: &Settings, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let mut session = subject.started(settings)?;
@@ -174,7 +174,7 @@ fn reading(subject: &Subject, settings: &Settings, seen: &mut Seen) -> Result<()
         let second = session.get(v)?[0];
         if second != *first && !(second.is_nan() && first.is_nan()) {
             let message = format!(
-                "Variable \"{}\" is read as {first} and then as {second}, with no other call between than reading",
+                "Variable \"{}\" is read as {first} and then as {second}, with only reading calls in between",
                 short(&v.name)
             );
             seen.add(&rules::GET_CHANGES, &v.place, message);

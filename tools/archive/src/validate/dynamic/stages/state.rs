@@ -71,7 +71,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             free(&mut other, copy, names[2], seen)?;
         }
     }
-    // A state that is given to the get function is used again.
+    // A state that is passed to the get function is overwritten.
     session.call(names[0], |raw| raw.save(&mut state))?;
     free(&mut session, state, names[2], seen)
 }

@@ -1,4 +1,4 @@
-//! Co-Simulation: what must not depend on the communication step, and where stepping must end.
+//! Co-Simulation: convergence with the communication step, and the end at the stop time.
 
 use cosim::Status;
 
@@ -14,7 +14,7 @@ const TOLERATED: f64 = 0.05;
 /// Differences below this fraction of the nominal value are ignored.
 const SMALLEST: f64 = 1e-7;
 
-/// The end of a run with steps of h, h/2 and h/4: what does not come closer is no discretisation error.
+/// End values with steps of h, h/2 and h/4: a difference that does not decrease is not a discretisation error.
 pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let base = subject.base()?;
@@ -48,7 +48,7 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let first = (one[i] - two[i]).abs();
         let second = four.as_ref().map_or(first, |f| (two[i] - f[i]).abs());
         let steady = base_is_steady(subject, v)?;
-        // Rounding moves balances and remainders about; it does not converge either.
+        // Rounding errors of balances and remainders do not converge either.
         let matters = first.min(second) > (TOLERATED * movement[i]).max(SMALLEST * v.nominal);
         if steady && matters && second > 0.75 * first {
             let message = format!(

@@ -28,7 +28,7 @@ fn equations() -> Vec<Row> {
     let ke_turbulent = k_c(0.0, 1.0);
     vec![
         Row::new("T27", "ch. 5 eq. (7)", "heat flux", "q' = −I²R/A = h(T_a − T_h)", "")
-            .but(SignError, "two wrong signs; the product happens to agree"),
+            .but(SignError, "two sign errors that cancel in the product"),
         Row::new("T28", "ch. 5 eq. (8)", "housing temperature", "−T_h = T_∞ + …", "")
             .but(SignError, "T_h = T_∞ + …"),
         Row::new("T29", "eq. (9)", "winding over housing, 10 W", "T_w − T_h = q' R_wh", "K")
@@ -40,26 +40,30 @@ fn equations() -> Vec<Row> {
             .but(SignError, format!("+ R_wh: the sign moves T_w by {} K", significant(2.0 * POWER * R_WH))),
         Row::new("T31", "eqs. (11)-(12)", "constant of the laminar plate", 0.332, "")
             .published(LAMINAR.0)
-            .note("a local law, right with x in Re; its mean is twice the value at the end"),
+            .note("a local correlation, correct with x in Re; the mean is twice the value at the end"),
         Row::new("T32", "eqs. (11), (18), (19)", "1/(A h), 40 mm", "k of the housing", "K/W")
             .published(resistance_with(re, LAMINAR, K_HOUSING))
             .right(resistance(re, LAMINAR))
-            .but(PhysicsError, "it is the conductivity of air; the figures must have used that"),
+            .but(PhysicsError, "the conductivity of air is required; the figures are consistent with it"),
         Row::new("T33", "eq. (13)", "speed, 40 mm, rated flow", "V̇/(60 A)", "m/s")
             .published(wide.reynolds_at(FAN_FLOW) * 15.89e-6 / (MOTOR_DIAMETER * (1.0 / WIDE - 1.0)))
             .note("with V̇ in m³/min"),
         Row::new("T34", "eqs. (14), (17)", "Reynolds number, 40 mm, rated flow", "Re_x", "")
             .published(wide.reynolds_at(FAN_FLOW))
-            .but(HoldsWithNote, "holds on the hydraulic diameter; the plate's law needs u x/ν"),
+            .but(
+                HoldsWithNote,
+                "correct for the hydraulic diameter; the flat-plate correlation requires u x/ν",
+            ),
         Row::new("T35", "eq. (15)", "pressure drop, 40 mm", "eq. (15)", "Pa")
             .published(wide.pressure_drop(wide.flow()))
             .but(
                 HoldsWithNote,
-                "misses the dynamic head at the exit; A/A_c = 4 L/D_h only if both walls are counted",
+                "omits the dynamic pressure at the exit; A/A_c = 4 L/D_h only if both walls count",
             ),
-        Row::new("T36", "ch. 5", "K_c at σ = 0, laminar", 0.785, "")
-            .published(ke_laminar)
-            .but(HoldsWithNote, "read from the figure; the rule in steps jumps at Re 2000 and 10 000"),
+        Row::new("T36", "ch. 5", "K_c at σ = 0, laminar", 0.785, "").published(ke_laminar).but(
+            HoldsWithNote,
+            "read from the figure; the stepwise rule is discontinuous at Re 2000 and 10 000",
+        ),
         Row::new("T36-turbulent", "ch. 5", "K_c at σ = 0, Re = ∞", 0.385, "")
             .published(ke_turbulent)
             .but(HoldsWithNote, "read from the figure, as above"),
@@ -85,7 +89,7 @@ fn figures(native: &Native) -> Vec<Row> {
     let coldest = coldest_native(native);
     vec![
         Row::new("T39", "fig. 15, ch. 7", "optimum r*", OPTIMUM, "").published(argmax).right(coldest).by(Basis::Predicted).note(
-            "h grows with Re at a fixed x, so the published optimum is that of Re alone; corrected: the coldest winding of the native model with nothing fitted",
+            "h increases with Re at fixed x, so the published optimum is the maximum of Re; corrected: lowest winding temperature of the untuned native model",
         ),
         Row::new("T40", "ch. 6", "greatest Re", "two discontinuities", "").published(re_max).note(format!(
             "with the switch at {RE_SWITCH:.0} they are at r* = {}, at 2300 {}; both tested annuli are laminar only for a switch between {:.0} and {re_max:.0}",
@@ -103,7 +107,7 @@ fn figures(native: &Native) -> Vec<Row> {
             .but(
                 HoldsWithNote,
                 format!(
-                    "with the mean of L/x on a grid of 1 mm, {:.2}, which diverges as the grid gets finer and was chosen here so that the figure comes out",
+                    "with the mean of L/x on a grid of 1 mm, {:.2}, which diverges with grid refinement; the grid is chosen to reproduce the figure",
                     mean_of_l_over_x()
                 ),
             ),
@@ -112,7 +116,7 @@ fn figures(native: &Native) -> Vec<Row> {
             .right(native.winding_at(0.035, false))
             .by(Basis::Predicted)
             .measured(346.4)
-            .but(HoldsWithNote, "the published model is steeper than the measurements, as the thesis says; corrected: nothing fitted"),
+            .but(HoldsWithNote, "the published model depends more strongly on r* than the measurements, as the thesis states; corrected: untuned"),
     ]
 }
 
@@ -142,7 +146,7 @@ fn promises() -> Vec<Row> {
             .but(
                 Inconsistent,
                 format!(
-                    "as published eq. (19) gives T_w = {printed:.1} K and R_ha = {:.2}, with the constant of eq. (12) {right:.1} K; 89 % is {t_promised:.1} K and needs a constant of {needed:.3}, neither of both",
+                    "as published eq. (19) gives T_w = {printed:.1} K and R_ha = {:.2}, with the constant of eq. (12) {right:.1} K; 89 % corresponds to {t_promised:.1} K and a constant of {needed:.3}, which is neither of the two",
                     r_of(printed)
                 ),
             ),
@@ -152,7 +156,7 @@ fn promises() -> Vec<Row> {
             .but(
                 Inconsistent,
                 format!(
-                    "with the 40 mm annulus' mass; like for like the fan alone at 5 mm has {} already",
+                    "with the mass of the 40 mm annulus; at equal conditions the fan alone at 5 mm has {}",
                     significant(torque_at_5_a(CASES[1].t_w) / CASES[1].mass)
                 ),
             ),

@@ -47,15 +47,15 @@ pub fn rows() -> Vec<Row> {
         Row::new("T56-no-load", "app. 2", "no-load speed", n_0, "rpm").published((v - i_0 * R_DATASHEET) / K_T * per_second),
         Row::new("T57", "app. 2", "heat capacity of the winding", "τ_w/R_wh", "J/K")
             .published(TAU.0 / R_WH)
-            .but(HoldsWithNote, "a lumped capacity: the time constant over the resistance"),
+            .but(HoldsWithNote, "lumped heat capacity: time constant divided by resistance"),
         Row::new("T57-motor", "app. 2", "heat capacity of the motor", "τ_m/R_ha", "J/K")
             .published(TAU.1 / R_HA_DATASHEET)
-            .but(HoldsWithNote, "300 g of steel alone, at 0.45 J/(g.K), have 135 J/K"),
+            .but(HoldsWithNote, "300 g of steel with 0.45 J/(g.K) have 135 J/K"),
         Row::new("T58", "app. 1", "uncertainty of T_w", "±(0.02 % + 3 mV), ±(0.05 % + 10 mA)", "K")
             .right(u_t)
             .but(
                 Remark,
-                format!("and {:.2} K/W in R_ha; 10 mΩ of leads would be {:.1} K: distance and direction of flow count 3 to 4 deviations", u_r, leads),
+                format!("and {:.2} K/W in R_ha; 10 mΩ of lead resistance corresponds to {:.1} K; the effects of distance and flow direction are 3 to 4 standard deviations", u_r, leads),
             ),
     ]
 }
