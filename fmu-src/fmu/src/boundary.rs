@@ -134,16 +134,36 @@ pub unsafe fn set_logging(
     }
 }
 
-/// Functions of the life cycle: a name and the instance's method.
+/// Runs an operation of Model Exchange.
+///
+/// # Safety
+/// As [`enter`].
+pub unsafe fn exchange(
+    handle: *mut c_void,
+    name: &str,
+    operation: impl FnOnce(&mut Instance) -> Outcome,
+) -> Status {
+    // SAFETY: by contract.
+    unsafe {
+        enter(handle, name, |i| {
+            i.require_interface(Interface::ModelExchange)?;
+            operation(i)
+        })
+    }
+}
+
+/// C functions: name, arguments after the handle, operation on the instance. First [`enter`] or [`exchange`], which runs it.
 #[macro_export]
 #[doc(hidden)]
-macro_rules! life_cycle {
-    ($($(#[doc = $doc:literal])* $name:ident => $method:ident;)*) => {$(
+macro_rules! functions {
+    ($run:ident; $(
+        $(#[doc = $doc:literal])* fn $name:ident($($argument:ident: $type:ty),*) => $operation:expr;
+    )*) => {$(
         $(#[doc = $doc])*
         #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(handle: *mut std::ffi::c_void) -> $crate::logger::Status {
+        pub unsafe extern "C" fn $name(handle: *mut std::ffi::c_void $(, $argument: $type)*) -> $crate::logger::Status {
             // SAFETY: as the crate's documentation says.
-            unsafe { $crate::boundary::enter(handle, stringify!($name), $crate::instance::Instance::$method) }
+            unsafe { $crate::boundary::$run(handle, stringify!($name), $operation) }
         }
     )*};
 }

@@ -10,8 +10,8 @@ pub use exchange::*;
 use crate::boundary::{
     self, Instantiation, array, array_mut, enter, free_instance, instantiate, place, set_logging,
 };
-use crate::instance::{Interface, Part, Standard, Type};
-use crate::life_cycle;
+use crate::functions;
+use crate::instance::{Instance, Interface, Part, Standard, Type};
 use crate::logger::{Logger2, Sink, Status};
 use crate::refusal::{Outcome, Refused};
 use crate::resources::of_uri;
@@ -129,233 +129,112 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
     unsafe { free_instance(c) }
 }
 
-/// Announces the window of time; section 2.1.6.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetupExperiment(
-    c: Component,
-    _tolerance_defined: Boolean,
-    _tolerance: f64,
-    start: f64,
-    stop_defined: Boolean,
-    stop: f64,
-) -> Status {
-    unsafe {
-        enter(c, "fmi2SetupExperiment", |i| {
-            i.set_window(start, if stop_defined != 0 { Some(stop) } else { None })
-        })
-    }
-}
-
-life_cycle! {
+functions! {
+    enter;
+    /// Announces the window of time; section 2.1.6.
+    fn fmi2SetupExperiment(
+        _tolerance_defined: Boolean, _tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
+    ) => |i| i.set_window(start, (stop_defined != 0).then_some(stop));
     /// Begins initialization; section 2.1.6.
-    fmi2EnterInitializationMode => enter_initialization;
+    fn fmi2EnterInitializationMode() => Instance::enter_initialization;
     /// Ends initialization; section 2.1.6.
-    fmi2ExitInitializationMode => exit_initialization;
+    fn fmi2ExitInitializationMode() => Instance::exit_initialization;
     /// Ends the run; section 2.1.6.
-    fmi2Terminate => terminate;
+    fn fmi2Terminate() => Instance::terminate;
     /// Back to the state after instantiation; section 2.1.6.
-    fmi2Reset => reset;
+    fn fmi2Reset() => Instance::reset;
 }
 
 /// Getter and setter of one type; `of` is the interface's type, `value` the C type.
 macro_rules! values {
-    ($get:ident, $set:ident, $value:ty, $of:expr, $from:expr, $to:expr) => {
-        /// Reads values; section 2.1.7.
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $get(c: Component, vr: *const u32, n: usize, value: *mut $value) -> Status {
-            unsafe {
-                enter(c, stringify!($get), |i| {
-                    let (vr, value) = (array(vr, n, "vr")?, array_mut(value, n, "value")?);
-                    i.get(vr, $of, n, |k, number| value[k] = $from(number))
-                })
-            }
-        }
-
-        /// Sets values, all or none; section 2.1.7.
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $set(
-            c: Component,
-            vr: *const u32,
-            n: usize,
-            value: *const $value,
-        ) -> Status {
-            unsafe {
-                enter(c, stringify!($set), |i| {
-                    let (vr, value) = (array(vr, n, "vr")?, array(value, n, "value")?);
-                    i.set(vr, $of, n, |k| $to(value[k]))
-                })
-            }
+    ($($get:ident, $set:ident, $value:ty, $of:expr, $from:expr, $to:expr;)*) => {
+        functions! {
+            enter;
+            $(/// Reads values; section 2.1.7.
+            fn $get(vr: *const u32, n: usize, value: *mut $value) => |i| {
+                let (vr, value) = (array(vr, n, "vr")?, array_mut(value, n, "value")?);
+                i.get(vr, $of, n, |k, number| value[k] = $from(number))
+            };
+            /// Sets values, all or none; section 2.1.7.
+            fn $set(vr: *const u32, n: usize, value: *const $value) => |i| {
+                let (vr, value) = (array(vr, n, "vr")?, array(value, n, "value")?);
+                i.set(vr, $of, n, |k| $to(value[k]))
+            };)*
         }
     };
 }
 
-values!(fmi2GetReal, fmi2SetReal, f64, Type::Real, |x| x, |x| x);
-values!(fmi2GetInteger, fmi2SetInteger, c_int, Type::Integer, |x| x as c_int, f64::from);
-values!(fmi2GetBoolean, fmi2SetBoolean, Boolean, Type::Boolean, |x| c_int::from(x != 0.0), f64::from);
-values!(fmi2GetString, fmi2SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), |_| f64::NAN);
-
-/// Saves the instance; section 2.1.8. A handle that is not NULL is used again.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status {
-    unsafe { enter(c, "fmi2GetFMUstate", |i| save(i, state)) }
+values! {
+    fmi2GetReal, fmi2SetReal, f64, Type::Real, |x| x, |x| x;
+    fmi2GetInteger, fmi2SetInteger, c_int, Type::Integer, |x| x as c_int, f64::from;
+    fmi2GetBoolean, fmi2SetBoolean, Boolean, Type::Boolean, |x| c_int::from(x != 0.0), f64::from;
+    fmi2GetString, fmi2SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), |_| f64::NAN;
 }
 
-/// Takes the instance back; section 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Status {
-    unsafe { enter(c, "fmi2SetFMUstate", |i| saved_handle::restore(i, state)) }
-}
-
-/// Drops a saved state; section 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status {
-    unsafe { enter(c, "fmi2FreeFMUstate", |_| free(state)) }
-}
-
-/// Bytes that a saved state needs; section 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    c: Component,
-    state: FmuState,
-    size: *mut usize,
-) -> Status {
-    unsafe { enter(c, "fmi2SerializedFMUstateSize", |_| serialized_size(state, size)) }
-}
-
-/// Writes a saved state as bytes; section 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    c: Component,
-    state: FmuState,
-    bytes: *mut u8,
-    n: usize,
-) -> Status {
-    unsafe { enter(c, "fmi2SerializeFMUstate", |_| serialize(state, bytes, n)) }
-}
-
-/// Makes a saved state of bytes; section 2.1.8.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    c: Component,
-    bytes: *const u8,
-    n: usize,
-    state: *mut FmuState,
-) -> Status {
-    unsafe { enter(c, "fmi2DeSerializeFMUstate", |i| deserialize(i, bytes, n, state)) }
-}
-
-/// Derivatives with respect to inputs, states and parameters; section 2.1.9.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
-    c: Component,
-    unknowns: *const u32,
-    n_unknown: usize,
-    knowns: *const u32,
-    n_known: usize,
-    seed: *const f64,
-    sensitivity: *mut f64,
-) -> Status {
-    unsafe {
-        enter(c, "fmi2GetDirectionalDerivative", |i| {
-            let (unknowns, knowns) =
-                (array(unknowns, n_unknown, "vUnknown_ref")?, array(knowns, n_known, "vKnown_ref")?);
-            let (seed, out) =
-                (array(seed, n_known, "dvKnown")?, array_mut(sensitivity, n_unknown, "dvUnknown")?);
-            i.directional(unknowns, knowns, seed, out)
-        })
-    }
-}
-
-/// Sets slopes of inputs over the next step; section 4.2.1.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
-    c: Component,
-    vr: *const u32,
-    n: usize,
-    order: *const c_int,
-    value: *const f64,
-) -> Status {
-    unsafe {
-        enter(c, "fmi2SetRealInputDerivatives", |i| {
-            i.set_slopes(array(vr, n, "vr")?, array(order, n, "order")?, array(value, n, "value")?)
-        })
-    }
-}
-
-/// First derivatives of outputs with respect to time; section 4.2.1.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
-    c: Component,
-    vr: *const u32,
-    n: usize,
-    order: *const c_int,
-    value: *mut f64,
-) -> Status {
-    unsafe {
-        enter(c, "fmi2GetRealOutputDerivatives", |i| {
-            i.output_derivatives(
-                array(vr, n, "vr")?,
-                array(order, n, "order")?,
-                array_mut(value, n, "value")?,
-            )
-        })
-    }
-}
-
-/// Steps; section 4.2.2.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DoStep(c: Component, at: f64, h: f64, _no_set_state_prior: Boolean) -> Status {
-    unsafe { enter(c, "fmi2DoStep", |i| i.step(at, h)) }
-}
-
-/// Cancels a pending step; section 4.2.2. None is ever pending.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2CancelStep(c: Component) -> Status {
-    unsafe {
-        enter(c, "fmi2CancelStep", |_| {
-            Err(Refused::error("steps are synchronous, so none can be cancelled."))
-        })
-    }
-}
-
-/// Status of a pending step; section 4.2.3.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStatus(c: Component, _kind: c_int, _value: *mut Status) -> Status {
-    unsafe { enter(c, "fmi2GetStatus", |_| nothing_pending()) }
-}
-
-/// Time of the last successful step; section 4.2.3.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status {
-    unsafe {
-        enter(c, "fmi2GetRealStatus", |i| {
-            if kind != LAST_SUCCESSFUL_TIME {
-                return nothing_pending();
-            }
-            *place(value, "value")? = i.time();
-            Ok(())
-        })
-    }
-}
-
-/// Integer status; section 4.2.3. There is none.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, _kind: c_int, _value: *mut c_int) -> Status {
-    unsafe { enter(c, "fmi2GetIntegerStatus", |_| nothing_pending()) }
-}
-
-/// Whether the model requests the end of the simulation (at a limit of validity); section 4.2.3.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status {
-    unsafe {
-        enter(c, "fmi2GetBooleanStatus", |i| {
-            if kind != TERMINATED {
-                return nothing_pending();
-            }
-            *place(value, "value")? = Boolean::from(i.end().is_some());
-            Ok(())
-        })
-    }
+functions! {
+    enter;
+    /// Saves the instance; section 2.1.8. A handle that is not NULL is used again.
+    fn fmi2GetFMUstate(state: *mut FmuState) => |i| save(i, state);
+    /// Takes the instance back; section 2.1.8.
+    fn fmi2SetFMUstate(state: FmuState) => |i| saved_handle::restore(i, state);
+    /// Drops a saved state; section 2.1.8.
+    fn fmi2FreeFMUstate(state: *mut FmuState) => |_| free(state);
+    /// Bytes that a saved state needs; section 2.1.8.
+    fn fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) => |_| serialized_size(state, size);
+    /// Writes a saved state as bytes; section 2.1.8.
+    fn fmi2SerializeFMUstate(state: FmuState, bytes: *mut u8, n: usize) => |_| serialize(state, bytes, n);
+    /// Makes a saved state of bytes; section 2.1.8.
+    fn fmi2DeSerializeFMUstate(bytes: *const u8, n: usize, state: *mut FmuState) =>
+        |i| deserialize(i, bytes, n, state);
+    /// Derivatives with respect to inputs, states and parameters; section 2.1.9.
+    fn fmi2GetDirectionalDerivative(
+        unknowns: *const u32, n_unknown: usize, knowns: *const u32, n_known: usize, seed: *const f64,
+        sensitivity: *mut f64
+    ) => |i| {
+        let (unknowns, knowns) =
+            (array(unknowns, n_unknown, "vUnknown_ref")?, array(knowns, n_known, "vKnown_ref")?);
+        let (seed, out) =
+            (array(seed, n_known, "dvKnown")?, array_mut(sensitivity, n_unknown, "dvUnknown")?);
+        i.directional(unknowns, knowns, seed, out)
+    };
+    /// Sets slopes of inputs over the next step; section 4.2.1.
+    fn fmi2SetRealInputDerivatives(vr: *const u32, n: usize, order: *const c_int, value: *const f64) => |i| {
+        i.set_slopes(array(vr, n, "vr")?, array(order, n, "order")?, array(value, n, "value")?)
+    };
+    /// First derivatives of outputs with respect to time; section 4.2.1.
+    fn fmi2GetRealOutputDerivatives(vr: *const u32, n: usize, order: *const c_int, value: *mut f64) => |i| {
+        i.output_derivatives(
+            array(vr, n, "vr")?,
+            array(order, n, "order")?,
+            array_mut(value, n, "value")?,
+        )
+    };
+    /// Steps; section 4.2.2.
+    fn fmi2DoStep(at: f64, h: f64, _no_set_state_prior: Boolean) => |i| i.step(at, h);
+    /// Cancels a pending step; section 4.2.2. None is ever pending.
+    fn fmi2CancelStep() => |_| {
+        Err(Refused::error("steps are synchronous, so none can be cancelled."))
+    };
+    /// Status of a pending step; section 4.2.3.
+    fn fmi2GetStatus(_kind: c_int, _value: *mut Status) => |_| nothing_pending();
+    /// Time of the last successful step; section 4.2.3.
+    fn fmi2GetRealStatus(kind: c_int, value: *mut f64) => |i| {
+        if kind != LAST_SUCCESSFUL_TIME {
+            return nothing_pending();
+        }
+        *place(value, "value")? = i.time();
+        Ok(())
+    };
+    /// Integer status; section 4.2.3. There is none.
+    fn fmi2GetIntegerStatus(_kind: c_int, _value: *mut c_int) => |_| nothing_pending();
+    /// Whether the model requests the end of the simulation (at a limit of validity); section 4.2.3.
+    fn fmi2GetBooleanStatus(kind: c_int, value: *mut Boolean) => |i| {
+        if kind != TERMINATED {
+            return nothing_pending();
+        }
+        *place(value, "value")? = Boolean::from(i.end().is_some());
+        Ok(())
+    };
 }
 
 /// Text about a pending step, or why the run is over; section 4.2.3.

@@ -17,8 +17,9 @@ pub use slopes::*;
 pub use stepping::*;
 pub use values::*;
 
-use crate::boundary::{enter, free_instance, set_logging};
-use crate::life_cycle;
+use crate::boundary::{free_instance, set_logging};
+use crate::functions;
+use crate::instance::Instance;
 use crate::logger::{Logger3, Sink, Status};
 use crate::saved_handle;
 use std::ffi::{c_char, c_void};
@@ -59,83 +60,38 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: InstanceHandle) {
     unsafe { free_instance(instance) }
 }
 
-/// Announces the window of time and begins initialization.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterInitializationMode(
-    instance: InstanceHandle,
-    _tolerance_defined: Boolean,
-    _tolerance: f64,
-    start: f64,
-    stop_defined: Boolean,
-    stop: f64,
-) -> Status {
-    unsafe {
-        enter(instance, "fmi3EnterInitializationMode", |i| {
-            i.set_window(start, if stop_defined != 0 { Some(stop) } else { None })?;
-            i.enter_initialization()
-        })
-    }
-}
-
-life_cycle! {
+functions! {
+    enter;
+    /// Announces the window of time and begins initialization.
+    fn fmi3EnterInitializationMode(
+        _tolerance_defined: Boolean, _tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
+    ) => |i| {
+        i.set_window(start, (stop_defined != 0).then_some(stop))?;
+        i.enter_initialization()
+    };
     /// Begins configuration, in which sizes of arrays are set.
-    fmi3EnterConfigurationMode => enter_configuration;
+    fn fmi3EnterConfigurationMode() => Instance::enter_configuration;
     /// Ends configuration.
-    fmi3ExitConfigurationMode => exit_configuration;
+    fn fmi3ExitConfigurationMode() => Instance::exit_configuration;
     /// Ends initialization.
-    fmi3ExitInitializationMode => exit_initialization;
+    fn fmi3ExitInitializationMode() => Instance::exit_initialization;
     /// Ends the run.
-    fmi3Terminate => terminate;
+    fn fmi3Terminate() => Instance::terminate;
     /// Back to the state after instantiation.
-    fmi3Reset => reset;
-}
-
-/// Saves the instance. A handle that is not NULL is used again.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetFMUState(instance: InstanceHandle, state: *mut FmuState) -> Status {
-    unsafe { enter(instance, "fmi3GetFMUState", |i| saved_handle::save(i, state)) }
-}
-
-/// Takes the instance back.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetFMUState(instance: InstanceHandle, state: FmuState) -> Status {
-    unsafe { enter(instance, "fmi3SetFMUState", |i| saved_handle::restore(i, state)) }
-}
-
-/// Drops a saved state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3FreeFMUState(instance: InstanceHandle, state: *mut FmuState) -> Status {
-    unsafe { enter(instance, "fmi3FreeFMUState", |_| saved_handle::free(state)) }
-}
-
-/// Bytes that a saved state needs.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    instance: InstanceHandle,
-    state: FmuState,
-    size: *mut usize,
-) -> Status {
-    unsafe { enter(instance, "fmi3SerializedFMUStateSize", |_| saved_handle::serialized_size(state, size)) }
-}
-
-/// Writes a saved state as bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializeFMUState(
-    instance: InstanceHandle,
-    state: FmuState,
-    bytes: *mut u8,
-    n: usize,
-) -> Status {
-    unsafe { enter(instance, "fmi3SerializeFMUState", |_| saved_handle::serialize(state, bytes, n)) }
-}
-
-/// Makes a saved state of bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3DeserializeFMUState(
-    instance: InstanceHandle,
-    bytes: *const u8,
-    n: usize,
-    state: *mut FmuState,
-) -> Status {
-    unsafe { enter(instance, "fmi3DeserializeFMUState", |i| saved_handle::deserialize(i, bytes, n, state)) }
+    fn fmi3Reset() => Instance::reset;
+    /// Saves the instance. A handle that is not NULL is used again.
+    fn fmi3GetFMUState(state: *mut FmuState) => |i| saved_handle::save(i, state);
+    /// Takes the instance back.
+    fn fmi3SetFMUState(state: FmuState) => |i| saved_handle::restore(i, state);
+    /// Drops a saved state.
+    fn fmi3FreeFMUState(state: *mut FmuState) => |_| saved_handle::free(state);
+    /// Bytes that a saved state needs.
+    fn fmi3SerializedFMUStateSize(state: FmuState, size: *mut usize) =>
+        |_| saved_handle::serialized_size(state, size);
+    /// Writes a saved state as bytes.
+    fn fmi3SerializeFMUState(state: FmuState, bytes: *mut u8, n: usize) =>
+        |_| saved_handle::serialize(state, bytes, n);
+    /// Makes a saved state of bytes.
+    fn fmi3DeserializeFMUState(bytes: *const u8, n: usize, state: *mut FmuState) =>
+        |i| saved_handle::deserialize(i, bytes, n, state);
 }

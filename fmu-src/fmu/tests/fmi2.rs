@@ -37,87 +37,73 @@ fn unchanged_by(name: &str, call: impl FnOnce(&Motor2) -> Status, expected: Stat
 
 #[test]
 fn refused_calls_say_why_and_change_nothing() {
-    unchanged_by(
-        "nan",
-        |m| m.set("voltage", f64::NAN),
-        Status::Discard,
-        &["voltage", "NaN", "-10000 ... 10000 V"],
-    );
-    unchanged_by(
-        "inf",
-        |m| m.set("load_torque", f64::INFINITY),
-        Status::Discard,
-        &["load_torque", "inf", "N.m"],
-    );
-    unchanged_by(
-        "high",
-        |m| m.set("fan_command", 1.5),
-        Status::Discard,
-        &["fan_command = 1.5 is", "0 ... 1."],
-    );
-    unchanged_by(
-        "cold",
-        |m| m.set("motor.R_ref", -1.0),
-        Status::Discard,
-        &["motor.R_ref = -1 Ohm", "0.0001 ... 10000"],
-    );
-    unchanged_by("output", |m| m.set("current", 1.0), Status::Error, &["current is computed"]);
-    unchanged_by("clock", |m| m.set("time", 1.0), Status::Error, &["time"]);
-    unchanged_by("backwards", |m| m.step(0.005, -1e-3), Status::Error, &["-0.001 s", "not positive"]);
-    unchanged_by("zero", |m| m.step(0.005, 0.0), Status::Error, &["0 s", "not positive"]);
-    unchanged_by("nanstep", |m| m.step(0.005, f64::NAN), Status::Error, &["NaN"]);
-    unchanged_by("elsewhere", |m| m.step(0.007, 1e-3), Status::Error, &["0.007 s", "0.005 s"]);
-    unchanged_by("nantime", |m| m.step(f64::NAN, 1e-3), Status::Error, &["NaN"]);
-    unchanged_by(
-        "fixed",
-        |m| unsafe { fmi2SetInteger(m.0, &vr("drive_mode"), 1, &3) },
-        Status::Error,
-        &["drive_mode is fixed"],
-    );
-    unchanged_by(
-        "unknown",
-        |m| unsafe { fmi2SetReal(m.0, &9999, 1, &1.0) },
-        Status::Error,
-        &["AnnulusCooledMotor", "9999"],
-    );
-    unchanged_by(
-        "type",
-        |m| unsafe { fmi2GetInteger(m.0, &vr("voltage"), 1, &mut 0) },
-        Status::Error,
-        &["voltage", "Real"],
-    );
-    unchanged_by(
-        "count",
-        |m| unsafe { fmi2SetInteger(m.0, &vr("motor.pole_pairs"), 1, &101) },
-        Status::Discard,
-        &["motor.pole_pairs = 101 is", "1 ... 100."],
-    );
-    unchanged_by(
-        "null",
-        |m| unsafe { fmi2GetReal(m.0, null(), 3, null_mut()) },
-        Status::Error,
-        &["vr is NULL"],
-    );
-    unchanged_by(
-        "slope",
-        |m| unsafe { fmi2SetRealInputDerivatives(m.0, &vr("voltage"), 1, &2, &1.0) },
-        Status::Error,
-        &["order 2", "voltage"],
-    );
-    unchanged_by(
-        "nanslope",
-        |m| unsafe { fmi2SetRealInputDerivatives(m.0, &vr("voltage"), 1, &1, &f64::NAN) },
-        Status::Discard,
-        &["NaN", "voltage"],
-    );
-    unchanged_by(
-        "category",
-        |m| unsafe { fmi2SetDebugLogging(m.0, 1, 1, &c"logNothing".as_ptr()) },
-        Status::Error,
-        &["logNothing", "logStatusError"],
-    );
-    unchanged_by("again", |m| unsafe { fmi2EnterInitializationMode(m.0) }, Status::Error, &["step mode"]);
-    unchanged_by("me", |m| unsafe { fmi2SetTime(m.0, 1.0) }, Status::Error, &["Co-Simulation"]);
+    type Case = (&'static str, fn(&Motor2) -> Status, Status, &'static [&'static str]);
+    const CASES: &[Case] = &[
+        ("nan", |m| m.set("voltage", f64::NAN), Status::Discard, &["voltage", "NaN", "-10000 ... 10000 V"]),
+        ("inf", |m| m.set("load_torque", f64::INFINITY), Status::Discard, &["load_torque", "inf", "N.m"]),
+        ("high", |m| m.set("fan_command", 1.5), Status::Discard, &["fan_command = 1.5 is", "0 ... 1."]),
+        (
+            "cold",
+            |m| m.set("motor.R_ref", -1.0),
+            Status::Discard,
+            &["motor.R_ref = -1 Ohm", "0.0001 ... 10000"],
+        ),
+        ("output", |m| m.set("current", 1.0), Status::Error, &["current is computed"]),
+        ("clock", |m| m.set("time", 1.0), Status::Error, &["time"]),
+        ("backwards", |m| m.step(0.005, -1e-3), Status::Error, &["-0.001 s", "not positive"]),
+        ("zero", |m| m.step(0.005, 0.0), Status::Error, &["0 s", "not positive"]),
+        ("nanstep", |m| m.step(0.005, f64::NAN), Status::Error, &["NaN"]),
+        ("elsewhere", |m| m.step(0.007, 1e-3), Status::Error, &["0.007 s", "0.005 s"]),
+        ("nantime", |m| m.step(f64::NAN, 1e-3), Status::Error, &["NaN"]),
+        (
+            "fixed",
+            |m| unsafe { fmi2SetInteger(m.0, &vr("drive_mode"), 1, &3) },
+            Status::Error,
+            &["drive_mode is fixed"],
+        ),
+        (
+            "unknown",
+            |m| unsafe { fmi2SetReal(m.0, &9999, 1, &1.0) },
+            Status::Error,
+            &["AnnulusCooledMotor", "9999"],
+        ),
+        (
+            "type",
+            |m| unsafe { fmi2GetInteger(m.0, &vr("voltage"), 1, &mut 0) },
+            Status::Error,
+            &["voltage", "Real"],
+        ),
+        (
+            "count",
+            |m| unsafe { fmi2SetInteger(m.0, &vr("motor.pole_pairs"), 1, &101) },
+            Status::Discard,
+            &["motor.pole_pairs = 101 is", "1 ... 100."],
+        ),
+        ("null", |m| unsafe { fmi2GetReal(m.0, null(), 3, null_mut()) }, Status::Error, &["vr is NULL"]),
+        (
+            "slope",
+            |m| unsafe { fmi2SetRealInputDerivatives(m.0, &vr("voltage"), 1, &2, &1.0) },
+            Status::Error,
+            &["order 2", "voltage"],
+        ),
+        (
+            "nanslope",
+            |m| unsafe { fmi2SetRealInputDerivatives(m.0, &vr("voltage"), 1, &1, &f64::NAN) },
+            Status::Discard,
+            &["NaN", "voltage"],
+        ),
+        (
+            "category",
+            |m| unsafe { fmi2SetDebugLogging(m.0, 1, 1, &c"logNothing".as_ptr()) },
+            Status::Error,
+            &["logNothing", "logStatusError"],
+        ),
+        ("again", |m| unsafe { fmi2EnterInitializationMode(m.0) }, Status::Error, &["step mode"]),
+        ("me", |m| unsafe { fmi2SetTime(m.0, 1.0) }, Status::Error, &["Co-Simulation"]),
+    ];
+    for (name, call, expected, words) in CASES {
+        unchanged_by(name, call, *expected, words);
+    }
 }
 
 /// A tunable whole number goes through Integer, also as part of a serialized state.

@@ -2,15 +2,34 @@
 
 use describe::{Causality, Declaration};
 use quick_xml::Writer;
+use serde::Deserialize;
 use std::io;
+use std::sync::LazyLock;
 
 /// The folder in the archive.
 pub const FOLDER: &str = "terminalsAndIcons";
 
-/// A variable, and what it is at its terminal.
-type Member = (&'static str, &'static str);
-/// A place where a model may be connected: name, the variable that a model has which has it, what it is, and its members.
-type Place = (&'static str, &'static str, &'static str, &'static [Member]);
+/// A variable, and its kind at its terminal.
+type Member = (String, String);
+
+/// A place where a model may be connected.
+#[derive(Deserialize)]
+struct Place {
+    name: String,
+    /// The variable of the models that have it.
+    of: String,
+    what: String,
+    members: Vec<Member>,
+}
+
+#[derive(Deserialize)]
+struct Places {
+    place: Vec<Place>,
+}
+
+static PLACES: LazyLock<Vec<Place>> = LazyLock::new(|| {
+    toml::from_str::<Places>(include_str!("terminals.toml")).expect("the tests read this file").place
+});
 
 /// A terminal of a model.
 pub struct Terminal {
@@ -19,90 +38,8 @@ pub struct Terminal {
     /// What it is.
     pub what: &'static str,
     /// The variables that the model has of it, each with its kind.
-    pub members: Vec<Member>,
+    pub members: Vec<&'static Member>,
 }
-
-/// Potentials are signals; what flows is counted positive into the model (inflow) or out of it (outflow), as the
-/// variables themselves are (fmu-src/README.md).
-const PLACES: &[Place] = &[
-    (
-        "electrical",
-        "current",
-        "Winding, or the drive in front of it",
-        &[
-            ("voltage", "signal"),
-            ("supply_voltage", "signal"),
-            ("duty", "signal"),
-            ("current_command", "signal"),
-            ("current", "inflow"),
-        ],
-    ),
-    (
-        "shaft",
-        "shaft_speed",
-        "Shaft and the load on it",
-        &[
-            ("shaft_angle", "signal"),
-            ("shaft_speed", "signal"),
-            ("imposed_speed", "signal"),
-            ("shaft_torque", "outflow"),
-            ("load_torque", "outflow"),
-        ],
-    ),
-    (
-        "heat",
-        "heat_to_ambient",
-        "Heat flow to ambient",
-        &[
-            ("ambient_temperature", "signal"),
-            ("housing_temperature", "signal"),
-            ("fan_command", "signal"),
-            ("heat_power", "inflow"),
-            ("heat_to_ambient", "outflow"),
-        ],
-    ),
-    (
-        "motor",
-        "motor_speed",
-        "Motor that drives the actuator: its shaft and its winding",
-        &[
-            ("motor_angle", "signal"),
-            ("motor_speed", "signal"),
-            ("load_torque", "inflow"),
-            ("voltage", "signal"),
-            ("current_command", "signal"),
-            ("motor_current", "outflow"),
-        ],
-    ),
-    (
-        "joint",
-        "spring_deflection",
-        "Joint that the actuator moves",
-        &[
-            ("joint_angle", "signal"),
-            ("joint_speed", "signal"),
-            ("torque_demand", "signal"),
-            ("joint_torque", "outflow"),
-        ],
-    ),
-    (
-        "supply",
-        "torque_error",
-        "Supply in front of the drive",
-        &[("supply_voltage", "signal"), ("supply_power", "inflow")],
-    ),
-    (
-        "joint",
-        "gait_phase",
-        "Joint of the person who walks",
-        &[
-            ("joint_angle", "signal"),
-            ("joint_speed", "signal"),
-            ("torque_demand", "signal"),
-            ("joint_torque", "inflow"),
-        ],
-    ),
-];
 
 /// The terminals of a model, with the members that it has.
 pub fn of(declaration: &Declaration) -> Vec<Terminal> {
@@ -110,9 +47,9 @@ pub fn of(declaration: &Declaration) -> Vec<Terminal> {
         let entry = declaration.by_name(name);
         entry.is_some_and(|e| e.row.causality != Causality::Parameter)
     };
-    let with_members = |&(name, key, what, members): &Place| {
-        let members = members.iter().copied().filter(|(variable, _)| connects(variable)).collect();
-        connects(key).then_some(Terminal { name, what, members })
+    let with_members = |place: &'static Place| {
+        let members = place.members.iter().filter(|(variable, _)| connects(variable)).collect();
+        connects(&place.of).then_some(Terminal { name: &place.name, what: &place.what, members })
     };
     PLACES.iter().filter_map(with_members).collect()
 }
@@ -152,9 +89,9 @@ fn write(xml: &mut Writer<Vec<u8>>, declaration: &Declaration) -> io::Result<()>
                         |xml| {
                             terminal.members.iter().try_for_each(|(variable, kind)| {
                                 let member = [
-                                    ("variableName", *variable),
-                                    ("memberName", *variable),
-                                    ("variableKind", *kind),
+                                    ("variableName", variable.as_str()),
+                                    ("memberName", variable.as_str()),
+                                    ("variableKind", kind.as_str()),
                                 ];
                                 xml.create_element("TerminalMemberVariable")
                                     .with_attributes(member)
@@ -179,7 +116,7 @@ mod tests {
 
     #[test]
     fn every_member_is_somewhere_a_variable() {
-        for (variable, _) in PLACES.iter().flat_map(|(_, _, _, members)| members.iter()) {
+        for (variable, _) in PLACES.iter().flat_map(|place| &place.members) {
             let known = models::ALL
                 .iter()
                 .any(|m| of((m.declaration)()).iter().any(|t| t.members.iter().any(|m| m.0 == *variable)));

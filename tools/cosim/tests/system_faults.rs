@@ -3,67 +3,22 @@ use crate::common::sets;
 use crate::parts::*;
 use cosim::SystemOptions;
 
+/// The tables of `data/system_faults.toml`.
+#[derive(serde::Deserialize)]
+struct Faults {
+    toml: Vec<[String; 3]>,
+    ssp: Vec<[String; 4]>,
+}
+
+fn faults() -> Faults {
+    toml::from_str(include_str!("data/system_faults.toml")).unwrap()
+}
+
 #[test]
 fn connections_in_toml() {
-    for (old, new, expected) in [
-        (
-            "rotor.speed -> spring.speed",
-            "rotr.speed -> spring.speed",
-            "s.toml, line 5: connection rotr.speed -> spring.speed: there is no component rotr, did you mean rotor?",
-        ),
-        (
-            "rotor.speed -> spring.speed",
-            "rotor.sped -> spring.speed",
-            "s.toml, line 5: connection rotor.sped -> spring.speed: rotor has no variable sped, did you mean speed?",
-        ),
-        (
-            "spring.torque -> rotor.torque",
-            "spring.far_speed -> rotor.torque",
-            "s.toml, line 6: connection spring.far_speed -> rotor.torque: spring.far_speed is in rad/s and rotor.torque in \
-             N.m: these cannot be converted",
-        ),
-        (
-            "spring.torque -> rotor.torque",
-            "rotor.speed -> spring.torque",
-            "s.toml, line 6: connection rotor.speed -> spring.torque: both ends are outputs",
-        ),
-        (
-            "spring.torque -> rotor.torque",
-            "rotor.torque -> spring.speed",
-            "s.toml, line 6: connection rotor.torque -> spring.speed: both ends are inputs",
-        ),
-        (
-            "spring.torque -> rotor.torque",
-            "spring.torque -> rotor.J",
-            "s.toml, line 6: connection spring.torque -> rotor.J: rotor.J is a parameter, and connections join outputs and \
-             inputs",
-        ),
-        (
-            "spring.torque -> rotor.torque",
-            "spring.far_speed -> spring.speed",
-            "s.toml, line 6: connection spring.far_speed -> spring.speed: spring.speed has a source already, the \
-             connection rotor.speed -> spring.speed in line 5",
-        ),
-        (
-            "spring.torque -> rotor.torque",
-            "here -> there",
-            "s.toml, line 6: connection here -> there: both ends are connectors of the system",
-        ),
-        (
-            "w = 1.0",
-            "w = \"fast\"",
-            "s.toml, line 16: component rotor: w = \"fast\" is not a finite number (in rad/s)",
-        ),
-        ("w = 1.0", "wide = 1.0", "s.toml, line 16: component rotor: rotor has no variable wide"),
-        (
-            "name = \"spring\"",
-            "name = \"rotor\"",
-            "s.toml, line 18: component rotor: the name is taken, by the one in line 12",
-        ),
-        ("\"spring.fmu\"", "\"sprung.fmu\"", "s.toml, line 18: component spring: there is no FMU sprung.fmu"),
-    ] {
+    for [old, new, expected] in faults().toml {
         let folder = Folder::new();
-        let text = PAIR.replace(old, new);
+        let text = PAIR.replace(&old, &new);
         assert_ne!(text, PAIR);
         assert_eq!(folder.sentence(folder.toml(&text), &SystemOptions::default()), expected);
     }
@@ -213,7 +168,6 @@ fn component(inside: &str) -> String {
 
 #[test]
 fn structures_of_ssp() {
-    let nested = ssd("<Elements>\n<System name=\"inner\"/>\n</Elements>");
     let binding = |inside: &str| component(&format!("<ParameterBindings>\n{inside}\n</ParameterBindings>"));
     let value = |v: &str| {
         binding(&format!(
@@ -226,84 +180,22 @@ fn structures_of_ssp() {
              <Connector name=\"y\" kind=\"output\"/></Connectors></Component>\n</Elements>\n<Connections>\n{connection}\n</Connections>"
         ))
     };
-    let connection =
-        "<Connection startElement=\"g\" startConnector=\"y\" endElement=\"g\" endConnector=\"u\"/>";
-    for (text, expected) in [
-        ("<a>".to_owned(), "line 1: not well-formed XML"),
-        ("<a/>".to_owned(), "line 1: the root is <a>, not <SystemStructureDescription>"),
-        (
-            HEAD.replace("1.0", "2.0") + "</SystemStructureDescription>",
-            "line 1: version \"2.0\" is not supported; only SSP 1 is supported",
-        ),
-        (nested, "line 4: element inner is a nested system; only flat systems are supported"),
-        (
-            component("").replace("gain.fmu", "none.fmu"),
-            "line 4: component g: there is no FMU resources/none.fmu",
-        ),
-        (
-            component("").replace("resources/gain.fmu", "../gain.fmu"),
-            "line 4: component g: the source \"../gain.fmu\" is not a file in the package",
-        ),
-        (
-            component("").replace("name=\"g\"", "name=\"g\" type=\"application/x-ssp-package\""),
-            "line 4: component g is of type \"application/x-ssp-package\", not an FMU (application/x-fmu-sharedlibrary)",
-        ),
-        (
-            component("").replace("name=\"g\"", "name=\"g\" implementation=\"ModelExchange\""),
-            "line 4: component g requires Model Exchange; only Co-Simulation is supported",
-        ),
-        (
-            binding("<ParameterBinding source=\"resources/none.ssv\"/>"),
-            "line 6: the parameter file \"resources/none.ssv\" is not in the package or is not text",
-        ),
-        (
-            binding("<ParameterBinding><ParameterMapping/></ParameterBinding>"),
-            "line 6: the mapping of names of a binding is not supported",
-        ),
-        (
-            value("<Parameter name=\"gg\"><Real value=\"1\"/></Parameter>"),
-            "line 7: component g: gain has no variable gg, did you mean g?",
-        ),
-        (
-            value("<Parameter name=\"g\"><Real value=\"one\"/></Parameter>"),
-            "line 7: component g: g = \"one\" is not a finite number",
-        ),
-        (
-            value("<Parameter name=\"g\"><Real value=\"1\" unit=\"V\"/></Parameter>"),
-            "line 7: the unit \"V\" is not defined in the file",
-        ),
-        (
-            joined("<Connector name=\"n\" kind=\"input\"/>", connection),
-            "line 9: connection g.y -> g.u: component g has no connector u",
-        ),
-        (
-            joined("<Connector name=\"u\" kind=\"output\"/>", connection),
-            "line 5: connector g.u: it is an output here and a variable of causality input in the FMU",
-        ),
-        (
-            joined("<Connector name=\"u\" kind=\"input\"><Integer/></Connector>", connection),
-            "line 5: connector g.u: it is Integer here and Float64 in the FMU",
-        ),
-        (
-            joined("<Connector name=\"u\" kind=\"inout\"/>", connection),
-            "line 5: connector u: unknown kind \"inout\"",
-        ),
-        (
-            joined("<Connector name=\"u\" kind=\"input\"/>", &connection.replace("endElement=\"g\" ", "")),
-            "line 9: connection g.y -> u: the system has no connector u",
-        ),
-        (
-            joined("<Connector name=\"u\" kind=\"input\"/>", "<Connection startConnector=\"y\"/>"),
-            "line 9: <Connection> has no attribute endConnector",
-        ),
-        (ssd(""), "line 1: there are no components"),
-    ] {
+    for [form, first, second, expected] in faults().ssp {
+        let text = match form.as_str() {
+            "whole" => first,
+            "system" => ssd(&first),
+            "component" => component("").replace(&first, &second),
+            "binding" => binding(&first),
+            "value" => value(&first),
+            "joined" => joined(&first, &second),
+            other => panic!("{other}"),
+        };
         let folder = Folder::new();
         let sentence = folder.sentence(folder.ssp(&text, &[]), &SystemOptions::default());
         let found =
             sentence.strip_prefix("s.ssp: SystemStructure.ssd, ").or(sentence.strip_prefix("s.ssp, "));
         let found = found.unwrap_or_else(|| panic!("{sentence}"));
-        assert!(found == expected || expected.ends_with("XML") && found.starts_with(expected), "{found}");
+        assert!(found == expected || expected.ends_with("XML") && found.starts_with(&expected), "{found}");
     }
 }
 

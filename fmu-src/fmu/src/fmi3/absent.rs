@@ -1,23 +1,22 @@
 //! Functions that importers resolve when they load the library and that these FMUs declare not to have.
 
 use super::{Boolean, InstanceHandle};
-use crate::boundary::{Instantiation, enter, instantiate};
+use crate::boundary::{Instantiation, instantiate};
+use crate::functions;
 use crate::instance::{Interface, Part, Standard};
-use crate::logger::{Logger3, Status};
+use crate::logger::Logger3;
 use crate::refusal::Refused;
 use crate::resources::of_path;
 use std::ffi::{c_char, c_int, c_void};
 
 /// Functions that return an error with a message.
 macro_rules! absent {
-    ($why:literal; $($(#[doc = $doc:literal])* $name:ident($($argument:ident: $type:ty),*);)*) => {$(
-        $(#[doc = $doc])*
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(instance: InstanceHandle $(, $argument: $type)*) -> Status {
-            // SAFETY: as the crate's documentation says.
-            unsafe { enter(instance, stringify!($name), |_| Err(Refused::error($why))) }
+    ($why:literal; $($(#[doc = $doc:literal])* $name:ident($($argument:ident: $type:ty),*);)*) => {
+        functions! {
+            enter;
+            $($(#[doc = $doc])* fn $name($($argument: $type),*) => |_| Err(Refused::error($why));)*
         }
-    )*};
+    };
 }
 
 /// Constructors that return an error with a message.

@@ -2,10 +2,10 @@
 
 use super::{Boolean, InstanceHandle, sink};
 use crate::boundary::{Instantiation, array, enter, instantiate, write};
+use crate::functions;
 use crate::instance::{
     Ended, Instance, Interface, IntermediateUpdate, IntermediateUpdates, Part, Standard, StepInParts,
 };
-use crate::life_cycle;
 use crate::logger::{Logger3, Status};
 use crate::resources::of_path;
 use std::ffi::{c_char, c_void};
@@ -55,9 +55,10 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     }
 }
 
-life_cycle! {
+functions! {
+    enter;
     /// Ends an event of Co-Simulation.
-    fmi3EnterStepMode => enter_step;
+    fn fmi3EnterStepMode() => Instance::enter_step;
 }
 
 /// Steps. If the step reaches a limit of validity, `terminateSimulation` is true and the state is that at `lastSuccessfulTime`,

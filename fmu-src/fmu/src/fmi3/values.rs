@@ -1,42 +1,29 @@
 //! FMI 3.0 getters and setters. Float64, Int64 (whole numbers and enumerations), UInt64 (sizes of arrays) and Boolean have
 //! variables; for the other types every call returns an error. The elements of an array are consecutive.
 
-use super::{Boolean, InstanceHandle};
-use crate::boundary::{array, array_mut, enter};
+use super::Boolean;
+use crate::boundary::{array, array_mut};
+use crate::functions;
 use crate::instance::Type;
-use crate::logger::Status;
 use std::ffi::c_char;
 
 /// Getter and setter of one type.
 macro_rules! values {
-    ($($get:ident, $set:ident, $value:ty, $of:expr, $from:expr, $to:expr;)*) => {$(
-        /// Reads values.
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $get(
-            instance: InstanceHandle, vr: *const u32, n: usize, value: *mut $value, n_values: usize,
-        ) -> Status {
-            // SAFETY: as the crate's documentation says; so for every block below.
-            unsafe {
-                enter(instance, stringify!($get), |i| {
-                    let (vr, value) = (array(vr, n, "valueReferences")?, array_mut(value, n_values, "values")?);
-                    i.get(vr, $of, n_values, |k, number| value[k] = $from(number))
-                })
-            }
+    ($($get:ident, $set:ident, $value:ty, $of:expr, $from:expr, $to:expr;)*) => {
+        functions! {
+            enter;
+            $(/// Reads values.
+            fn $get(vr: *const u32, n: usize, value: *mut $value, n_values: usize) => |i| {
+                let (vr, value) = (array(vr, n, "valueReferences")?, array_mut(value, n_values, "values")?);
+                i.get(vr, $of, n_values, |k, number| value[k] = $from(number))
+            };
+            /// Sets values, all or none.
+            fn $set(vr: *const u32, n: usize, value: *const $value, n_values: usize) => |i| {
+                let (vr, value) = (array(vr, n, "valueReferences")?, array(value, n_values, "values")?);
+                i.set(vr, $of, n_values, |k| $to(value[k]))
+            };)*
         }
-
-        /// Sets values, all or none.
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $set(
-            instance: InstanceHandle, vr: *const u32, n: usize, value: *const $value, n_values: usize,
-        ) -> Status {
-            unsafe {
-                enter(instance, stringify!($set), |i| {
-                    let (vr, value) = (array(vr, n, "valueReferences")?, array(value, n_values, "values")?);
-                    i.set(vr, $of, n_values, |k| $to(value[k]))
-                })
-            }
-        }
-    )*};
+    };
 }
 
 /// A type without variables: the values are neither written nor read.
@@ -59,66 +46,19 @@ values! {
     fmi3GetString, fmi3SetString, *const c_char, Type::Absent("String"), |_| c"".as_ptr(), none;
 }
 
-/// Reads binary values.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetBinary(
-    instance: InstanceHandle,
-    vr: *const u32,
-    n: usize,
-    _sizes: *mut usize,
-    _values: *mut *const u8,
-    n_values: usize,
-) -> Status {
-    unsafe {
-        enter(instance, "fmi3GetBinary", |i| {
-            i.get(array(vr, n, "valueReferences")?, Type::Absent("Binary"), n_values, |_, _| {})
-        })
-    }
-}
-
-/// Sets binary values.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetBinary(
-    instance: InstanceHandle,
-    vr: *const u32,
-    n: usize,
-    _sizes: *const usize,
-    _values: *const *const u8,
-    n_values: usize,
-) -> Status {
-    unsafe {
-        enter(instance, "fmi3SetBinary", |i| {
-            i.set(array(vr, n, "valueReferences")?, Type::Absent("Binary"), n_values, none)
-        })
-    }
-}
-
-/// Reads clocks.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetClock(
-    instance: InstanceHandle,
-    vr: *const u32,
-    n: usize,
-    _values: *mut Boolean,
-) -> Status {
-    unsafe {
-        enter(instance, "fmi3GetClock", |i| {
-            i.get(array(vr, n, "valueReferences")?, Type::Absent("Clock"), n, |_, _| {})
-        })
-    }
-}
-
-/// Sets clocks.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetClock(
-    instance: InstanceHandle,
-    vr: *const u32,
-    n: usize,
-    _values: *const Boolean,
-) -> Status {
-    unsafe {
-        enter(instance, "fmi3SetClock", |i| {
-            i.set(array(vr, n, "valueReferences")?, Type::Absent("Clock"), n, none)
-        })
-    }
+functions! {
+    enter;
+    /// Reads binary values.
+    fn fmi3GetBinary(vr: *const u32, n: usize, _sizes: *mut usize, _values: *mut *const u8, n_values: usize) =>
+        |i| i.get(array(vr, n, "valueReferences")?, Type::Absent("Binary"), n_values, |_, _| {});
+    /// Sets binary values.
+    fn fmi3SetBinary(
+        vr: *const u32, n: usize, _sizes: *const usize, _values: *const *const u8, n_values: usize
+    ) => |i| i.set(array(vr, n, "valueReferences")?, Type::Absent("Binary"), n_values, none);
+    /// Reads clocks.
+    fn fmi3GetClock(vr: *const u32, n: usize, _values: *mut Boolean) =>
+        |i| i.get(array(vr, n, "valueReferences")?, Type::Absent("Clock"), n, |_, _| {});
+    /// Sets clocks.
+    fn fmi3SetClock(vr: *const u32, n: usize, _values: *const Boolean) =>
+        |i| i.set(array(vr, n, "valueReferences")?, Type::Absent("Clock"), n, none);
 }

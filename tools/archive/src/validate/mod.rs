@@ -154,11 +154,11 @@ fn check_description(bytes: &[u8], archive: &mut Archive, entries: &HashSet<Stri
         None => FmiVersion::V3,
     };
     out.version = version;
-    let table = match version {
-        FmiVersion::V2 => &schema::fmi2::MODEL_DESCRIPTION,
-        FmiVersion::V3 => &schema::fmi3::MODEL_DESCRIPTION,
+    let table: &schema::Schema = match version {
+        FmiVersion::V2 => &schema::FMI2,
+        FmiVersion::V3 => &schema::FMI3,
     };
-    if !schema::check(&xml, table, out) {
+    if !schema::check(&xml, table, "fmiModelDescription", out) {
         return;
     }
     let model = Model::read(xml.file(), version);

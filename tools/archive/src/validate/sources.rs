@@ -49,7 +49,7 @@ fn require_source(name: &str, place: &str, entries: &HashSet<String>, out: &mut 
 /// Checks the build description against the model description and the entries of the archive.
 pub(crate) fn check_build(bytes: &[u8], model: &Model, entries: &HashSet<String>, out: &mut Findings) {
     let Some(xml) = Xml::parse(FILE, bytes, out) else { return };
-    if !schema::check(&xml, &schema::build::BUILD_DESCRIPTION, out) {
+    if !schema::check(&xml, &schema::FMI3, "fmiBuildDescription", out) {
         return;
     }
     check_version_of(model, &xml, out);

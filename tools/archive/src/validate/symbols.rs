@@ -5,157 +5,25 @@ use object::{Architecture, FileKind, Object, ObjectSymbol};
 
 use super::model::{FmiVersion, Model};
 
-const FMI2_COMMON: &[&str] = &[
-    "GetTypesPlatform",
-    "GetVersion",
-    "SetDebugLogging",
-    "Instantiate",
-    "FreeInstance",
-    "SetupExperiment",
-    "EnterInitializationMode",
-    "ExitInitializationMode",
-    "Terminate",
-    "Reset",
-    "GetReal",
-    "GetInteger",
-    "GetBoolean",
-    "GetString",
-    "SetReal",
-    "SetInteger",
-    "SetBoolean",
-    "SetString",
-    "GetFMUstate",
-    "SetFMUstate",
-    "FreeFMUstate",
-    "SerializedFMUstateSize",
-    "SerializeFMUstate",
-    "DeSerializeFMUstate",
-    "GetDirectionalDerivative",
-];
-const FMI2_MODEL_EXCHANGE: &[&str] = &[
-    "EnterEventMode",
-    "NewDiscreteStates",
-    "EnterContinuousTimeMode",
-    "CompletedIntegratorStep",
-    "SetTime",
-    "SetContinuousStates",
-    "GetDerivatives",
-    "GetEventIndicators",
-    "GetContinuousStates",
-    "GetNominalsOfContinuousStates",
-];
-const FMI2_CO_SIMULATION: &[&str] = &[
-    "SetRealInputDerivatives",
-    "GetRealOutputDerivatives",
-    "DoStep",
-    "CancelStep",
-    "GetStatus",
-    "GetRealStatus",
-    "GetIntegerStatus",
-    "GetBooleanStatus",
-    "GetStringStatus",
-];
-const FMI3: &[&str] = &[
-    "GetVersion",
-    "SetDebugLogging",
-    "InstantiateModelExchange",
-    "InstantiateCoSimulation",
-    "InstantiateScheduledExecution",
-    "FreeInstance",
-    "EnterInitializationMode",
-    "ExitInitializationMode",
-    "EnterEventMode",
-    "Terminate",
-    "Reset",
-    "GetFloat32",
-    "GetFloat64",
-    "GetInt8",
-    "GetUInt8",
-    "GetInt16",
-    "GetUInt16",
-    "GetInt32",
-    "GetUInt32",
-    "GetInt64",
-    "GetUInt64",
-    "GetBoolean",
-    "GetString",
-    "GetBinary",
-    "GetClock",
-    "SetFloat32",
-    "SetFloat64",
-    "SetInt8",
-    "SetUInt8",
-    "SetInt16",
-    "SetUInt16",
-    "SetInt32",
-    "SetUInt32",
-    "SetInt64",
-    "SetUInt64",
-    "SetBoolean",
-    "SetString",
-    "SetBinary",
-    "SetClock",
-    "GetNumberOfVariableDependencies",
-    "GetVariableDependencies",
-    "GetFMUState",
-    "SetFMUState",
-    "FreeFMUState",
-    "SerializedFMUStateSize",
-    "SerializeFMUState",
-    "DeserializeFMUState",
-    "GetDirectionalDerivative",
-    "GetAdjointDerivative",
-    "EnterConfigurationMode",
-    "ExitConfigurationMode",
-    "GetIntervalDecimal",
-    "GetIntervalFraction",
-    "GetShiftDecimal",
-    "GetShiftFraction",
-    "SetIntervalDecimal",
-    "SetIntervalFraction",
-    "SetShiftDecimal",
-    "SetShiftFraction",
-    "EvaluateDiscreteStates",
-    "UpdateDiscreteStates",
-    "EnterContinuousTimeMode",
-    "CompletedIntegratorStep",
-    "SetTime",
-    "SetContinuousStates",
-    "GetContinuousStateDerivatives",
-    "GetEventIndicators",
-    "GetContinuousStates",
-    "GetNominalsOfContinuousStates",
-    "GetNumberOfEventIndicators",
-    "GetNumberOfContinuousStates",
-    "EnterStepMode",
-    "GetOutputDerivatives",
-    "DoStep",
-    "ActivateModelPartition",
-];
+/// Groups of functions, each under the prefix of its standard and, where only one needs them, the interface type.
+const FUNCTIONS: &str = include_str!("functions.txt");
 
 /// The names that the binary called `identifier` must export.
 pub(crate) fn required(model: &Model, identifier: &str) -> Vec<String> {
-    let lists: Vec<&[&str]> = match model.version {
-        FmiVersion::V3 => vec![FMI3],
-        FmiVersion::V2 => {
-            let is_for = |interface: &str| {
-                model
-                    .interfaces
-                    .iter()
-                    .any(|i| i.has_tag_name(interface) && i.attribute("modelIdentifier") == Some(identifier))
-            };
-            let mut lists = vec![FMI2_COMMON];
-            if is_for("ModelExchange") {
-                lists.push(FMI2_MODEL_EXCHANGE);
-            }
-            if is_for("CoSimulation") {
-                lists.push(FMI2_CO_SIMULATION);
-            }
-            lists
-        }
+    let standard = if model.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
+    let is_for = |interface: &str| {
+        let named = |i: &roxmltree::Node| i.attribute("modelIdentifier") == Some(identifier);
+        model.interfaces.iter().any(|i| i.has_tag_name(interface) && named(i))
     };
-    let prefix = if model.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
-    lists.concat().into_iter().map(|name| format!("{prefix}{name}")).collect()
+    let mut names = Vec::new();
+    for group in FUNCTIONS.split("\n\n") {
+        let Some((head, functions)) = group.split_once(':') else { continue };
+        let (prefix, interface) = head.split_once(' ').map_or((head, None), |(p, i)| (p, Some(i)));
+        if prefix == standard && interface.is_none_or(is_for) {
+            names.extend(functions.split_ascii_whitespace().map(|name| format!("{prefix}{name}")));
+        }
+    }
+    names
 }
 
 /// The operating system that a binary format belongs to.

@@ -23,7 +23,7 @@ struct Context<'a> {
 /// Checks the file against the model description and the entries of the archive.
 pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out: &mut Findings) {
     let Some(xml) = Xml::parse(FILE, bytes, out) else { return };
-    if !schema::check(&xml, &schema::terminals::TERMINALS_AND_ICONS, out) {
+    if !schema::check(&xml, &schema::FMI3, "fmiTerminalsAndIcons", out) {
         return;
     }
     check_version_of(model, &xml, out);

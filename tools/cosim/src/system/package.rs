@@ -6,7 +6,7 @@
 use super::connections::{Connections, resolve};
 use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
-use super::structure::{Component, Connector, End};
+use super::structure::{Component, Connection, Connector, End};
 use super::units::unit_of;
 use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
 use quick_xml::Writer;
@@ -32,7 +32,9 @@ pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
     super::order::order(parts, &connections)?;
     let io = |source| Error::Io { action: "write", path: path.to_owned(), source };
     let resources = resources(&parts.structure.components);
-    let xml = Document::new(parts, &connections, &resources).text().map_err(io)?;
+    let document =
+        Document { parts, connections: &connections, resources: &resources, units: BTreeMap::new() };
+    let xml = document.text().map_err(io)?;
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let failed = |e: zip::result::ZipError| io(io::Error::other(e));
     zip.start_file(MAIN, entry(CompressionMethod::Deflated)).map_err(failed)?;
@@ -78,49 +80,79 @@ fn resources(components: &[Component]) -> Vec<(&Path, String)> {
     named
 }
 
-type Written = io::Result<()>;
+/// An XML element to be written; without a list of children it is empty.
+struct Tag {
+    name: &'static str,
+    attributes: Vec<(&'static str, String)>,
+    children: Option<Vec<Tag>>,
+}
+
+/// An element without content.
+fn leaf(name: &'static str, attributes: &[(&'static str, &str)]) -> Tag {
+    let attributes = attributes.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
+    Tag { name, attributes, children: None }
+}
+
+/// An element with content.
+fn node(name: &'static str, attributes: &[(&'static str, &str)], children: Vec<Tag>) -> Tag {
+    Tag { children: Some(children), ..leaf(name, attributes) }
+}
+
+/// An element in others without attributes, the outermost of them first.
+fn within(names: &[&'static str], inner: Tag) -> Tag {
+    names.iter().rev().fold(inner, |inner, name| node(name, &[], vec![inner]))
+}
+
+/// An element around a list, if there is anything in it.
+fn list(name: &'static str, children: Vec<Tag>) -> Option<Tag> {
+    (!children.is_empty()).then(|| node(name, &[], children))
+}
+
+impl Tag {
+    fn write(&self, xml: &mut Writer<Vec<u8>>) -> io::Result<()> {
+        let attributes = self.attributes.iter().map(|(name, value)| (*name, value.as_str()));
+        let start = BytesStart::new(self.name).with_attributes(attributes);
+        let Some(children) = &self.children else { return xml.write_event(Event::Empty(start)) };
+        xml.write_event(Event::Start(start))?;
+        children.iter().try_for_each(|child| child.write(xml))?;
+        xml.write_event(Event::End(BytesEnd::new(self.name)))
+    }
+}
 
 struct Document<'a> {
     parts: Parts<'a>,
     connections: &'a Connections,
     resources: &'a [(&'a Path, String)],
     units: BTreeMap<String, BaseUnit>,
-    xml: Writer<Vec<u8>>,
 }
 
-impl<'a> Document<'a> {
-    fn new(parts: Parts<'a>, connections: &'a Connections, resources: &'a [(&'a Path, String)]) -> Self {
-        let xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-        Self { parts, connections, resources, units: BTreeMap::new(), xml }
-    }
-
+impl Document<'_> {
     fn text(mut self) -> io::Result<String> {
         let structure = self.parts.structure;
-        self.xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         let mut root: Vec<(&str, &str)> = NAMESPACES.to_vec();
         // At the root: libcosim takes an attribute of its own element for an algorithm.
         root.extend(structure.step.map(|_| STEP_NAMESPACE));
         root.extend([("name", structure.name.as_str()), ("version", "1.0"), ("generationTool", "motor-fmu")]);
-        self.open("ssd:SystemStructureDescription", &root)?;
-        self.open("ssd:System", &[("name", &structure.name)])?;
-        self.system_connectors()?;
-        self.open("ssd:Elements", &[])?;
-        for index in 0..structure.components.len() {
-            self.component(index)?;
-        }
-        self.close("ssd:Elements")?;
-        self.connections()?;
-        self.close("ssd:System")?;
-        self.unit_definitions()?;
-        self.experiment()?;
-        self.close("ssd:SystemStructureDescription")?;
-        let mut bytes = self.xml.into_inner();
+        let mut system: Vec<Tag> = self.system_connectors().into_iter().collect();
+        let components = (0..structure.components.len()).map(|index| self.component(index)).collect();
+        system.push(node("ssd:Elements", &[], components));
+        system.extend(list(
+            "ssd:Connections",
+            structure.connections.iter().map(|c| self.connection(c)).collect(),
+        ));
+        let mut children = vec![node("ssd:System", &[("name", &structure.name)], system)];
+        children.extend(self.unit_definitions());
+        children.extend(self.experiment());
+        let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+        xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+        node("ssd:SystemStructureDescription", &root, children).write(&mut xml)?;
+        let mut bytes = xml.into_inner();
         bytes.push(b'\n');
         String::from_utf8(bytes).map_err(io::Error::other)
     }
 
     /// Connectors of the system: ends of connections without a component.
-    fn system_connectors(&mut self) -> Written {
+    fn system_connectors(&mut self) -> Option<Tag> {
         let declared = self.parts.structure.connectors.as_deref();
         let mut ports: Vec<(String, &str, Port)> = Vec::new();
         for connection in &self.parts.structure.connections {
@@ -134,31 +166,24 @@ impl<'a> Document<'a> {
                 ports.push((outer.connector.clone(), kind_of(self.parts.variable(port)), port));
             }
         }
-        if ports.is_empty() {
-            return Ok(());
-        }
-        self.open("ssd:Connectors", &[])?;
-        for (name, kind, port) in ports {
+        let tags = ports.into_iter().map(|(name, kind, port)| {
             let unit = unit_in(declared, &name);
-            self.connector(&name, kind, port, unit)?;
-        }
-        self.close("ssd:Connectors")
+            self.connector(&name, kind, port, unit)
+        });
+        list("ssd:Connectors", tags.collect())
     }
 
-    fn component(&mut self, index: usize) -> Written {
+    fn component(&mut self, index: usize) -> Tag {
         let component = &self.parts.structure.components[index];
-        let resources = self.resources;
-        let source = resources.iter().find(|(p, _)| *p == component.path).map_or("", |(_, name)| name);
+        let source = self.resources.iter().find(|(p, _)| *p == component.path).map_or("", |(_, name)| name);
         let attributes = [
             ("name", component.name.as_str()),
             ("type", FMU),
             ("source", &uri(source)),
             ("implementation", "CoSimulation"),
         ];
-        self.open("ssd:Component", &attributes)?;
-        let description = self.parts.description(index);
-        self.open("ssd:Connectors", &[])?;
-        for (place, variable) in description.variables.iter().enumerate() {
+        let mut connectors = Vec::new();
+        for (place, variable) in self.parts.description(index).variables.iter().enumerate() {
             let port = Port { component: index, variable: place };
             let ends = self.parts.structure.connections.iter().flat_map(|c| [&c.start, &c.end]);
             let joined = ends.into_iter().any(|end| self.port(end) == Some(port));
@@ -166,34 +191,31 @@ impl<'a> Document<'a> {
                 && (variable.kind.is_numeric() && variable.kind != Kind::Enumeration || joined);
             if plain && (variable.causality == Causality::Output || joined) {
                 let unit = unit_in(component.connectors.as_deref(), &variable.name);
-                self.connector(&variable.name, kind_of(variable), port, unit)?;
+                connectors.push(self.connector(&variable.name, kind_of(variable), port, unit));
             }
         }
-        self.close("ssd:Connectors")?;
-        self.values(index)?;
-        self.close("ssd:Component")
+        let mut children = vec![node("ssd:Connectors", &[], connectors)];
+        children.extend(self.values(index));
+        node("ssd:Component", &attributes, children)
     }
 
     /// A connector for a variable, with the unit that the structure declares, else the variable's.
-    fn connector(&mut self, name: &str, kind: &str, port: Port, unit: Option<Unit>) -> Written {
+    fn connector(&mut self, name: &str, kind: &str, port: Port, unit: Option<Unit>) -> Tag {
         let variable = self.parts.variable(port);
-        self.open("ssd:Connector", &[("name", name), ("kind", kind)])?;
-        match variable.kind {
+        let sort = match variable.kind {
             Kind::Float64 | Kind::Float32 => {
                 let own = || unit_of(self.parts.description(port.component), variable);
-                match unit.or_else(own).and_then(|u| self.define(u)) {
-                    Some(unit) => self.empty("ssc:Real", &[("unit", &unit)])?,
-                    None => self.empty("ssc:Real", &[])?,
-                }
+                let unit = unit.or_else(own).and_then(|u| self.define(u));
+                leaf("ssc:Real", &unit.iter().map(|unit| ("unit", unit.as_str())).collect::<Vec<_>>())
             }
-            Kind::Boolean => self.empty("ssc:Boolean", &[])?,
-            Kind::String => self.empty("ssc:String", &[])?,
-            Kind::Binary | Kind::Clock => self.empty("ssc:Binary", &[])?,
+            Kind::Boolean => leaf("ssc:Boolean", &[]),
+            Kind::String => leaf("ssc:String", &[]),
+            Kind::Binary | Kind::Clock => leaf("ssc:Binary", &[]),
             // The items of the type are defined in the FMU and are not repeated in SSP.
-            Kind::Enumeration => {}
-            _ => self.empty("ssc:Integer", &[])?,
-        }
-        self.close("ssd:Connector")
+            Kind::Enumeration => return node("ssd:Connector", &[("name", name), ("kind", kind)], Vec::new()),
+            _ => leaf("ssc:Integer", &[]),
+        };
+        node("ssd:Connector", &[("name", name), ("kind", kind)], vec![sort])
     }
 
     /// The name under which a unit is defined in the file: its own, or a numbered one if another FMU means something
@@ -207,128 +229,73 @@ impl<'a> Document<'a> {
         Some(name)
     }
 
-    fn values(&mut self, index: usize) -> Written {
-        let (parts, connections) = (self.parts, self.connections);
-        let sets = &connections.sets[index];
-        if sets.is_empty() {
-            return Ok(());
-        }
-        for tag in ["ssd:ParameterBindings", "ssd:ParameterBinding", "ssd:ParameterValues"] {
-            self.open(tag, &[])?;
-        }
-        let name = parts.structure.components[index].name.as_str();
-        self.open("ssv:ParameterSet", &[("version", "1.0"), ("name", name)])?;
-        self.open("ssv:Parameters", &[])?;
-        for (variable, value) in sets {
-            let variable = &parts.description(index).variables[*variable];
-            self.open("ssv:Parameter", &[("name", &variable.name)])?;
-            match value {
-                Value::Real(x) => self.empty("ssv:Real", &[("value", &x.to_string())])?,
-                Value::Integer(x) => self.empty("ssv:Integer", &[("value", &x.to_string())])?,
-                Value::Boolean(x) => self.empty("ssv:Boolean", &[("value", &x.to_string())])?,
-                Value::String(x) => self.empty("ssv:String", &[("value", x)])?,
-            }
-            self.close("ssv:Parameter")?;
-        }
-        for tag in [
-            "ssv:Parameters",
-            "ssv:ParameterSet",
-            "ssd:ParameterValues",
-            "ssd:ParameterBinding",
-            "ssd:ParameterBindings",
-        ] {
-            self.close(tag)?;
-        }
-        Ok(())
-    }
-
-    fn connections(&mut self) -> Written {
-        let structure = self.parts.structure;
-        if structure.connections.is_empty() {
-            return Ok(());
-        }
-        self.open("ssd:Connections", &[])?;
-        for connection in &structure.connections {
-            // Some readers require the source first.
-            let backwards = self.port(&connection.start).is_some_and(|p| {
-                connection.end.component.is_some()
-                    && connection.start.component.is_some()
-                    && self.parts.variable(p).causality == Causality::Input
-            });
-            let (from, to) = if backwards {
-                (&connection.end, &connection.start)
-            } else {
-                (&connection.start, &connection.end)
+    fn values(&self, index: usize) -> Option<Tag> {
+        let variables = &self.parts.description(index).variables;
+        let value = |(variable, value): &(usize, Value)| {
+            let (tag, text) = match value {
+                Value::Real(x) => ("ssv:Real", x.to_string()),
+                Value::Integer(x) => ("ssv:Integer", x.to_string()),
+                Value::Boolean(x) => ("ssv:Boolean", x.to_string()),
+                Value::String(x) => ("ssv:String", x.clone()),
             };
-            let mut attributes: Vec<(&str, &str)> = Vec::new();
-            if let Some(element) = &from.component {
-                attributes.push(("startElement", element));
-            }
-            attributes.push(("startConnector", &from.connector));
-            if let Some(element) = &to.component {
-                attributes.push(("endElement", element));
-            }
-            attributes.push(("endConnector", &to.connector));
-            if !connection.convert_units {
-                attributes.push(("suppressUnitConversion", "true"));
-            }
-            if (connection.factor, connection.offset) == (1.0, 0.0) {
-                self.empty("ssd:Connection", &attributes)?;
-                continue;
-            }
-            self.open("ssd:Connection", &attributes)?;
-            let (factor, offset) = (connection.factor.to_string(), connection.offset.to_string());
-            self.empty("ssc:LinearTransformation", &[("factor", &factor), ("offset", &offset)])?;
-            self.close("ssd:Connection")?;
-        }
-        self.close("ssd:Connections")
+            let name = &variables[*variable].name;
+            node("ssv:Parameter", &[("name", name)], vec![leaf(tag, &[("value", &text)])])
+        };
+        let parameters = list("ssv:Parameters", self.connections.sets[index].iter().map(value).collect())?;
+        let name = self.parts.structure.components[index].name.as_str();
+        let set = node("ssv:ParameterSet", &[("version", "1.0"), ("name", name)], vec![parameters]);
+        Some(within(&["ssd:ParameterBindings", "ssd:ParameterBinding", "ssd:ParameterValues"], set))
     }
 
-    fn unit_definitions(&mut self) -> Written {
-        if self.units.is_empty() {
-            return Ok(());
+    fn connection(&self, connection: &Connection) -> Tag {
+        // Some readers require the source first.
+        let backwards = self.port(&connection.start).is_some_and(|p| {
+            connection.end.component.is_some()
+                && connection.start.component.is_some()
+                && self.parts.variable(p).causality == Causality::Input
+        });
+        let (from, to) = match backwards {
+            true => (&connection.end, &connection.start),
+            false => (&connection.start, &connection.end),
+        };
+        let mut attributes: Vec<(&str, &str)> = Vec::new();
+        attributes.extend(from.component.as_deref().map(|element| ("startElement", element)));
+        attributes.push(("startConnector", &from.connector));
+        attributes.extend(to.component.as_deref().map(|element| ("endElement", element)));
+        attributes.push(("endConnector", &to.connector));
+        attributes.extend((!connection.convert_units).then_some(("suppressUnitConversion", "true")));
+        if (connection.factor, connection.offset) == (1.0, 0.0) {
+            return leaf("ssd:Connection", &attributes);
         }
-        self.open("ssd:Units", &[])?;
-        for (name, base) in std::mem::take(&mut self.units) {
-            self.open("ssc:Unit", &[("name", &name)])?;
-            let mut texts: Vec<(&str, String)> = Vec::new();
+        let (factor, offset) = (connection.factor.to_string(), connection.offset.to_string());
+        let linear = leaf("ssc:LinearTransformation", &[("factor", &factor), ("offset", &offset)]);
+        node("ssd:Connection", &attributes, vec![linear])
+    }
+
+    fn unit_definitions(&self) -> Option<Tag> {
+        let unit = |(name, base): (&String, &BaseUnit)| {
             let used = BaseUnit::NAMES.into_iter().zip(base.exponents).filter(|(_, e)| *e != 0);
-            texts.extend(used.map(|(name, exponent)| (name, exponent.to_string())));
-            if base.factor != 1.0 {
-                texts.push(("factor", base.factor.to_string()));
-            }
-            if base.offset != 0.0 {
-                texts.push(("offset", base.offset.to_string()));
-            }
-            let attributes: Vec<(&str, &str)> = texts.iter().map(|(n, t)| (*n, t.as_str())).collect();
-            self.empty("ssc:BaseUnit", &attributes)?;
-            self.close("ssc:Unit")?;
-        }
-        self.close("ssd:Units")
+            let mut attributes: Vec<_> = used.map(|(name, exponent)| (name, exponent.to_string())).collect();
+            attributes.extend((base.factor != 1.0).then(|| ("factor", base.factor.to_string())));
+            attributes.extend((base.offset != 0.0).then(|| ("offset", base.offset.to_string())));
+            let base = Tag { name: "ssc:BaseUnit", attributes, children: None };
+            node("ssc:Unit", &[("name", name)], vec![base])
+        };
+        list("ssd:Units", self.units.iter().map(unit).collect())
     }
 
-    fn experiment(&mut self) -> Written {
+    fn experiment(&self) -> Option<Tag> {
         let structure = self.parts.structure;
         let times = [("startTime", structure.start), ("stopTime", structure.stop)];
-        let texts: Vec<(&str, String)> =
-            times.into_iter().filter_map(|(name, t)| Some((name, t?.to_string()))).collect();
-        let attributes: Vec<(&str, &str)> = texts.iter().map(|(n, t)| (*n, t.as_str())).collect();
-        let Some(step) = structure.step else {
-            return if attributes.is_empty() {
-                Ok(())
-            } else {
-                self.empty("ssd:DefaultExperiment", &attributes)
-            };
-        };
-        self.open("ssd:DefaultExperiment", &attributes)?;
-        self.open("ssd:Annotations", &[])?;
-        self.open("ssc:Annotation", &[("type", STEP_ANNOTATION)])?;
-        self.open("osp:Algorithm", &[])?;
-        self.empty("osp:FixedStepAlgorithm", &[("baseStepSize", &step.to_string())])?;
-        for tag in ["osp:Algorithm", "ssc:Annotation", "ssd:Annotations", "ssd:DefaultExperiment"] {
-            self.close(tag)?;
-        }
-        Ok(())
+        let attributes: Vec<_> = times.into_iter().filter_map(|(n, t)| Some((n, t?.to_string()))).collect();
+        let children = structure.step.map(|step| {
+            let algorithm = leaf("osp:FixedStepAlgorithm", &[("baseStepSize", &step.to_string())]);
+            let annotation = [("type", STEP_ANNOTATION)];
+            let annotation = node("ssc:Annotation", &annotation, vec![within(&["osp:Algorithm"], algorithm)]);
+            vec![within(&["ssd:Annotations"], annotation)]
+        });
+        let name = "ssd:DefaultExperiment";
+        (children.is_some() || !attributes.is_empty()).then_some(Tag { name, attributes, children })
     }
 
     /// The variable at an end of a connection; none for connectors of the system.
@@ -337,20 +304,6 @@ impl<'a> Document<'a> {
         let component = self.parts.structure.components.iter().position(|c| c.name == *name)?;
         let variables = &self.parts.description(component).variables;
         Some(Port { component, variable: variables.iter().position(|v| v.name == end.connector)? })
-    }
-
-    fn open(&mut self, tag: &str, attributes: &[(&str, &str)]) -> Written {
-        let start = BytesStart::new(tag).with_attributes(attributes.iter().copied());
-        self.xml.write_event(Event::Start(start))
-    }
-
-    fn empty(&mut self, tag: &str, attributes: &[(&str, &str)]) -> Written {
-        let start = BytesStart::new(tag).with_attributes(attributes.iter().copied());
-        self.xml.write_event(Event::Empty(start))
-    }
-
-    fn close(&mut self, tag: &str) -> Written {
-        self.xml.write_event(Event::End(BytesEnd::new(tag)))
     }
 }
 

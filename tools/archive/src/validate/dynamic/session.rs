@@ -62,6 +62,16 @@ impl<'a> Session<'a> {
         Err(Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message))
     }
 
+    /// Calls one function of the FMU; [`Session::ok`] judges its status.
+    pub(super) fn call(
+        &mut self,
+        function: &str,
+        call: impl FnOnce(&mut RawInstance) -> Status,
+    ) -> Result<(), Fault> {
+        let status = call(&mut self.raw);
+        self.ok(function, status)
+    }
+
     /// From instantiated (or reset) to ready to step.
     pub(super) fn start(&mut self, settings: &Settings) -> Result<(), Fault> {
         self.now = self.facts.start;
@@ -73,14 +83,13 @@ impl<'a> Session<'a> {
 
     /// Through initialisation mode, and through event mode where that follows.
     pub(super) fn initialise(&mut self, stop: Option<f64>) -> Result<(), Fault> {
-        let status = self.raw.enter_initialization(self.facts.start, stop, self.facts.tolerance);
-        self.ok("EnterInitializationMode", status)?;
-        let status = self.raw.exit_initialization();
-        self.ok("ExitInitializationMode", status)?;
+        self.call("EnterInitializationMode", |raw| {
+            raw.enter_initialization(self.facts.start, stop, self.facts.tolerance)
+        })?;
+        self.call("ExitInitializationMode", |raw| raw.exit_initialization())?;
         if self.interface.kind == InterfaceType::ModelExchange {
             self.iterate_events()?;
-            let status = self.raw.enter_continuous_time_mode();
-            self.ok("EnterContinuousTimeMode", status)?;
+            self.call("EnterContinuousTimeMode", |raw| raw.enter_continuous_time_mode())?;
         }
         Ok(())
     }
@@ -131,15 +140,15 @@ impl<'a> Session<'a> {
 
     /// Sets all elements of a variable.
     pub(super) fn set(&mut self, variable: &Variable, values: &[f64]) -> Result<(), Fault> {
-        let status = self.raw.set(variable.kind, &[variable.reference], values);
-        self.ok("Set", status).map_err(|f| f.about(variable, values))
+        self.call("Set", |raw| raw.set(variable.kind, &[variable.reference], values))
+            .map_err(|f| f.about(variable, values))
     }
 
     /// Reads all elements of a variable.
     pub(super) fn get(&mut self, variable: &Variable) -> Result<Vec<f64>, Fault> {
         let mut values = vec![0.0; variable.size];
-        let status = self.raw.get(variable.kind, &[variable.reference], &mut values);
-        self.ok("Get", status).map_err(|f| f.about(variable, &[]))?;
+        self.call("Get", |raw| raw.get(variable.kind, &[variable.reference], &mut values))
+            .map_err(|f| f.about(variable, &[]))?;
         Ok(values)
     }
 
@@ -148,8 +157,7 @@ impl<'a> Session<'a> {
         let references: Vec<u32> = variables.iter().map(|v| v.reference).collect();
         let mut values = vec![0.0; references.len()];
         if !references.is_empty() {
-            let status = self.raw.get(Kind::Float64, &references, &mut values);
-            self.ok("Get", status)?;
+            self.call("Get", |raw| raw.get(Kind::Float64, &references, &mut values))?;
         }
         Ok(values)
     }

@@ -62,10 +62,8 @@ impl Solver {
     /// Reads what an event may have changed.
     fn reload(&mut self, session: &mut Session) -> Result<(), Fault> {
         if !self.x.is_empty() {
-            let status = session.raw.get_states(&mut self.x);
-            session.ok("GetContinuousStates", status)?;
-            let status = session.raw.get_nominals(&mut self.nominals);
-            session.ok("GetNominalsOfContinuousStates", status)?;
+            session.call("GetContinuousStates", |raw| raw.get_states(&mut self.x))?;
+            session.call("GetNominalsOfContinuousStates", |raw| raw.get_nominals(&mut self.nominals))?;
         }
         self.indicators = indicators(session, self.indicators.len())?;
         Ok(())
@@ -74,12 +72,10 @@ impl Solver {
     /// The derivatives at a time and at states, which become the session's.
     pub(super) fn rates(session: &mut Session, t: f64, x: &[f64]) -> Result<Vec<f64>, Fault> {
         session.now = t;
-        let status = session.raw.set_time(t);
-        session.ok("SetTime", status)?;
+        session.call("SetTime", |raw| raw.set_time(t))?;
         let mut rates = vec![0.0; x.len()];
         if !x.is_empty() {
-            let status = session.raw.set_states(x);
-            session.ok("SetContinuousStates", status)?;
+            session.call("SetContinuousStates", |raw| raw.set_states(x))?;
             let status = session.raw.get_derivatives(&mut rates);
             let name = if session.facts.version == crate::validate::model::FmiVersion::V2 {
                 "GetDerivatives"
@@ -120,11 +116,9 @@ impl Solver {
     }
 
     fn handle_event(&mut self, session: &mut Session) -> Result<(), Fault> {
-        let status = session.raw.enter_event_mode();
-        session.ok("EnterEventMode", status)?;
+        session.call("EnterEventMode", |raw| raw.enter_event_mode())?;
         session.iterate_events()?;
-        let status = session.raw.enter_continuous_time_mode();
-        session.ok("EnterContinuousTimeMode", status)?;
+        session.call("EnterContinuousTimeMode", |raw| raw.enter_continuous_time_mode())?;
         self.reload(session)
     }
 
@@ -191,8 +185,7 @@ impl Solver {
 pub(super) fn indicators(session: &mut Session, count: usize) -> Result<Vec<f64>, Fault> {
     let mut z = vec![0.0; count];
     if count > 0 {
-        let status = session.raw.get_indicators(&mut z);
-        session.ok("GetEventIndicators", status)?;
+        session.call("GetEventIndicators", |raw| raw.get_indicators(&mut z))?;
         if let Some(i) = z.iter().position(|z| !z.is_finite()) {
             let message =
                 format!("Event indicator {} of {count} is {} at t = {} s", i + 1, z[i], session.now);

@@ -4,89 +4,22 @@
 //! order and multiplicity. Every content model of the FMI schemas is a sequence of slots; a slot is one element or a
 //! choice of elements, repeated within limits.
 
-pub(crate) mod build;
-pub(crate) mod fmi2;
-pub(crate) mod fmi3;
-mod fmi3_common;
-mod fmi3_variables;
-pub(crate) mod terminals;
+mod table;
 pub(crate) mod types;
 
 use roxmltree::Node;
 
-use self::types::Type;
+use self::table::{Content, Element, UNBOUNDED};
+pub(crate) use self::table::{FMI2, FMI3, Schema};
 use super::finding::{Findings, short};
 use super::rules;
 use super::xml::Xml;
 
-/// An element of a schema.
-pub(crate) struct Element {
-    name: &'static str,
-    attributes: &'static [&'static [Attribute]],
-    /// `xs:anyAttribute`: attributes that are not in the table are allowed.
-    any_attribute: bool,
-    content: Content,
-}
-
-/// Content model of an element.
-enum Content {
-    /// A sequence of slots.
-    Slots(&'static [Slot]),
-    /// Anything, with at most so many child elements.
-    Any(usize),
-}
-
-/// One place of a sequence: an element, or a choice of elements.
-pub(crate) struct Slot {
-    choices: &'static [&'static Element],
-    least: usize,
-    most: usize,
-}
-
-/// An attribute of a schema.
-pub(crate) struct Attribute {
-    name: &'static str,
-    kind: Type,
-    required: bool,
-}
-
-const UNBOUNDED: usize = usize::MAX;
 const INSTANCE_NAMESPACE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 
-const fn required(name: &'static str, kind: Type) -> Attribute {
-    Attribute { name, kind, required: true }
-}
-
-const fn optional(name: &'static str, kind: Type) -> Attribute {
-    Attribute { name, kind, required: false }
-}
-
-const fn element(
-    name: &'static str,
-    attributes: &'static [&'static [Attribute]],
-    slots: &'static [Slot],
-) -> Element {
-    Element { name, attributes, any_attribute: false, content: Content::Slots(slots) }
-}
-
-const fn maybe(choices: &'static [&'static Element]) -> Slot {
-    Slot { choices, least: 0, most: 1 }
-}
-
-const fn once(choices: &'static [&'static Element]) -> Slot {
-    Slot { choices, least: 1, most: 1 }
-}
-
-const fn any_number(choices: &'static [&'static Element]) -> Slot {
-    Slot { choices, least: 0, most: UNBOUNDED }
-}
-
-const fn at_least_one(choices: &'static [&'static Element]) -> Slot {
-    Slot { choices, least: 1, most: UNBOUNDED }
-}
-
-/// Checks a whole document whose root must be `root`; false when the root is something else.
-pub(crate) fn check(xml: &Xml, root: &'static Element, out: &mut Findings) -> bool {
+/// Checks a whole document whose root must be the element `root`; false when the root is something else.
+pub(crate) fn check(xml: &Xml, schema: &Schema, root: &str, out: &mut Findings) -> bool {
+    let root = schema.element(root);
     let node = xml.root();
     if node.tag_name().name() != root.name || node.tag_name().namespace().is_some() {
         let space = node
@@ -102,12 +35,12 @@ pub(crate) fn check(xml: &Xml, root: &'static Element, out: &mut Findings) -> bo
         out.add(&rules::XSD_ROOT, xml.place(node), message);
         return false;
     }
-    walk(xml, node, root, out);
+    walk(xml, schema, node, root, out);
     true
 }
 
 /// No text other than white space between elements.
-fn check_text(xml: &Xml, child: Node, element: &'static Element, out: &mut Findings) {
+fn check_text(xml: &Xml, child: Node, element: &Element, out: &mut Findings) {
     let text = child.text().filter(|_| child.is_text()).unwrap_or_default();
     if !text.trim_matches([' ', '\t', '\n', '\r']).is_empty() {
         let message = format!(
@@ -119,10 +52,10 @@ fn check_text(xml: &Xml, child: Node, element: &'static Element, out: &mut Findi
     }
 }
 
-fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
+fn walk(xml: &Xml, schema: &Schema, node: Node, element: &Element, out: &mut Findings) {
     check_attributes(xml, node, element, out);
-    let slots = match element.content {
-        Content::Any(most) => {
+    let slots = match &element.content {
+        &Content::Any(most) => {
             let count = node.children().filter(Node::is_element).count();
             if count > most {
                 let message =
@@ -147,8 +80,8 @@ fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
         let name = child.tag_name().name();
         let found = slots.iter().enumerate().find_map(|(i, slot)| {
             let known =
-                slot.choices.iter().find(|e| e.name == name && child.tag_name().namespace().is_none());
-            known.map(|e| (i, *e))
+                schema.choices(slot).find(|e| e.name == name && child.tag_name().namespace().is_none());
+            known.map(|e| (i, e))
         });
         let Some((index, known)) = found else {
             let message = format!("The element <{}> is not allowed in <{}>", short(name), element.name);
@@ -157,7 +90,7 @@ fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
         };
         counts[index] += 1;
         if index < cursor {
-            let after: Vec<_> = slots[cursor].choices.iter().map(|e| e.name).collect();
+            let after: Vec<_> = schema.choices(&slots[cursor]).map(|e| e.name).collect();
             let message =
                 format!("The element <{name}> must stand before <{}> in <{}>", after.join("|"), element.name);
             out.add(&rules::XSD_ELEMENT_ORDER, xml.place(child), message);
@@ -170,19 +103,19 @@ fn walk(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
             );
             out.add(&rules::XSD_ELEMENT_REPEATED, xml.place(child), message);
         }
-        walk(xml, child, known, out);
+        walk(xml, schema, child, known, out);
     }
     for (slot, count) in slots.iter().zip(&counts) {
         if *count < slot.least {
-            let names: Vec<_> = slot.choices.iter().map(|e| format!("<{}>", e.name)).collect();
+            let names: Vec<_> = schema.choices(slot).map(|e| format!("<{}>", e.name)).collect();
             let message = format!("<{}> must contain {}", element.name, names.join(" or "));
             out.add(&rules::XSD_ELEMENT_MISSING, xml.place(node), message);
         }
     }
 }
 
-fn check_attributes(xml: &Xml, node: Node, element: &'static Element, out: &mut Findings) {
-    let known = || element.attributes.iter().flat_map(|group| group.iter());
+fn check_attributes(xml: &Xml, node: Node, element: &Element, out: &mut Findings) {
+    let known = || element.attributes.iter();
     for attribute in node.attributes() {
         let name = attribute.name();
         match attribute.namespace() {

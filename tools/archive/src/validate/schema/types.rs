@@ -3,7 +3,6 @@
 use cosim::xml::{parse_boolean, parse_double, parse_integer};
 
 /// A simple type.
-#[derive(Clone, Copy)]
 pub(crate) enum Type {
     /// xs:string and xs:normalizedString: any text is valid (white space is replaced, not refused).
     Text,
@@ -11,7 +10,7 @@ pub(crate) enum Type {
     Double,
     /// xs:float; the same written forms as xs:double.
     Float,
-    /// An integer type with its name and limits.
+    /// An integer type with its name in XML Schema and its limits.
     Integer(&'static str, i128, i128),
     /// xs:boolean.
     Boolean,
@@ -22,38 +21,50 @@ pub(crate) enum Type {
     /// xs:nonNegativeInteger: without an upper limit.
     NonNegative,
     /// One of these words.
-    Words(&'static [&'static str]),
+    Words(Vec<&'static str>),
     /// A white-space separated list.
-    List(&'static Type),
+    List(Box<Type>),
     /// `3.0`, `3.1.2`, `3.0-beta.1`.
     Version3,
 }
 
-/// xs:byte.
-pub(crate) const BYTE: Type = Type::Integer("xs:byte", i8::MIN as i128, i8::MAX as i128);
-/// xs:unsignedByte.
-pub(crate) const UNSIGNED_BYTE: Type = Type::Integer("xs:unsignedByte", 0, u8::MAX as i128);
-/// xs:short.
-pub(crate) const SHORT: Type = Type::Integer("xs:short", i16::MIN as i128, i16::MAX as i128);
-/// xs:unsignedShort.
-pub(crate) const UNSIGNED_SHORT: Type = Type::Integer("xs:unsignedShort", 0, u16::MAX as i128);
-/// xs:int.
-pub(crate) const INT: Type = Type::Integer("xs:int", i32::MIN as i128, i32::MAX as i128);
-/// xs:unsignedInt.
-pub(crate) const UNSIGNED_INT: Type = Type::Integer("xs:unsignedInt", 0, u32::MAX as i128);
-/// xs:long.
-pub(crate) const LONG: Type = Type::Integer("xs:long", i64::MIN as i128, i64::MAX as i128);
-/// xs:unsignedLong.
-pub(crate) const UNSIGNED_LONG: Type = Type::Integer("xs:unsignedLong", 0, u64::MAX as i128);
-
 impl Type {
+    /// The type that the tables write as `text`: `'a|b'` for words, `...*` for a list.
+    pub(super) fn parse(text: &'static str) -> Type {
+        if let Some(item) = text.strip_suffix('*') {
+            return Type::List(Box::new(Type::parse(item)));
+        }
+        if let Some(words) = text.strip_prefix('\'').and_then(|t| t.strip_suffix('\'')) {
+            return Type::Words(words.split('|').collect());
+        }
+        match text {
+            "text" => Type::Text,
+            "double" => Type::Double,
+            "float" => Type::Float,
+            "boolean" => Type::Boolean,
+            "dateTime" => Type::DateTime,
+            "hexBinary" => Type::HexBinary,
+            "nonNegative" => Type::NonNegative,
+            "version3" => Type::Version3,
+            "byte" => Type::Integer(text, i8::MIN.into(), i8::MAX.into()),
+            "unsignedByte" => Type::Integer(text, 0, u8::MAX.into()),
+            "short" => Type::Integer(text, i16::MIN.into(), i16::MAX.into()),
+            "unsignedShort" => Type::Integer(text, 0, u16::MAX.into()),
+            "int" => Type::Integer(text, i32::MIN.into(), i32::MAX.into()),
+            "unsignedInt" => Type::Integer(text, 0, u32::MAX.into()),
+            "long" => Type::Integer(text, i64::MIN.into(), i64::MAX.into()),
+            "unsignedLong" => Type::Integer(text, 0, u64::MAX.into()),
+            _ => panic!("the table has no type {text}"),
+        }
+    }
+
     /// What a value of this type is, for a message.
-    pub(crate) fn describe(self) -> String {
+    pub(crate) fn describe(&self) -> String {
         match self {
             Type::Text => "a text".into(),
             Type::Double => "an xs:double".into(),
             Type::Float => "an xs:float".into(),
-            Type::Integer(name, low, high) => format!("an {name} ({low} to {high})"),
+            Type::Integer(name, low, high) => format!("an xs:{name} ({low} to {high})"),
             Type::Boolean => "an xs:boolean (true, false, 1 or 0)".into(),
             Type::DateTime => "an xs:dateTime such as 2026-01-31T12:00:00Z".into(),
             Type::HexBinary => "an xs:hexBinary (pairs of hexadecimal digits)".into(),
@@ -65,14 +76,14 @@ impl Type {
     }
 
     /// Whether `text` is a valid written form.
-    pub(crate) fn accepts(self, text: &str) -> bool {
+    pub(crate) fn accepts(&self, text: &str) -> bool {
         // All but text and words collapse white space.
         let value = text.trim_matches([' ', '\t', '\n', '\r']);
         match self {
             Type::Text => true,
             Type::Words(words) => words.contains(&text),
             Type::Double | Type::Float => parse_double(value).is_some(),
-            Type::Integer(_, low, high) => parse_integer(value).is_some_and(|v| (low..=high).contains(&v)),
+            Type::Integer(_, low, high) => parse_integer(value).is_some_and(|v| (*low..=*high).contains(&v)),
             Type::Boolean => parse_boolean(value).is_some(),
             Type::DateTime => is_date_time(value),
             Type::HexBinary => value.len().is_multiple_of(2) && value.bytes().all(|b| b.is_ascii_hexdigit()),
@@ -152,16 +163,14 @@ mod tests {
         for bad in ["", "inf", "+INF", "nan", "infinity", "1,5", "0x10", "1e", "--1", "1_000"] {
             assert!(!Type::Double.accepts(bad), "{bad}");
         }
-        assert!(
-            INT.accepts("+0000000000000000000000000000000000000000000000000007")
-                && INT.accepts("-2147483648")
-        );
-        assert!(!INT.accepts("2147483648") && !INT.accepts("1.0") && !UNSIGNED_INT.accepts("-1"));
+        let (int, list) = (Type::parse("int"), Type::parse("unsignedInt*"));
+        assert!(int.accepts("+0000000000000000000000000000000000000000000000000007"));
+        assert!(int.accepts("-2147483648") && !int.accepts("2147483648") && !int.accepts("1.0"));
         assert!(Type::Boolean.accepts("1") && !Type::Boolean.accepts("True"));
         assert!(
             Type::HexBinary.accepts("") && Type::HexBinary.accepts("0aF1") && !Type::HexBinary.accepts("abc")
         );
-        assert!(Type::List(&UNSIGNED_INT).accepts("") && Type::List(&UNSIGNED_INT).accepts("1 2\n3"));
+        assert!(list.accepts("") && list.accepts("1 2\n3") && !list.accepts("-1"));
         for good in ["3.0", "3.1", "3.0.2", "3.0-beta.1"] {
             assert!(Type::Version3.accepts(good), "{good}");
         }

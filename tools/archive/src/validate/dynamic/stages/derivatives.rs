@@ -175,8 +175,8 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
             }
             let values = session.get_all(&outputs)?;
             let mut given = vec![0.0; outputs.len()];
-            let status = session.raw.get_output_derivatives(&references, &mut given);
-            session.ok("GetOutputDerivatives", status)?;
+            session
+                .call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, &mut given))?;
             series.iter_mut().zip(values.iter().zip(&given)).for_each(|(s, (x, d))| s.push(*x, *d));
             largest.iter_mut().zip(&given).for_each(|(l, d)| *l = l.max(d.abs()));
         }
@@ -206,8 +206,9 @@ pub(super) fn of_inputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         let run = |value: f64, slope: f64| -> Result<Rows, Fault> {
             let mut session: Session = subject.started(&subject.base()?.settings)?;
             session.set(v, &[value])?;
-            let status = session.raw.set_input_derivatives(&[v.reference], &[slope]);
-            session.ok("SetRealInputDerivatives", status).map_err(|f| f.about(v, &[slope]))?;
+            session
+                .call("SetRealInputDerivatives", |raw| raw.set_input_derivatives(&[v.reference], &[slope]))
+                .map_err(|f| f.about(v, &[slope]))?;
             session.step(h)?;
             Ok(vec![session.observe()?])
         };

@@ -33,8 +33,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     }
     let mut x = vec![0.0; n];
     if n > 0 {
-        let status = session.raw.get_states(&mut x);
-        session.ok("GetContinuousStates", status)?;
+        session.call("GetContinuousStates", |raw| raw.get_states(&mut x))?;
         nominals(&mut session, n, seen)?;
         // Away from the start, where the values are not all zero.
         let moved: Vec<f64> = x.iter().map(|x| x + 1e-3 * x.abs().max(1e-3)).collect();
@@ -46,8 +45,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
 
 fn nominals(session: &mut Session, n: usize, seen: &mut Seen) -> Result<(), Fault> {
     let mut nominals = vec![0.0; n];
-    let status = session.raw.get_nominals(&mut nominals);
-    session.ok("GetNominalsOfContinuousStates", status)?;
+    session.call("GetNominalsOfContinuousStates", |raw| raw.get_nominals(&mut nominals))?;
     if let Some(i) = nominals.iter().position(|x| !(*x > 0.0 && x.is_finite())) {
         let message = format!("The nominal value of continuous state {} of {n} is {}", i + 1, nominals[i]);
         seen.add(&rules::NOMINAL_VALUE, &session.interface.place, message);
@@ -61,8 +59,7 @@ fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Faul
     let t = session.now;
     let rates = Solver::rates(session, t, x)?;
     let mut back = vec![0.0; x.len()];
-    let status = session.raw.get_states(&mut back);
-    session.ok("GetContinuousStates", status)?;
+    session.call("GetContinuousStates", |raw| raw.get_states(&mut back))?;
     if let Some(i) = x.iter().zip(&back).position(|(a, b)| !close(*a, *b)) {
         let message = format!("Continuous state {} was set to {} and is {} afterwards", i + 1, x[i], back[i]);
         seen.add(&rules::STATES_KEPT, &session.interface.place, message);

@@ -75,8 +75,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut x =
         vec![0.0; if integrated { facts.states.iter().map(|i| facts.variables[*i].size).sum() } else { 0 }];
     if !x.is_empty() {
-        let status = session.raw.get_states(&mut x);
-        session.ok("GetContinuousStates", status)?;
+        session.call("GetContinuousStates", |raw| raw.get_states(&mut x))?;
     }
     let mut inputs = Vec::new();
     for v in facts.inputs() {
@@ -163,13 +162,11 @@ impl<'a> Point<'_, 'a> {
         let mut seed = vec![0.0; known.variable.size];
         seed[known.element] = 1.0;
         let mut out = vec![0.0; size];
-        let status = self.session.raw.directional_derivative(
-            &references,
-            &[known.variable.reference],
-            &seed,
-            &mut out,
-        );
-        self.session.ok("GetDirectionalDerivative", status).map_err(|f| f.about(known.variable, &[]))?;
+        self.session
+            .call("GetDirectionalDerivative", |raw| {
+                raw.directional_derivative(&references, &[known.variable.reference], &seed, &mut out)
+            })
+            .map_err(|f| f.about(known.variable, &[]))?;
         let still = self.x.is_empty() && column.near.iter().all(|d| *d == 0.0);
         for (i, given) in out.iter().enumerate() {
             // A Co-Simulation FMU that updates its outputs only in the next step gives nothing to compare with.
@@ -195,13 +192,11 @@ impl<'a> Point<'_, 'a> {
             seed[row] = 1.0;
             for (known, column) in columns {
                 let mut out = vec![0.0; known.variable.size];
-                let status = self.session.raw.adjoint_derivative(
-                    &references,
-                    &[known.variable.reference],
-                    &seed,
-                    &mut out,
-                );
-                self.session.ok("GetAdjointDerivative", status).map_err(|f| f.about(known.variable, &[]))?;
+                self.session
+                    .call("GetAdjointDerivative", |raw| {
+                        raw.adjoint_derivative(&references, &[known.variable.reference], &seed, &mut out)
+                    })
+                    .map_err(|f| f.about(known.variable, &[]))?;
                 let v = name_at(self.unknowns, row);
                 if !is_still
                     && !is_same(v, known.variable)

@@ -21,8 +21,10 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     outputs(&mut session, "after initialisation", seen)?;
     if subject.interface.kind == InterfaceType::ScheduledExecution {
         for clock in subject.facts.select(|v| v.kind == Kind::Clock && v.is("input")) {
-            let status = session.raw.activate_partition(clock.reference, session.now);
-            session.ok("ActivateModelPartition", status).map_err(|f| f.about(clock, &[]))?;
+            let now = session.now;
+            session
+                .call("ActivateModelPartition", |raw| raw.activate_partition(clock.reference, now))
+                .map_err(|f| f.about(clock, &[]))?;
         }
     } else {
         let mut drive = Drive::new(&mut session)?;
@@ -33,8 +35,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         }
         outputs(&mut session, "after a few steps", seen)?;
     }
-    let status = session.raw.terminate();
-    session.ok("Terminate", status)?;
+    session.call("Terminate", |raw| raw.terminate())?;
     drop(session);
     categories(subject, seen)
 }
@@ -144,8 +145,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
     };
     session.initialise(None)?;
     session.iterate_events()?;
-    let status = session.raw.enter_step_mode();
-    session.ok("EnterStepMode", status)?;
+    session.call("EnterStepMode", |raw| raw.enter_step_mode())?;
     for k in 1..=runs::steps(facts) {
         let end = session.now + facts.step();
         let h = session.next.filter(|t| *t > session.now).map_or(end, |t| t.min(end)) - session.now;
@@ -157,13 +157,10 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         }
         // An importer may have events of its own.
         if k % 3 == 0 || step.event || session.next.is_some_and(|t| session.now >= t) {
-            let status = session.raw.enter_event_mode();
-            session.ok("EnterEventMode", status)?;
+            session.call("EnterEventMode", |raw| raw.enter_event_mode())?;
             session.iterate_events()?;
-            let status = session.raw.enter_step_mode();
-            session.ok("EnterStepMode", status)?;
+            session.call("EnterStepMode", |raw| raw.enter_step_mode())?;
         }
     }
-    let status = session.raw.terminate();
-    session.ok("Terminate", status)
+    session.call("Terminate", |raw| raw.terminate())
 }

@@ -34,16 +34,14 @@ pub(super) fn reset(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let free = facts.select(Variable::is_free);
     let mut session = subject.started(&others(subject, &free))?;
     runs::from_here(&mut session)?;
-    let status = session.raw.terminate();
-    session.ok("Terminate", status)?;
+    session.call("Terminate", |raw| raw.terminate())?;
     after_reset(&mut session, subject, "after the end of a run", seen)?;
     after_reset(&mut session, subject, "in the middle of a run", seen)
 }
 
 fn after_reset(session: &mut Session, subject: &Subject, place: &str, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
-    let status = session.raw.reset();
-    session.ok("Reset", status)?;
+    session.call("Reset", |raw| raw.reset())?;
     session.start(&base.settings)?;
     let rows = runs::from_here(session)?;
     if let Some(d) = difference(subject.facts, &base.steady, &base.rows, &rows) {
@@ -78,8 +76,7 @@ pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
             }
             other_drive.advance(&mut other, facts.step())?;
         } else if step == 3 {
-            let status = other.raw.reset();
-            other.ok("Reset", status)?;
+            other.call("Reset", |raw| raw.reset())?;
         }
         let row = drive.rows(&mut one, facts.step(), 1)?;
         if row.is_empty() {
@@ -149,10 +146,8 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     if subject.interface.state {
         let piece = || {
             let mut state = RawState::NONE;
-            let status = session.raw.save(&mut state);
-            session.ok("GetFMUState", status)?;
-            let status = session.raw.free_state(&mut state);
-            session.ok("FreeFMUState", status)?;
+            session.call("GetFMUState", |raw| raw.save(&mut state))?;
+            session.call("FreeFMUState", |raw| raw.free_state(&mut state))?;
             Ok(true)
         };
         if let Some(bytes) = growth(STEP_ROUND / 5, piece)?
@@ -168,8 +163,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let piece = || {
             if session.now + h > end {
                 // A leak also occurs in a second run.
-                let status = session.raw.reset();
-                session.ok("Reset", status)?;
+                session.call("Reset", |raw| raw.reset())?;
                 session.start(&Vec::new())?;
             }
             session.step(h)

@@ -12,8 +12,9 @@ use crate::validate::rules;
 pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.instance("probe")?;
     let facts = subject.facts;
-    let status = session.raw.enter_initialization(facts.start, None, facts.tolerance);
-    session.ok("EnterInitializationMode", status)?;
+    session.call("EnterInitializationMode", |raw| {
+        raw.enter_initialization(facts.start, None, facts.tolerance)
+    })?;
     let exact = |v: &Variable| {
         !v.clocked && (v.is("input") || v.initial.as_deref() == Some("exact") || v.variability == "constant")
     };
@@ -153,8 +154,7 @@ fn together(session: &mut Session, settings: &Settings) -> Result<(), Fault> {
         let of_kind = || settings.iter().filter(|(v, _)| v.kind == kind);
         let references: Vec<u32> = of_kind().map(|(v, _)| v.reference).collect();
         let values: Vec<f64> = of_kind().flat_map(|(_, x)| x.iter().copied()).collect();
-        let status = session.raw.set(kind, &references, &values);
-        session.ok("Set", status)?;
+        session.call("Set", |raw| raw.set(kind, &references, &values))?;
     }
     Ok(())
 }

@@ -27,8 +27,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     Drive::new(&mut session)?.rows(&mut session, h, before)?;
     let (now, next) = (session.now, session.next);
     let mut state = RawState::NONE;
-    let status = session.raw.save(&mut state);
-    session.ok(names[0], status)?;
+    session.call(names[0], |raw| raw.save(&mut state))?;
     let onwards = |session: &mut Session| -> Result<Rows, Fault> {
         let mut rows = vec![session.observe()?];
         rows.extend(Drive::new(session)?.rows(session, h, after)?);
@@ -41,8 +40,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         session.set(v, &start)?;
     }
     let back = |session: &mut Session, state: &_| -> Result<Rows, Fault> {
-        let status = session.raw.restore(state);
-        session.ok(names[1], status)?;
+        session.call(names[1], |raw| raw.restore(state))?;
         (session.now, session.next) = (now, next);
         onwards(session)
     };
@@ -51,11 +49,9 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
 
     if subject.interface.serialize {
         let mut size = 0;
-        let status = session.raw.state_size(&state, &mut size);
-        session.ok(names[3], status)?;
+        session.call(names[3], |raw| raw.state_size(&state, &mut size))?;
         let mut bytes = vec![0; size];
-        let status = session.raw.serialize(&state, &mut bytes);
-        session.ok(names[3], status)?;
+        session.call(names[3], |raw| raw.serialize(&state, &mut bytes))?;
         let copy = from_bytes(&mut session, &bytes, names[4])?;
         let third = back(&mut session, &copy)?;
         compare(subject, &first, &third, &rules::SERIALIZE, "from the state's bytes", seen)?;
@@ -76,21 +72,18 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         }
     }
     // A state that is passed to the get function is overwritten.
-    let status = session.raw.save(&mut state);
-    session.ok(names[0], status)?;
+    session.call(names[0], |raw| raw.save(&mut state))?;
     free(&mut session, state, names[2], seen)
 }
 
 fn from_bytes(session: &mut Session, bytes: &[u8], name: &str) -> Result<RawState, Fault> {
     let mut state = RawState::NONE;
-    let status = session.raw.deserialize(bytes, &mut state);
-    session.ok(name, status)?;
+    session.call(name, |raw| raw.deserialize(bytes, &mut state))?;
     Ok(state)
 }
 
 fn free(session: &mut Session, mut state: RawState, name: &str, seen: &mut Seen) -> Result<(), Fault> {
-    let status = session.raw.free_state(&mut state);
-    session.ok(name, status)?;
+    session.call(name, |raw| raw.free_state(&mut state))?;
     if !state.is_none() {
         let message = format!("{name} does not set the pointer to the freed state to NULL");
         seen.add(&rules::STATE_POINTER, &session.interface.place, message);
