@@ -4,8 +4,9 @@ use crate::{Outcome, mutants, product, shell, stages::Stages, tidy, venv, worksp
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Targets that are compiled for the tests: one set, so that no later stage compiles anything again.
-const TARGETS: [&str; 5] = ["--release", "--workspace", "--lib", "--bins", "--tests"];
+/// Targets that are compiled for the tests: one set, so that no later stage compiles anything again. Benchmarks have no tests, and
+/// criterion takes as long to compile as all of ours.
+const TARGETS: [&str; 7] = ["--release", "--workspace", "--exclude", "bench", "--lib", "--bins", "--tests"];
 
 /// Which tests of pytest, and which mutants.
 #[derive(Clone, Copy, PartialEq, Eq)]
