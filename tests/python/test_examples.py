@@ -37,8 +37,8 @@ def test_every_example_has_its_expected_output():
     assert [script.stem for script in SCRIPTS] == sorted(file.stem for file in EXPECTED.glob("*.json"))
 
 
-# Their packages, MuJoCo and Dask, serve one example each.
-NIGHTLY = ("10_mujoco_leg", "11_dask_sweep")
+# The walking study takes minutes; `test_walking_study.py` tests its sentences every day. MuJoCo and Dask serve one example each.
+NIGHTLY = ("08_walking_study", "10_mujoco_leg", "11_dask_sweep")
 
 
 def _marked(script):
