@@ -170,7 +170,7 @@ impl Bench {
         if !h.is_finite() || h <= 0.0 {
             return Err(StudyError::new(format!("the step {h} s is not positive and finite")));
         }
-        self.model.step(self.time, h).map_err(|fault| StudyError::new(fault.to_string()))?;
+        self.model.step(self.time, h).map_err(|fault| StudyError::of_step(&*self.model, &fault))?;
         self.time += h;
         Ok(())
     }

@@ -27,6 +27,15 @@ impl StudyError {
     pub fn new(sentence: impl Into<String>) -> StudyError {
         StudyError::Other(sentence.into())
     }
+
+    /// The error of a failed step: a model that ends at a limit of validity has no steady state at these values.
+    pub(crate) fn of_step(model: &dyn physics::model::Model, fault: &physics::model::Fault) -> StudyError {
+        if model.ended() {
+            StudyError::Unsettled(fault.to_string())
+        } else {
+            StudyError::new(fault.to_string())
+        }
+    }
 }
 
 impl From<describe::preset::PresetError> for StudyError {

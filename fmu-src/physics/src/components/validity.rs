@@ -100,7 +100,7 @@ impl Limits {
         let v = &self.validity;
         let celsius = |t: f64| t - 273.15;
         let heating = format!(
-            "losses of {losses:.1} W exceed the {cooling:.1} W that cooling removes (overload or thermal runaway)"
+            "losses are {losses:.1} W and cooling removes {cooling:.1} W at this instant (overload or thermal runaway)"
         );
         let hot = [
             (

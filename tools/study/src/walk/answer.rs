@@ -325,6 +325,15 @@ mod tests {
         assert!(fan.support > 1.3 * still.support);
     }
 
+    /// Supports whose transient passes a limit of validity have no steady state; the search goes on below them.
+    #[test]
+    fn a_support_beyond_the_limits_of_validity_is_too_much() {
+        let support = |sets: &[(&str, &str)]| continuous_support(&load(WALK, sets)).unwrap().support;
+        let near = support(&[("validity.winding_temperature", "429")]);
+        let far = support(&[]);
+        assert!((near - far).abs() < 5e-3 * far, "{near} {far}");
+    }
+
     /// A drive of 8 A limits the torque before the winding is warm, and is named.
     #[test]
     fn the_limit_is_named() {

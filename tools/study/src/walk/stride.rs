@@ -203,7 +203,8 @@ impl Walker {
                 if k == ACTUATOR {
                     self.interpolate_power();
                 }
-                self.models[k].step(t, self.h).map_err(|fault| StudyError::new(fault.to_string()))?;
+                let model = &mut self.models[k];
+                model.step(t, self.h).map_err(|fault| StudyError::of_step(&**model, &fault))?;
             }
             self.done += 1;
             let [motor, actuator, _] = &mut self.models;
