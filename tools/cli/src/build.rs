@@ -67,10 +67,10 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
             preset: own.as_ref().or(preset.as_ref().filter(|_| named)),
             effects: effects.as_ref().filter(takes),
         };
-        if let (Some(given), Some(own)) = (&preset, &own) {
-            if given.model != own.model {
-                crate::say(&derived(kind, own));
-            }
+        if let (Some(given), Some(own)) = (&preset, &own)
+            && given.model != own.model
+        {
+            crate::say(&derived(kind, own));
         }
         paths.extend(build_for(kind, standards, contents, &libraries, &args.out)?);
         if let Some(preset) = contents.preset {

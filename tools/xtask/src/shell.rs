@@ -26,10 +26,18 @@ fn start(command: &mut Command) -> Outcome<Child> {
     command.spawn().map_err(|e| format!("`{name}` cannot be started: {e}"))
 }
 
+/// Waits for the end of a command.
+fn finish(mut child: Child, name: &str) -> Outcome {
+    match child.wait() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("`{name}` failed ({status})")),
+        Err(e) => Err(format!("`{name}` was lost: {e}")),
+    }
+}
+
 /// Runs a command with its output on ours.
 pub fn run(command: &mut Command) -> Outcome {
-    let status = start(command)?.wait().map_err(|e| format!("`{}` was lost: {e}", spelled(command)))?;
-    if status.success() { Ok(()) } else { Err(format!("`{}` failed ({status})", spelled(command))) }
+    finish(start(command)?, &spelled(command))
 }
 
 /// Runs a command silently and returns what it wrote to standard output.
@@ -59,12 +67,7 @@ pub fn run_keeping(command: &mut Command, keep: impl Fn(&str) -> bool) -> (Vec<S
             kept.push(line);
         }
     }
-    let outcome = match child.wait() {
-        Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(format!("`{name}` failed ({status})")),
-        Err(e) => Err(format!("`{name}` was lost: {e}")),
-    };
-    (kept, outcome)
+    (kept, finish(child, &name))
 }
 
 /// How a command under a time limit ended.

@@ -58,7 +58,7 @@ fn change_with_slopes(walker: &mut Walker) -> Result<(Change, DMatrix<f64>), Stu
 /// The walker in its periodic steady state, and the stride there with the number of strides that were simulated to find it.
 ///
 /// # Errors
-/// No steady state: the winding runs away.
+/// No steady state: thermal runaway of the winding.
 pub fn steady(walker: &Walker) -> Result<(Walker, Periodic), StudyError> {
     let mut walker = walker.clone();
     for _ in 0..SETTLING {
@@ -230,7 +230,7 @@ mod tests {
     fn bare(support: f64) -> Walker {
         let preset = Preset::load("thesis-rig").unwrap();
         let text = format!(
-            "[motor]\ndrive_mode = \"current\"\ncooling_mode = \"bare\"\n[gait]\n\"gait.support\" = {support}\n\
+            "[motor]\ndrive_mode = \"current\"\ncooling_mode = \"bare\"\n\"validity.winding_temperature\" = 1200\n[gait]\n\"gait.support\" = {support}\n\
              [actuator]\n\"transmission.ratio\" = 250\n\"transmission.efficiency\" = 0.85\n\"spring.stiffness\" = 250\n"
         );
         Load::parse(&text, "gait.toml", Some(&preset), &[]).unwrap().walker().unwrap()
