@@ -2,7 +2,7 @@
 //!
 //! A definition begins at the left margin and may go on in indented lines; `#` begins a comment. `@name ...` gives words a
 //! name, and `@name` among the words of a later definition is replaced by them. Any other first word is an element; what follows
-//! a dot tells elements of the same name apart. Its words are attributes (`name:type`, with `name!:type` for a required one and
+//! a dot distinguishes elements of the same name. Its words are attributes (`name:type`, with `name!:type` for a required one and
 //! `anyAttribute` for `xs:anyAttribute`), then `>` and the content: `any`, `any1` for at most one element of whatever kind,
 //! or slots. A slot is an element or a choice `A|B`, with `?`, `*`, `+`, or `?2` for at most two.
 
