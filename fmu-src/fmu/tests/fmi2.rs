@@ -292,7 +292,7 @@ fn choices_and_flags() {
         // 40 A in still air: 618 W into 10 J/K.
         motor.set("current_command", 40.0);
         motor.set("load_torque", 1.0);
-        assert_eq!(motor.step(0.0, 30.0), Status::Ok);
+        assert_eq!(motor.step(0.0, 6.0), Status::Ok);
         assert_eq!(fmi2GetBoolean(motor.0, &vr("over_temperature"), 1, &mut hot), Status::Ok);
         assert_eq!(hot, 1);
         assert!(motor.get("winding_margin") < 0.0);

@@ -85,7 +85,7 @@ pub unsafe extern "C" fn fmi3DoStep(
             };
             write(last_successful_time, i.time());
             over = i.end().is_some();
-            ended.early = over && i.may_return_early();
+            ended.early |= over && i.may_return_early();
             i.unless_over("fmi3DoStep", outcome)
         });
         if let (Some(parts), Status::Ok) = (&mut parts, status) {

@@ -111,8 +111,10 @@ fn hour(run: &mut Run<'_>, name: &str) -> Option<Vec<(f64, f64)>> {
 
 /// The value of something at which the winding, after an hour, is just below its limit.
 fn bearable(from: f64, most: f64, margin: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    // A run that ends at a limit of validity has passed the limit of the winding before.
+    let bears = |value: f64| margin(value).is_some_and(|margin| margin > 0.0);
     let mut high = from;
-    while margin(high)? > 0.0 {
+    while bears(high) {
         high *= 2.0;
         if high > most {
             return None;
@@ -121,7 +123,7 @@ fn bearable(from: f64, most: f64, margin: impl Fn(f64) -> Option<f64>) -> Option
     let mut low = 0.0;
     for _ in 0..20 {
         let middle = 0.5 * (low + high);
-        if margin(middle)? > 0.0 { low = middle } else { high = middle }
+        if bears(middle) { low = middle } else { high = middle }
     }
     (low > 0.0).then_some(low)
 }
