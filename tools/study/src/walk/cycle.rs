@@ -230,7 +230,9 @@ mod tests {
     fn bare(support: f64) -> Walker {
         let preset = Preset::load("thesis-rig").unwrap();
         let text = format!(
-            "[motor]\ndrive_mode = \"current\"\ncooling_mode = \"bare\"\n\"validity.winding_temperature\" = 1200\n[gait]\n\"gait.support\" = {support}\n\
+            "[motor]\ndrive_mode = \"current\"\ncooling_mode = \"bare\"\n\
+             \"validity.winding_temperature\" = 1200\n\"validity.magnet_temperature\" = 1200\n\
+             [gait]\n\"gait.support\" = {support}\n\
              [actuator]\n\"transmission.ratio\" = 250\n\"transmission.efficiency\" = 0.85\n\"spring.stiffness\" = 250\n"
         );
         Load::parse(&text, "gait.toml", Some(&preset), &[]).unwrap().walker().unwrap()
