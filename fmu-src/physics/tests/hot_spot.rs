@@ -1,8 +1,6 @@
 //! The hot spot at stall against three phases that are written out here and integrated by Runge and Kutta's method.
 
-mod common;
-
-use common::motor;
+use crate::common::motor;
 use physics::components::commutation::Commutation;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};

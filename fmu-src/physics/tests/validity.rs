@@ -1,8 +1,6 @@
 //! A run ends at its limits of validity, in every mode, and the torque constant is positive up to there.
 
-mod common;
-
-use common::motor;
+use crate::common::motor;
 use physics::components::commutation::Commutation;
 use physics::model::Model;
 use physics::models;

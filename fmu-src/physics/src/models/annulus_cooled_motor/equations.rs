@@ -21,23 +21,24 @@
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
 //! the crate `reference`, which takes [`Step::rates`].
 
+mod constants;
 mod drive;
 mod outputs;
 mod ports;
 mod system;
 
+pub use constants::Constants;
+
 use super::line::Line;
-use super::network::Body;
 use super::parameters::Parameters;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::commutation::PhaseLoad;
-use crate::components::validity::Limits;
 use crate::effects::{Effect, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, State, System};
 use drive::Chopper;
 use nalgebra::SVector;
-use ports::{Acts, Ports};
+use ports::Ports;
 
 /// Thermal nodes that a step solves: the winding, and what stands next to it. That is the stator where the model
 /// has a network beyond it (`network.rs`), else the whole housing.
@@ -49,96 +50,6 @@ pub type Temperatures = SVector<f64, NODES>;
 
 /// State variables of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
 pub const STATES: usize = 3 + NODES + 3;
-
-/// What follows from the parameters alone, so that no step divides by them again.
-#[derive(Clone, Copy, Debug)]
-pub struct Constants {
-    /// 1/L where the inductance decides the current, 0 where the source does.
-    inverse_l: f64,
-    /// 1/J where the rotor is free, 0 where its speed is imposed.
-    inverse_j: f64,
-    /// Heat capacities of the nodes, J/K.
-    capacity: Temperatures,
-    /// Their reciprocals, K/J.
-    inverse_capacity: Temperatures,
-    /// Conductance from winding to housing, W/K.
-    across: f64,
-    /// How fast the true ambient temperature leaves the shown one, K/s.
-    drift: f64,
-    /// Share of electrical_power that the drive loses.
-    lost: f64,
-    /// Whether a port may jump at a time of its own.
-    pub(super) eventful: bool,
-    /// Torque over that of the data sheet's torque constant, by the commutation.
-    torque_factor: f64,
-    /// Whether a drive that chops loses something on the way.
-    chops: bool,
-    /// Whether a network stands beyond the two nodes.
-    has_network: bool,
-    /// Whether the iron's loss heats the core while all other friction heat goes to the network.
-    iron_in_core: bool,
-    /// Where effects act.
-    acts: Acts,
-    /// Where the equations end.
-    limits: Limits,
-}
-
-impl Constants {
-    /// The constants of a motor.
-    pub fn of(parameters: &Parameters) -> Constants {
-        let body = Body::of(parameters);
-        let voltage_driven = matches!(parameters.choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm);
-        let free = parameters.choices.mechanical_mode == MechanicalMode::FreeShaft;
-        let core = body.as_ref().map_or(parameters.thermal.C_h, |b| b.stator);
-        let capacity = Temperatures::new(parameters.thermal.C_w, core);
-        let mut acts = Acts::of(&parameters.effects);
-        // Beyond the core, the network radiates.
-        acts.housing_to_ambient &= body.is_none();
-        Constants {
-            inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },
-            inverse_j: if free { 1.0 / parameters.motor.J } else { 0.0 },
-            capacity,
-            inverse_capacity: capacity.map(|c| 1.0 / c),
-            across: parameters.thermal.winding_to_housing(1.0, 0.0),
-            drift: parameters.effects.ambient_sensor(),
-            lost: parameters.effects.drive_loss(),
-            eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
-            torque_factor: parameters.choices.commutation.torque_factor(),
-            chops: Chopper::acts(parameters),
-            has_network: body.is_some(),
-            iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
-            acts,
-            limits: Limits::new(parameters.validity, parameters.motor.T_ref, parameters.motor.alpha_mag),
-        }
-    }
-}
-
-impl Constants {
-    /// With every heat capacity times `factor`.
-    pub fn with_capacity(mut self, factor: f64) -> Constants {
-        self.capacity *= factor;
-        self.inverse_capacity /= factor;
-        self
-    }
-
-    /// The heat in the nodes above the temperature `origin`, K, in J.
-    pub fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
-        self.capacity.dot(&temperature.add_scalar(-origin))
-    }
-}
-
-impl Constants {
-    /// Where the equations end.
-    #[inline]
-    pub(super) fn limits(&self) -> &Limits {
-        &self.limits
-    }
-
-    /// How fast the true ambient temperature leaves the shown one, K/s.
-    pub(super) fn drift(&self) -> f64 {
-        self.drift
-    }
-}
 
 /// The equations over one step, inputs on their lines. Times are seconds from the start of the step.
 #[derive(Clone, Copy, Debug)]
