@@ -39,8 +39,15 @@ pub fn common(workspace: &Workspace, extent: Extent, stages: &mut Stages) {
             shell::run_keeping(command.args(TARGETS), is_cargo_closing)
         });
         stages.keeping("cargo test --doc", || {
-            let mut command =
-                workspace.cargo(&["test", "--no-fail-fast", "--release", "--workspace", "--doc"]);
+            let mut command = workspace.cargo(&[
+                "test",
+                "--no-fail-fast",
+                "--release",
+                "--workspace",
+                "--exclude",
+                "bench",
+                "--doc",
+            ]);
             shell::run_keeping(&mut command, is_cargo_closing)
         });
         let built = compiled && stages.run("archives", || product::archives(workspace));
