@@ -13,10 +13,10 @@ PRESET = {
 
 
 def free_shaft(found):
-    """The torque balance of a shaft at constant speed, and Ohm's law with back-EMF: 24 V, 0.1 N.m and dry friction."""
+    """The torque balance of a shaft at constant speed without friction, and Ohm's law with back-EMF: 24 V and 0.1 N.m."""
     warm = found["winding_temperature"] - PRESET["motor.T_ref"]
     k_t = PRESET["motor.k_t"]
-    current = (0.1 + PRESET["effect.coulomb_friction.tau_c"]) / k_t
+    current = 0.1 / k_t
     resistance = PRESET["motor.R_ref"] * (1 + PRESET["motor.alpha"] * warm)
     # The magnets lose 0.12 % a kelvin and warm by less than the winding, by about a kelvin.
     assert found["current"] == pytest.approx(current, rel=2e-3)
@@ -28,7 +28,7 @@ def free_shaft(found):
 
 def walking(found):
     """Where the limit of 155 degC ends the walk, the winding is at it. Energy is not made on the way to the joint."""
-    for case in found.values():
+    for case in (value for value in found.values() if isinstance(value, dict)):
         if case["winding_limit_reached"]:
             assert case["winding_temperature_end_degC"] == pytest.approx(155.0, abs=0.1)
         assert case["energy_electrical_drawn_J"] > case["energy_shaft_J"] > case["energy_joint_J"] > 0
@@ -38,9 +38,10 @@ def walking(found):
 
 def continuous_torque(found):
     """Torque at the winding's limit by the audit of the thesis: its measured resistances, N.m at standstill."""
-    measured = found["as measured in the thesis"]["holding still"]
+    fitted = found["motors"]["thesis rig, fitted to its eight tests"]["standstill"]
     for name, torque in {"bare": 0.108, "fan at 5 mm": 0.180, "40 mm annulus, pushed": 0.173}.items():
-        assert measured[name]["torque_Nm"] == pytest.approx(torque, rel=0.03), name
+        assert found["tests"][name]["torque_at_limit"] == pytest.approx(torque, rel=5e-3), name
+        assert fitted[name]["torque_Nm"] == pytest.approx(torque, rel=0.03), name
 
 
 def repaired(found):

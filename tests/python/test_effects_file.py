@@ -102,7 +102,7 @@ def test_an_archive_with_a_broken_file_is_refused(built, fmi, tmp_path):
         (text([{**TERMS[0], "port": "gearbox"}]), ['"seal"', 'port = "gearbox"', "drag_torque"]),
         (text([{**TERMS[0], "unit": "W"}]), ['"seal"', 'unit = "W"', '"N.m"']),
         (text().replace("}", "", 1), ["found.json:1:"]),
-        (text(TERMS * 2), ["4 terms", "at most 3"]),
+        (text(TERMS * 2), ["4 terms", "the limit is 3"]),
     ],
 )
 def test_a_broken_file_is_not_packed(motor_fmu, effects, tmp_path, content, words):

@@ -102,7 +102,7 @@ class Looking:
 
 
 def test_an_importer_looks_into_steps():
-    with Archive(paths.archive(MOTOR, 3)) as archive, archive.instance() as plain:
+    with Archive(paths.archive(MOTOR, 3, "maxon-305015")) as archive, archive.instance() as plain:
         looking = Looking(archive)
         assert looking.slave.doStep(0.0, 0.02) == (False, False, False, 0.02)
         times, speeds, slopes, widths, given, may = zip(*looking.seen)

@@ -152,7 +152,7 @@ def test_fmpy_finds_nothing(model, fmi):
     assert sum(map(width, states)) == description.numberOfContinuousStates == count
     for unknown, state in zip(description.derivatives, states):
         assert unknown.variable.name == f"der({state.name})"
-    assert description.numberOfEventIndicators == {MOTOR: 2, GEARMOTOR: 2, ACTUATOR: 4, GAIT: 1}[model]
+    assert description.numberOfEventIndicators == {MOTOR: 3, GEARMOTOR: 3, ACTUATOR: 4, GAIT: 1}[model]
 
 
 @pytest.mark.parametrize("fmi", STANDARDS)
