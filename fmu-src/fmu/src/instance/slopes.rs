@@ -24,6 +24,10 @@ fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     Err(Refused::error(format!("the number of {what} is {there}, but {wanted} values are given.")))
 }
 
+/// The energy balance residual and its derivative with respect to time. A difference quotient of the first is the rounding of flows
+/// of power that cancel.
+const RESIDUALS: (&str, &str) = ("energy_balance_error", "power_balance_error");
+
 /// A derivative that differs by more than this fraction is that of the linearized cooling.
 const TANGENT: f64 = 1e-5;
 
@@ -95,6 +99,11 @@ impl Instance {
             moves.push(Move { known: Known::State(k), at, seed, size: entry.row.nominal, limits: free });
         }
         out.copy_from_slice(&self.slopes(&moves, &unknowns)?);
+        for (entry, place) in unknowns.iter().zip(out) {
+            if let Some(power) = declaration.by_name(RESIDUALS.1).filter(|_| entry.name == RESIDUALS.0) {
+                *place = self.model.get(power.slot);
+            }
+        }
         Ok(())
     }
 
