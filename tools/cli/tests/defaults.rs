@@ -31,7 +31,8 @@ fn written(entry: &Entry) -> String {
 fn plain_build(folder: &Path) -> Vec<PathBuf> {
     let build =
         Command::new(env!("CARGO_BIN_EXE_motor-fmu")).args(["build", "--out"]).arg(folder).output().unwrap();
-    assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
+    let said = [&build.stdout[..], &build.stderr].concat();
+    assert!(build.status.success(), "{}", String::from_utf8_lossy(&said));
     let archives = declarations().flat_map(|d| ["fmi2", "fmi3"].map(|s| (s, d.name)));
     archives.map(|(standard, name)| folder.join(standard).join(format!("{name}.fmu"))).collect()
 }

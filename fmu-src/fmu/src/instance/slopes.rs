@@ -2,7 +2,7 @@
 
 use super::{Instance, Interface, Mode, Type};
 use crate::refusal::{Outcome, Refused};
-use physics::declare::{Causality, Kind, Variability};
+use physics::declare::{Causality, Kind, Unit, Variability};
 use physics::model::{Entry, Slot, TIME};
 use physics::slopes::{Known, Move, SHORT_WAY, Slope, Slopes, Unknown, WAY};
 
@@ -24,9 +24,8 @@ fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     Err(Refused::error(format!("the number of {what} is {there}, but {wanted} values are given.")))
 }
 
-/// The energy balance residual and its derivative with respect to time. A difference quotient of the first is the rounding of flows
-/// of power that cancel.
-const RESIDUALS: (&str, &str) = ("energy_balance_error", "power_balance_error");
+/// The energy balance residual. Powers cancel in its derivative; what is left below their relative uncertainty is none.
+const RESIDUAL: &str = "energy_balance_error";
 
 /// A derivative that differs by more than this fraction is that of the linearized cooling.
 const TANGENT: f64 = 1e-5;
@@ -99,9 +98,12 @@ impl Instance {
             moves.push(Move { known: Known::State(k), at, seed, size: entry.row.nominal, limits: free });
         }
         out.copy_from_slice(&self.slopes(&moves, &unknowns)?);
+        let powers = declaration.states.iter().zip(&rates);
+        let powers = powers.filter(|(state, _)| declaration.entries[state[0]].row.unit == Unit::Joule);
+        let largest = powers.fold(0.0_f64, |largest, (_, power)| largest.max(power.abs()));
         for (entry, place) in unknowns.iter().zip(out) {
-            if let Some(power) = declaration.by_name(RESIDUALS.1).filter(|_| entry.name == RESIDUALS.0) {
-                *place = self.model.get(power.slot);
+            if entry.name == RESIDUAL && place.abs() <= RELATIVE * largest {
+                *place = 0.0;
             }
         }
         Ok(())
