@@ -28,6 +28,8 @@ MODEL = "AnnulusCooledMotor"
 STANDARDS = (2, 3)
 
 
+# First: pytest-xdist reads the groups in the same hook.
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """With several processes: the tests of a file share its fixtures, so they stay together; each example is on its own."""
 

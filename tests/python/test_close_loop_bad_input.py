@@ -3,6 +3,8 @@
 import json
 
 import pytest
+from clients import paths
+from clients.fmu import Archive
 from test_cli_bad_input import CANNOT, one_sentence
 
 EXPERIMENT = """\
@@ -27,22 +29,35 @@ window_s = [10.0, 90.0]
 HEADER = "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,winding_temperature_degC"
 
 
-def rows(count=60, step=2.0):
-    """A motor that heats up: 3 A, then 5 A, at 200 rad/s."""
-    for k in range(count):
-        current = 3.0 if k < count // 2 else 5.0
-        yield [k * step, current, 200.0, 21.0, round(0.4 * current + 0.0275 * 200.0 + 0.001 * (k % 3), 4), 21.0 + 0.1 * k]
+STEP = 2.0
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """What a bench with the motor of the preset records at 3 A, then 5 A, with errors of readings that do not repeat with the inputs."""
+    fixed = {"drive_mode": "current", "mechanical_mode": "imposed_speed", "imposed_speed": 200.0, "conductance.G_still": 0.2}
+    found = []
+    with Archive(paths.archive("AnnulusCooledMotor", 2, "maxon-305015")) as archive, archive.instance() as motor:
+        motor.initialise({**fixed, "current_command": 3.0, "ambient_temperature": 294.15})
+        for k in range(60):
+            current = 3.0 if k < 30 else 5.0
+            motor.set({"current_command": current})
+            voltage, winding = motor.get("terminal_voltage", "winding_temperature")
+            readings = [round(voltage + 0.001 * (k % 3 - 1), 4), round(winding - 273.15 + 0.01 * (7 * k % 5 - 2), 3)]
+            found.append([k * STEP, current, 200.0, 21.0, *readings])
+            motor.step(STEP)
+    return found
 
 
 @pytest.fixture
-def close_loop(motor_fmu, tmp_path):
+def close_loop(motor_fmu, tmp_path, rows):
     """Writes an experiment with its runs and the given changes, and closes the loop."""
 
     def run(experiment=("", ""), table=lambda lines: lines, missing=()):
         old, new = experiment
         assert old in EXPERIMENT, old
         (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace(old, new, 1) if old else EXPERIMENT)
-        lines = [HEADER, *(",".join(map(str, row)) for row in rows())]
+        lines = [HEADER, *(",".join(map(str, row)) for row in rows)]
         for name in ("run-1.csv", "run-2.csv"):
             if name not in missing:
                 (tmp_path / name).write_text("\n".join(table(list(lines)) if name == "run-2.csv" else lines) + "\n")
@@ -142,12 +157,13 @@ def test_folder_that_cannot_be_made(close_loop, tmp_path):
 
 
 def test_preset_of_a_file_beside_the_experiment(close_loop, tmp_path):
-    text = 'name = "mine"\nmodel = "AnnulusCooledMotor"\n[start]\n"motor.R_ref" = { value = 0.5, unit = "Ohm" }\n'
-    (tmp_path / "mine.toml").write_text(text)
+    listed = (paths.EXAMPLES / "presets" / "maxon-305015.toml").read_text()
+    assert listed.count("{ value = 0.386,") == 1
+    (tmp_path / "mine.toml").write_text(listed.replace("{ value = 0.386,", "{ value = 0.39,"))
     done = close_loop(experiment=("maxon-305015", "mine.toml"))
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads((tmp_path / "out" / "report.json").read_text())
-    assert report["parameters"]["motor.R_ref"]["prior"] == 0.5
+    assert report["parameters"]["motor.R_ref"]["prior"] == 0.39
 
 
 def test_dead_sensor_and_gap_are_noted(close_loop, tmp_path):

@@ -18,7 +18,12 @@ HARD = {
 }
 
 
-@pytest.mark.parametrize("number", HARD, ids=lambda number: f"set {number}")
+# A minute and a half of computing time each.
+LONG = (77,)
+SETS = [pytest.param(n, id=f"set {n}", marks=[pytest.mark.nightly] * (n in LONG)) for n in HARD]
+
+
+@pytest.mark.parametrize("number", SETS)
 def test_what_was_wrong_once_is_right(number, program, tmp_path):
     folder = tmp_path / "set"
     write_set(draw_set(SEED, number), folder)

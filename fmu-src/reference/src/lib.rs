@@ -1,11 +1,19 @@
-//! Reference integration of ordinary differential equations by diffsol's variable-order BDF, for tests and benchmarks.
+//! Reference integration of ordinary differential equations by third-party libraries, for tests and benchmarks.
 //!
 //! It takes the derivatives of all states and shares no code with the models' own integrators. It is a crate of its
-//! own so that the models are compiled with one set of features, and the FMU library never contains diffsol.
+//! own so that the models are compiled with one set of features, and the FMU library never contains it.
 //!
-//! *Source*: diffsol, Bdf (Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997)).
+//! The everyday tests use the explicit Runge-Kutta method DOP853. With the feature `diffsol` the same tests, and the benchmarks, use
+//! the variable-order BDF of diffsol; to compile it takes two minutes of a processor.
 
-use diffsol::{DenseMatrix, DiffsolError, NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod};
+#[cfg(feature = "diffsol")]
+mod bdf;
+#[cfg(feature = "diffsol")]
+use bdf as method;
+#[cfg(not(feature = "diffsol"))]
+mod dop853;
+#[cfg(not(feature = "diffsol"))]
+use dop853 as method;
 
 /// Tolerances of the reference.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +24,8 @@ pub struct Tolerance {
     pub absolute: f64,
 }
 
-/// Integrates y' = rates(t, y) from t = 0 and gives y at each of `times`, which ascend from above 0.
+/// Integrates y' = rates(t, y) from t = 0 and gives y at each of `times`, which ascend from above 0; a sentence of the library if it
+/// fails.
 ///
 /// The rates must be smooth between 0 and the last time: restart the integration at a discontinuity of an input.
 pub fn integrate<const S: usize>(
@@ -24,43 +33,6 @@ pub fn integrate<const S: usize>(
     y0: &[f64; S],
     times: &[f64],
     tolerance: Tolerance,
-) -> Result<Vec<[f64; S]>, DiffsolError> {
-    let read = |y: &[f64]| -> [f64; S] { std::array::from_fn(|k| y[k]) };
-    let rates = |t: f64, y: &[f64], dy: &mut [f64]| dy.copy_from_slice(&rates(t, &read(y)));
-    Ok(solve(&rates, y0, times, tolerance)?.iter().map(|y| read(y)).collect())
-}
-
-/// Writes dy/dt at a time and a state.
-type Rates<'a> = dyn Fn(f64, &[f64], &mut [f64]) + 'a;
-
-/// The same for any number of states. Not generic, so that diffsol is compiled here and not in every test.
-fn solve(
-    rates: &Rates,
-    y0: &[f64],
-    times: &[f64],
-    tolerance: Tolerance,
-) -> Result<Vec<Vec<f64>>, DiffsolError> {
-    let count = y0.len();
-    let problem = OdeBuilder::<NalgebraMat<f64>>::new()
-        .rtol(tolerance.relative)
-        .atol([tolerance.absolute])
-        .rhs_implicit(
-            |y, _p, t, dy| rates(t, y, dy),
-            // The Jacobian by central differences: it steers Newton's iteration and not the result.
-            |y, _p, t, v, jv| {
-                let size = |a: &[f64]| a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-                let step = 1e-6 * (1.0 + size(y)) / size(v).max(1e-300);
-                let moved = |s: f64| y.iter().zip(v).map(|(y, v)| y + s * v).collect::<Vec<f64>>();
-                let mut minus = vec![0.0; count];
-                rates(t, &moved(step), jv);
-                rates(t, &moved(-step), &mut minus);
-                jv.iter_mut().zip(minus).for_each(|(plus, minus)| *plus = (*plus - minus) / (2.0 * step));
-            },
-        )
-        .init(|_p, _t, y| y[..count].copy_from_slice(y0), count)
-        .build()?;
-    let mut solver = problem.bdf::<NalgebraLU<f64>>()?;
-    let solution = solver.solve_dense(times)?;
-    let ys = solution.0;
-    Ok((0..times.len()).map(|c| (0..count).map(|k| ys.get_index(k, c)).collect()).collect())
+) -> Result<Vec<[f64; S]>, String> {
+    method::solve(rates, y0, times, tolerance)
 }

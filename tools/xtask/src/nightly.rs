@@ -1,9 +1,10 @@
 //! `cargo xtask nightly`: everything of `cargo xtask test`, and what takes too long for every change.
 
 use crate::{
-    Outcome, bench, blind, cross, fuzz, importers, mutants,
+    Outcome, bench, blind, cross, fuzz, importers, mutants, shell,
     stages::Stages,
     test::{self, Extent},
+    tidy,
     workspace::Workspace,
 };
 
@@ -24,6 +25,12 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     crate::no_arguments("nightly", arguments)?;
     let mut stages = Stages::default();
     test::common(workspace, Extent::Full, &mut stages);
+    stages.run("tidy with the benchmarks", || tidy::run(workspace, &[]));
+    stages.run("physics against diffsol", || {
+        let mut command =
+            workspace.cargo(&["test", "--release", "--package", "physics", "--package", "reference"]);
+        shell::run(command.args(["--test", "all", "--features", "reference/diffsol"]))
+    });
     stages.keeping("removals", || mutants::removal::summary(workspace));
     stages.keeping("mutants", || mutants::all(workspace));
     for (name, command) in LONGER {

@@ -18,33 +18,32 @@ const CHECKS: &[Check] = &[
     ("file lengths", lengths::check),
     ("modules of tests", modules::check),
     ("words", words::check),
-    ("lints", |w| {
-        shell::run(&mut w.cargo(&[
-            "clippy",
-            "--quiet",
-            "--release",
-            "--workspace",
-            "--all-targets",
-            "--",
-            "--deny",
-            "warnings",
-        ]))
-    }),
     ("licences", licenses::check),
 ];
 
-/// The tests of `describe` do the same, so `cargo xtask test` need not.
-const GENERATED: Check = ("generated files", describe::check);
+/// What the everyday run leaves to others: the tests of `describe` compare the generated files, and the benchmarks need criterion and
+/// diffsol, which take longer to compile than all of ours.
+const FURTHER: &[Check] = &[("lints", |w| lints(w, &[])), ("generated files", describe::check)];
 
 /// Runs every check, failed or not. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     crate::no_arguments("tidy", arguments)?;
-    all(workspace, CHECKS.iter().chain([&GENERATED]))
+    all(workspace, CHECKS.iter().chain(FURTHER))
 }
 
-/// Runs the checks that no test repeats.
+/// Runs the checks that no test repeats; lints without the benchmarks.
 pub fn sources(workspace: &Workspace) -> Outcome {
-    all(workspace, CHECKS.iter())
+    all(
+        workspace,
+        CHECKS
+            .iter()
+            .chain(&[("lints", (|w| lints(w, &["--exclude", "bench"])) as fn(&Workspace) -> Outcome)]),
+    )
+}
+
+fn lints(workspace: &Workspace, without: &[&str]) -> Outcome {
+    let mut command = workspace.cargo(&["clippy", "--quiet", "--release", "--workspace", "--all-targets"]);
+    shell::run(command.args(without).args(["--", "--deny", "warnings"]))
 }
 
 fn all<'a>(workspace: &Workspace, checks: impl Iterator<Item = &'a Check>) -> Outcome {

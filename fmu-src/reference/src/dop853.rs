@@ -1,0 +1,47 @@
+//! Runge-Kutta of order 8 with variable steps.
+//!
+//! Explicit: the fastest process of the motors, L/R of a tenth of a millisecond, limits its step, which an hour of simulated time still
+//! allows.
+//!
+//! *Source*: the crate differential-equations, DOP853 (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.5).
+
+use crate::Tolerance;
+use differential_equations::prelude::*;
+
+/// First step, s: a fraction of L/R. The library's own guess may leave the limits within which a model has derivatives.
+const FIRST: f64 = 1e-6;
+/// Steps of one interval: ten hours at a step of L/R.
+const MOST: usize = 400_000_000;
+
+struct System<F>(F);
+
+impl<const S: usize, F: Fn(f64, &[f64; S]) -> [f64; S]> ODE<f64, [f64; S]> for System<F> {
+    fn diff(&self, t: f64, y: &[f64; S], dydt: &mut [f64; S]) {
+        *dydt = (self.0)(t, y);
+    }
+}
+
+/// The state at each of `times`. Every interval is an integration of its own: interpolation within a step is of lower order than the
+/// step.
+pub fn solve<const S: usize>(
+    rates: impl Fn(f64, &[f64; S]) -> [f64; S],
+    y0: &[f64; S],
+    times: &[f64],
+    tolerance: Tolerance,
+) -> Result<Vec<[f64; S]>, String> {
+    let system = System(rates);
+    let (mut t, mut y) = (0.0, *y0);
+    let mut found = Vec::with_capacity(times.len());
+    for &end in times {
+        let method = ExplicitRungeKutta::dop853()
+            .rtol(tolerance.relative)
+            .atol(tolerance.absolute)
+            .h0(FIRST.min(end - t))
+            .max_steps(MOST);
+        let mut solution =
+            IVP::ode(&system, t, end, y).method(method).solve().map_err(|e| format!("{e:?}"))?;
+        (t, y) = solution.pop().ok_or("DOP853 gave no state")?;
+        found.push(y);
+    }
+    Ok(found)
+}
