@@ -24,7 +24,7 @@ th,td{padding:.32rem .6rem;border-bottom:1px solid var(--grid);text-align:left;v
 th{background:var(--raised);vertical-align:bottom}td.n,th.n{text-align:right}td.n{white-space:nowrap}td.w{min-width:26ch}\
 select{font:inherit;color:inherit;background:var(--raised);border:1px solid var(--grid);padding:.15rem .4rem;max-width:100%}\
 details{margin:.6rem 0}summary{cursor:pointer;font-weight:600}[hidden]{display:none!important}\
-@media (max-width:600px){body{margin:1rem auto}\
+@media (max-width:600px){body{margin:1rem auto}td:last-child{overflow-wrap:anywhere}\
 .cards thead{display:none}.cards,.cards tbody,.cards tr,.cards td{display:block}\
 .cards tr{border-bottom:1px solid var(--grid);padding:.5rem 0}\
 .cards td,.cards td.n{border:0;padding:.1rem 0;text-align:left;white-space:normal;overflow-wrap:anywhere}.cards td.w{min-width:0}\

@@ -193,8 +193,8 @@ pub fn continuous_support(load: &Load) -> Result<Continuous, StudyError> {
             Ok((walker, at)) => {
                 warm = Some(walker.temperatures());
                 let excess = (at.winding_temperature - limit).max(KELVINS * at.lag());
-                // The greatest support with a steady state within the limits, to the search's tolerance.
-                if excess <= NEAR && found.is_none_or(|(best, _)| support > best) {
+                // The greatest support with a steady state within the limits: the search ends 1e-5 of support, a hundredth of a kelvin, from them.
+                if excess <= 0.0 && found.is_none_or(|(best, _)| support > best) {
                     found = Some((support, at));
                 }
                 Ok(excess)
