@@ -376,3 +376,27 @@ fn a_panic_does_not_cross_the_interface() {
     motor.initialize();
     assert_eq!(motor.step(0.0, 1e-3), Status::Ok);
 }
+
+/// During initialization the states follow the start values, so an output has derivatives with respect to them.
+#[test]
+fn derivatives_of_initialization_move_the_states() {
+    let motor = Motor2::instantiated("derivatives of initialization");
+    let known = vr("ambient_temperature");
+    let slope = |unknown: &str| {
+        let mut slope = f64::NAN;
+        let status =
+            unsafe { fmi2GetDirectionalDerivative(motor.0, &vr(unknown), 1, &known, 1, &1.0, &mut slope) };
+        assert_eq!(status, Status::Ok, "{unknown}");
+        slope
+    };
+    unsafe {
+        assert_eq!(fmi2SetupExperiment(motor.0, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+        assert_eq!(fmi2EnterInitializationMode(motor.0), Status::Ok);
+    }
+    for (output, of_ambient) in [("winding_temperature", 1.0), ("winding_margin", -1.0)] {
+        assert!((slope(output) - of_ambient).abs() < 1e-9, "{output}: {}", slope(output));
+    }
+    unsafe { assert_eq!(fmi2ExitInitializationMode(motor.0), Status::Ok) };
+    // The states of a run are there.
+    assert!(slope("winding_temperature").abs() < 1e-9);
+}
