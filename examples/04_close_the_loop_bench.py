@@ -57,6 +57,7 @@ def summary(report: dict) -> dict:
                 "runs": list(dict.fromkeys(effect["runs"])),  # a file may stand in two roles
                 "alternatives": effect["alternatives"],
                 "parameters": {name: figures(number["value"]) for name, number in effect["parameters"].items()},
+                "units": {name: number["unit"] for name, number in effect["parameters"].items()},
                 "separating_experiment": effect["separating_experiment"],
             }
             for effect in report["effects"]
@@ -116,13 +117,14 @@ def study(folder: Path) -> dict:
 
 def effect_words(effect: dict) -> str:
     """An effect with its numbers, its runs, and what would do as well."""
-    numbers = ", ".join(f"{name} = {value:g}" for name, value in effect["parameters"].items())
+    unit = lambda name: "" if effect["units"][name] in (None, "", "1") else f" {effect['units'][name]}"  # noqa: E731
+    numbers = ", ".join(f"{name} = {value:g}{unit(name)}" for name, value in effect["parameters"].items())
     words = f"- `{effect['id']}` at the {effect['port'].replace('_', ' ')} ({numbers}) in {', '.join(effect['runs'])}"
     if effect["alternatives"]:
         words += f"; not distinguished from {', '.join(f'`{name}`' for name in effect['alternatives'])}"
     if effect["separating_experiment"]:
         words += f". Separating experiment: {effect['separating_experiment'].rstrip('.')}"
-    return "\n".join(textwrap.wrap(words + ".", 128, subsequent_indent="  "))
+    return "\n".join(textwrap.wrap(words + ".", 128, subsequent_indent="  ", break_on_hyphens=False))
 
 
 def table(rows: dict) -> str:
@@ -142,10 +144,12 @@ def calibrated_words(answer: dict) -> str:
     effect = "winding_sensor_stem_loss"
     loss = 100.0 * still["parameters"][f"effect.{effect}.k"]
     reads, more = ("less" if loss > 0.0 else "more"), f"{abs(loss):.0f}"
-    left = "finds nothing else in these runs" if still["verdict"] == "nothing" else f"finds: {still['verdict']}"
-    return f"""Runs 1 and 3 are fitted, run 5 validates, and the table is of run 5. Two like runs of the rig differ from their mean by
-        {repeats["winding"]:.1f} K (winding) and {repeats["body"]:.2f} K (body); these are the noise levels of the experiment, and the
-        search {left}. The winding's thermocouple indicates {more} % {reads} than the rise of the mean copper temperature."""
+    left = "finds no missing effect in these runs" if still["verdict"] == "nothing" else f"gives the verdict {still['verdict']}"
+    return f"""Runs 1, 3 and 5 were measured in still air. Runs 1 and 3 are fitted, run 5 is the validation run; the table shows the errors
+        of run 5. Runs 3 and 5, which have about the same electrical power, differ from their mean by {repeats["winding"]:.1f} K (winding)
+        and {repeats["body"]:.2f} K (body). These values are the noise levels of the experiment. `motor-fmu close-loop` {left}. According
+        to the fit, the temperature rise that the thermocouple of the winding indicates is {more} % {reads} than that of the mean copper
+        temperature."""
 
 
 def excluded_words(answer: dict) -> str:
@@ -153,29 +157,30 @@ def excluded_words(answer: dict) -> str:
     alone, seen = answer["body_convection_alone_K"], answer["outside_the_fit"]
     found = answer["fan"]["test_K"]
     worse = all(alone[name] > found[name]["after"] for name in CHANNELS) and max(alone.values()) > GOAL_K
-    verdict = "does not explain the run" if worse else "explains the run"
-    return f"""Additional convection at the body alone {verdict}: its best fit leaves errors of {alone["winding"]:.0f} K in the
-        winding and {alone["body"]:.0f} K in the body on the test part. During the first rise the winding warms by
-        {100 * seen["less_in_the_fan_run"]:.0f} % less for the same energy; the body is then so close to ambient that it would need
-        a conductance of {seen["body_conductance_needed_W_per_K"]:.0f} W/K."""
+    verdict = "does not explain run 4" if worse else "explains run 4"
+    return f"""Additional convection at the body alone {verdict}: its best fit has errors of {alone["winding"]:.0f} K at the winding and
+        {alone["body"]:.0f} K at the body in the last 40 % of the run. During the first temperature rise the winding temperature increases
+        by {100 * seen["less_in_the_fan_run"]:.0f} % less than in still air for the same electrical energy. At this time the temperature of
+        the body is close to ambient: a conductance from body to ambient of {seen["body_conductance_needed_W_per_K"]:.0f} W/K would be
+        needed to remove the missing heat."""
 
 
 def remaining_words(answer: dict) -> str:
     """Which explanations remain, from what was found."""
     fan, less = answer["fan"], answer["outside_the_fit"]["less_in_the_fan_run"]
     meanings = {
-        "drive_loss": "less heat reaches the winding, or the phase with the thermocouple carries less current (`drive_loss`)",
-        "winding_sensor_stem_loss": "the air flow cools the winding's thermocouple (`winding_sensor_stem_loss`)",
-        "housing_sensor_stem_loss": "the air flow cools the body's thermocouple (`housing_sensor_stem_loss`)",
-        "forced_convection": "further convection (`forced_convection`)",
+        "drive_loss": "less heat in the winding, or less current in the phase with the thermocouple (`drive_loss`)",
+        "winding_sensor_stem_loss": "cooling of the winding's thermocouple by the air flow (`winding_sensor_stem_loss`)",
+        "housing_sensor_stem_loss": "cooling of the body's thermocouple by the air flow (`housing_sensor_stem_loss`)",
+        "forced_convection": "additional convection (`forced_convection`)",
     }
     found = named(fan["effects"])
     known = "; ".join(words for name, words in meanings.items() if name in found)
     others = ", ".join(f"`{name}`" for name in sorted(found - meanings.keys()))
     listed = "; ".join(part for part in (known, others) if part) or "none"
     change = "less" if less > 0.0 else "more"
-    return f"""Verdict: {fan["verdict"]}. In the first seconds the winding's reading rises by {100 * abs(less):.0f} % {change} per
-        energy than in still air. Explanations that the data leave: {listed}."""
+    return f"""Verdict: {fan["verdict"]}. At the beginning of run 4 the indicated winding temperature increases by {100 * abs(less):.0f} % {change}
+        per electrical energy than in still air. The data agree with these explanations: {listed}."""
 
 
 def beside_words(answer: dict) -> str:
@@ -186,46 +191,50 @@ def beside_words(answer: dict) -> str:
     # If the missing heat were lost in the controller, its temperature rise would increase by the same ratio.
     expected = sum(still) / len(still) / (1.0 - less)
     lost = repeats[str(FAN)] >= 0.5 * (expected + max(still))
-    drive = "which agrees with a higher loss in the controller" if lost else "which does not indicate a higher loss in the controller unless the fan cooled it as well"
+    drive = "This agrees with a higher loss in the controller" if lost else "This does not indicate a higher loss in the controller, unless the fan also cooled the controller"
     ratio = {
         name: seen["row_scatter_K"][name][str(FAN)] / max(seen["row_scatter_K"][name][str(run)] for run in STILL_AIR) for name in CHANNELS
     }
     moving = [name for name, times in ratio.items() if times > SCATTER_RATIO]
     where = f"the thermocouple of the {' and of the '.join(moving)} is in moving air" if moving else "no thermocouple is in moving air"
-    return f"""After {SPENT_KJ:.0f} kJ the controller had warmed by {still[0]:.0f} and {still[1]:.0f} K in still air and by
-        {repeats[str(FAN)]:.0f} K in the run with the fan, {drive}. The scatter from row to row is {ratio["body"]:.1f} times that in
-        still air at the body and {ratio["winding"]:.1f} times at the winding: {where}. Of two thermocouples on the winding of run 12
-        the second indicates {100 * seen["second_thermocouple_fraction"]:.0f} % of the first's rise."""
+    return f"""Further measurements that the fit does not use: After an electrical energy of {SPENT_KJ:.0f} kJ the temperature of the motor
+        controller has increased by {still[0]:.0f} and {still[1]:.0f} K in still air (runs 3 and 5) and by {repeats[str(FAN)]:.0f} K in the
+        run with the fan. {drive}. The scatter between successive readings, relative to that in still air, is {ratio["body"]:.1f} at the
+        body and {ratio["winding"]:.1f} at the winding: {where}. In run 12 two thermocouples were on the winding; the temperature rise of
+        the second is {100 * seen["second_thermocouple_fraction"]:.0f} % of that of the first."""
 
 
 def separating_words(answer: dict) -> str:
     """The measurement that separates less heat from a cooled thermocouple."""
     seen, truly = answer["outside_the_fit"], answer["outside_the_fit"]["winding_truly"]
-    return f"""The winding's resistance right after switching off separates less heat from a cooled thermocouple. At the end of the
-        run the thermocouple indicates {seen["winding_reads_at_the_end_degC"]:.0f} °C; with less heat the copper is at
-        {truly["less_heat_degC"]:.0f} °C, with a cooled thermocouple at {truly["cooled_thermocouple_degC"]:.0f} °C and its resistance
-        is {100 * (truly["resistance_ratio"] - 1):.0f} % higher. Alternatively, stop fan and power together: the reading of a cooled
-        thermocouple then rises."""
+    return f"""A measurement of the winding resistance immediately after switching off would distinguish less heat in the winding from a cooled
+        thermocouple. At the end of run 4 the thermocouple indicates {seen["winding_reads_at_the_end_degC"]:.0f} °C. With less heat the
+        temperature of the copper is {truly["less_heat_degC"]:.0f} °C; with a cooled thermocouple it is
+        {truly["cooled_thermocouple_degC"]:.0f} °C, and the resistance is {100 * (truly["resistance_ratio"] - 1):.0f} % higher. Alternatively,
+        switch off the fan and the power at the same time: the temperature that a cooled thermocouple indicates then increases."""
 
 
 def page(answer: dict) -> str:
     """The answer with its numbers; each conclusion is computed from them."""
     fan = answer["fan"]
-    fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128)  # noqa: E731
+    fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128, break_on_hyphens=False)  # noqa: E731
     goal = "reached" if fan["goal_reached"] else "not reached"
     parts = [
-        "# Effect of a fan on a bench motor, traced from measured runs",
-        "Made by `examples/04_close_the_loop_bench.py`; the tests run it and compare this page.",
-        "## The rig in still air",
+        "# Effects of a fan on a bench motor, identified from measured runs",
+        fill("""This page is generated by `examples/04_close_the_loop_bench.py`; the tests run the example and compare the page. A large
+        brushless motor is heated by its current near standstill. Thermocouples measure the temperatures of the winding and of the stator
+        body. `tests/reference/bench-bldc-stall/SOURCE.md` has the source of the data. The true effects of the fan are unknown."""),
+        "## Runs in still air",
         fill(calibrated_words(answer)),
         table(answer["still_air"]["validate_K"]),
         *map(effect_words, answer["still_air"]["effects"]),
-        "## The run with the fan",
-        fill(f"""The first 60 % of run 4 were fitted with runs 1 and 3; the table is of the rest. Before: the motor calibrated in
-        still air. Refit: its parameters fitted again, no effect added. Verdict: {fan["verdict"]}."""),
+        "## Run with fan",
+        fill(f"""In run 4 a fan was on. The first 60 % of run 4 are fitted together with runs 1 and 3; the table shows the errors of the last 40 %.
+        Before: the model calibrated in still air. Refit: its parameters fitted again, no effect added. After: the model with the effects
+        that `motor-fmu close-loop` identified. Verdict: {fan["verdict"]}."""),
         table(fan["test_K"]),
         *map(effect_words, fan["effects"]),
-        fill(f"""The goal, at most {100 * GOAL_SHARE:.0f} % of the error before and at most {GOAL_K:.0f} K in both channels, is
+        fill(f"""The goal is an error of at most {100 * GOAL_SHARE:.0f} % of the error before and at most {GOAL_K:.0f} K in both channels. It is
         {goal}."""),
         "## Excluded and remaining explanations",
         *(fill(words(answer)) for words in (excluded_words, remaining_words, beside_words, separating_words)),

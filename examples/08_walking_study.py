@@ -220,7 +220,7 @@ def at(point: dict) -> str:
 
 
 def ended(cell: dict) -> str:
-    return f"below its limit for {HOURS} h" if cell["minutes_to_limit"] is None else f"at its limit after {cell['minutes_to_limit']:.0f} min"
+    return f"not within {HOURS} h" if cell["minutes_to_limit"] is None else f"after {cell['minutes_to_limit']:.0f} min"
 
 
 def declared_design(answer: dict) -> str:
@@ -230,13 +230,20 @@ def declared_design(answer: dict) -> str:
     supports = listed([f"{name} {percent(cell['continuous_support'])}" for name, cell in cells.items()])
     reference = cells[REFERENCE]
     gains = [
-        f"{name} {cell['continuous_torque_Nm'] / reference['continuous_torque_Nm']:.2f} times the continuous torque of {REFERENCE} for "
-        f"{100.0 * (cell['mass_kg'] / reference['mass_kg'] - 1.0):.0f} % more mass of motor and fan"
+        f"{name} has {cell['continuous_torque_Nm'] / reference['continuous_torque_Nm']:.2f} times the continuous torque of {REFERENCE} with "
+        f"{100.0 * (cell['mass_kg'] / reference['mass_kg'] - 1.0):.0f} % more mass"
         for name, cell in cells.items()
         if name != REFERENCE
     ]
-    return f"""With the declared ratio and spring and the whole biological torque of a person of 75 kg, the winding is: {times}. Continuous
-    support: {supports}. Cooling gives: {listed(gains)}."""
+    return f"""With the declared transmission ratio and spring stiffness and the whole biological torque of the ankle of a person of 75 kg, the
+    winding reaches its temperature limit: {times}. The continuous support is the fraction of the biological torque that the actuator can
+    deliver continuously: {supports}. Effect of cooling: {listed(gains)}."""
+
+
+def grid_words() -> str:
+    """The values of the grid."""
+    (ratio, spring) = ([float(x) for x in part.split("=")[1].split(":")] for part in GRID)
+    return f"{ratio[2]:.0f} ratios from {ratio[0]:.0f} to {ratio[1]:.0f}, {spring[2]:.0f} stiffnesses from {spring[0]:.0f} to {spring[1]:.0f} N.m/rad"
 
 
 def best_designs(answer: dict) -> str:
@@ -244,8 +251,9 @@ def best_designs(answer: dict) -> str:
     designs = answer["designs"]
     gain = lambda d: f"{100.0 * (d['best']['support'] / d['declared'] - 1.0):+.0f} %"  # noqa: E731
     best = [f"{name} {d['best']['continuous_torque_Nm']:.0f} N.m at {at(d['best'])} ({gain(d)})" for name, d in designs.items()]
-    text = f"""Continuous torque on level ground with the best ratio and spring of the grid, and its change against the declared ones of
-    the same arrangement: {"; ".join(best)}."""
+    text = f"""Transmission ratio and spring stiffness were varied over a grid ({grid_words()}). Continuous torque on level ground with the best
+    ratio and stiffness of the grid, and its change relative to the declared ratio and stiffness of the same arrangement:
+    {"; ".join(best)}."""
     edges: dict = {}
     for name, design in designs.items():
         for edge in design["edges"]:
@@ -255,7 +263,7 @@ def best_designs(answer: dict) -> str:
         text += f" The best {variable.split('_')[0]} is at the {end} end of the grid for {listed(names)}: the optimum may lie outside."
     bends = {name: d["best"]["continuous_torque_Nm"] / d["best"]["stiffness_Nm_per_rad"] for name, d in designs.items()}
     low, high = min(bends.values()), max(bends.values())
-    text += f" The best springs deflect by {low:.2f} to {high:.2f} rad at the peak torque."
+    text += f" With the best stiffness the springs deflect by {low:.2f} to {high:.2f} rad at the peak torque."
     infeasible = {name: [p for p in d["points"] if p["infeasible"]] for name, d in designs.items()}
     counts = [f"{name} {len(points)} of {len(designs[name]['points'])}" for name, points in infeasible.items() if points]
     text += f" Infeasible designs on level ground: {listed(counts)}." if counts else " Every design of the grid is feasible on level ground."
@@ -275,17 +283,17 @@ def robust_designs(answer: dict) -> str:
             if level["support"][activity] < declared[activity]
         ]
         first = f"{name[0].upper()}{name[1:]}: the best design on level ground, {at(level)},"
-        verdict = f"gives less support than the declared design in {listed(worse)}" if worse else "gives at least the support of the declared design in every activity"
+        verdict = f"gives less support than the declared design: {listed(worse)}" if worse else "gives at least the support of the declared design in every activity"
         sentences.append(f"{first} {verdict}.")
         supports = listed([f"{activity} {percent(robust['support'][activity])}" for activity in DESIGNED_FOR])
-        sentences.append(f"The greatest support in the worst activity is at {at(robust)}: {supports}.")
+        sentences.append(f"The design with the greatest support in its worst activity has {at(robust)}: {supports}.")
     return " ".join(sentences)
 
 
 def front_sentence(answer: dict) -> str:
     members = answer["pareto_front"]
     others = [name for name in answer["designs"] if name not in members]
-    text = f"On the Pareto front of continuous torque over mass: {listed(members)}."
+    text = f"These arrangements are on the Pareto front of continuous torque over mass: {listed(members)}."
     heavier = [
         f"{name} is heavier and gives {answer['designs'][name]['best']['continuous_torque_Nm']:.0f} N.m" for name in others
     ]
@@ -296,16 +304,19 @@ def markdown(answer: dict) -> str:
     """The page. Every number and every conclusion is of `answer`."""
     table = answer["activities"]
     paragraphs = [
-        "Made by `examples/08_walking_study.py`; the tests run it and compare this page.",
-        f"Motor: preset `{PRESET}`; actuator and load: `examples/loads/walk.toml`. Gait of level walking: {table[REFERENCE][LEVEL]['gait']}.",
+        """This page is generated by `examples/08_walking_study.py`; the tests run the example and compare the page. A motor drives an ankle
+        through a transmission and a series spring. Arrangements: bare motor; fan 5 mm from the motor in crossflow; fan that pushes air
+        through an annulus with an outer diameter of 40, 37.5 or 35 mm.""",
+        f"""Motor: preset `{PRESET}`; actuator and load: `examples/loads/walk.toml`. Gait data of level walking: {table[REFERENCE][LEVEL]['gait']}.
+        The stride time was not published with these data; `fmu-src/physics/data/gait-walking-stairs-cc0/SOURCE.md` states its source.""",
         declared_design(answer),
         best_designs(answer),
         robust_designs(answer),
         front_sentence(answer),
     ]
-    fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128)  # noqa: E731
-    text = "# What cooling buys under gait\n\n" + "\n\n".join(map(fill, paragraphs)) + "\n"
-    text += "\n## Activities, declared ratio and spring\n"
+    fill = lambda paragraph: textwrap.fill(" ".join(paragraph.split()), 128, break_on_hyphens=False)  # noqa: E731
+    text = "# Continuous torque with fan and annulus in walking\n\n" + "\n\n".join(map(fill, paragraphs)) + "\n"
+    text += "\n## Activities with the declared ratio and stiffness\n"
     text += "\n| activity | " + " | ".join(SHOWN) + " | gait data |\n" + "|---" * (2 + len(SHOWN)) + "|\n"
     for activity in ACTIVITIES:
         cells = []
@@ -314,14 +325,15 @@ def markdown(answer: dict) -> str:
             end = f"> {HOURS} h" if cell["minutes_to_limit"] is None else f"{cell['minutes_to_limit']:.0f} min"
             cells.append(f"{end}; {percent(cell['continuous_support'])}, {cell['limited_by']}")
         text += f"| {activity} | {' | '.join(cells)} | {table[REFERENCE][activity]['gait']} |\n"
-    text += "\nEach cell: time to the winding's limit with the whole biological torque; continuous support (followed within 5 % of the peak\n"
-    text += "torque) and what limits it. Where not stated, the body mass is 75 kg.\n"
-    text += "\n## Designs across activities\n"
+    text += "\nEach cell contains the time to the winding's limit with the whole biological torque, then the continuous support (with a torque\n"
+    text += "error of at most 5 % of the peak torque) and the quantity that limits it. If not stated, the body mass is 75 kg.\n"
+    text += "\n## Continuous support of designs in three activities\n"
     text += "\n| arrangement | design | ratio | spring N.m/rad | " + " | ".join(DESIGNED_FOR) + " |\n" + "|---" * (4 + len(DESIGNED_FOR)) + "|\n"
     for arrangement, rows in answer["across_activities"].items():
         for name, row in rows.items():
             cells = ["infeasible" if activity in row["infeasible"] else percent(row["support"][activity]) for activity in DESIGNED_FOR]
             text += f"| {arrangement} | {name} | {row['ratio']:.0f} | {row['stiffness_Nm_per_rad']:.0f} | {' | '.join(cells)} |\n"
+    text += "\nThe columns of the activities contain the continuous support.\n"
     text += f"\n![Continuous torque over mass]({FIGURE})\n"
     text += "\n| arrangement | mass g | best ratio | best spring N.m/rad | continuous torque N.m | at the edge of the grid |\n|---|---|---|---|---|---|\n"
     for name, design in answer["designs"].items():

@@ -71,7 +71,7 @@ def tracking(found):
 def orders(found):
     """Held inputs are of first order, extrapolated ones of second order, for the torque at the coupling."""
     for algorithm, order in found["order"].items():
-        least = 1.7 if algorithm.endswith("slopes") else 0.7
+        least = 1.7 if algorithm.endswith("input derivatives") else 0.7
         assert order["actuator.joint_torque"] >= least, algorithm
     for name, errors in found["error"].items():
         torque = [row["actuator.joint_torque"] for row in errors]

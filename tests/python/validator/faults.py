@@ -9,8 +9,8 @@ from .archive import DESCRIPTION, lie_about_size, library
 from .foreign import REFERENCE
 
 #: Our archives, and the oscillator that is built from C: name of the base, standard.
-OURS = {2: "ours 2", 3: "ours 3"}
-FOREIGN = {2: "foreign 2", 3: "foreign 3"}
+OURS = {2: "gearmotor 2", 3: "gearmotor 3"}
+FOREIGN = {2: "oscillator 2", 3: "oscillator 3"}
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ def text(answers):
     counts = [0, 0, 0, 0]
     mark = {True: "yes", False: "-"}
     for title, group in faults.GROUPS:
-        lines += ["", f"**{title}**", "", "| fault | in | code | ours | fmpy | fmutool |", "|---|---|---|---|---|---|"]
+        lines += ["", f"**{title}**", "", "| fault | FMU | code | motor-fmu | fmpy | fmutool |", "|---|---|---|---|---|---|"]
         for fault in group:
             _, findings, *others = answers[number]
             found = [any(f["code"] == fault.code for f in findings), *others]
