@@ -10,8 +10,8 @@ use differential_equations::prelude::*;
 
 /// First step, s: a fraction of L/R. The library's own guess may leave the limits within which a model has derivatives.
 const FIRST: f64 = 1e-6;
-/// Steps of one interval: ten hours at a step of L/R.
-const MOST: usize = 400_000_000;
+/// Steps of one interval: so many, and so many for each second. A solution that needs more runs away.
+const MOST: (usize, f64) = (1_000, 1e6);
 
 struct System<F>(F);
 
@@ -37,7 +37,7 @@ pub fn solve<const S: usize>(
             .rtol(tolerance.relative)
             .atol(tolerance.absolute)
             .h0(FIRST.min(end - t))
-            .max_steps(MOST);
+            .max_steps(MOST.0 + (MOST.1 * (end - t)) as usize);
         let mut solution =
             IVP::ode(&system, t, end, y).method(method).solve().map_err(|e| format!("{e:?}"))?;
         (t, y) = solution.pop().ok_or("DOP853 gave no state")?;
