@@ -1,8 +1,8 @@
 //! One fault per rule, as a change of the archive.
 
-use crate::elf;
 use crate::fixture::Base::{self, Clocks, Fmi2, Fmi3};
 use crate::fixture::Fmu;
+use crate::libraries::{Library, darwin_x86_64, linux_aarch64, linux_x86_64};
 
 /// Code, and the archive that has this fault and no other.
 pub type Case = (&'static str, fn() -> Vec<u8>);
@@ -47,8 +47,8 @@ fn rename(mut bytes: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
     bytes
 }
 
-/// The fixture of FMI 2 with a library for the folder `linux64`.
-pub fn with_library(folder: &str, file: &str, machine: u16, drop: usize) -> Fmu {
+/// The fixture of FMI 2 with a library that lacks the first `drop` functions.
+pub fn with_library(folder: &str, file: &str, library: Library, drop: usize) -> Fmu {
     let mut fmu = Fmu::new(Fmi2);
     let functions = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
         EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString \
@@ -59,7 +59,7 @@ pub fn with_library(folder: &str, file: &str, machine: u16, drop: usize) -> Fmu 
         GetRealOutputDerivatives DoStep CancelStep GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus \
         GetStringStatus";
     let names: Vec<_> = functions.split_ascii_whitespace().skip(drop).map(|f| format!("fmi2{f}")).collect();
-    fmu.add(&format!("binaries/{folder}/{file}"), elf::library(machine, &names));
+    fmu.add(&format!("binaries/{folder}/{file}"), library(&names));
     fmu
 }
 
@@ -166,12 +166,13 @@ pub const CASES: &[Case] = &[
     }),
     ("build-description-missing", || changed(Fmi3, |fmu| fmu.remove("sources/buildDescription.xml"))),
     ("platform-of-fmi2", || changed(Fmi3, |fmu| fmu.add("binaries/linux64/model.a", "static"))),
-    ("platform-of-fmi3", || with_library("x86_64-linux", "model.so", elf::X86_64, 0).zip()),
+    ("platform-of-fmi3", || with_library("x86_64-linux", "model.so", linux_x86_64, 0).zip()),
     ("platform-unknown", || with("binaries/amiga/model.library")),
-    ("binary-missing", || with_library("linux64", "wrong.so", elf::X86_64, 0).zip()),
-    ("binary-missing", || with_library("linux64", "model.dll", elf::X86_64, 0).zip()),
+    ("binary-missing", || with_library("linux64", "wrong.so", linux_x86_64, 0).zip()),
+    ("binary-missing", || with_library("linux64", "model.dll", linux_x86_64, 0).zip()),
     ("binary-format", || with("binaries/linux64/model.so")),
-    ("binary-architecture", || with_library("linux64", "model.so", elf::AARCH64, 0).zip()),
-    ("binary-architecture", || with_library("win64", "model.dll", elf::X86_64, 0).zip()),
-    ("symbol-missing", || with_library("linux64", "model.so", elf::X86_64, 1).zip()),
+    ("binary-architecture", || with_library("linux64", "model.so", linux_aarch64, 0).zip()),
+    ("binary-architecture", || with_library("win64", "model.dll", linux_x86_64, 0).zip()),
+    ("symbol-missing", || with_library("linux64", "model.so", linux_x86_64, 1).zip()),
+    ("symbol-missing", || with_library("darwin64", "model.dylib", darwin_x86_64, 1).zip()),
 ];

@@ -2,8 +2,8 @@
 
 mod cases_archive;
 mod cases_behaviour;
-mod elf;
 mod fixture;
+mod libraries;
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -21,10 +21,14 @@ fn the_fixtures_are_clean() {
     for base in [Base::Fmi2, Base::Fmi3, Base::Clocks] {
         assert_eq!(findings(&Fmu::new(base).zip()), [], "{base:?}");
     }
-    let binary = cases_archive::with_library("linux64", "model.so", elf::X86_64, 0);
-    assert_eq!(findings(&binary.zip()), []);
-    let arm = cases_archive::with_library("aarch64-linux", "model.so", elf::AARCH64, 0);
-    assert_eq!(findings(&arm.zip()), []);
+    let libraries: [(&str, &str, libraries::Library); 3] = [
+        ("linux64", "model.so", libraries::linux_x86_64),
+        ("aarch64-linux", "model.so", libraries::linux_aarch64),
+        ("darwin64", "model.dylib", libraries::darwin_x86_64),
+    ];
+    for (folder, file, library) in libraries {
+        assert_eq!(findings(&cases_archive::with_library(folder, file, library, 0).zip()), [], "{folder}");
+    }
 }
 
 #[test]
@@ -132,7 +136,7 @@ proptest! {
 
     #[test]
     fn flipped_bytes_of_an_archive_never_panic(flips in prop::collection::vec((any::<prop::sample::Index>(), 1_u8..), 1..8)) {
-        let mut bytes = cases_archive::with_library("linux64", "model.so", elf::X86_64, 0).zip();
+        let mut bytes = cases_archive::with_library("linux64", "model.so", libraries::linux_x86_64, 0).zip();
         for (index, mask) in flips {
             let at = index.index(bytes.len());
             bytes[at] ^= mask;
@@ -153,7 +157,7 @@ proptest! {
         flips in prop::collection::vec((any::<prop::sample::Index>(), prop::sample::select(b"0919-<>\"/ \n\xffeE.[('".to_vec())), 1..12),
     ) {
         let mut fmu = Fmu::new(base);
-        fmu.add("binaries/x86_64-linux/model.so", elf::library(elf::X86_64, &["fmi3GetVersion".into()]));
+        fmu.add("binaries/x86_64-linux/model.so", libraries::linux_x86_64(&["fmi3GetVersion".into()]));
         let count = fmu.entries.len();
         let bytes = &mut fmu.entries[entry.index(count)].1;
         for (index, value) in flips {

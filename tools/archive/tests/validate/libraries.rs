@@ -1,12 +1,39 @@
-//! The smallest shared library that a reader of symbol tables accepts: ELF64 with a dynamic symbol table.
+//! The smallest shared libraries that a reader of symbol tables accepts.
 
-/// Machine number of the ELF header for x86-64.
-pub const X86_64: u16 = 62;
-/// For 64-bit ARM.
-pub const AARCH64: u16 = 183;
+/// A library that defines these names.
+pub type Library = fn(&[String]) -> Vec<u8>;
 
-/// A library for `machine` that defines `names`.
-pub fn library(machine: u16, names: &[String]) -> Vec<u8> {
+/// For Linux on x86-64.
+pub fn linux_x86_64(names: &[String]) -> Vec<u8> {
+    elf(62, names)
+}
+
+/// For Linux on 64-bit ARM.
+pub fn linux_aarch64(names: &[String]) -> Vec<u8> {
+    elf(183, names)
+}
+
+/// For macOS on x86-64: Mach-O with a symbol table and without a list of exports. Names begin with an underscore there.
+pub fn darwin_x86_64(names: &[String]) -> Vec<u8> {
+    let (mut strings, mut symbols) = (vec![0_u8], Vec::new());
+    for name in names {
+        symbols.extend((strings.len() as u32).to_le_bytes());
+        // External (1) and defined in a section (0xe), the first; some address.
+        symbols.extend([0x0f, 1, 0, 0]);
+        symbols.extend(0x1000_u64.to_le_bytes());
+        strings.extend(format!("_{name}\0").into_bytes());
+    }
+    // Magic, x86-64, all subtypes, a dynamic library, one command of 24 bytes; then the command that places both tables.
+    let header = [0xfeed_facf_u32, 0x0100_0007, 3, 6, 1, 24, 0, 0];
+    let tables_at = 32 + 24;
+    let strings_at = tables_at + symbols.len() as u32;
+    let command = [2, 24, tables_at, names.len() as u32, strings_at, strings.len() as u32];
+    let words = header.iter().chain(&command).flat_map(|word| word.to_le_bytes());
+    words.chain(symbols).chain(strings).collect()
+}
+
+/// ELF64 with a dynamic symbol table, for the machine of this number.
+fn elf(machine: u16, names: &[String]) -> Vec<u8> {
     let mut strings = vec![0_u8];
     let mut symbols = vec![0_u8; 24];
     for name in names {
