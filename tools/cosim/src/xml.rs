@@ -141,6 +141,16 @@ pub fn unsigned_list(text: &str) -> Vec<u32> {
         .collect()
 }
 
+/// A text of the file for a message, shortened so that the message stays one readable line.
+pub fn short(text: &str) -> String {
+    const MOST: usize = 80;
+    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
+    if text.chars().nth(MOST).is_some() {
+        out.push_str("...");
+    }
+    out
+}
+
 /// White space of XML Schema.
 const SPACE: [char; 4] = [' ', '\t', '\n', '\r'];
 

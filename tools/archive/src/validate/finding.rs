@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use cosim::FmiVersion;
+pub(crate) use cosim::xml::short;
 use serde::Serialize;
 
 use super::rules::{Rule, Severity};
@@ -77,14 +78,4 @@ impl Findings {
         }
         self.list
     }
-}
-
-/// Shortens a text from the file so that a message stays one readable line.
-pub(crate) fn short(text: &str) -> String {
-    const MOST: usize = 80;
-    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(MOST).is_some() {
-        out.push_str("...");
-    }
-    out
 }

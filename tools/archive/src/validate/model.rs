@@ -9,11 +9,6 @@ pub(crate) use cosim::elements::{Model, Unknown, Variable};
 pub(crate) use cosim::xml::{children, double, is_true, unsigned, unsigned_list};
 pub(crate) use cosim::{FmiVersion, Kind};
 
-/// `Variable "x"`, the start of most messages.
-pub(crate) fn label(variable: &Variable) -> String {
-    format!("Variable \"{}\"", short(variable.name))
-}
-
 /// Another file of the archive must be of the model description's version.
 pub(crate) fn check_version_of(model: &Model, other: &Xml, out: &mut Findings) {
     let root = other.root();

@@ -1,11 +1,12 @@
 //! What the model description declares about the running FMU, as owned data.
 
+use std::fmt::{Display, Formatter};
 use std::path::Path;
 
 use cosim::Kind;
 use cosim::raw::InterfaceType;
 
-use crate::validate::finding::Findings;
+use crate::validate::finding::{Findings, short};
 use crate::validate::model::{self, FmiVersion, Model, Unknown, double, is_true, unsigned, unsigned_list};
 use crate::validate::semantics::arrays;
 use crate::validate::xml::Xml;
@@ -81,6 +82,13 @@ impl Variable {
         } else {
             start
         }
+    }
+}
+
+/// The name in quotes, for messages.
+impl Display for Variable {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "\"{}\"", short(&self.name))
     }
 }
 
@@ -196,6 +204,21 @@ impl Facts {
     pub(super) fn step(&self) -> f64 {
         let span = self.stop.map_or(1.0, |stop| stop - self.start);
         self.step.unwrap_or(if span > 0.0 && span.is_finite() { span / 500.0 } else { 1e-3 })
+    }
+
+    /// The name of a function with the prefix of its standard.
+    pub(super) fn function(&self, name: &str) -> String {
+        format!("{}{name}", self.pick("fmi2", "fmi3"))
+    }
+
+    /// One of two words, by the standard.
+    pub(super) fn pick<'a>(&self, two: &'a str, three: &'a str) -> &'a str {
+        if self.version == FmiVersion::V2 { two } else { three }
+    }
+
+    /// Number of continuous states.
+    pub(super) fn state_count(&self) -> usize {
+        self.states.iter().map(|i| self.variables[*i].size).sum()
     }
 
     /// Variables that pass a test.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::facts::Variable;
-use crate::validate::finding::short;
+use super::runs::Difference;
 use crate::validate::rules::Rule;
 
 /// A message of the child process to the parent, one line each.
@@ -43,16 +43,16 @@ pub(super) struct Fault {
 }
 
 impl Fault {
-    pub(super) fn new(rule: &'static Rule, place: &str, message: impl Into<String>) -> Fault {
-        Fault { rule, place: place.to_owned(), message: message.into() }
+    pub(super) fn new<T>(rule: &'static Rule, place: &str, message: impl Into<String>) -> Result<T, Fault> {
+        Err(Fault { rule, place: place.to_owned(), message: message.into() })
     }
 
     /// Adds the variable that was set or read.
     pub(super) fn about(mut self, variable: &Variable, values: &[f64]) -> Fault {
         self.place.clone_from(&variable.place);
         self.message += &match values {
-            [] => format!(" (variable \"{}\")", short(&variable.name)),
-            [first, ..] => format!(" (variable \"{}\", value {first})", short(&variable.name)),
+            [] => format!(" (variable {variable})"),
+            [first, ..] => format!(" (variable {variable}, value {first})"),
         };
         self
     }
@@ -115,5 +115,18 @@ impl<'a> Seen<'a> {
         self.failed = true;
         let (code, place) = (rule.code.to_owned(), place.to_owned());
         self.channel.send(Event::Seen(Observation { code, place, message: message.into() }));
+    }
+
+    /// Reports where two runs differ, and whether they do; `is` puts both values into words.
+    pub(super) fn differ(
+        &mut self,
+        rule: &'static Rule,
+        difference: Option<Difference>,
+        is: impl Fn(f64, f64) -> String,
+    ) -> bool {
+        let Some(d) = difference else { return false };
+        let message = format!("Variable \"{}\" {} ({})", d.name, is(d.first, d.second), d.when());
+        self.add(rule, &d.variable.place, message);
+        true
     }
 }

@@ -6,7 +6,6 @@ use cosim::{Kind, Log, Status};
 use super::facts::{Facts, Interface, Variable};
 use super::report::{Fault, Pulse};
 use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
 use crate::validate::rules;
 
 /// Limit of event iterations.
@@ -52,14 +51,10 @@ impl<'a> Session<'a> {
         if status <= Status::Warning {
             return Ok(());
         }
-        let prefix = if self.facts.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
-        let message = format!(
-            "{prefix}{function} returned {status} for {} at t = {} s{}",
-            name_of(self.interface.kind),
-            self.now,
-            words(self.raw.log())
-        );
-        Err(Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message))
+        let (function, kind) = (self.facts.function(function), name_of(self.interface.kind));
+        let words = words(self.raw.log());
+        let message = format!("{function} returned {status} for {kind} at t = {} s{words}", self.now);
+        Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message)
     }
 
     /// Calls one function of the FMU; [`Session::ok`] judges its status.
@@ -99,18 +94,13 @@ impl<'a> Session<'a> {
         let mut changed = false;
         for _ in 0..MOST_ITERATIONS {
             let (status, update) = self.raw.update_discrete_states();
-            let name = if self.facts.version == FmiVersion::V2 {
-                "NewDiscreteStates"
-            } else {
-                "UpdateDiscreteStates"
-            };
-            self.ok(name, status)?;
+            self.ok(self.facts.pick("NewDiscreteStates", "UpdateDiscreteStates"), status)?;
             changed |= update.values_changed;
             self.next = update.next;
             if let Some(next) = update.next.filter(|t| t.is_nan() || *t < self.now) {
                 let message =
                     format!("The next time event is at {next} s, before the present time {} s", self.now);
-                return Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message));
+                return Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message);
             }
             if !update.again || update.terminate {
                 return Ok(changed);
@@ -120,7 +110,7 @@ impl<'a> Session<'a> {
             "The event iteration at t = {} s does not converge in {MOST_ITERATIONS} iterations",
             self.now
         );
-        Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message))
+        Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message)
     }
 
     /// One communication step of Co-Simulation; `false` if the FMU requests the end.
@@ -132,7 +122,7 @@ impl<'a> Session<'a> {
                 "fmi3DoStep returned early at t = {} s although the importer did not allow it",
                 self.now
             );
-            return Err(Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message));
+            return Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message);
         }
         self.now += h;
         Ok(!step.terminated)

@@ -46,7 +46,7 @@ impl Solver {
     /// Reads states, nominals and indicators.
     pub(super) fn new(session: &mut Session, tolerance: f64) -> Result<Solver, Fault> {
         let facts = session.facts;
-        let n = facts.states.iter().map(|i| facts.variables[*i].size).sum();
+        let n = facts.state_count();
         let mut solver = Solver {
             x: vec![0.0; n],
             nominals: vec![1.0; n],
@@ -77,12 +77,7 @@ impl Solver {
         if !x.is_empty() {
             session.call("SetContinuousStates", |raw| raw.set_states(x))?;
             let status = session.raw.get_derivatives(&mut rates);
-            let name = if session.facts.version == crate::validate::model::FmiVersion::V2 {
-                "GetDerivatives"
-            } else {
-                "GetContinuousStateDerivatives"
-            };
-            session.ok(name, status)?;
+            session.ok(session.facts.pick("GetDerivatives", "GetContinuousStateDerivatives"), status)?;
         }
         Ok(rates)
     }
@@ -189,7 +184,7 @@ pub(super) fn indicators(session: &mut Session, count: usize) -> Result<Vec<f64>
         if let Some(i) = z.iter().position(|z| !z.is_finite()) {
             let message =
                 format!("Event indicator {} of {count} is {} at t = {} s", i + 1, z[i], session.now);
-            return Err(Fault::new(&rules::OUTPUT_NOT_FINITE, &session.interface.place, message));
+            return Fault::new(&rules::OUTPUT_NOT_FINITE, &session.interface.place, message);
         }
     }
     Ok(z)

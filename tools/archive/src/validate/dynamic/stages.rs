@@ -1,10 +1,19 @@
 //! The stages of the run, each a set of checks that share instances. After one that ends the process, the
 //! next child process continues with the others.
 
-use cosim::raw::InterfaceType::{CoSimulation, ModelExchange, ScheduledExecution};
-
+use super::facts::{Entry, Facts, Variable};
 use super::report::{Fault, Seen};
-use super::subject::Subject;
+use super::runs::{self, Drive, Rows, difference, steps};
+use super::session::{Session, Settings, column, observed};
+use super::solver::{Reached, Solver, indicators};
+use super::subject::{Subject, fresh};
+use crate::validate::finding::{Findings, short};
+use crate::validate::model::FmiVersion;
+use crate::validate::rules::{self, Rule};
+use cosim::raw::InterfaceType::{self, CoSimulation, ModelExchange, ScheduledExecution};
+use cosim::raw::{RawBinary, RawSetup, RawState};
+use cosim::{Kind, Log, Status};
+use setting::others;
 
 mod compare;
 mod derivatives;

@@ -41,23 +41,20 @@ impl<'a> Subject<'a> {
     /// A new instance.
     pub(super) fn instance(&self, name: &str) -> Result<Session<'a>, Fault> {
         let log = Log::new();
-        let raw = self.try_instance(name, &self.facts.token, &log);
-        let words = words(&log);
-        match raw {
-            Some(raw) => Ok(Session {
-                raw,
-                facts: self.facts,
-                interface: self.interface,
-                pulse: self.pulse,
-                now: self.facts.start,
-                next: None,
-            }),
-            None => Err(Fault::new(
-                &rules::INSTANTIATE,
-                &self.place,
-                format!("The FMU refused to be instantiated for {}{words}", name_of(self.interface.kind)),
-            )),
+        match self.try_instance(name, &self.facts.token, &log) {
+            Some(raw) => Ok(self.session(raw)),
+            None => {
+                let (kind, words) = (name_of(self.interface.kind), words(&log));
+                let message = format!("The FMU refused to be instantiated for {kind}{words}");
+                Fault::new(&rules::INSTANTIATE, &self.place, message)
+            }
         }
+    }
+
+    /// The session of a new instance.
+    pub(super) fn session(&self, raw: RawInstance) -> Session<'a> {
+        let Subject { facts, interface, pulse, .. } = *self;
+        Session { raw, facts, interface, pulse, now: facts.start, next: None }
     }
 
     /// A new instance with these settings, initialised and ready to step.

@@ -1,11 +1,6 @@
 //! FMI 3 clocks, clocked variables and clocked states.
 
-use std::collections::HashMap;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, is_true, label, unsigned, unsigned_list};
-use crate::validate::rules;
-use cosim::xml::{parse_double, parse_integer};
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut previous_of: HashMap<u32, &str> = HashMap::new();
@@ -20,8 +15,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let Some(v) = unknown.variable.map(|i| &model.variables[i]) else { continue };
         if v.node.attribute("previous").is_none() || !v.clocked || v.kind == Kind::Clock {
             let message = format!(
-                "The clocked state \"{}\" must have the attributes previous and clocks and must not be a clock",
-                short(v.name)
+                "The clocked state {v} must have the attributes previous and clocks and must not be a clock"
             );
             out.add(&rules::CLOCKED_STATE, model.place(unknown.node), message);
         }
@@ -41,21 +35,17 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 fn check_clock(model: &Model, v: &Variable, out: &mut Findings) {
     let place = model.place(v.node);
     if !["input", "output", "local"].contains(&v.causality) {
-        let message = format!(
-            "The clock \"{}\" has causality {}; it must be input, output or local",
-            short(v.name),
-            v.causality
-        );
+        let message =
+            format!("The clock {v} has causality {}; it must be input, output or local", v.causality);
         out.add(&rules::CLOCK_CAUSALITY, &place, message);
     }
     // Continuous clocks are found by the rule on variability.
     if !["discrete", "continuous"].contains(&v.variability) && v.causality == "local" {
-        let message =
-            format!("The clock \"{}\" has variability {}; it must be discrete", short(v.name), v.variability);
+        let message = format!("The clock {v} has variability {}; it must be discrete", v.variability);
         out.add(&rules::CLOCK_VARIABILITY, &place, message);
     }
     let mut interval = |what: String| {
-        out.add(&rules::CLOCK_INTERVAL, &place, format!("The clock \"{}\" {what}", short(v.name)));
+        out.add(&rules::CLOCK_INTERVAL, &place, format!("The clock {v} {what}"));
     };
     let kind = model.attribute(v, "intervalVariability").unwrap_or_default();
     let periodic = ["constant", "fixed", "tunable"].contains(&kind);
@@ -76,16 +66,12 @@ fn check_clock(model: &Model, v: &Variable, out: &mut Findings) {
     }
     let priority = model.attribute(v, "priority").is_some();
     if v.causality == "output" && priority {
-        out.add(
-            &rules::CLOCK_PRIORITY,
-            &place,
-            format!("The output clock \"{}\" must not have a priority", short(v.name)),
-        );
+        out.add(&rules::CLOCK_PRIORITY, &place, format!("The output clock {v} must not have a priority"));
     } else if v.causality == "input" && !priority && model.has("ScheduledExecution") {
         out.add(
             &rules::CLOCK_PRIORITY,
             &place,
-            format!("The input clock \"{}\" needs a priority in Scheduled Execution", short(v.name)),
+            format!("The input clock {v} needs a priority in Scheduled Execution"),
         );
     }
 }
@@ -93,7 +79,7 @@ fn check_clock(model: &Model, v: &Variable, out: &mut Findings) {
 fn check_clocked(model: &Model, v: &Variable, out: &mut Findings) {
     let Some(text) = v.node.attribute("clocks") else { return };
     let place = model.place(v.node);
-    let mut complain = |what: String| out.add(&rules::CLOCKS, &place, format!("{} {what}", label(v)));
+    let mut complain = |what: String| out.add(&rules::CLOCKS, &place, format!("Variable {v} {what}"));
     if text.trim().is_empty() {
         complain("has an empty list of clocks".into());
     }
@@ -108,11 +94,9 @@ fn check_clocked(model: &Model, v: &Variable, out: &mut Findings) {
             None => {
                 complain(format!("names the clock with value reference {reference}, which no variable has"))
             }
-            Some(c) if c.kind != Kind::Clock => complain(format!(
-                "names \"{}\" as its clock, which is of type {}",
-                short(c.name),
-                c.type_name
-            )),
+            Some(c) if c.kind != Kind::Clock => {
+                complain(format!("names {c} as its clock, which is of type {}", c.type_name))
+            }
             Some(_) => {}
         }
     }
@@ -126,7 +110,7 @@ fn check_previous<'a>(
 ) {
     let Some(reference) = unsigned(v.node, "previous") else { return };
     let place = model.place(v.node);
-    let mut complain = |what: String| out.add(&rules::PREVIOUS, &place, format!("{} {what}", label(v)));
+    let mut complain = |what: String| out.add(&rules::PREVIOUS, &place, format!("Variable {v} {what}"));
     if !v.clocked {
         complain("has the attribute previous but no clocks".into());
         return;
@@ -148,8 +132,7 @@ fn check_previous<'a>(
         || target.causality == "input"
     {
         complain(format!(
-            "has \"{}\" as its previous value, which must be a discrete {} and no input",
-            short(target.name),
+            "has {target} as its previous value, which must be a discrete {} and no input",
             v.type_name
         ));
     }

@@ -1,14 +1,6 @@
 //! Continuous states and their derivatives.
 
-use std::collections::HashMap;
-
-use roxmltree::Node;
-
-use super::arrays;
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, Variable, children, double, label};
-use crate::validate::rules;
-use cosim::xml::parse_integer;
+use super::*;
 
 /// No equation of motion has more time derivatives than this.
 const HIGHEST_ORDER: usize = 64;
@@ -27,19 +19,15 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let place = model.place(unknown.node);
         if !v.kind.is_float() || v.variability != "continuous" {
             let message = format!(
-                "The state derivative \"{}\" is {} of type {}, not a continuous floating point number",
-                short(v.name),
-                v.variability,
-                v.type_name
+                "The state derivative {v} is {} of type {}, not a continuous floating point number",
+                v.variability, v.type_name
             );
             out.add(&rules::DERIVATIVE_NOT_CONTINUOUS, &place, message);
             continue;
         }
         if v.typed.attribute("derivative").is_none() {
-            let message = format!(
-                "The state derivative \"{}\" has no attribute derivative, so its state is not known",
-                short(v.name)
-            );
+            let message =
+                format!("The state derivative {v} has no attribute derivative, so its state is not known");
             out.add(&rules::DERIVATIVE_MISSING, &place, message);
             continue;
         }
@@ -47,18 +35,15 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let state = &model.variables[index];
         if let Some(first) = derivative_of.insert(index, v.name) {
             let message = format!(
-                "The variables \"{}\" and \"{}\" are both listed as derivative of the state \"{}\"",
-                short(first),
-                short(v.name),
-                short(state.name)
+                "The variables \"{}\" and {v} are both listed as derivative of the state {state}",
+                short(first)
             );
             out.add(&rules::STATE_REPEATED, &place, message);
             continue;
         }
         if !["local", "output"].contains(&state.causality) {
             let message = format!(
-                "The continuous state \"{}\" has causality {}; it must be local or output",
-                short(state.name),
+                "The continuous state {state} has causality {}; it must be local or output",
                 state.causality
             );
             out.add(&rules::STATE_CAUSALITY, model.place(state.node), message);
@@ -67,11 +52,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if let (Some(a), Some(b)) = (arrays::size(model, v), arrays::size(model, state))
             && a != b
         {
-            let message = format!(
-                "The state \"{}\" has {b} elements but its derivative \"{}\" has {a}",
-                short(state.name),
-                short(v.name)
-            );
+            let message = format!("The state {state} has {b} elements but its derivative {v} has {a}");
             out.add(&rules::DERIVATIVE_SIZE, &place, message);
         }
     }
@@ -83,8 +64,7 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     let place = model.place(v.typed);
     let Some(target) = model.state_of(v) else {
         let message = format!(
-            "{} is the derivative of {} {reference}, which no variable has",
-            label(v),
+            "Variable {v} is the derivative of {} {reference}, which no variable has",
             model.reference_word()
         );
         out.add(&rules::DERIVATIVE_REFERENCE, place, message);
@@ -92,17 +72,14 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     };
     let state = &model.variables[target];
     if is_on_cycle(model, index) {
-        let message = format!("{} is, over its attribute derivative, a derivative of itself", label(v));
+        let message = format!("Variable {v} is, over its attribute derivative, a derivative of itself");
         out.add(&rules::DERIVATIVE_CYCLE, place, message);
         return;
     }
     if !state.kind.is_float() || state.variability != "continuous" {
         let message = format!(
-            "{} is the derivative of \"{}\", which is {} of type {} and has no derivative",
-            label(v),
-            short(state.name),
-            state.variability,
-            state.type_name
+            "Variable {v} is the derivative of {state}, which is {} of type {} and has no derivative",
+            state.variability, state.type_name
         );
         out.add(&rules::DERIVATIVE_TARGET, place, message);
         return;
@@ -137,12 +114,7 @@ fn check_name(model: &Model, v: &Variable, target: usize, place: &str, out: &mut
     if model.version == FmiVersion::V2 && named.reference == state.reference && named.kind == state.kind {
         return;
     }
-    let message = format!(
-        "{} points with derivative to \"{}\" instead of \"{}\"",
-        label(v),
-        short(state.name),
-        short(inner)
-    );
+    let message = format!("Variable {v} points with derivative to {state} instead of \"{}\"", short(inner));
     if model.root.attribute("variableNamingConvention") == Some("structured") {
         out.add(&rules::DERIVATIVE_NAME, place, message);
     } else {
@@ -177,11 +149,9 @@ fn check_unit(
         return;
     }
     let names = format!(
-        "the unit \"{}\" of \"{}\" and the unit \"{}\" of its derivative \"{}\"",
+        "the unit \"{}\" of {state} and the unit \"{}\" of its derivative {v}",
         short(model.attribute(state, "unit").unwrap_or_default()),
-        short(state.name),
-        short(model.attribute(v, "unit").unwrap_or_default()),
-        short(v.name)
+        short(model.attribute(v, "unit").unwrap_or_default())
     );
     let place = model.place(v.typed);
     let mut expected = of_state;
@@ -212,9 +182,7 @@ fn check_unlisted(model: &Model, out: &mut Findings) {
         let state = &model.variables[target];
         if v.causality == "local" && state.causality == "local" && state.variability == "continuous" {
             let message = format!(
-                "{} is the derivative of the local variable \"{}\" but not listed among the state derivatives",
-                label(v),
-                short(state.name)
+                "Variable {v} is the derivative of the local variable {state} but not listed among the state derivatives"
             );
             out.add(&rules::DERIVATIVE_NOT_LISTED, model.place(v.node), message);
         }

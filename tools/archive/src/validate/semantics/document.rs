@@ -1,11 +1,6 @@
 //! The attributes of the root, the default experiment, log categories and annotations.
 
-use std::collections::HashSet;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, children, double};
-use crate::validate::rules;
-use crate::validate::schema::types::Type;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let place = model.place(model.root);
@@ -45,10 +40,10 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 
 fn unique_names(
     model: &Model,
-    list: roxmltree::Node<'_, '_>,
+    list: Node<'_, '_>,
     element: &str,
     what: &str,
-    rule: &'static rules::Rule,
+    rule: &'static Rule,
     out: &mut Findings,
 ) {
     let mut seen = HashSet::new();

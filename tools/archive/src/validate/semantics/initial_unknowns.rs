@@ -1,10 +1,6 @@
 //! The list of initial unknowns is complete and has no other entries.
 
-use std::collections::HashSet;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Kind, Model, label};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let calculated = |i: usize| matches!(model.variables[i].initial, Some("approx" | "calculated"));
@@ -23,8 +19,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     for (i, v) in model.variables.iter().enumerate() {
         if expected.contains(&i) && !listed.contains(&i) {
             let message = format!(
-                "{} is calculated during initialisation but is not listed among the initial unknowns",
-                label(v)
+                "Variable {v} is calculated during initialisation but is not listed among the initial unknowns"
             );
             out.add(&rules::INITIAL_UNKNOWN_MISSING, model.place(v.node), message);
         }
@@ -37,16 +32,14 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if !expected.contains(&i) && !v.clocked && v.kind != Kind::Clock {
             let initial = v.initial.unwrap_or("none");
             let message = format!(
-                "{} is listed among the initial unknowns but is not one: its causality is {}, its initial {initial}",
-                label(v),
+                "Variable {v} is listed among the initial unknowns but is not one: its causality is {}, its initial {initial}",
                 v.causality
             );
             out.add(&rules::INITIAL_UNKNOWN_WRONG, model.place(unknown.node), message);
         }
         if model.version == FmiVersion::V2 && i < last {
             let message = format!(
-                "Variable \"{}\" is out of order: initial unknowns must be listed in the order of their indices",
-                short(v.name)
+                "Variable {v} is out of order: initial unknowns must be listed in the order of their indices"
             );
             out.add(&rules::INITIAL_UNKNOWNS_ORDER, model.place(unknown.node), message);
         }

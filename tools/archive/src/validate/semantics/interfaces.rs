@@ -1,8 +1,6 @@
 //! Interface types, model identifiers and capability flags.
 
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, double, is_true};
-use crate::validate::rules;
+use super::*;
 
 /// A short class name; longer ones break path limits when the archive is unpacked.
 const LONGEST_IDENTIFIER: usize = 64;

@@ -1,10 +1,6 @@
 //! Names and value references are unique, and names follow the declared convention.
 
-use std::collections::HashMap;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, label};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let structured = model.root.attribute("variableNamingConvention") == Some("structured");
@@ -39,8 +35,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             let Some(reference) = v.reference else { continue };
             if let Some(other) = references.insert(reference, v.name) {
                 let message = format!(
-                    "{} has the value reference {reference} of variable \"{}\"; value references must be unique",
-                    label(v),
+                    "Variable {v} has the value reference {reference} of variable \"{}\"; value references must be unique",
                     short(other)
                 );
                 out.add(&rules::REFERENCE_REPEATED, model.place(v.node), message);
@@ -49,8 +44,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     }
     for t in &model.types {
         if let Some(first) = names.get(t.name) {
-            let message =
-                format!("The type \"{}\" has the same name as the variable at {first}", short(t.name));
+            let message = format!("The type {t} has the same name as the variable at {first}");
             out.add(&rules::TYPE_NAME_CLASH, model.place(t.node), message);
         }
     }

@@ -1,10 +1,6 @@
 //! The lists of the model structure: references, outputs, dependencies.
 
-use std::collections::HashSet;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Kind, Model, Unknown, Variable, label, unsigned_list};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let s = &model.structure;
@@ -55,14 +51,14 @@ fn check_outputs(model: &Model, out: &mut Findings) {
     for (i, v) in model.variables.iter().enumerate() {
         if v.causality == "output" && !listed.contains(&i) {
             let message =
-                format!("{} is an output but is not listed among the outputs of <ModelStructure>", label(v));
+                format!("Variable {v} is an output but is not listed among the outputs of <ModelStructure>");
             out.add(&rules::OUTPUT_NOT_LISTED, model.place(v.node), message);
         }
     }
     for unknown in &model.structure.outputs {
         if let Some(v) = unknown.variable.map(|i| &model.variables[i]).filter(|v| v.causality != "output") {
             let message =
-                format!("{} is listed among the outputs but its causality is {}", label(v), v.causality);
+                format!("Variable {v} is listed among the outputs but its causality is {}", v.causality);
             out.add(&rules::OUTPUT_CAUSALITY, model.place(unknown.node), message);
         }
     }
@@ -80,7 +76,7 @@ fn check_event_indicators(model: &Model, out: &mut Findings) {
         } else {
             continue;
         };
-        let message = format!("The event indicator \"{}\" {wrong}", short(v.name));
+        let message = format!("The event indicator {v} {wrong}");
         out.add(&rules::EVENT_INDICATOR, model.place(unknown.node), message);
     }
 }
@@ -101,10 +97,7 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
         unknown.node.attribute("dependenciesKind").map(|k| k.split_ascii_whitespace().collect());
     let Some(text) = unknown.node.attribute("dependencies") else {
         if kinds.is_some() {
-            let message = format!(
-                "The entry of variable \"{}\" has dependenciesKind but no dependencies",
-                short(v.name)
-            );
+            let message = format!("The entry of variable {v} has dependenciesKind but no dependencies");
             out.add(&rules::KIND_ALONE, place, message);
         }
         return;
@@ -115,18 +108,14 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
     }
     let dependencies = unsigned_list(text);
     if model.version == FmiVersion::V2 && !dependencies.is_sorted() {
-        let message = format!(
-            "The dependencies of variable \"{}\" are not in the order of their indices",
-            short(v.name)
-        );
+        let message = format!("The dependencies of variable {v} are not in the order of their indices");
         out.add(&rules::DEPENDENCIES_ORDER, &place, message);
     }
     let mut seen = HashSet::new();
     for reference in dependencies {
         if !seen.insert(reference) {
             let message = format!(
-                "Variable \"{}\" lists {} {reference} twice among its dependencies",
-                short(v.name),
+                "Variable {v} lists {} {reference} twice among its dependencies",
                 model.reference_word()
             );
             out.add(&rules::DEPENDENCY_REPEATED, &place, message);
@@ -134,8 +123,7 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
         }
         let Some(index) = model.resolve(reference) else {
             let message = format!(
-                "Variable \"{}\" depends on {} {reference}, which no variable has",
-                short(v.name),
+                "Variable {v} depends on {} {reference}, which no variable has",
                 model.reference_word()
             );
             out.add(&rules::DEPENDENCY_REFERENCE, &place, message);
@@ -149,11 +137,8 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
         };
         if !is_known {
             let message = format!(
-                "Variable \"{}\" depends on \"{}\", which is {} {} and not among the knowns {mode}",
-                short(v.name),
-                short(known.name),
-                known.variability,
-                known.causality
+                "Variable {v} depends on {known}, which is {} {} and not among the knowns {mode}",
+                known.variability, known.causality
             );
             out.add(&rules::DEPENDENCY_NOT_KNOWN, &place, message);
         }
@@ -163,22 +148,19 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
 fn check_kinds(v: &Variable, kinds: &[&str], written: usize, initial: bool, place: &str, out: &mut Findings) {
     if kinds.len() != written {
         let message = format!(
-            "The entry of variable \"{}\" has {written} dependencies but {} items in dependenciesKind",
-            short(v.name),
+            "The entry of variable {v} has {written} dependencies but {} items in dependenciesKind",
             kinds.len()
         );
         out.add(&rules::KIND_LENGTH, place, message);
     }
     if let Some(kind) = kinds.iter().find(|k| initial && ["fixed", "tunable", "discrete"].contains(*k)) {
         let message = format!(
-            "The initial unknown \"{}\" has the dependenciesKind {kind}; only dependent and constant are allowed there",
-            short(v.name)
+            "The initial unknown {v} has the dependenciesKind {kind}; only dependent and constant are allowed there"
         );
         out.add(&rules::KIND_INITIAL, place, message);
     } else if let Some(kind) = kinds.iter().find(|k| !v.kind.is_float() && **k != "dependent") {
         let message = format!(
-            "{} is of type {} and has the dependenciesKind {kind}, which is meant for floating point numbers",
-            label(v),
+            "Variable {v} is of type {} and has the dependenciesKind {kind}, which is meant for floating point numbers",
             v.type_name
         );
         out.add(&rules::KIND_NOT_FLOAT, place, message);

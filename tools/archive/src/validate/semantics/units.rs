@@ -1,12 +1,6 @@
 //! Unit definitions, and the units and display units of variables and types.
 
-use std::collections::{HashMap, HashSet};
-
-use roxmltree::Node;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, children, double, is_true, label};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut units: HashMap<&str, HashSet<&str>> = HashMap::new();
@@ -20,12 +14,12 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     }
     for t in &model.types {
         let (unit, display) = (t.typed.attribute("unit"), t.typed.attribute("displayUnit"));
-        check_use(model, t.typed, &format!("Type \"{}\"", short(t.name)), unit, display, &units, out);
+        check_use(model, t.typed, &format!("Type {t}"), unit, display, &units, out);
         if unit.is_none() && is_true(t.typed, "relativeQuantity") {
             out.add(
                 &rules::RELATIVE_WITHOUT_UNIT,
                 model.place(t.typed),
-                format!("Type \"{}\" has relativeQuantity but no unit, so it has no meaning", short(t.name)),
+                format!("Type {t} has relativeQuantity but no unit, so it has no meaning"),
             );
         }
     }
@@ -34,13 +28,21 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let unit = model.attribute(v, "unit");
         // What the variable takes from its type has been checked there.
         if own("unit").is_some() || own("displayUnit").is_some() {
-            check_use(model, v.typed, &label(v), unit, model.attribute(v, "displayUnit"), &units, out);
+            check_use(
+                model,
+                v.typed,
+                &format!("Variable {v}"),
+                unit,
+                model.attribute(v, "displayUnit"),
+                &units,
+                out,
+            );
         }
         if unit.is_none() && is_true(v.typed, "relativeQuantity") {
             out.add(
                 &rules::RELATIVE_WITHOUT_UNIT,
                 model.place(v.typed),
-                format!("{} has relativeQuantity but no unit, so it has no meaning", label(v)),
+                format!("Variable {v} has relativeQuantity but no unit, so it has no meaning"),
             );
         }
         for alias in v.aliases.iter().filter(|a| a.attribute("displayUnit").is_some()) {

@@ -1,9 +1,6 @@
 //! Start values, limits and nominal values.
 
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Kind, Model, Variable, children, label};
-use crate::validate::rules;
-use cosim::xml::{parse_double, parse_integer};
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let states = model.states();
@@ -26,14 +23,14 @@ fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
             out.add(
                 &rules::LIMIT_NAN,
                 &place,
-                format!("The {name} of variable \"{}\" is NaN and limits nothing", short(v.name)),
+                format!("The {name} of variable {v} is NaN and limits nothing"),
             );
         }
     }
     if let (Some(min), Some(max)) = (min, max)
         && min > max
     {
-        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", label(v)));
+        out.add(&rules::LIMITS_CROSSED, &place, format!("Variable {v} has min {min} above max {max}"));
         return;
     }
     for text in v.typed.attribute("start").unwrap_or_default().split_ascii_whitespace() {
@@ -47,7 +44,7 @@ fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
                 FmiVersion::V2 => &rules::VALUE_SPECIAL,
                 FmiVersion::V3 => &rules::START_NOT_FINITE,
             };
-            out.add(rule, &place, format!("{} has the start value {text}", label(v)));
+            out.add(rule, &place, format!("Variable {v} has the start value {text}"));
             return;
         }
     }
@@ -56,8 +53,7 @@ fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
 fn outside(v: &Variable, start: &str, model: &Model) -> String {
     let bound = |name| model.attribute(v, name).map_or("none", str::trim);
     format!(
-        "{} has the start value {} outside its limits (min {}, max {})",
-        label(v),
+        "Variable {v} has the start value {} outside its limits (min {}, max {})",
         short(start),
         short(bound("min")),
         short(bound("max"))
@@ -70,15 +66,12 @@ fn check_nominal(model: &Model, v: &Variable, is_state: bool, out: &mut Findings
         return;
     }
     if is_state {
-        let message = format!(
-            "The continuous state \"{}\" has the nominal value {nominal}; it must be greater than 0",
-            short(v.name)
-        );
+        let message =
+            format!("The continuous state {v} has the nominal value {nominal}; it must be greater than 0");
         out.add(&rules::NOMINAL_STATE, model.place(v.typed), message);
     } else {
         let message = format!(
-            "{} has the nominal value {nominal}; tools divide by it and expect a number greater than 0",
-            label(v)
+            "Variable {v} has the nominal value {nominal}; tools divide by it and expect a number greater than 0"
         );
         out.add(&rules::NOMINAL_DOUBTFUL, model.place(v.typed), message);
     }
@@ -91,7 +84,7 @@ fn check_integers(model: &Model, v: &Variable, out: &mut Findings) {
     if let (Some(min), Some(max)) = (min, max)
         && min > max
     {
-        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", label(v)));
+        out.add(&rules::LIMITS_CROSSED, &place, format!("Variable {v} has min {min} above max {max}"));
         return;
     }
     let items: Option<Vec<i128>> = (v.kind == Kind::Enumeration).then_some(()).and_then(|()| {
@@ -102,8 +95,7 @@ fn check_integers(model: &Model, v: &Variable, out: &mut Findings) {
         let Some(start) = parse_integer(text) else { continue };
         if items.as_ref().is_some_and(|items| !items.contains(&start)) {
             let message = format!(
-                "{} has the start value {start}, which is no item of the enumeration \"{}\"",
-                label(v),
+                "Variable {v} has the start value {start}, which is no item of the enumeration \"{}\"",
                 short(v.declared_type.unwrap_or_default())
             );
             out.add(&rules::START_NO_ITEM, &place, message);

@@ -1,8 +1,6 @@
 //! Causality, variability and initial: which combinations exist, and what else each demands.
 
-use crate::validate::finding::Findings;
-use crate::validate::model::{FmiVersion, Kind, Model, Variable, is_true, label};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let states = model.states();
@@ -12,15 +10,13 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if v.node.attribute("canHandleMultipleSetPerTimeInstant").is_some() {
             if v.causality != "input" {
                 let message = format!(
-                    "{} has canHandleMultipleSetPerTimeInstant but is {}, not input",
-                    label(v),
+                    "Variable {v} has canHandleMultipleSetPerTimeInstant but is {}, not input",
                     v.causality
                 );
                 out.add(&rules::MULTIPLE_SET_NOT_INPUT, model.place(v.node), message);
             } else if cs_only {
                 let message = format!(
-                    "{} has canHandleMultipleSetPerTimeInstant, which must not be present without <ModelExchange>",
-                    label(v)
+                    "Variable {v} has canHandleMultipleSetPerTimeInstant, which must not be present without <ModelExchange>"
                 );
                 out.add(&rules::MODEL_EXCHANGE_ONLY, model.place(v.node), message);
             }
@@ -28,17 +24,16 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         if is_true(v.typed, "reinit") {
             if cs_only {
                 let message =
-                    format!("{} has reinit, which must not be present without <ModelExchange>", label(v));
+                    format!("Variable {v} has reinit, which must not be present without <ModelExchange>");
                 out.add(&rules::MODEL_EXCHANGE_ONLY, model.place(v.typed), message);
             } else if !is_state && model.has("ModelExchange") {
-                let message = format!("{} has reinit but is not a continuous state", label(v));
+                let message = format!("Variable {v} has reinit but is not a continuous state");
                 out.add(&rules::REINIT_NOT_STATE, model.place(v.typed), message);
             }
         }
         if is_true(v.typed, "intermediateUpdate") && v.variability != "continuous" {
             let message = format!(
-                "{} has intermediateUpdate but its variability is {}, not continuous",
-                label(v),
+                "Variable {v} has intermediateUpdate but its variability is {}, not continuous",
                 v.variability
             );
             out.add(&rules::INTERMEDIATE_UPDATE, model.place(v.node), message);
@@ -70,10 +65,8 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
     let by_default = if v.node.attribute("variability").is_none() { " (the default)" } else { "" };
     if !allowed(v.causality, v.variability) {
         let message = format!(
-            "{} combines causality {} with variability {}{by_default}, which is not allowed",
-            label(v),
-            v.causality,
-            v.variability
+            "Variable {v} combines causality {} with variability {}{by_default}, which is not allowed",
+            v.causality, v.variability
         );
         out.add(&rules::CAUSALITY_VARIABILITY, &place, message);
         return;
@@ -81,8 +74,7 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
     if v.variability == "continuous" && !v.kind.is_float() && v.causality != "independent" {
         let floats = if model.version == FmiVersion::V2 { "Real" } else { "Float32 and Float64" };
         let message = format!(
-            "{} is of type {} with variability continuous{by_default}; only {floats} may be continuous",
-            label(v),
+            "Variable {v} is of type {} with variability continuous{by_default}; only {floats} may be continuous",
             v.type_name
         );
         out.add(&rules::CONTINUOUS_NOT_FLOAT, &place, message);
@@ -95,8 +87,7 @@ fn check_initial(model: &Model, v: &Variable, place: &str, out: &mut Findings) {
     let Some(initial) = v.initial_written else { return };
     if v.causality == "independent" || v.causality == "input" && model.version == FmiVersion::V2 {
         let message = format!(
-            "{} is {} and must not have the attribute initial, which is \"{initial}\"",
-            label(v),
+            "Variable {v} is {} and must not have the attribute initial, which is \"{initial}\"",
             v.causality
         );
         out.add(&rules::INITIAL_FORBIDDEN, place, message);
@@ -109,8 +100,7 @@ fn check_initial(model: &Model, v: &Variable, place: &str, out: &mut Findings) {
     };
     if ["exact", "approx", "calculated"].contains(&initial) && !possible.contains(&initial) {
         let message = format!(
-            "{} has initial \"{initial}\", but for causality {} and variability {} only {} is allowed",
-            label(v),
+            "Variable {v} has initial \"{initial}\", but for causality {} and variability {} only {} is allowed",
             v.causality,
             v.variability,
             possible.join(" or ")
@@ -132,20 +122,20 @@ fn check_start(v: &Variable, place: &str, out: &mut Findings) {
         _ => None,
     };
     if let Some(reason) = reason.filter(|_| !v.has_start) {
-        out.add(&rules::START_MISSING, place, format!("{} has no start value although {reason}", label(v)));
+        out.add(&rules::START_MISSING, place, format!("Variable {v} has no start value although {reason}"));
     }
     if v.has_start && v.causality == "independent" {
         out.add(
             &rules::START_FORBIDDEN,
             place,
-            format!("{} is the independent variable and must not have a start value", label(v)),
+            format!("Variable {v} is the independent variable and must not have a start value"),
         );
     } else if v.has_start && v.initial == Some("calculated") {
         let how = if v.initial_written.is_some() { "" } else { " by default" };
         out.add(
             &rules::START_FORBIDDEN,
             place,
-            format!("{} has a start value although its initial is calculated{how}", label(v)),
+            format!("Variable {v} has a start value although its initial is calculated{how}"),
         );
     }
 }
@@ -155,15 +145,14 @@ fn check_independent(model: &Model, out: &mut Findings) {
     for v in &all {
         if !v.kind.is_float() {
             let message = format!(
-                "{} is the independent variable and must be a floating point number, not {}",
-                label(v),
+                "Variable {v} is the independent variable and must be a floating point number, not {}",
                 v.type_name
             );
             out.add(&rules::INDEPENDENT_NOT_FLOAT, model.place(v.node), message);
         }
     }
     for v in all.iter().skip(1) {
-        let message = format!("{} is a second independent variable; only one is allowed", label(v));
+        let message = format!("Variable {v} is a second independent variable; only one is allowed");
         out.add(&rules::INDEPENDENT_REPEATED, model.place(v.node), message);
     }
     if all.is_empty() && model.version == FmiVersion::V3 {

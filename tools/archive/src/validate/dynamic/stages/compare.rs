@@ -3,17 +3,7 @@
 //! The integration of Co-Simulation may be coarse: explicit Euler at the declared step is common and not a fault. A finding is a
 //! difference that neither decreases with the communication step nor has the shape of the error of Euler's method.
 
-use cosim::raw::{InterfaceType, RawBinary};
-
-use super::super::solver::{Reached, Solver};
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{Rows, steps};
-use crate::validate::dynamic::session::Settings;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::rules;
-
+use super::*;
 /// Tolerance relative to the range of a variable.
 const TOLERATED: f64 = 0.005;
 /// Tolerance relative to the nominal value.
@@ -29,16 +19,8 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         return Ok(());
     };
     let Ok(binary) = RawBinary::load(subject.archive, &interface.identifier) else { return Ok(()) };
-    let place = subject.place.clone();
-    let other = Subject {
-        archive: subject.archive,
-        facts,
-        interface,
-        binary,
-        place,
-        base: Default::default(),
-        pulse: subject.pulse,
-    };
+    let (place, base) = (subject.place.clone(), Default::default());
+    let other = Subject { interface, binary, place, base, ..*subject };
     let watched = facts
         .select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input") && !v.is("independent"));
     let h = facts.step().max(interface.internal_step.unwrap_or(0.0));
@@ -51,8 +33,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     for (h, n) in looks {
         if let Some((v, t, a, b)) = differs(subject, &other, settings, &watched, h, n)? {
             let message = format!(
-                "Variable \"{}\" is {a} at t = {t} s in Model Exchange and {b} in Co-Simulation, and the difference does not decrease with the step size",
-                short(&v.name)
+                "Variable {v} is {a} at t = {t} s in Model Exchange and {b} in Co-Simulation, and the difference does not decrease with the step size"
             );
             seen.add(&rules::EXCHANGE_DIFFERS, &v.place, message);
             return Ok(());
@@ -73,7 +54,11 @@ fn differs<'a>(
 ) -> Result<Option<Place<'a>>, Fault> {
     let reference = integrate(subject, settings, watched, h, n)?;
     // A Co-Simulation FMU that rejects these values is checked by another stage.
-    let Ok(coarse) = stepped(other, settings, watched, h, n, 1) else { return Ok(None) };
+    let stepped = |parts: usize| -> Result<Rows, Fault> {
+        let rows = runs::stepped(&mut other.started(settings)?, watched, h, n * parts, parts)?;
+        Ok(rows.into_iter().step_by(parts).collect())
+    };
+    let Ok(coarse) = stepped(1) else { return Ok(None) };
     let rows = reference.len().min(coarse.len());
     let scale: Vec<f64> = (0..watched.len())
         .map(|i| {
@@ -91,11 +76,8 @@ fn differs<'a>(
     if suspects.is_empty() {
         return Ok(None);
     }
-    let fine = if other.interface.variable_step && other.interface.internal_step.is_none() {
-        stepped(other, settings, watched, h, n, 4).ok()
-    } else {
-        None
-    };
+    let is_free = other.interface.variable_step && other.interface.internal_step.is_none();
+    let fine = is_free.then(|| stepped(4).ok()).flatten();
     let euler = euler(subject, settings, watched, h, n)?;
     for i in suspects {
         let first = error(&coarse, i);
@@ -144,31 +126,6 @@ fn integrate(
             break;
         }
         rows.push(session.get_all(watched)?);
-    }
-    Ok(rows)
-}
-
-/// Rows of Co-Simulation, with `parts` steps for each `h`.
-fn stepped(
-    subject: &Subject,
-    settings: &Settings,
-    watched: &[&Variable],
-    h: f64,
-    n: usize,
-    parts: usize,
-) -> Result<Rows, Fault> {
-    let mut session = subject.started(settings)?;
-    let mut rows = vec![session.get_all(watched)?];
-    for k in 0..n * parts {
-        session.now = subject.facts.start + h * k as f64 / parts as f64;
-        let next = subject.facts.start + h * (k + 1) as f64 / parts as f64;
-        let size = next - session.now;
-        if !session.step(size)? {
-            break;
-        }
-        if (k + 1) % parts == 0 {
-            rows.push(session.get_all(watched)?);
-        }
     }
     Ok(rows)
 }

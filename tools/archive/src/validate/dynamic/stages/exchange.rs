@@ -1,13 +1,6 @@
 //! Model Exchange: the vectors of states, derivatives, nominals and event indicators.
 
-use super::super::solver::{Solver, indicators};
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules;
-
+use super::*;
 /// Equal up to the tolerance of an iterative solver in the FMU.
 const CLOSE: f64 = 1e-6;
 
@@ -18,8 +11,7 @@ fn close(a: f64, b: f64) -> bool {
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let mut session = subject.started(&subject.base()?.settings)?;
-    let states: Vec<usize> = facts.states.clone();
-    let n: usize = states.iter().map(|i| facts.variables[*i].size).sum();
+    let n = facts.state_count();
     if facts.version == FmiVersion::V3 {
         let numbers = session.raw.numbers();
         let numbers = numbers.or_else(|s| session.ok("GetNumberOfContinuousStates", s).map(|()| (0, 0)))?;
@@ -28,7 +20,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
                 "The FMU has {} continuous states and {} event indicators, its model structure {n} and {}",
                 numbers.0, numbers.1, facts.indicators
             );
-            return Err(Fault::new(&rules::STATES_NUMBER, &subject.interface.place, message));
+            return Fault::new(&rules::STATES_NUMBER, &subject.interface.place, message);
         }
     }
     let mut x = vec![0.0; n];
@@ -73,8 +65,7 @@ fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Faul
             at += v.size;
             if let Some((a, b)) = values.iter().zip(wanted).find(|(a, b)| !close(**a, **b)) {
                 let message = format!(
-                    "Variable \"{}\" is {a}, but the entry at its place of the vector of continuous {what}s is {b}",
-                    short(&v.name)
+                    "Variable {v} is {a}, but the entry at its place of the vector of continuous {what}s is {b}"
                 );
                 seen.add(&rules::STATES_ORDER, &v.place, message);
                 return Ok(());

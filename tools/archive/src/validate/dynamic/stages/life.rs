@@ -1,17 +1,6 @@
 //! Life cycle of an instance: version, instantiation, initialisation, steps, termination.
 
-use cosim::raw::{InterfaceType, RawSetup};
-use cosim::{Kind, Log, Status};
-
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{self, Drive};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules;
-
+use super::*;
 /// Tolerance by which a value may exceed its limits, relative to the limits, as the standard allows.
 const PRECISION: f64 = 1e-6;
 
@@ -47,10 +36,7 @@ pub(super) fn free_nothing(subject: &Subject, _: &mut Seen) -> Result<(), Fault>
 }
 
 fn versions(subject: &Subject, seen: &mut Seen) {
-    let (function, wanted) = match subject.facts.version {
-        FmiVersion::V2 => ("fmi2GetVersion", "2.0"),
-        FmiVersion::V3 => ("fmi3GetVersion", "3.0"),
-    };
+    let (function, wanted) = (subject.facts.function("GetVersion"), subject.facts.pick("2.0", "3.0"));
     let version = subject.binary.version().unwrap_or_default();
     // FMI 3 has maintenance releases such as 3.0.2 in its version string.
     if !(version == wanted || subject.facts.version == FmiVersion::V3 && version.starts_with("3.")) {
@@ -72,17 +58,10 @@ fn outputs(session: &mut Session, when: &str, seen: &mut Seen) -> Result<(), Fau
             && v.kind.is_float()
             && let Some(value) = values.iter().find(|x| !x.is_finite())
         {
-            let message = format!(
-                "Output \"{}\" is {value} {when} with all variables at their start values",
-                short(&v.name)
-            );
+            let message = format!("Output {v} is {value} {when} with all variables at their start values");
             seen.add(&rules::OUTPUT_NOT_FINITE, &v.place, message);
         } else if let Some(value) = values.iter().find(|x| is_outside(v, **x)) {
-            let message = format!(
-                "Variable \"{}\" is {value} {when}, outside its limits ({})",
-                short(&v.name),
-                v.limits()
-            );
+            let message = format!("Variable {v} is {value} {when}, outside its limits ({})", v.limits());
             seen.add(&rules::VALUE_OUTSIDE, &v.place, message);
         }
     }
@@ -99,7 +78,7 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let log = Log::with_debug();
     let Some(mut raw) = subject.try_instance("probe", &subject.facts.token, &log) else {
         let message = "The FMU refused to be instantiated with loggingOn = true";
-        return Err(Fault::new(&rules::INSTANTIATE, &subject.interface.place, message));
+        return Fault::new(&rules::INSTANTIATE, &subject.interface.place, message);
     };
     let started = raw.enter_initialization(subject.facts.start, None, subject.facts.tolerance)
         <= Status::Warning
@@ -132,17 +111,10 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
     let Some(raw) = subject.binary.instantiate(&setup, &log) else {
         let message =
             "The FMU refused to be instantiated with eventModeUsed = true although hasEventMode is true";
-        return Err(Fault::new(&rules::INSTANTIATE, &subject.interface.place, message));
+        return Fault::new(&rules::INSTANTIATE, &subject.interface.place, message);
     };
     let facts = subject.facts;
-    let mut session = Session {
-        raw,
-        facts,
-        interface: subject.interface,
-        pulse: subject.pulse,
-        now: facts.start,
-        next: None,
-    };
+    let mut session = subject.session(raw);
     session.initialise(None)?;
     session.iterate_events()?;
     session.call("EnterStepMode", |raw| raw.enter_step_mode())?;

@@ -1,14 +1,9 @@
 //! Comparison of the FMU's results with the reference results in its archive (layered standard `org.fmi-standard.fmi-ls-ref`).
 
+use super::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::validate::dynamic::facts::{Facts, Variable};
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::{Findings, short};
-use crate::validate::rules;
 use crate::validate::xml::Xml;
 use cosim::xml::{parse_boolean, parse_double};
 
@@ -165,8 +160,7 @@ fn compare(
             let is_near = (value - wanted).abs() <= *room;
             if !is_near && !wanted.is_nan() {
                 let message = format!(
-                    "Variable \"{}\" is {value} at t = {} s, but {wanted} in the reference results of the archive",
-                    short(&v.name),
+                    "Variable {v} is {value} at t = {} s, but {wanted} in the reference results of the archive",
                     row[0]
                 );
                 seen.add(&rules::REFERENCE_DIFFERS, place, message);

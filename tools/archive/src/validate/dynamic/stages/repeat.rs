@@ -1,16 +1,7 @@
 //! Repetition of a run: in a second instance, after a reset, together with another instance, a thousand times.
 
+use super::*;
 use std::time::{Duration, Instant};
-
-use cosim::raw::{InterfaceType, RawState};
-
-use super::setting::{others, when};
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{self, Drive, Rows, difference};
-use crate::validate::dynamic::session::{Session, column};
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::rules;
 
 /// Instances made in each of three rounds, and bytes that each may leave behind.
 const ROUND: usize = 400;
@@ -44,16 +35,10 @@ fn after_reset(session: &mut Session, subject: &Subject, place: &str, seen: &mut
     session.call("Reset", |raw| raw.reset())?;
     session.start(&base.settings)?;
     let rows = runs::from_here(session)?;
-    if let Some(d) = difference(subject.facts, &base.steady, &base.rows, &rows) {
-        let message = format!(
-            "Variable \"{}\" is {} in a new instance and {} in the same run after a reset {place} ({})",
-            d.name,
-            d.first,
-            d.second,
-            when(&d)
-        );
-        seen.add(&rules::RESET, &d.variable.place, message);
-    }
+    let difference = difference(subject.facts, &base.steady, &base.rows, &rows);
+    seen.differ(&rules::RESET, difference, |a, b| {
+        format!("is {a} in a new instance and {b} in the same run after a reset {place}")
+    });
     Ok(())
 }
 
@@ -85,16 +70,9 @@ pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         rows.extend(row);
     }
     drop(other);
-    if let Some(d) = difference(facts, &base.steady, &base.rows, &rows) {
-        let message = format!(
-            "Variable \"{}\" is {} in a single instance and {} while a second instance with other values runs ({})",
-            d.name,
-            d.first,
-            d.second,
-            when(&d)
-        );
-        seen.add(&rules::INSTANCES, &d.variable.place, message);
-    }
+    seen.differ(&rules::INSTANCES, difference(facts, &base.steady, &base.rows, &rows), |a, b| {
+        format!("is {a} in a single instance and {b} while a second instance with other values runs")
+    });
     Ok(())
 }
 

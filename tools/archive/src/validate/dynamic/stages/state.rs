@@ -1,14 +1,7 @@
 //! Saved states: going back, freeing, and bytes.
 
+use super::*;
 use cosim::raw::RawState;
-
-use super::setting::when;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules::{self, Rule};
 
 /// Differences below this are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -17,11 +10,13 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
     let (h, n) = (subject.facts.step(), steps(subject.facts));
     let (before, after) = (n / 3, n - n / 3);
-    let two = subject.facts.version == FmiVersion::V2;
-    let names = if two {
-        ["GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializeFMUstate", "DeSerializeFMUstate"]
-    } else {
-        ["GetFMUState", "SetFMUState", "FreeFMUState", "SerializeFMUState", "DeserializeFMUState"]
+    let names = match subject.facts.version {
+        FmiVersion::V2 => {
+            ["GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializeFMUstate", "DeSerializeFMUstate"]
+        }
+        FmiVersion::V3 => {
+            ["GetFMUState", "SetFMUState", "FreeFMUState", "SerializeFMUState", "DeserializeFMUState"]
+        }
     };
     let mut session = subject.started(&base.settings)?;
     Drive::new(&mut session)?.rows(&mut session, h, before)?;
@@ -101,7 +96,7 @@ fn compare(
 ) -> Result<(), Fault> {
     let Some(d) = difference(subject.facts, &subject.base()?.steady, a, b) else { return Ok(()) };
     let rule = if d.relative <= ROUNDING { &rules::ROLLBACK_INEXACT } else { rule };
-    let when = if d.row == 0 { "at once".to_owned() } else { when(&d) };
+    let when = if d.row == 0 { "at once".to_owned() } else { d.when() };
     let message = format!("Variable \"{}\" is {} and then {} {words} ({when})", d.name, d.first, d.second);
     seen.add(rule, &d.variable.place, message);
     Ok(())
