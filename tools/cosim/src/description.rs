@@ -14,12 +14,36 @@ pub enum FmiVersion {
 
 impl fmt::Display for FmiVersion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::V2 => "2.0",
-            Self::V3 => "3.0",
-        })
+        f.write_str(if *self == Self::V2 { "2.0" } else { "3.0" })
     }
 }
+
+/// Declares an enumeration with the word of the standard for each item and how messages name it.
+macro_rules! words {
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($item:ident $word:literal $text:literal,)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[allow(missing_docs)] // the standard's words
+        $vis enum $name { $($item,)* }
+
+        impl $name {
+            /// The item that a file calls `word`.
+            pub(crate) fn of(word: &str) -> Option<Self> {
+                match word {
+                    $($word => Some(Self::$item),)*
+                    _ => None,
+                }
+            }
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(match self { $(Self::$item => $text,)* })
+            }
+        }
+    };
+}
+pub(crate) use words;
 
 /// The content of `modelDescription.xml`.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,63 +253,37 @@ impl Kind {
     }
 }
 
-/// `causality`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum Causality {
-    Parameter,
-    CalculatedParameter,
-    StructuralParameter,
-    Input,
-    Output,
-    Local,
-    Independent,
-}
-
-impl fmt::Display for Causality {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Parameter => "parameter",
-            Self::CalculatedParameter => "calculated parameter",
-            Self::StructuralParameter => "structural parameter",
-            Self::Input => "input",
-            Self::Output => "output",
-            Self::Local => "local variable",
-            Self::Independent => "independent variable",
-        })
+words! {
+    /// `causality`
+    pub enum Causality {
+        Parameter "parameter" "parameter",
+        CalculatedParameter "calculatedParameter" "calculated parameter",
+        StructuralParameter "structuralParameter" "structural parameter",
+        Input "input" "input",
+        Output "output" "output",
+        Local "local" "local variable",
+        Independent "independent" "independent variable",
     }
 }
 
-/// `variability`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum Variability {
-    Constant,
-    Fixed,
-    Tunable,
-    Discrete,
-    Continuous,
-}
-
-impl fmt::Display for Variability {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Constant => "constant",
-            Self::Fixed => "fixed",
-            Self::Tunable => "tunable",
-            Self::Discrete => "discrete",
-            Self::Continuous => "continuous",
-        })
+words! {
+    /// `variability`
+    pub enum Variability {
+        Constant "constant" "constant",
+        Fixed "fixed" "fixed",
+        Tunable "tunable" "tunable",
+        Discrete "discrete" "discrete",
+        Continuous "continuous" "continuous",
     }
 }
 
-/// `initial`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum Initial {
-    Exact,
-    Approx,
-    Calculated,
+words! {
+    /// `initial`
+    pub enum Initial {
+        Exact "exact" "exact",
+        Approx "approx" "approx",
+        Calculated "calculated" "calculated",
+    }
 }
 
 /// One dimension of an array (FMI 3).

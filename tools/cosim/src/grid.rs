@@ -24,9 +24,8 @@ impl Grid {
         fallback: impl Fn(f64) -> f64,
         rigid: Option<&str>,
     ) -> Result<Self, Error> {
-        let refuse = |option, value: f64, reason: String| {
-            Err(Error::Option { option, value: format!("{value} s"), reason })
-        };
+        let refuse =
+            |option, value: f64, reason: String| Err(Error::option(option, format!("{value} s"), reason));
         if !start.is_finite() {
             return refuse("start time", start, "must be finite".to_owned());
         }

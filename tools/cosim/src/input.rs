@@ -28,18 +28,17 @@ impl InputTable {
     /// Reads a table for the FMU with this description.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Input`] with the line: an empty file, a first column that is not `time`, a name that
+    /// [`Error::Io`]; [`Error::Text`] with the line: an empty file, a first column that is not `time`, a name that
     /// is unknown, not an input or repeated, a row of another length, a value that is no finite number of its type
     /// or outside its limits, time running backwards, no rows.
     pub fn read(path: &Path, description: &ModelDescription) -> Result<Self, Error> {
-        let io = |source| Error::Io { action: "read", path: path.to_owned(), source };
-        let bytes = std::fs::read(path).map_err(io)?;
+        let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
         Self::parse(path, &bytes, description)
     }
 
     /// As [`Self::read`], for text at hand; `path` is for messages.
     fn parse(path: &Path, bytes: &[u8], description: &ModelDescription) -> Result<Self, Error> {
-        let fault = |line, message: String| Error::Input { path: path.to_owned(), line, message };
+        let fault = |line, message: String| Error::Text { file: path.display().to_string(), line, message };
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)

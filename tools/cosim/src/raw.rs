@@ -77,7 +77,7 @@ impl RawBinary {
     /// Loads the library with this file name (without extension) for this platform.
     ///
     /// # Errors
-    /// [`Error::Platform`] if there is none, [`Error::Library`] if it cannot be loaded.
+    /// [`Error::Unsupported`] if there is none, [`Error::Library`] if it cannot be loaded.
     pub fn load(archive: &Archive, model_identifier: &str) -> Result<Self, Error> {
         let interface =
             crate::Interface { model_identifier: model_identifier.to_owned(), ..Default::default() };

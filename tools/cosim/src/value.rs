@@ -30,7 +30,7 @@ impl ModelDescription {
     /// The parameter or input called `name`.
     ///
     /// # Errors
-    /// [`Error::UnknownVariable`], [`Error::NotSettable`].
+    /// [`Error::UnknownVariable`], [`Error::Unsupported`].
     pub fn settable(&self, name: &str) -> Result<&Variable, Error> {
         let variable = self.variable(name).ok_or_else(|| Error::UnknownVariable {
             name: name.to_owned(),
@@ -48,7 +48,8 @@ impl ModelDescription {
             _ if variable.causality == Causality::Independent => "the independent variable".to_owned(),
             _ => format!("a {}", variable.causality),
         };
-        Err(Error::NotSettable { name: name.to_owned(), what })
+        let reason = format!("cannot be set: it is {what}, and only parameters and inputs can be");
+        Err(Error::unsupported(name, reason))
     }
 
     /// `text` as a value of `variable`, within its limits.
@@ -64,10 +65,8 @@ impl ModelDescription {
         };
         if !variable.dimensions.is_empty() || matches!(variable.kind, Kind::Binary | Kind::Clock) {
             let what = if variable.dimensions.is_empty() { "binary or clock" } else { "array" };
-            return Err(Error::Unsupported {
-                name: variable.name.clone(),
-                reason: format!("cannot be set from text: {what} values have no text form here"),
-            });
+            let reason = format!("cannot be set from text: {what} values have no text form here");
+            return Err(Error::unsupported(&variable.name, reason));
         }
         match variable.kind {
             Kind::Boolean => match text {

@@ -9,14 +9,11 @@ impl ModelDescription {
     /// Reads the text of a `modelDescription.xml` of FMI 2.0 or 3.0.
     ///
     /// # Errors
-    /// [`Error::Description`] with the line: no XML, another standard, a missing or unreadable attribute.
+    /// [`Error::Text`] with the line: no XML, another standard, a missing or unreadable attribute.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let description = Xml::read(text).and_then(|xml| read(&xml));
-        description.map_err(|Fault { line, message }| Error::Description {
-            file: FILE.to_owned(),
-            line,
-            message,
-        })
+        let file = FILE.to_owned();
+        description.map_err(|Fault { line, message }| Error::Text { file, line: line.into(), message })
     }
 }
 
@@ -104,17 +101,8 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
             None => xml.fault(node, format!("variable {} has no type", xml.required(node, "name")?)),
         });
     }
-    let unknown = |name: &str, text: &str| Err(xml.fault(node, format!("{name} {text:?} does not exist")));
-    let causality = match v.causality {
-        "local" => Causality::Local,
-        "parameter" => Causality::Parameter,
-        "calculatedParameter" => Causality::CalculatedParameter,
-        "structuralParameter" => Causality::StructuralParameter,
-        "input" => Causality::Input,
-        "output" => Causality::Output,
-        "independent" => Causality::Independent,
-        other => return unknown("causality", other),
-    };
+    let unknown = |name: &str, text: &str| xml.fault(node, format!("{name} {text:?} does not exist"));
+    let causality = Causality::of(v.causality).ok_or_else(|| unknown("causality", v.causality))?;
     let variability = match node.attribute("variability") {
         // FMI 3: the default variability of parameters is fixed.
         None => match causality {
@@ -124,20 +112,10 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
             _ if v.kind.is_float() => Variability::Continuous,
             _ => Variability::Discrete,
         },
-        Some("constant") => Variability::Constant,
-        Some("fixed") => Variability::Fixed,
-        Some("tunable") => Variability::Tunable,
-        Some("discrete") => Variability::Discrete,
-        Some("continuous") => Variability::Continuous,
-        Some(other) => return unknown("variability", other),
+        Some(word) => Variability::of(word).ok_or_else(|| unknown("variability", word))?,
     };
-    let initial = match v.initial_written {
-        None => None,
-        Some("exact") => Some(Initial::Exact),
-        Some("approx") => Some(Initial::Approx),
-        Some("calculated") => Some(Initial::Calculated),
-        Some(other) => return unknown("initial", other),
-    };
+    let initial = v.initial_written.map(|word| Initial::of(word).ok_or_else(|| unknown("initial", word)));
+    let initial = initial.transpose()?;
     let own = inherited(xml, v.typed)?;
     let from_type = model.type_of(v).map(|t| inherited(xml, t.typed)).transpose()?.unwrap_or_default();
     let dimensions = children(v.typed, "Dimension").map(|dimension| {

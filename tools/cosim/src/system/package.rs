@@ -30,25 +30,23 @@ const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatfor
 pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
     let connections = resolve(parts, &[])?;
     super::order::order(parts, &connections)?;
-    let io = |source| Error::Io { action: "write", path: path.to_owned(), source };
+    let io = Error::io("write", path);
     let resources = resources(&parts.structure.components);
     let document =
         Document { parts, connections: &connections, resources: &resources, units: BTreeMap::new() };
-    let xml = document.text().map_err(io)?;
+    let xml = document.text().map_err(&io)?;
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let failed = |e: zip::result::ZipError| io(io::Error::other(e));
-    zip.start_file(MAIN, entry(CompressionMethod::Deflated)).map_err(failed)?;
-    zip.write_all(xml.as_bytes()).map_err(io)?;
+    zip.start_file(MAIN, entry(CompressionMethod::Deflated)).map_err(&failed)?;
+    zip.write_all(xml.as_bytes()).map_err(&io)?;
     for (source, name) in &resources {
-        let read =
-            |source_error| Error::Io { action: "read", path: (*source).to_owned(), source: source_error };
-        let bytes = fs::read(source).map_err(read)?;
+        let bytes = fs::read(source).map_err(Error::io("read", source))?;
         // FMUs are compressed already.
-        zip.start_file(name.as_str(), entry(CompressionMethod::Stored)).map_err(failed)?;
-        zip.write_all(&bytes).map_err(io)?;
+        zip.start_file(name.as_str(), entry(CompressionMethod::Stored)).map_err(&failed)?;
+        zip.write_all(&bytes).map_err(&io)?;
     }
-    let bytes = zip.finish().map_err(failed)?.into_inner();
-    fs::write(path, bytes).map_err(io)
+    let bytes = zip.finish().map_err(&failed)?.into_inner();
+    fs::write(path, bytes).map_err(&io)
 }
 
 fn entry(method: CompressionMethod) -> SimpleFileOptions {

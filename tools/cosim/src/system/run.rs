@@ -83,11 +83,7 @@ pub fn cosimulate(
     let rigid = rigid(parts).filter(|_| options.tolerance.is_none());
     let grid = Grid::new(start, stop, step, |span| span / 500.0, rigid)?;
     if options.every == Some(0) {
-        return Err(Error::Option {
-            option: "every",
-            value: "0".to_owned(),
-            reason: "must be above 0".to_owned(),
-        });
+        return Err(Error::option("every", 0, "must be above 0"));
     }
     if let Some(tolerance) = options.tolerance {
         check_tolerance(parts, tolerance)?;
@@ -177,8 +173,7 @@ fn rigid(parts: Parts<'_>) -> Option<&str> {
 
 /// A variable step needs FMUs with variable communication step size and rollback.
 fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
-    let refuse =
-        |reason: String| Err(Error::Option { option: "tolerance", value: tolerance.to_string(), reason });
+    let refuse = |reason: String| Err(Error::option("tolerance", tolerance, reason));
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return refuse("must be above 0 and below 1".to_owned());
     }

@@ -81,11 +81,8 @@ pub(crate) fn run(
             outcome.rejected += 1;
             h = step * factor.clamp(SHRINK, 0.9);
             if h < least {
-                return Err(refusal.unwrap_or_else(|| Error::Option {
-                    option: "tolerance",
-                    value: control.tolerance.to_string(),
-                    reason: format!("cannot be met at t = {t} s: steps of {step:e} s are still too long"),
-                }));
+                let reason = format!("cannot be met at t = {t} s: steps of {step:e} s are still too long");
+                return Err(refusal.unwrap_or_else(|| Error::option("tolerance", control.tolerance, reason)));
             }
         }
     }
