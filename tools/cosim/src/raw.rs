@@ -275,15 +275,17 @@ pub(crate) fn c_string(text: &str) -> CString {
 /// `path` as a `file:///` URI, with everything but unreserved characters percent-encoded.
 fn file_uri(path: &Path) -> String {
     let text = path.to_string_lossy().replace('\\', "/");
-    let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || b"/-._~:".contains(&byte) {
-            uri.push(byte.into());
-        } else {
-            uri.push_str(&format!("%{byte:02X}"));
-        }
-    }
-    uri
+    let start = if text.starts_with('/') { "file://" } else { "file:///" };
+    format!("{start}{}", encoded(&text, b"/-._~:"))
+}
+
+/// A text with everything but letters, digits and `plain` percent-encoded.
+pub(crate) fn encoded(text: &str, plain: &[u8]) -> String {
+    let encode = |byte: u8| match byte.is_ascii_alphanumeric() || plain.contains(&byte) {
+        true => char::from(byte).to_string(),
+        false => format!("%{byte:02X}"),
+    };
+    text.bytes().map(encode).collect()
 }
 
 #[cfg(test)]

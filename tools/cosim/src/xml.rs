@@ -16,7 +16,6 @@ pub struct Xml<'a> {
 pub(crate) struct Fault {
     /// Line, from 1.
     pub(crate) line: u32,
-    /// One sentence.
     pub(crate) message: String,
 }
 
@@ -193,8 +192,7 @@ mod tests {
 
     #[test]
     fn lines_are_those_of_the_parser() {
-        let text = "\u{feff}<a>\n\n<b/><c\n x='1'/>text\r\n<d/></a>";
-        let xml = Xml::parse(text).unwrap();
+        let xml = Xml::parse("\u{feff}<a>\n\n<b/><c\n x='1'/>text\r\n<d/></a>").unwrap();
         for node in xml.document().descendants() {
             let row = node.document().text_pos_at(node.range().start).row;
             assert_eq!(xml.line(node), row, "{node:?}");

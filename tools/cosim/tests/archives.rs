@@ -39,38 +39,9 @@ fn descriptions_of_both_standards_say_the_same() {
 
 #[test]
 fn broken_descriptions_name_the_line() {
-    for (text, expected) in [
-        ("", "modelDescription.xml, line 1: not well-formed XML"),
-        ("rubbish", "modelDescription.xml, line 1: not well-formed XML"),
-        ("<a>\n<b></a>", "modelDescription.xml, line 2: not well-formed XML"),
-        ("<a/>", "modelDescription.xml, line 1: the root is <a>, not <fmiModelDescription>"),
-        (
-            "<fmiModelDescription/>",
-            "modelDescription.xml, line 1: <fmiModelDescription> has no attribute fmiVersion",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='1.0'/>",
-            "modelDescription.xml, line 1: fmiVersion \"1.0\" is not supported, only 2.0 and 3.0 are",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='3.0' modelName='m' instantiationToken='t'><ModelVariables>\n\n\
-             <Float64 name='a' valueReference='-1'/></ModelVariables></fmiModelDescription>",
-            "modelDescription.xml, line 3: valueReference = \"-1\" is not a number of the right kind",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='2.0' modelName='m' guid='t'><ModelVariables>\n\
-             <ScalarVariable name='a' valueReference='1' causality='inptu'><Real/></ScalarVariable>\
-             </ModelVariables></fmiModelDescription>",
-            "modelDescription.xml, line 2: causality \"inptu\" does not exist",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='2.0' modelName='m' guid='t'>\n<CoSimulation modelIdentifier='../a'/>\
-             </fmiModelDescription>",
-            "modelDescription.xml, line 2: modelIdentifier \"../a\" is not an identifier",
-        ),
-    ] {
-        let message = ModelDescription::parse(text).unwrap_err().to_string();
-        assert!(message.starts_with(expected), "{message}");
+    for [text, expected] in faults().description {
+        let message = ModelDescription::parse(&text).unwrap_err().to_string();
+        assert!(message.starts_with(&expected), "{message}");
     }
 }
 

@@ -65,7 +65,6 @@ fn suffix(system: System) -> &'static str {
     }
 }
 
-/// Checks every platform folder.
 pub(crate) fn check(archive: &mut Archive, model: &Model, entries: &HashSet<String>, out: &mut Findings) {
     let mut folders: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for entry in entries.iter().filter(|e| !e.ends_with('/')) {
@@ -91,11 +90,9 @@ pub(crate) fn check(archive: &mut Archive, model: &Model, entries: &HashSet<Stri
             }
             (None, None) => {
                 if !(model.version == FmiVersion::V3 && has_abi(folder)) {
-                    out.add(
-                        &rules::PLATFORM_UNKNOWN,
-                        &place,
-                        format!("The platform folder \"{}\" is not one of the standard", short(folder)),
-                    );
+                    let message =
+                        format!("The platform folder \"{}\" is not one of the standard", short(folder));
+                    out.add(&rules::PLATFORM_UNKNOWN, &place, message);
                 }
                 continue;
             }
@@ -154,11 +151,8 @@ fn check_binary(
     let Some(bytes) = zip::read(archive, path, LARGEST_BINARY) else { return };
     let parts = symbols::read(&bytes);
     if parts.is_empty() {
-        out.add(
-            &rules::BINARY_FORMAT,
-            path,
-            format!("The file {path} is not a shared library of any known format"),
-        );
+        let message = format!("The file {path} is not a shared library of any known format");
+        out.add(&rules::BINARY_FORMAT, path, message);
         return;
     }
     let fits = |p: &&Part| p.system == platform.system && p.architecture == platform.architecture;

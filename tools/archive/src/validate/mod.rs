@@ -113,11 +113,8 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
             let elsewhere =
                 directory.entries.iter().map(|e| e.text()).find(|e| e.replace('\\', "/").ends_with(&suffix));
             let hint = elsewhere.map(|e| format!("; it is at \"{}\"", short(&e))).unwrap_or_default();
-            out.add(
-                &rules::DESCRIPTION_MISSING,
-                "archive",
-                format!("The archive has no {MODEL_DESCRIPTION} at its root{hint}"),
-            );
+            let message = format!("The archive has no {MODEL_DESCRIPTION} at its root{hint}");
+            out.add(&rules::DESCRIPTION_MISSING, "archive", message);
         }
     }
     Ok(out.into_list())

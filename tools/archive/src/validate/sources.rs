@@ -15,11 +15,8 @@ pub(crate) const FILE: &str = "sources/buildDescription.xml";
 pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings) {
     let has_sources = entries.iter().any(|e| e.starts_with("sources/") && !e.ends_with('/'));
     if model.version == FmiVersion::V3 && has_sources && !entries.contains(FILE) {
-        out.add(
-            &rules::BUILD_DESCRIPTION_MISSING,
-            "sources/",
-            format!("The archive has source files but no {FILE}"),
-        );
+        let message = format!("The archive has source files but no {FILE}");
+        out.add(&rules::BUILD_DESCRIPTION_MISSING, "sources/", message);
     }
     if model.version == FmiVersion::V2 {
         let files = model
@@ -38,11 +35,8 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
 fn require_source(name: &str, place: &str, entries: &HashSet<String>, out: &mut Findings) {
     let file = format!("sources/{}", name.trim_start_matches("./"));
     if !entries.contains(&file) {
-        out.add(
-            &rules::SOURCE_FILE_MISSING,
-            place,
-            format!("The source file \"{}\" is listed but not in the archive", short(name)),
-        );
+        let message = format!("The source file \"{}\" is listed but not in the archive", short(name));
+        out.add(&rules::SOURCE_FILE_MISSING, place, message);
     }
 }
 

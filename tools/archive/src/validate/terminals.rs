@@ -58,11 +58,8 @@ fn check_level(xml: &Xml, parent: Node, context: &Context, out: &mut Findings) {
     for terminal in parent.children().filter(|c| c.has_tag_name("Terminal")) {
         let name = terminal.attribute("name").unwrap_or_default();
         if !names.insert(name) {
-            out.add(
-                &rules::TERMINAL_REPEATED,
-                xml.place(terminal),
-                format!("The terminal \"{}\" is defined more than once on its level", short(name)),
-            );
+            let message = format!("The terminal \"{}\" is defined more than once on its level", short(name));
+            out.add(&rules::TERMINAL_REPEATED, xml.place(terminal), message);
         }
         check_terminal(xml, terminal, name, context, out);
         check_level(xml, terminal, context, out);

@@ -8,7 +8,6 @@ use super::rules;
 /// Deeper than any FMI file is; the walkers recurse, so a hostile depth must end before them.
 const DEEPEST: usize = 256;
 
-/// A parsed file.
 pub(crate) struct Xml<'a> {
     file: &'a str,
     xml: cosim::xml::Xml<'a>,
@@ -30,19 +29,14 @@ impl<'a> Xml<'a> {
             Ok(xml) => xml,
             Err(roxmltree::Error::DtdDetected) => {
                 let line = 1 + text[..text.find("<!DOCTYPE").unwrap_or(0)].matches('\n').count();
-                out.add(
-                    &rules::XML_DOCTYPE,
-                    format!("{file}:{line}"),
-                    "The file has a document type declaration, through which entities can be smuggled in",
-                );
+                let message =
+                    "The file has a document type declaration, through which entities can be smuggled in";
+                out.add(&rules::XML_DOCTYPE, format!("{file}:{line}"), message);
                 return None;
             }
             Err(e) => {
-                out.add(
-                    &rules::XML_MALFORMED,
-                    format!("{file}:{}", e.pos().row),
-                    format!("The file is not well-formed XML: {e}"),
-                );
+                let message = format!("The file is not well-formed XML: {e}");
+                out.add(&rules::XML_MALFORMED, format!("{file}:{}", e.pos().row), message);
                 return None;
             }
         };
@@ -53,7 +47,6 @@ impl<'a> Xml<'a> {
         Some(Xml { file, xml })
     }
 
-    /// The root element.
     pub(crate) fn root(&self) -> Node<'_, 'a> {
         self.xml.root()
     }

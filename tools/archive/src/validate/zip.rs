@@ -52,40 +52,19 @@ fn check_name(name: &str, out: &mut Findings) {
     let shown = short(name);
     let normal = name.replace('\\', "/");
     let drive = normal.as_bytes().get(1) == Some(&b':') && normal.as_bytes()[0].is_ascii_alphabetic();
-    if name.contains('\\') {
-        out.add(
-            &rules::ENTRY_BACKSLASH,
-            name,
-            format!("The entry name \"{shown}\" contains a backslash; only / separates folders"),
-        );
-    }
-    if normal.starts_with('/') || drive {
-        out.add(
-            &rules::ENTRY_ABSOLUTE,
-            name,
-            format!("The entry name \"{shown}\" is absolute and would be unpacked outside its folder"),
-        );
-    }
-    if normal.split('/').any(|part| part == "..") {
-        out.add(
-            &rules::ENTRY_OUTSIDE,
-            name,
-            format!("The entry name \"{shown}\" contains \"..\" and would be unpacked outside its folder"),
-        );
-    }
-    if !name.is_ascii() {
-        out.add(
-            &rules::ENTRY_NOT_ASCII,
-            name,
-            format!("The entry name \"{shown}\" is not plain ASCII, which some systems cannot unpack"),
-        );
-    }
-    if !drive && name.chars().any(|c| "<>:\"|?*".contains(c) || c.is_control()) {
-        out.add(
-            &rules::ENTRY_UNPORTABLE,
-            name,
-            format!("The entry name \"{shown}\" has a character that Windows does not allow in file names"),
-        );
+    let absolute = normal.starts_with('/') || drive;
+    let outside = normal.split('/').any(|part| part == "..");
+    let unportable = !drive && name.chars().any(|c| "<>:\"|?*".contains(c) || c.is_control());
+    for (is_wrong, rule, what) in [
+        (name.contains('\\'), &rules::ENTRY_BACKSLASH, "contains a backslash; only / separates folders"),
+        (absolute, &rules::ENTRY_ABSOLUTE, "is absolute and would be unpacked outside its folder"),
+        (outside, &rules::ENTRY_OUTSIDE, "contains \"..\" and would be unpacked outside its folder"),
+        (!name.is_ascii(), &rules::ENTRY_NOT_ASCII, "is not plain ASCII, which some systems cannot unpack"),
+        (unportable, &rules::ENTRY_UNPORTABLE, "has a character that Windows does not allow in file names"),
+    ] {
+        if is_wrong {
+            out.add(rule, name, format!("The entry name \"{shown}\" {what}"));
+        }
     }
 }
 

@@ -24,9 +24,6 @@ const PAIRS: usize = 16;
 
 /// Runs every test run (without such, every validation run, else those that were fitted) with both archives. A run that
 /// starts at measured temperatures is left out: an FMU starts where its ambient temperature is.
-///
-/// # Errors
-/// What an FMU refuses.
 pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
     let cold = |r: &&Run| r.start == Start::Ambient;
     let has = |role: &Role| experiment.runs.iter().filter(cold).any(|r| r.role == *role);

@@ -77,7 +77,6 @@ pub(crate) struct Plan {
     pub(crate) log: Log,
 }
 
-/// A running system.
 pub(crate) struct Master {
     pub(crate) instances: Vec<Instance>,
     memory: Memory,
@@ -200,7 +199,6 @@ impl Master {
         }
     }
 
-    /// The connected outputs.
     pub(crate) fn outputs(&self) -> &[f64] {
         &self.memory.outputs
     }

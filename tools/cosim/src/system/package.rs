@@ -8,6 +8,7 @@ use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
 use super::structure::{Component, Connection, Connector, End};
 use super::units::unit_of;
+use crate::raw::encoded;
 use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
@@ -26,7 +27,6 @@ const NAMESPACES: [(&str, &str); 3] = [
 ];
 const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatform.com/SSP/OSPAnnotations");
 
-/// Writes the archive.
 pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
     let connections = resolve(parts, &[])?;
     super::order::order(parts, &connections)?;
@@ -85,13 +85,11 @@ struct Tag {
     children: Option<Vec<Tag>>,
 }
 
-/// An element without content.
 fn leaf(name: &'static str, attributes: &[(&'static str, &str)]) -> Tag {
     let attributes = attributes.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
     Tag { name, attributes, children: None }
 }
 
-/// An element with content.
 fn node(name: &'static str, attributes: &[(&'static str, &str)], children: Vec<Tag>) -> Tag {
     Tag { children: Some(children), ..leaf(name, attributes) }
 }
@@ -177,7 +175,7 @@ impl Document<'_> {
         let attributes = [
             ("name", component.name.as_str()),
             ("type", FMU),
-            ("source", &uri(source)),
+            ("source", &encoded(source, b"/-._~")),
             ("implementation", "CoSimulation"),
         ];
         let mut connectors = Vec::new();
@@ -312,17 +310,4 @@ fn unit_in(connectors: Option<&[Connector]>, name: &str) -> Option<Unit> {
 
 fn kind_of(variable: &Variable) -> &'static str {
     if variable.causality == Causality::Output { "output" } else { "input" }
-}
-
-/// A name in the archive as a relative URI.
-fn uri(name: &str) -> String {
-    let mut uri = String::new();
-    for byte in name.bytes() {
-        if byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte) {
-            uri.push(byte.into());
-        } else {
-            uri.push_str(&format!("%{byte:02X}"));
-        }
-    }
-    uri
 }

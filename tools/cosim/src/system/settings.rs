@@ -9,7 +9,6 @@ pub(crate) struct Given {
     pub(crate) setting: Setting,
     /// Given on the command line, not in the file.
     pub(crate) asked: bool,
-    /// The setting was applied.
     pub(crate) used: bool,
 }
 

@@ -159,8 +159,7 @@ impl Reader {
         }
         let source = file.required(node, "source")?.to_owned();
         let path = self.resource(&source).ok_or_else(|| {
-            let message = format!("component {name}: the source {source:?} is not a file in the package");
-            file.fault(node, message)
+            file.fault(node, format!("component {name}: the source {source:?} is not a file in the package"))
         })?;
         Ok(Component {
             path,

@@ -110,7 +110,6 @@ impl fmt::Display for Connection {
     }
 }
 
-/// A whole system.
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
     pub(crate) name: String,

@@ -105,3 +105,16 @@ pub fn table(version: FmiVersion, text: &str) -> InputTable {
     fs::write(&path, text).unwrap();
     InputTable::read(&path, fmu.open().unwrap().description()).unwrap()
 }
+
+/// The tables of `data/faults.toml`.
+#[derive(serde::Deserialize)]
+pub struct Faults {
+    pub toml: Vec<[String; 3]>,
+    pub ssp: Vec<[String; 4]>,
+    pub description: Vec<[String; 2]>,
+    pub setting: Vec<[String; 3]>,
+}
+
+pub fn faults() -> Faults {
+    toml::from_str(include_str!("../data/faults.toml")).unwrap()
+}

@@ -136,8 +136,7 @@ impl Folder {
     /// The sentence of what fails, without the folder's own path.
     pub fn sentence(&self, done: Result<System, Error>, options: &SystemOptions) -> String {
         let result = done.and_then(|system| cosimulate(&system, options, &mut |_| ()));
-        let message = result.map(|_| ()).unwrap_err().to_string();
-        message.replace(&format!("{}/", self.dir.path().display()), "")
+        result.map(|_| ()).unwrap_err().to_string().replace(&format!("{}/", self.dir.path().display()), "")
     }
 }
 

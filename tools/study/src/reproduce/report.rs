@@ -33,7 +33,6 @@ struct Content<'a> {
     /// What was published, and what this page is.
     lead: &'static str,
     conclusion: &'a str,
-    absent: Option<&'a str>,
     plates: Vec<Plate>,
     tables: Markup,
     rows: &'a [Row],
@@ -44,7 +43,6 @@ fn page_of(content: Content) -> Page {
         p.lead { (content.lead) }
         h2 { "Conclusion" }
         p { (content.conclusion) }
-        @if let Some(reason) = content.absent { p.soft { "Without the native model: " (reason) "." } }
         h2 { "Figures" }
         (plates(&content.plates))
         (content.tables)

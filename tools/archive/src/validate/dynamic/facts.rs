@@ -15,7 +15,6 @@ use cosim::xml::{parse_boolean, parse_double, parse_integer};
 /// Largest number of elements of an array that are read.
 const LARGEST_ARRAY: usize = 1 << 20;
 
-/// A variable.
 #[derive(Clone, Debug)]
 pub(super) struct Variable {
     pub(super) name: String,
@@ -119,7 +118,6 @@ pub(super) struct Interface {
     pub(super) place: String,
 }
 
-/// Everything.
 #[derive(Clone, Debug)]
 pub(super) struct Facts {
     pub(super) version: FmiVersion,
@@ -133,7 +131,6 @@ pub(super) struct Facts {
     pub(super) states: Vec<usize>,
     /// Pairs of a continuous variable and its declared derivative, states or not.
     pub(super) slopes: Vec<(usize, usize)>,
-    /// Number of event indicators.
     pub(super) indicators: usize,
     pub(super) start: f64,
     pub(super) stop: Option<f64>,
@@ -216,7 +213,6 @@ impl Facts {
         if self.version == FmiVersion::V2 { two } else { three }
     }
 
-    /// Number of continuous states.
     pub(super) fn state_count(&self) -> usize {
         self.states.iter().map(|i| self.variables[*i].size).sum()
     }

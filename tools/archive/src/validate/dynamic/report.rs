@@ -92,7 +92,6 @@ impl Pulse for Channel<'_> {
     }
 }
 
-/// Findings of the stages.
 pub(super) struct Seen<'a> {
     pub(super) channel: &'a Channel<'a>,
     /// Findings that were reported already: several stages may detect the same fault.

@@ -32,7 +32,6 @@ pub(super) fn words(log: &Log) -> String {
     }
 }
 
-/// A running instance.
 pub(super) struct Session<'a> {
     pub(super) raw: RawInstance,
     pub(super) facts: &'a Facts,

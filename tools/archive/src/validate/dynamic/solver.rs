@@ -22,7 +22,6 @@ const E: [f64; 7] =
 /// Evaluations that one integration may take.
 const MOST_EVALUATIONS: usize = 200_000;
 
-/// How an integration ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reached {
     End,

@@ -27,7 +27,6 @@ mod setting;
 mod state;
 mod steps;
 
-/// A stage.
 pub(super) struct Stage {
     /// What it does, as a phrase.
     pub(super) what: &'static str,

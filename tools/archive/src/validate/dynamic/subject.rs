@@ -38,7 +38,6 @@ impl<'a> Subject<'a> {
         self.binary.instantiate(&setup, log)
     }
 
-    /// A new instance.
     pub(super) fn instance(&self, name: &str) -> Result<Session<'a>, Fault> {
         let log = Log::new();
         match self.try_instance(name, &self.facts.token, &log) {

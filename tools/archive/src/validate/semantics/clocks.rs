@@ -23,11 +23,8 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     let has_clocks = model.variables.iter().any(|v| v.kind == Kind::Clock);
     for cs in model.interfaces.iter().filter(|i| i.has_tag_name("CoSimulation")) {
         if has_clocks && !is_true(*cs, "hasEventMode") {
-            out.add(
-                &rules::CLOCKS_WITHOUT_EVENTS,
-                model.place(*cs),
-                "The FMU has clocks, so hasEventMode of <CoSimulation> must be true",
-            );
+            let message = "The FMU has clocks, so hasEventMode of <CoSimulation> must be true";
+            out.add(&rules::CLOCKS_WITHOUT_EVENTS, model.place(*cs), message);
         }
     }
 }
@@ -68,11 +65,8 @@ fn check_clock(model: &Model, v: &Variable, out: &mut Findings) {
     if v.causality == "output" && priority {
         out.add(&rules::CLOCK_PRIORITY, &place, format!("The output clock {v} must not have a priority"));
     } else if v.causality == "input" && !priority && model.has("ScheduledExecution") {
-        out.add(
-            &rules::CLOCK_PRIORITY,
-            &place,
-            format!("The input clock {v} needs a priority in Scheduled Execution"),
-        );
+        let message = format!("The input clock {v} needs a priority in Scheduled Execution");
+        out.add(&rules::CLOCK_PRIORITY, &place, message);
     }
 }
 

@@ -9,13 +9,10 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         FmiVersion::V3 => "instantiationToken",
     };
     if model.root.attribute(token).is_some_and(|t| t.trim().is_empty()) {
-        out.add(
-            &rules::TOKEN_EMPTY,
-            &place,
-            format!(
-                "The attribute {token} is empty, so the binary cannot tell whether this file belongs to it"
-            ),
+        let message = format!(
+            "The attribute {token} is empty, so the binary cannot tell whether this file belongs to it"
         );
+        out.add(&rules::TOKEN_EMPTY, &place, message);
     }
     if model.root.attribute("modelName").is_some_and(|t| t.trim().is_empty()) {
         out.add(&rules::MODEL_NAME_EMPTY, &place, "The attribute modelName is empty");
@@ -49,11 +46,8 @@ fn unique_names(
     let mut seen = HashSet::new();
     for node in list.children().filter(|c| c.has_tag_name(element)) {
         if let Some(name) = node.attribute("name").filter(|n| !seen.insert(*n)) {
-            out.add(
-                rule,
-                model.place(node),
-                format!("The {what} \"{}\" is defined more than once", short(name)),
-            );
+            let message = format!("The {what} \"{}\" is defined more than once", short(name));
+            out.add(rule, model.place(node), message);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Names and value references are unique, and names follow the declared convention.
 
 use super::*;
+use regex::Regex;
+use std::sync::LazyLock;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let structured = model.root.attribute("variableNamingConvention") == Some("structured");
@@ -51,73 +53,15 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 }
 
 /// The grammar of FMI 2.0 section 2.2.9 and FMI 3.0 section 2.4.7.5.1.
-pub(super) fn is_structured(name: &str) -> bool {
-    let b = name.as_bytes();
-    if let Some(inner) = name.strip_prefix("der(") {
-        let b = inner.as_bytes();
-        return identifier(b, 0).is_some_and(|at| {
-            let at = match b.get(at) {
-                Some(b',') => number(b, at + 1),
-                _ => Some(at),
-            };
-            at.is_some_and(|at| b.get(at) == Some(&b')') && at + 1 == b.len())
-        });
-    }
-    identifier(b, 0) == Some(b.len())
-}
+static STRUCTURED: LazyLock<Regex> = LazyLock::new(|| {
+    let quoted = r#"'(?:[A-Za-z0-9_!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['"?\\abfnrtv])+'"#;
+    let element = format!(r"(?:[A-Za-z_][A-Za-z0-9_]*|{quoted})(?:\[[0-9]+(?:,[0-9]+)*\])?");
+    let name = format!(r"{element}(?:\.{element})*");
+    Regex::new(&format!(r"^(?:{name}|der\({name}(?:,[0-9]+)?\))$")).expect("the tests use it")
+});
 
-fn identifier(b: &[u8], mut at: usize) -> Option<usize> {
-    loop {
-        at = base_name(b, at)?;
-        if b.get(at) == Some(&b'[') {
-            loop {
-                at = number(b, at + 1)?;
-                match b.get(at)? {
-                    b',' => {}
-                    b']' => break,
-                    _ => return None,
-                }
-            }
-            at += 1;
-        }
-        match b.get(at) {
-            Some(b'.') => at += 1,
-            _ => return Some(at),
-        }
-    }
-}
-
-fn base_name(b: &[u8], start: usize) -> Option<usize> {
-    let word = |c: u8| c.is_ascii_alphanumeric() || c == b'_';
-    let mut at = start;
-    match *b.get(at)? {
-        b'\'' => {
-            at += 1;
-            loop {
-                match *b.get(at)? {
-                    b'\'' if at > start + 1 => return Some(at + 1),
-                    b'\\' if b"'\"?\\abfnrtv".contains(b.get(at + 1)?) => at += 2,
-                    c if word(c) || b"!#$%&()*+,-./:;<>=?@[]^{}|~ ".contains(&c) => at += 1,
-                    _ => return None,
-                }
-            }
-        }
-        c if word(c) && !c.is_ascii_digit() => {
-            while b.get(at).is_some_and(|c| word(*c)) {
-                at += 1;
-            }
-            Some(at)
-        }
-        _ => None,
-    }
-}
-
-fn number(b: &[u8], start: usize) -> Option<usize> {
-    let mut at = start;
-    while b.get(at).is_some_and(u8::is_ascii_digit) {
-        at += 1;
-    }
-    (at > start).then_some(at)
+fn is_structured(name: &str) -> bool {
+    STRUCTURED.is_match(name)
 }
 
 #[cfg(test)]

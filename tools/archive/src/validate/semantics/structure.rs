@@ -176,7 +176,6 @@ fn is_known(v: &Variable, is_state: bool) -> bool {
     !computed || is_state || v.variability == "discrete" || v.kind == Kind::Clock
 }
 
-/// Knowns in initialisation mode.
 fn is_initial_known(v: &Variable) -> bool {
     let computed = matches!(v.causality, "output" | "local" | "calculatedParameter");
     !computed || v.initial == Some("exact") || v.kind == Kind::Clock

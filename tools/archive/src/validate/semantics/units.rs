@@ -16,11 +16,8 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let (unit, display) = (t.typed.attribute("unit"), t.typed.attribute("displayUnit"));
         check_use(model, t.typed, &format!("Type {t}"), unit, display, &units, out);
         if unit.is_none() && is_true(t.typed, "relativeQuantity") {
-            out.add(
-                &rules::RELATIVE_WITHOUT_UNIT,
-                model.place(t.typed),
-                format!("Type {t} has relativeQuantity but no unit, so it has no meaning"),
-            );
+            let message = format!("Type {t} has relativeQuantity but no unit, so it has no meaning");
+            out.add(&rules::RELATIVE_WITHOUT_UNIT, model.place(t.typed), message);
         }
     }
     for v in &model.variables {
@@ -39,11 +36,8 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             );
         }
         if unit.is_none() && is_true(v.typed, "relativeQuantity") {
-            out.add(
-                &rules::RELATIVE_WITHOUT_UNIT,
-                model.place(v.typed),
-                format!("Variable {v} has relativeQuantity but no unit, so it has no meaning"),
-            );
+            let message = format!("Variable {v} has relativeQuantity but no unit, so it has no meaning");
+            out.add(&rules::RELATIVE_WITHOUT_UNIT, model.place(v.typed), message);
         }
         for alias in v.aliases.iter().filter(|a| a.attribute("displayUnit").is_some()) {
             let label = format!("Alias \"{}\"", short(alias.attribute("name").unwrap_or_default()));
@@ -93,19 +87,12 @@ fn check_definition<'a>(
 }
 
 fn check_factor(model: &Model, node: Node, what: &str, out: &mut Findings) {
-    if let Some(factor) = double(node, "factor").filter(|f| *f == 0.0 || !f.is_finite()) {
-        out.add(
-            &rules::UNIT_FACTOR,
-            model.place(node),
-            format!("The factor of the {what} is {factor}; no value can be converted with it"),
-        );
-    }
-    if let Some(offset) = double(node, "offset").filter(|o| !o.is_finite()) {
-        out.add(
-            &rules::UNIT_FACTOR,
-            model.place(node),
-            format!("The offset of the {what} is {offset}; no value can be converted with it"),
-        );
+    for name in ["factor", "offset"] {
+        let is_wrong = |x: &f64| name == "factor" && *x == 0.0 || !x.is_finite();
+        if let Some(x) = double(node, name).filter(is_wrong) {
+            let message = format!("The {name} of the {what} is {x}; no value can be converted with it");
+            out.add(&rules::UNIT_FACTOR, model.place(node), message);
+        }
     }
 }
 

@@ -125,18 +125,12 @@ fn check_start(v: &Variable, place: &str, out: &mut Findings) {
         out.add(&rules::START_MISSING, place, format!("Variable {v} has no start value although {reason}"));
     }
     if v.has_start && v.causality == "independent" {
-        out.add(
-            &rules::START_FORBIDDEN,
-            place,
-            format!("Variable {v} is the independent variable and must not have a start value"),
-        );
+        let message = format!("Variable {v} is the independent variable and must not have a start value");
+        out.add(&rules::START_FORBIDDEN, place, message);
     } else if v.has_start && v.initial == Some("calculated") {
         let how = if v.initial_written.is_some() { "" } else { " by default" };
-        out.add(
-            &rules::START_FORBIDDEN,
-            place,
-            format!("Variable {v} has a start value although its initial is calculated{how}"),
-        );
+        let message = format!("Variable {v} has a start value although its initial is calculated{how}");
+        out.add(&rules::START_FORBIDDEN, place, message);
     }
 }
 

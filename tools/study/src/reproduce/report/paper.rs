@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// The page about the paper.
 pub fn paper(found: &Paper) -> Page {
-    let mut plates = found.simulated.as_deref().map(simulated).unwrap_or_default();
+    let mut plates = simulated(&found.simulated);
     plates.push(temperatures(found));
     plates.push(power(found));
     page_of(Content {
@@ -22,7 +22,6 @@ pub fn paper(found: &Paper) -> Page {
                current, temperature and torque. Its figures and published numbers are recomputed here, simulated with the native \
                model where a figure is a course over time.",
         conclusion: &found.conclusion,
-        absent: found.absent.as_deref(),
         plates,
         tables: compared(&found.compared),
         rows: &found.rows,
@@ -133,19 +132,15 @@ fn temperatures(found: &Paper) -> Plate {
     let (low, high) = t.plateaus_degC;
     let printed = DUTIES.iter().map(|d| (*d, if *d <= 40.0 { low } else { high })).collect::<Vec<_>>();
     let line = printed.iter().zip(&t.residuals_K).map(|((d, t), r)| (*d, t - r)).collect::<Vec<_>>();
-    let mut figure = Figure::new(
+    let simulated = DUTIES.iter().copied().zip(t.simulated_degC.iter().copied()).collect();
+    let figure = Figure::new(
         "Figure 10: winding temperature over duty",
         Axis::new("duty in %"),
         Axis::new("temperature in °C"),
     )
     .points("published", printed)
-    .points("best line in power", line);
-    if let Some(simulated) = &t.simulated_degC {
-        figure = figure.points(
-            "simulated, 900 s from 20 °C",
-            DUTIES.iter().copied().zip(simulated.iter().copied()).collect(),
-        );
-    }
+    .points("best line in power", line)
+    .points("simulated, 900 s from 20 °C", simulated);
     Plate::new("10", figure, t.finding.clone())
 }
 

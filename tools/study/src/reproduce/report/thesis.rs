@@ -5,7 +5,9 @@ use crate::numeric::linspace;
 use crate::reproduce::significant;
 use crate::reproduce::thesis::measured::{FAN_FLOW, MOTOR_DIAMETER, NARROW, T_25, T_REF, WIDE};
 use crate::reproduce::thesis::published::{self, Annulus, RE_SWITCH};
-use crate::reproduce::thesis::{CASES, Case, Native, Thesis, UNCERTAINTY, projection};
+use crate::reproduce::thesis::{
+    CASES, Case, CaseResult, Thesis, UNCERTAINTY, course, projection, winding_at,
+};
 use maud::{Markup, html};
 use present::figure::{Axis, Figure};
 use present::page::{Cell, Plate, table};
@@ -16,11 +18,10 @@ const FITTED_FROM: f64 = 0.70;
 
 /// The page about the thesis.
 pub fn thesis(found: &Thesis) -> Page {
-    let native = Native::find();
     // Results first, then where the publication differs from them.
     let mut plates = vec![cases(found), densities(found)];
-    plates.extend(temperature_over_radius(&native, found));
-    plates.extend(step_response(&native));
+    plates.extend(temperature_over_radius(found));
+    plates.extend(step_response());
     plates.extend([operating_points(), reynolds(), torque_over_temperature()]);
     page_of(Content {
         name: "thesis",
@@ -29,7 +30,6 @@ pub fn thesis(found: &Thesis) -> Page {
                in annuli of 40 and 35 mm with pushed and pulled air. Its figures, tables and published numbers are recomputed here \
                and compared with the native model.",
         conclusion: &found.conclusion,
-        absent: found.absent.as_deref(),
         plates,
         tables: tables(found),
         rows: &found.rows,
@@ -57,8 +57,8 @@ fn torque_over_temperature() -> Plate {
     )
 }
 
-fn step_response(native: &Native) -> Option<Plate> {
-    let course = native.course(&CASES[0], "winding_resistance", 3.0 * 3600.0, 240)?;
+fn step_response() -> Option<Plate> {
+    let course = course(&CASES[0], "winding_resistance", 3.0 * 3600.0, 240).ok()?;
     let minutes: Vec<(f64, f64)> = course.into_iter().map(|(t, r)| (t / 60.0, r)).collect();
     let end = minutes.last()?.1;
     let figure = Figure::new(
@@ -119,14 +119,13 @@ fn published_curve(from: f64, to: f64) -> Vec<(f64, f64)> {
     curve
 }
 
-fn native_curve(native: &Native, from: f64, to: f64, calibrated: bool) -> Vec<(f64, f64)> {
-    let all = linspace(from, to, 36)
-        .into_par_iter()
-        .map(|r| Some((r, native.winding_at(MOTOR_DIAMETER / r, calibrated)?)));
+fn native_curve(from: f64, to: f64, calibrated: bool) -> Vec<(f64, f64)> {
+    let at = |r: f64| Some((r, winding_at(MOTOR_DIAMETER / r, calibrated)?));
+    let all = linspace(from, to, 36).into_par_iter().map(at);
     all.collect::<Option<Vec<_>>>().unwrap_or_default()
 }
 
-fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
+fn temperature_over_radius(found: &Thesis) -> Vec<Plate> {
     let measured = |mode: &str| {
         let of_mode = |c: &&Case| c.cooling_mode == mode;
         CASES.iter().filter(of_mode).filter_map(|c| Some((c.r_star()?, c.t_w))).collect::<Vec<_>>()
@@ -140,8 +139,8 @@ fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
                 Axis::new("winding temperature in K").from_to(low, high),
             )
             .line("as published", published_curve(from, to));
-            let untuned = native_curve(native, from.max(0.4), to, false);
-            let fitted = native_curve(native, from.max(FITTED_FROM), to.min(0.90), true);
+            let untuned = native_curve(from.max(0.4), to, false);
+            let fitted = native_curve(from.max(FITTED_FROM), to.min(0.90), true);
             if !untuned.is_empty() {
                 figure = figure.line("native model, untuned", untuned);
             }
@@ -173,7 +172,7 @@ fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
 /// The errors of the untuned prediction in the annuli, in sentences.
 fn untuned_errors(found: &Thesis) -> String {
     let annuli = found.cases.iter().filter(|c| c.T_w_as_published_K.is_some());
-    let errors: Vec<f64> = annuli.filter_map(|c| Some(c.T_w_untuned_K? - c.T_w_measured_K)).collect();
+    let errors: Vec<f64> = annuli.map(|c| c.T_w_untuned_K - c.T_w_measured_K).collect();
     let (least, most) = errors.iter().fold((f64::MAX, f64::MIN), |(l, m), e| (l.min(*e), m.max(*e)));
     if errors.is_empty() {
         return String::new();
@@ -206,21 +205,21 @@ fn reynolds() -> Plate {
 const SHORT: [&str; 8] = ["bare", "fan 5", "fan 15", "fan 30", "40 push", "35 push", "40 pull", "35 pull"];
 
 fn cases(found: &Thesis) -> Plate {
-    let of = |f: &dyn Fn(usize) -> Option<f64>, shift: f64| {
-        (0..found.cases.len()).filter_map(|k| Some((k as f64 + shift, f(k)?))).collect::<Vec<_>>()
+    let of = |f: &dyn Fn(&CaseResult) -> Option<f64>, shift: f64| {
+        let point = |(k, c)| Some((k as f64 + shift, f(c)?));
+        found.cases.iter().enumerate().filter_map(point).collect::<Vec<_>>()
     };
-    let c = &found.cases;
-    let bars = vec![UNCERTAINTY; c.len()];
+    let bars = vec![UNCERTAINTY; found.cases.len()];
     let figure = Figure::new(
         "Winding temperature at 10 W, all tests",
         Axis::new("distance or diameter in mm, direction of flow"),
         Axis::new("winding temperature in K"),
     )
-    .points_with_bars("measured", of(&|k| Some(c[k].T_w_measured_K), 0.0), bars)
-    .points("fitted to all tests", of(&|k| c[k].T_w_model_K, 0.12))
-    .points("leave-one-out", of(&|k| c[k].T_w_leave_one_out_K, 0.22))
-    .points("untuned", of(&|k| c[k].T_w_untuned_K, 0.32))
-    .points("as published", of(&|k| c[k].T_w_as_published_K, -0.12))
+    .points_with_bars("measured", of(&|c| Some(c.T_w_measured_K), 0.0), bars)
+    .points("fitted to all tests", of(&|c| Some(c.T_w_model_K), 0.12))
+    .points("leave-one-out", of(&|c| c.T_w_leave_one_out_K, 0.22))
+    .points("untuned", of(&|c| Some(c.T_w_untuned_K), 0.32))
+    .points("as published", of(&|c| c.T_w_as_published_K, -0.12))
     .categories(&SHORT);
     let left_out = found.leave_one_out.as_ref().map_or(String::new(), |all| {
         let errors: Vec<String> = all.iter().map(|l| format!("{} {:+.1} K", l.case, l.error)).collect();
@@ -278,12 +277,12 @@ fn tables(found: &Thesis) -> Markup {
             case.location.into(),
             number(case.resistance),
             with(1, Some(case.t_w)),
-            with_error(result.T_w_model_K),
+            with_error(Some(result.T_w_model_K)),
             with_error(result.T_w_leave_one_out_K),
-            with_error(result.T_w_untuned_K),
+            with_error(Some(result.T_w_untuned_K)),
             with_error(result.T_w_as_published_K),
             with(2, Some(case.r_ha)),
-            with(2, result.R_ha_model),
+            with(2, Some(result.R_ha_model)),
             number(case.torque),
             number(case.mass),
             number(case.density),

@@ -31,7 +31,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     }
     let settings = &subject.base()?.settings;
     for (h, n) in looks {
-        if let Some((v, t, a, b)) = differs(subject, &other, settings, &watched, h, n)? {
+        if let Some((v, t, a, b)) = differs(subject, &other, &Course { settings, watched: &watched, h, n })? {
             let message = format!(
                 "Variable {v} is {a} at t = {t} s in Model Exchange and {b} in Co-Simulation, and the difference does not decrease with the step size"
             );
@@ -42,17 +42,23 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Settings, watched variables, step and number of rows of a comparison.
+struct Course<'s, 'a> {
+    settings: &'s Settings<'a>,
+    watched: &'s [&'a Variable],
+    h: f64,
+    n: usize,
+}
+
 type Place<'a> = (&'a Variable, f64, f64, f64);
 
 fn differs<'a>(
     subject: &Subject<'a>,
-    other: &Subject,
-    settings: &Settings,
-    watched: &[&'a Variable],
-    h: f64,
-    n: usize,
+    other: &Subject<'a>,
+    course: &Course<'_, 'a>,
 ) -> Result<Option<Place<'a>>, Fault> {
-    let reference = integrate(subject, settings, watched, h, n)?;
+    let Course { settings, watched, h, n } = *course;
+    let reference = integrate(subject, course)?;
     // A Co-Simulation FMU that rejects these values is checked by another stage.
     let stepped = |parts: usize| -> Result<Rows, Fault> {
         let rows = runs::stepped(&mut other.started(settings)?, watched, h, n * parts, parts)?;
@@ -78,7 +84,7 @@ fn differs<'a>(
     }
     let is_free = other.interface.variable_step && other.interface.internal_step.is_none();
     let fine = is_free.then(|| stepped(4).ok()).flatten();
-    let euler = euler(subject, settings, watched, h, n)?;
+    let euler = euler(subject, course)?;
     for i in suspects {
         let first = error(&coarse, i);
         let converges = fine.as_ref().is_some_and(|f| error(f, i) < (0.6 * first).max(TOLERATED));
@@ -110,13 +116,8 @@ fn is_like_euler(reference: &Rows, coarse: &Rows, euler: &Rows, i: usize) -> boo
 }
 
 /// Rows at multiples of `h` up to the first event.
-fn integrate(
-    subject: &Subject,
-    settings: &Settings,
-    watched: &[&Variable],
-    h: f64,
-    n: usize,
-) -> Result<Rows, Fault> {
+fn integrate(subject: &Subject, course: &Course) -> Result<Rows, Fault> {
+    let Course { settings, watched, h, n } = *course;
     let mut session = subject.started(settings)?;
     let mut solver = Solver::new(&mut session, 1e-8)?;
     let mut rows = vec![session.get_all(watched)?];
@@ -131,13 +132,8 @@ fn integrate(
 }
 
 /// Rows of explicit Euler at the step that Co-Simulation can be expected to use.
-fn euler(
-    subject: &Subject,
-    settings: &Settings,
-    watched: &[&Variable],
-    h: f64,
-    n: usize,
-) -> Result<Rows, Fault> {
+fn euler(subject: &Subject, course: &Course) -> Result<Rows, Fault> {
+    let Course { settings, watched, h, n } = *course;
     let facts = subject.facts;
     let internal = facts
         .interface(InterfaceType::CoSimulation)

@@ -149,8 +149,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND, piece)?
             && bytes > STEP_LEAK
         {
-            let message = format!("Each step leaks {bytes:.0} bytes");
-            seen.add(&rules::MEMORY, &subject.interface.place, message);
+            seen.add(&rules::MEMORY, &subject.interface.place, format!("Each step leaks {bytes:.0} bytes"));
         }
     }
     Ok(())
