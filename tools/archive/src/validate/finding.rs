@@ -6,7 +6,7 @@ use cosim::FmiVersion;
 pub(crate) use cosim::xml::short;
 use serde::Serialize;
 
-use super::rules::{Rule, Severity};
+use super::rules::{Breach, Severity};
 
 /// One thing the validator noticed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -37,8 +37,7 @@ impl Findings {
         Findings { version: FmiVersion::V3, list: Vec::new(), counts: HashMap::new() }
     }
 
-    /// Adds a finding; `message` is a sentence without its full stop.
-    pub(crate) fn add(&mut self, rule: &'static Rule, place: impl Into<String>, message: impl AsRef<str>) {
+    pub(crate) fn add(&mut self, place: impl Into<String>, Breach { rule, message }: Breach) {
         let count = self.counts.entry(rule.code).or_insert(0);
         *count += 1;
         if *count > MOST_PER_RULE {
@@ -54,7 +53,7 @@ impl Findings {
             severity: rule.severity,
             code: rule.code,
             place: place.into(),
-            message: format!("{}{reference}.", message.as_ref()),
+            message: format!("{message}{reference}."),
         });
     }
 

@@ -14,16 +14,14 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
         .iter()
         .any(|folder| entries.iter().any(|e| e.starts_with(folder) && !e.ends_with('/')));
     if !code {
-        let message = "The archive has neither binaries nor sources, so the FMU cannot run";
-        out.add(&rules::NO_IMPLEMENTATION, "archive", message);
+        out.add("archive", rules::no_implementation());
     }
     for (svg, png) in [
         ("terminalsAndIcons/icon.svg", "terminalsAndIcons/icon.png"),
         ("documentation/diagram.svg", "documentation/diagram.png"),
     ] {
         if entries.contains(svg) && !entries.contains(png) {
-            let message = format!("The archive has {svg} but not {png}, which it then requires");
-            out.add(&rules::SVG_WITHOUT_PNG, svg, message);
+            out.add(svg, rules::svg_without_png(svg, png));
         }
     }
     // Releases of FMI 2.0 differ in where the folder is.
@@ -53,7 +51,7 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
         ),
     ] {
         if !is_there {
-            out.add(rule, place, message);
+            out.add(place, rule.says(message));
         }
     }
     if model.version == FmiVersion::V2 {
@@ -64,7 +62,6 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
     if let Some(interface) =
         model.interfaces.iter().find(|i| is_true(**i, "needsExecutionTool")).filter(|_| !documented)
     {
-        let message = "needsExecutionTool is true, but documentation/externalDependencies.{txt|html} does not say which tool";
-        out.add(&rules::TOOL_UNDOCUMENTED, model.place(*interface), message);
+        out.add(model.place(*interface), rules::tool_undocumented());
     }
 }

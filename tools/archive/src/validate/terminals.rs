@@ -42,8 +42,7 @@ pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out:
             if let (Some(a), Some(b)) = (corner(low), corner(high))
                 && a >= b
             {
-                let message = format!("{low} = {a} of the coordinate system must be less than {high} = {b}");
-                out.add(&rules::COORDINATE_SYSTEM, xml.place(system), message);
+                out.add(xml.place(system), rules::coordinate_system(low, a, high, b));
             }
         }
     }
@@ -58,8 +57,7 @@ fn check_level(xml: &Xml, parent: Node, context: &Context, out: &mut Findings) {
     for terminal in parent.children().filter(|c| c.has_tag_name("Terminal")) {
         let name = terminal.attribute("name").unwrap_or_default();
         if !names.insert(name) {
-            let message = format!("The terminal \"{}\" is defined more than once on its level", short(name));
-            out.add(&rules::TERMINAL_REPEATED, xml.place(terminal), message);
+            out.add(xml.place(terminal), rules::terminal_repeated(short(name)));
         }
         check_terminal(xml, terminal, name, context, out);
         check_level(xml, terminal, context, out);
@@ -70,12 +68,7 @@ fn check_terminal(xml: &Xml, terminal: Node, name: &str, context: &Context, out:
     let rule = terminal.attribute("matchingRule").unwrap_or_default();
     let predefined = ["plug", "bus", "sequence"].contains(&rule);
     if terminal.attribute("matchingRule").is_some() && !predefined && !rule.contains('.') {
-        let message = format!(
-            "The matchingRule \"{}\" of the terminal \"{}\" is neither plug, bus nor sequence nor a name in reverse domain notation",
-            short(rule),
-            short(name)
-        );
-        out.add(&rules::MATCHING_RULE, xml.place(terminal), message);
+        out.add(xml.place(terminal), rules::matching_rule(short(rule), short(name)));
     }
     let mut members = HashSet::new();
     let mut flows = 0;
@@ -87,29 +80,16 @@ fn check_terminal(xml: &Xml, terminal: Node, name: &str, context: &Context, out:
         check_variable(xml, member, "variableName", name, is_flow || kind == "signal", context, out);
         match member.attribute("memberName") {
             None if rule == "plug" || rule == "bus" => {
-                let message = format!(
-                    "A member of the terminal \"{}\" has no memberName, which the matchingRule {rule} requires",
-                    short(name)
-                );
-                out.add(&rules::MEMBER_NAME, xml.place(member), message);
+                out.add(xml.place(member), rules::member_name_missing(short(name), rule))
             }
             Some(m) if !members.insert(m) => {
-                let message = format!(
-                    "The memberName \"{}\" occurs more than once in the terminal \"{}\"",
-                    short(m),
-                    short(name)
-                );
-                out.add(&rules::MEMBER_NAME, xml.place(member), message);
+                out.add(xml.place(member), rules::member_name_repeated(short(m), short(name)))
             }
             _ => {}
         }
     }
     if streams && flows > 1 {
-        let message = format!(
-            "The terminal \"{}\" has stream members and {flows} inflow or outflow members; only one is allowed",
-            short(name)
-        );
-        out.add(&rules::STREAM_FLOW, xml.place(terminal), message);
+        out.add(xml.place(terminal), rules::stream_flow(short(name), flows));
     }
     for stream in terminal.children().filter(|c| c.has_tag_name("TerminalStreamMemberVariable")) {
         for attribute in ["inStreamVariableName", "outStreamVariableName"] {
@@ -132,23 +112,11 @@ fn check_variable(
 ) {
     let Some(name) = node.attribute(attribute) else { return };
     match context.variables.get(name) {
-        None => {
-            let message = format!(
-                "The terminal \"{}\" refers to the variable \"{}\", which does not exist",
-                short(terminal),
-                short(name)
-            );
-            out.add(&rules::TERMINAL_VARIABLE, xml.place(node), message);
-        }
+        None => out.add(xml.place(node), rules::terminal_variable(short(terminal), short(name))),
         Some(causality)
             if restricted && ["local", "independent", "structuralParameter"].contains(causality) =>
         {
-            let message = format!(
-                "The terminal \"{}\" refers to the {causality} variable \"{}\"; only inputs, outputs and parameters are allowed",
-                short(terminal),
-                short(name)
-            );
-            out.add(&rules::TERMINAL_CAUSALITY, xml.place(node), message);
+            out.add(xml.place(node), rules::terminal_causality(short(terminal), causality, short(name)));
         }
         Some(_) => {}
     }
@@ -162,12 +130,6 @@ fn check_icon(xml: &Xml, graphic: Node, terminal: &str, context: &Context, out: 
     }
     let file = format!("terminalsAndIcons/{}.png", base.trim_start_matches("./"));
     if base.split('/').any(|part| part == "..") || !context.entries.contains(&file) {
-        let message = format!(
-            "The icon \"{}\" of the terminal \"{}\" is not in the archive as {}",
-            short(base),
-            short(terminal),
-            short(&file)
-        );
-        out.add(&rules::ICON_MISSING, xml.place(graphic), message);
+        out.add(xml.place(graphic), rules::icon_missing(short(base), short(terminal), short(&file)));
     }
 }

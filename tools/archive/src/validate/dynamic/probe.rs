@@ -22,7 +22,7 @@ pub fn probe(file: &Path, from: usize, send: &mut dyn FnMut(Event)) {
 fn run(file: &Path, from: usize, seen: &mut Seen) {
     let archive = match Archive::open(file) {
         Ok(archive) => archive,
-        Err(error) => return seen.add(&rules::NOT_RUN, "archive", sentence(&error)),
+        Err(error) => return seen.add("archive", rules::NOT_RUN.says(sentence(&error))),
     };
     let Some(facts) = Facts::read(archive.dir()) else { return };
     let mut number = 0;
@@ -34,22 +34,18 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
         }
         let place = &interface.place;
         if interface.needs_tool {
-            let message = format!(
-                "The FMU was not run for {}: it needs another program to be installed",
-                name_of(interface.kind)
-            );
-            seen.add(&rules::NOT_RUN, place, message);
+            seen.add(place, rules::needs_another_program(name_of(interface.kind)));
             continue;
         }
         seen.channel.send(Event::Begin(first, "loading the library".to_owned()));
         let binary = match RawBinary::load(&archive, &interface.identifier) {
             Ok(binary) => binary,
             Err(error @ cosim::Error::Library { .. }) => {
-                seen.add(&rules::LOAD, place, sentence(&error));
+                seen.add(place, rules::LOAD.says(sentence(&error)));
                 continue;
             }
             Err(error) => {
-                seen.add(&rules::NOT_RUN, place, format!("The FMU was not run: {}", sentence(&error)));
+                seen.add(place, rules::cannot_run(sentence(&error)));
                 continue;
             }
         };
@@ -85,7 +81,7 @@ fn run_stage(stage: &Stage, number: usize, subject: &Subject, seen: &mut Seen) -
     match (stage.run)(subject, seen) {
         Ok(()) => true,
         Err(fault) => {
-            seen.add(fault.rule, &fault.place, fault.message);
+            seen.add(&fault.place, fault.breach);
             false
         }
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::facts::Variable;
 use super::runs::Difference;
-use crate::validate::rules::Rule;
+use crate::validate::rules::{Breach, Rule};
 
 /// A message of the child process to the parent, one line each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,20 +37,19 @@ pub struct Observation {
 /// A finding that ends its stage.
 #[derive(Debug)]
 pub(super) struct Fault {
-    pub(super) rule: &'static Rule,
     pub(super) place: String,
-    pub(super) message: String,
+    pub(super) breach: Breach,
 }
 
 impl Fault {
-    pub(super) fn new<T>(rule: &'static Rule, place: &str, message: impl Into<String>) -> Result<T, Fault> {
-        Err(Fault { rule, place: place.to_owned(), message: message.into() })
+    pub(super) fn new<T>(place: &str, breach: Breach) -> Result<T, Fault> {
+        Err(Fault { place: place.to_owned(), breach })
     }
 
     /// Adds the variable that was set or read.
     pub(super) fn about(mut self, variable: &Variable, values: &[f64]) -> Fault {
         self.place.clone_from(&variable.place);
-        self.message += &match values {
+        self.breach.message += &match values {
             [] => format!(" (variable {variable})"),
             [first, ..] => format!(" (variable {variable}, value {first})"),
         };
@@ -105,7 +104,7 @@ impl<'a> Seen<'a> {
     }
 
     /// Reports a finding, unless it has been reported.
-    pub(super) fn add(&mut self, rule: &'static Rule, place: &str, message: impl Into<String>) {
+    pub(super) fn add(&mut self, place: &str, Breach { rule, message }: Breach) {
         let key = (rule.code, place.to_owned());
         if self.reported.contains(&key) {
             return;
@@ -113,7 +112,7 @@ impl<'a> Seen<'a> {
         self.reported.push(key);
         self.failed = true;
         let (code, place) = (rule.code.to_owned(), place.to_owned());
-        self.channel.send(Event::Seen(Observation { code, place, message: message.into() }));
+        self.channel.send(Event::Seen(Observation { code, place, message }));
     }
 
     /// Reports where two runs differ, and whether they do; `is` puts both values into words.
@@ -125,7 +124,7 @@ impl<'a> Seen<'a> {
     ) -> bool {
         let Some(d) = difference else { return false };
         let message = format!("Variable \"{}\" {} ({})", d.name, is(d.first, d.second), d.when());
-        self.add(rule, &d.variable.place, message);
+        self.add(&d.variable.place, rule.says(message));
         true
     }
 }

@@ -52,8 +52,7 @@ impl<'a> Session<'a> {
         }
         let (function, kind) = (self.facts.function(function), name_of(self.interface.kind));
         let words = words(self.raw.log());
-        let message = format!("{function} returned {status} for {kind} at t = {} s{words}", self.now);
-        Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message)
+        Fault::new(&self.interface.place, rules::call_failed(function, status, kind, self.now, words))
     }
 
     /// Calls one function of the FMU; [`Session::ok`] judges its status.
@@ -97,19 +96,13 @@ impl<'a> Session<'a> {
             changed |= update.values_changed;
             self.next = update.next;
             if let Some(next) = update.next.filter(|t| t.is_nan() || *t < self.now) {
-                let message =
-                    format!("The next time event is at {next} s, before the present time {} s", self.now);
-                return Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message);
+                return Fault::new(&self.interface.place, rules::time_event_in_the_past(next, self.now));
             }
             if !update.again || update.terminate {
                 return Ok(changed);
             }
         }
-        let message = format!(
-            "The event iteration at t = {} s does not converge in {MOST_ITERATIONS} iterations",
-            self.now
-        );
-        Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message)
+        Fault::new(&self.interface.place, rules::event_iteration_diverges(self.now, MOST_ITERATIONS))
     }
 
     /// One communication step of Co-Simulation; `false` if the FMU requests the end.
@@ -117,11 +110,7 @@ impl<'a> Session<'a> {
         let step = self.raw.do_step(self.now, h, false);
         self.ok("DoStep", step.status)?;
         if step.early {
-            let message = format!(
-                "fmi3DoStep returned early at t = {} s although the importer did not allow it",
-                self.now
-            );
-            return Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message);
+            return Fault::new(&self.interface.place, rules::early_return(self.now));
         }
         self.now += h;
         Ok(!step.terminated)

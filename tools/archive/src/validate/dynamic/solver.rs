@@ -181,9 +181,10 @@ pub(super) fn indicators(session: &mut Session, count: usize) -> Result<Vec<f64>
     if count > 0 {
         session.call("GetEventIndicators", |raw| raw.get_indicators(&mut z))?;
         if let Some(i) = z.iter().position(|z| !z.is_finite()) {
-            let message =
-                format!("Event indicator {} of {count} is {} at t = {} s", i + 1, z[i], session.now);
-            return Fault::new(&rules::OUTPUT_NOT_FINITE, &session.interface.place, message);
+            return Fault::new(
+                &session.interface.place,
+                rules::indicator_not_finite(i + 1, count, z[i], session.now),
+            );
         }
     }
     Ok(z)

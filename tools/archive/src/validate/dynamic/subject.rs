@@ -44,8 +44,7 @@ impl<'a> Subject<'a> {
             Some(raw) => Ok(self.session(raw)),
             None => {
                 let (kind, words) = (name_of(self.interface.kind), words(&log));
-                let message = format!("The FMU refused to be instantiated for {kind}{words}");
-                Fault::new(&rules::INSTANTIATE, &self.place, message)
+                Fault::new(&self.place, rules::refused_instance(kind, words))
             }
         }
     }

@@ -26,19 +26,13 @@ fn check_set(model: &Model, reference: u32, set: &[&Variable], out: &mut Finding
     if constants != 0 && constants != set.len() {
         let other = set.iter().find(|v| (v.variability == "constant") != (first.variability == "constant"));
         let other = other.unwrap_or(&first);
-        let message = format!(
-            "The variables {first} and {other} share the value reference {reference}, but only one of them is constant"
-        );
-        out.add(&rules::ALIAS_CONSTANT, model.place(other.node), message);
+        out.add(model.place(other.node), rules::alias_one_constant(first, other, reference));
         return;
     }
     if constants == set.len() {
         let start = |v: &Variable| v.typed.attribute("start").map(str::trim).map(str::to_owned);
         if let Some(other) = set.iter().find(|v| !same_value(start(v), start(first))) {
-            let message = format!(
-                "The constants {first} and {other} share the value reference {reference} but have different values"
-            );
-            out.add(&rules::ALIAS_CONSTANT, model.place(other.node), message);
+            out.add(model.place(other.node), rules::alias_constants_differ(first, other, reference));
         }
         return;
     }
@@ -46,20 +40,15 @@ fn check_set(model: &Model, reference: u32, set: &[&Variable], out: &mut Finding
     let free: Vec<_> =
         set.iter().filter(|v| v.is_settable() || v.has_start || v.causality == "independent").collect();
     if let [one, two, ..] = free[..] {
-        let message = format!(
-            "The variables {one} and {two} share the value reference {reference}, but both can be set or have a start value"
-        );
-        out.add(&rules::ALIAS_START, model.place(two.node), message);
+        out.add(model.place(two.node), rules::alias_start(one, two, reference));
     }
     let unit = |v: &Variable| model.attribute(v, "unit").map(str::to_owned);
     if let Some(other) = set.iter().find(|v| unit(v) != unit(first)) {
         let shown = |v: &Variable| unit(v).map_or("none".to_owned(), |u| format!("\"{}\"", short(&u)));
-        let message = format!(
-            "The variables {first} (unit {}) and {other} (unit {}) share the value reference {reference} but not the unit",
-            shown(first),
-            shown(other)
+        out.add(
+            model.place(other.node),
+            rules::alias_unit(first, shown(first), other, shown(other), reference),
         );
-        out.add(&rules::ALIAS_UNIT, model.place(other.node), message);
     }
 }
 

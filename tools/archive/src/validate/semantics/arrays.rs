@@ -5,8 +5,7 @@ use super::*;
 pub(super) fn check(model: &Model, out: &mut Findings) {
     for v in &model.variables {
         if v.is_array() && v.causality == "structuralParameter" {
-            let message = format!("The structural parameter {v} must not have dimensions itself");
-            out.add(&rules::STRUCTURAL_ARRAY, model.place(v.node), message);
+            out.add(model.place(v.node), rules::structural_array(v));
         }
         for dimension in children(v.typed, "Dimension") {
             check_dimension(model, v, dimension, out);
@@ -17,9 +16,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 
 fn check_dimension(model: &Model, v: &Variable, dimension: Node, out: &mut Findings) {
     let place = model.place(dimension);
-    let mut complain = |what: String| {
-        out.add(&rules::DIMENSION, &place, format!("A dimension of variable {v} {what}"));
-    };
+    let mut complain = |what: String| out.add(&place, rules::dimension(v, what));
     match (dimension.attribute("start"), dimension.attribute("valueReference")) {
         (Some(_), Some(_)) => complain("has both start and valueReference; only one is allowed".into()),
         (None, None) => complain("has neither start nor valueReference".into()),
@@ -69,9 +66,6 @@ fn check_start_count(model: &Model, v: &Variable, out: &mut Findings) {
     // A single value applies to all elements; an empty start attribute has no values.
     let empty = count == 0 && v.typed.attribute("start").is_some();
     if empty || count > 1 && count as u128 != elements {
-        let message = format!(
-            "Variable {v} has {count} start values for {elements} elements; one value for all or one for each is allowed"
-        );
-        out.add(&rules::START_COUNT, model.place(v.typed), message);
+        out.add(model.place(v.typed), rules::start_count(v, count, elements));
     }
 }

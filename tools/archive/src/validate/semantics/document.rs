@@ -9,22 +9,15 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         FmiVersion::V3 => "instantiationToken",
     };
     if model.root.attribute(token).is_some_and(|t| t.trim().is_empty()) {
-        let message = format!(
-            "The attribute {token} is empty, so the binary cannot tell whether this file belongs to it"
-        );
-        out.add(&rules::TOKEN_EMPTY, &place, message);
+        out.add(&place, rules::token_empty(token));
     }
     if model.root.attribute("modelName").is_some_and(|t| t.trim().is_empty()) {
-        out.add(&rules::MODEL_NAME_EMPTY, &place, "The attribute modelName is empty");
+        out.add(&place, rules::model_name_empty());
     }
     if let Some(date) = model.root.attribute("generationDateAndTime").filter(|d| Type::DateTime.accepts(d))
         && !(date.len() == 20 && date.ends_with('Z'))
     {
-        let message = format!(
-            "generationDateAndTime is \"{}\" and should have the form 2026-01-31T12:00:00Z",
-            short(date)
-        );
-        out.add(&rules::DATE_FORM, &place, message);
+        out.add(&place, rules::date_form(short(date)));
     }
     check_experiment(model, out);
     for list in children(model.root, "LogCategories") {
@@ -47,14 +40,15 @@ fn unique_names(
     for node in list.children().filter(|c| c.has_tag_name(element)) {
         if let Some(name) = node.attribute("name").filter(|n| !seen.insert(*n)) {
             let message = format!("The {what} \"{}\" is defined more than once", short(name));
-            out.add(rule, model.place(node), message);
+            out.add(model.place(node), rule.says(message));
         }
     }
 }
 
 fn check_experiment(model: &Model, out: &mut Findings) {
     for node in children(model.root, "DefaultExperiment") {
-        let mut complain = |message: String| out.add(&rules::DEFAULT_EXPERIMENT, model.place(node), message);
+        let mut complain =
+            |message: String| out.add(model.place(node), rules::DEFAULT_EXPERIMENT.says(message));
         for name in ["startTime", "stopTime", "tolerance", "stepSize"] {
             if let Some(value) = double(node, name).filter(|v| !v.is_finite()) {
                 complain(format!("{name} of the default experiment is {value}, not a finite number"));
@@ -72,10 +66,7 @@ fn check_experiment(model: &Model, out: &mut Findings) {
             && step > stop - start
             && step.is_finite()
         {
-            let message = format!(
-                "stepSize {step} of the default experiment is longer than the experiment from {start} to {stop}"
-            );
-            out.add(&rules::EXPERIMENT_STEP_LONG, model.place(node), message);
+            out.add(model.place(node), rules::experiment_step_long(step, start, stop));
         }
     }
 }

@@ -18,10 +18,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     let listed: HashSet<usize> = model.structure.initial_unknowns.iter().filter_map(|u| u.variable).collect();
     for (i, v) in model.variables.iter().enumerate() {
         if expected.contains(&i) && !listed.contains(&i) {
-            let message = format!(
-                "Variable {v} is calculated during initialisation but is not listed among the initial unknowns"
-            );
-            out.add(&rules::INITIAL_UNKNOWN_MISSING, model.place(v.node), message);
+            out.add(model.place(v.node), rules::initial_unknown_missing(v));
         }
     }
     let mut last = 0;
@@ -31,17 +28,10 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         // FMI 3: "clocked variables that the FMU wishes to initialize".
         if !expected.contains(&i) && !v.clocked && v.kind != Kind::Clock {
             let initial = v.initial.unwrap_or("none");
-            let message = format!(
-                "Variable {v} is listed among the initial unknowns but is not one: its causality is {}, its initial {initial}",
-                v.causality
-            );
-            out.add(&rules::INITIAL_UNKNOWN_WRONG, model.place(unknown.node), message);
+            out.add(model.place(unknown.node), rules::initial_unknown_wrong(v, v.causality, initial));
         }
         if model.version == FmiVersion::V2 && i < last {
-            let message = format!(
-                "Variable {v} is out of order: initial unknowns must be listed in the order of their indices"
-            );
-            out.add(&rules::INITIAL_UNKNOWNS_ORDER, model.place(unknown.node), message);
+            out.add(model.place(unknown.node), rules::initial_unknowns_order(v));
         }
         last = last.max(i);
     }

@@ -13,41 +13,30 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         for (node, name) in v.node.attribute("name").map(|n| (v.node, n)).into_iter().chain(alias_names) {
             let place = model.place(node);
             if name.is_empty() {
-                out.add(&rules::NAME_EMPTY, &place, "A variable has an empty name");
+                out.add(&place, rules::name_empty());
                 continue;
             }
             if let Some(first) = names.get(name) {
-                let message = format!("The variable name \"{}\" is already used at {first}", short(name));
-                out.add(&rules::NAME_REPEATED, &place, message);
+                out.add(&place, rules::name_repeated(short(name), first));
             } else {
                 names.insert(name, place.clone());
             }
             if structured && !is_structured(name) {
-                let message = format!(
-                    "The variable name \"{}\" does not follow the naming convention structured",
-                    short(name)
-                );
-                out.add(&rules::NAME_SYNTAX, &place, message);
+                out.add(&place, rules::name_syntax(short(name)));
             } else if name.contains(['\r', '\n', '\t']) {
-                let message = format!("The variable name \"{}\" contains a line break or a tab", short(name));
-                out.add(&rules::NAME_CONTROL, &place, message);
+                out.add(&place, rules::name_control(short(name)));
             }
         }
         if model.version == FmiVersion::V3 {
             let Some(reference) = v.reference else { continue };
             if let Some(other) = references.insert(reference, v.name) {
-                let message = format!(
-                    "Variable {v} has the value reference {reference} of variable \"{}\"; value references must be unique",
-                    short(other)
-                );
-                out.add(&rules::REFERENCE_REPEATED, model.place(v.node), message);
+                out.add(model.place(v.node), rules::reference_repeated(v, reference, short(other)));
             }
         }
     }
     for t in &model.types {
         if let Some(first) = names.get(t.name) {
-            let message = format!("The type {t} has the same name as the variable at {first}");
-            out.add(&rules::TYPE_NAME_CLASH, model.place(t.node), message);
+            out.add(model.place(t.node), rules::type_name_clash(t, first));
         }
     }
 }

@@ -32,10 +32,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let settings = &subject.base()?.settings;
     for (h, n) in looks {
         if let Some((v, t, a, b)) = differs(subject, &other, &Course { settings, watched: &watched, h, n })? {
-            let message = format!(
-                "Variable {v} is {a} at t = {t} s in Model Exchange and {b} in Co-Simulation, and the difference does not decrease with the step size"
-            );
-            seen.add(&rules::EXCHANGE_DIFFERS, &v.place, message);
+            seen.add(&v.place, rules::exchange_differs(v, a, t, b));
             return Ok(());
         }
     }

@@ -120,10 +120,7 @@ pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> 
     let read = |session: &mut Session| session.get_all(&slopes);
     follow(subject, &values, true, read, |i, t, given, measured| {
         let (value, slope) = pairs[i];
-        let message = format!(
-            "Variable {slope} is declared to be the derivative of {value}, but from t = {t} s on it is {given} while {value} changes by {measured} per second"
-        );
-        seen.add(&rules::DERIVATIVE_VALUE, &slope.place, message);
+        seen.add(&slope.place, rules::derivative_value(slope, value, t, given, measured));
     })
 }
 
@@ -141,10 +138,7 @@ pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     };
     follow(subject, &outputs, false, read, |i, t, given, measured| {
         let v = outputs[i];
-        let message = format!(
-            "The derivative of output {v} is given as {given} from t = {t} s on, but it changes by {measured} per second"
-        );
-        seen.add(&rules::OUTPUT_DERIVATIVE, &v.place, message);
+        seen.add(&v.place, rules::output_derivative(v, given, t, measured));
     })
 }
 
@@ -211,11 +205,7 @@ pub(super) fn of_inputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         }
         let sloped = run(low, (high - low) / h)?;
         if difference(facts, &others, &held, &sloped).is_none() {
-            let message = format!(
-                "A derivative of input {v} has no effect although canInterpolateInputs is true (the input itself moves \"{}\")",
-                effect.name
-            );
-            seen.add(&rules::INPUT_DERIVATIVE, &v.place, message);
+            seen.add(&v.place, rules::input_derivative(v, effect.name));
         }
     }
     Ok(())

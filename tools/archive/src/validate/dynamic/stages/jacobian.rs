@@ -203,7 +203,7 @@ impl<'a> Point<'_, 'a> {
             let near = column.near[i];
             let message =
                 format!("The {word} derivative of {v} over {over} is {given}, but differences give {near}");
-            seen.add(rule, &v.place, message);
+            seen.add(&v.place, rule.says(message));
         }
     }
 }
@@ -258,12 +258,10 @@ fn dependencies(
             continue;
         }
         if let Some(i) = elements.into_iter().find(|i| column.moves(*i, unknown.nominal)) {
-            let message = format!(
-                "Variable {unknown} depends on \"{}\" (derivative {}), which is missing in its list of dependencies",
-                short(&known.variable.name),
-                column.near[i]
+            seen.add(
+                &unknown.place,
+                rules::dependency_undeclared(unknown, short(&known.variable.name), column.near[i]),
             );
-            seen.add(&rules::DEPENDENCY_UNDECLARED, &unknown.place, message);
         }
     }
 }

@@ -40,12 +40,10 @@ fn versions(subject: &Subject, seen: &mut Seen) {
     let version = subject.binary.version().unwrap_or_default();
     // FMI 3 has maintenance releases such as 3.0.2 in its version string.
     if !(version == wanted || subject.facts.version == FmiVersion::V3 && version.starts_with("3.")) {
-        let message = format!("{function} returns \"{}\" instead of \"{wanted}\"", short(&version));
-        seen.add(&rules::VERSION_STRING, &subject.place, message);
+        seen.add(&subject.place, rules::version_string(function, short(&version), wanted));
     }
     if let Some(types) = subject.binary.types_platform().filter(|t| t != "default") {
-        let message = format!("fmi2GetTypesPlatform returns \"{}\" instead of \"default\"", short(&types));
-        seen.add(&rules::VERSION_STRING, &subject.place, message);
+        seen.add(&subject.place, rules::types_platform(short(&types)));
     }
 }
 
@@ -58,11 +56,9 @@ fn outputs(session: &mut Session, when: &str, seen: &mut Seen) -> Result<(), Fau
             && v.kind.is_float()
             && let Some(value) = values.iter().find(|x| !x.is_finite())
         {
-            let message = format!("Output {v} is {value} {when} with all variables at their start values");
-            seen.add(&rules::OUTPUT_NOT_FINITE, &v.place, message);
+            seen.add(&v.place, rules::output_not_finite(v, value, when));
         } else if let Some(value) = values.iter().find(|x| is_outside(v, **x)) {
-            let message = format!("Variable {v} is {value} {when}, outside its limits ({})", v.limits());
-            seen.add(&rules::VALUE_OUTSIDE, &v.place, message);
+            seen.add(&v.place, rules::value_outside(v, value, when, v.limits()));
         }
     }
     Ok(())
@@ -77,8 +73,7 @@ fn is_outside(v: &Variable, x: f64) -> bool {
 fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let log = Log::with_debug();
     let Some(mut raw) = subject.try_instance("probe", &subject.facts.token, &log) else {
-        let message = "The FMU refused to be instantiated with loggingOn = true";
-        return Fault::new(&rules::INSTANTIATE, &subject.interface.place, message);
+        return Fault::new(&subject.interface.place, rules::refused_with_logging());
     };
     let started = raw.enter_initialization(subject.facts.start, None, subject.facts.tolerance)
         <= Status::Warning
@@ -89,12 +84,10 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let declared = &subject.facts.categories;
     let messages = log.messages();
     if let Some(m) = messages.iter().find(|m| !m.category.is_empty() && !declared.contains(&m.category)) {
-        let message = format!(
-            "The FMU logs in the category \"{}\", which <LogCategories> does not define (message \"{}\")",
-            short(&m.category),
-            short(m.text.trim())
+        seen.add(
+            &subject.interface.place,
+            rules::log_category_undeclared(short(&m.category), short(m.text.trim())),
         );
-        seen.add(&rules::LOG_CATEGORY_UNDECLARED, &subject.interface.place, message);
     }
     Ok(())
 }
@@ -109,9 +102,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         event_mode: true,
     };
     let Some(raw) = subject.binary.instantiate(&setup, &log) else {
-        let message =
-            "The FMU refused to be instantiated with eventModeUsed = true although hasEventMode is true";
-        return Fault::new(&rules::INSTANTIATE, &subject.interface.place, message);
+        return Fault::new(&subject.interface.place, rules::refused_with_event_mode());
     };
     let facts = subject.facts;
     let mut session = subject.session(raw);

@@ -10,10 +10,7 @@ pub(super) fn token(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     }
     if subject.try_instance("probe", FOREIGN, &Log::new()).is_some() {
         let word = subject.facts.pick("GUID", "instantiation token");
-        let message = format!(
-            "The FMU accepts the {word} {FOREIGN}, so a library that does not match the description is not detected"
-        );
-        seen.add(&rules::TOKEN_UNCHECKED, &subject.interface.place, message);
+        seen.add(&subject.interface.place, rules::token_unchecked(word, FOREIGN));
     }
     Ok(())
 }
@@ -27,9 +24,7 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     for v in targets {
         for bad in [f64::NAN, f64::INFINITY] {
             if accepts(subject, v, bad)? {
-                let message =
-                    format!("Variable {v} accepts the value {bad}, and the FMU steps with status OK");
-                seen.add(&rules::NAN_ACCEPTED, &v.place, message);
+                seen.add(&v.place, rules::nan_accepted(v, bad));
                 break;
             }
         }
@@ -46,11 +41,7 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             continue;
         };
         if accepts(subject, v, bad)? {
-            let message = format!(
-                "Variable {v} accepts {bad}, which is outside its limits ({}), with status OK",
-                v.limits()
-            );
-            seen.add(&rules::RANGE_UNCHECKED, &v.place, message);
+            seen.add(&v.place, rules::range_unchecked(v, bad, v.limits()));
             break;
         }
     }
@@ -84,11 +75,7 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     for reference in [u32::MAX - 1, highest.saturating_add(1000)] {
         let mut value = [0.0];
         if session.raw.get(Kind::Float64, &[reference], &mut value) <= Status::Warning {
-            let message = format!(
-                "Reading value reference {reference}, which no variable has, gives {} and no error",
-                value[0]
-            );
-            seen.add(&rules::REFERENCE_UNCHECKED, &subject.interface.place, message);
+            seen.add(&subject.interface.place, rules::reference_unchecked(reference, value[0]));
             break;
         }
         session = subject.started(&Vec::new())?;
@@ -101,8 +88,7 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
         let mut session = subject.instance("probe")?;
         let other: Vec<f64> = v.start.iter().map(|x| x + 1.0).collect();
         if session.raw.set(v.kind, &[v.reference], &other) <= Status::Warning {
-            let message = format!("The constant {v} can be set without an error");
-            seen.add(&rules::CONSTANT_SETTABLE, &v.place, message);
+            seen.add(&v.place, rules::constant_settable(v));
         }
     }
     Ok(())

@@ -93,10 +93,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         match (related.attribute("role"), Table::read(&folder.join(source))) {
             (Some("result"), Some(table)) => results.push((source.to_owned(), table)),
             (Some("testcase" | "input"), Some(table)) => inputs = Some(table),
-            (_, None) => {
-                let message = format!("The file \"{}\" is missing or no table over time", short(source));
-                seen.add(&rules::REFERENCE_FILE, &xml.place(related), message);
-            }
+            (_, None) => seen.add(&xml.place(related), rules::reference_file(short(source))),
             _ => {}
         }
     }
@@ -159,11 +156,7 @@ fn compare(
             let wanted = row[*column];
             let is_near = (value - wanted).abs() <= *room;
             if !is_near && !wanted.is_nan() {
-                let message = format!(
-                    "Variable {v} is {value} at t = {} s, but {wanted} in the reference results of the archive",
-                    row[0]
-                );
-                seen.add(&rules::REFERENCE_DIFFERS, place, message);
+                seen.add(place, rules::reference_differs(v, value, row[0], wanted));
                 return Ok(());
             }
         }

@@ -17,9 +17,7 @@ pub(super) fn reset(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
     if let Some(index) = base.steady.iter().position(|steady| !steady) {
         let (name, variable) = column(facts, index);
-        let message =
-            format!("Variable \"{name}\" has other values in a second instance after the same calls");
-        seen.add(&rules::NOT_DETERMINISTIC, &variable.place, message);
+        seen.add(&variable.place, rules::not_deterministic(name));
     }
     // A run with other values, which a reset must clear.
     let free = facts.select(Variable::is_free);
@@ -114,11 +112,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         && let Some(bytes) = growth(round_of_instances, || subject.started(&Vec::new()).map(|_| true))?
         && bytes > LEAK
     {
-        let message = format!(
-            "Each instance leaks {bytes:.0} bytes after it has been freed ({} instances)",
-            4 * round_of_instances
-        );
-        seen.add(&rules::MEMORY, &subject.interface.place, message);
+        seen.add(&subject.interface.place, rules::leak_of_instance(bytes, 4 * round_of_instances));
     }
     let mut session = subject.started(&Vec::new())?;
     if subject.interface.state {
@@ -131,8 +125,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND / 5, piece)?
             && bytes > LEAK
         {
-            let message = format!("Each saved state leaks {bytes:.0} bytes after it has been freed");
-            seen.add(&rules::MEMORY, &subject.interface.place, message);
+            seen.add(&subject.interface.place, rules::leak_of_state(bytes));
         }
     }
     if subject.interface.kind == InterfaceType::CoSimulation {
@@ -149,7 +142,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND, piece)?
             && bytes > STEP_LEAK
         {
-            seen.add(&rules::MEMORY, &subject.interface.place, format!("Each step leaks {bytes:.0} bytes"));
+            seen.add(&subject.interface.place, rules::leak_of_step(bytes));
         }
     }
     Ok(())

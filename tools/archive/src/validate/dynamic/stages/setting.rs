@@ -17,18 +17,12 @@ pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fau
             let texts = texts.or_else(|status| session.ok("GetString", status).map(|()| Vec::new()))?;
             let text = texts.concat();
             if text != *wanted {
-                let message = format!(
-                    "Variable {v} starts at \"{}\" instead of its start value \"{}\"",
-                    short(&text),
-                    short(wanted)
-                );
-                seen.add(&rules::START_DIFFERS, &v.place, message);
+                seen.add(&v.place, rules::start_text_differs(v, short(&text), short(wanted)));
             }
         } else if v.kind.is_numeric() && v.start.len() == v.size {
             let values = session.get(v)?;
             if let Some((value, start)) = values.iter().zip(&v.start).find(|(x, start)| x != start) {
-                let message = format!("Variable {v} starts at {value} instead of its start value {start}");
-                seen.add(&rules::START_DIFFERS, &v.place, message);
+                seen.add(&v.place, rules::start_differs(v, value, start));
             }
         }
     }
@@ -54,21 +48,13 @@ pub(super) fn order(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     if let Ok((set, _)) = run_in(subject, &own, Order::Forwards)
         && let Some(d) = difference(facts, &base.steady, &untouched, &set)
     {
-        let message = format!(
-            "Setting every parameter and input to its own start value changes \"{}\" from {} to {} ({})",
-            d.name,
-            d.first,
-            d.second,
-            d.when()
-        );
-        seen.add(&rules::SET_START, &d.variable.place, message);
+        seen.add(&d.variable.place, rules::set_start(&d.name, d.first, d.second, d.when()));
     }
     // Other values, in three orders.
     let others = others(subject, &free);
     let Ok((forwards, lost)) = run_in(subject, &others, Order::Forwards) else { return Ok(()) };
     if let Some((v, set, kept)) = lost {
-        let message = format!("Variable {v} was set to {set} and is {kept} afterwards");
-        seen.add(&rules::SET_LOST, &v.place, message);
+        seen.add(&v.place, rules::set_lost(v, set, kept));
     }
     for (order, words) in [(Order::Backwards, "in reverse order"), (Order::Together, "all in one call")] {
         let (rows, _) = run_in(subject, &others, order)?;
@@ -156,10 +142,7 @@ fn reading(subject: &Subject, settings: &Settings, seen: &mut Seen) -> Result<()
     for (v, first) in scalars.iter().zip(backwards.iter().rev()) {
         let second = session.get(v)?[0];
         if second != *first && !(second.is_nan() && first.is_nan()) {
-            let message = format!(
-                "Variable {v} is read as {first} and then as {second}, with only reading calls in between"
-            );
-            seen.add(&rules::GET_CHANGES, &v.place, message);
+            seen.add(&v.place, rules::get_changes(v, first, second));
             break;
         }
     }

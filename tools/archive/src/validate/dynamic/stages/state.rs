@@ -80,8 +80,7 @@ fn from_bytes(session: &mut Session, bytes: &[u8], name: &str) -> Result<RawStat
 fn free(session: &mut Session, mut state: RawState, name: &str, seen: &mut Seen) -> Result<(), Fault> {
     session.call(name, |raw| raw.free_state(&mut state))?;
     if !state.is_none() {
-        let message = format!("{name} does not set the pointer to the freed state to NULL");
-        seen.add(&rules::STATE_POINTER, &session.interface.place, message);
+        seen.add(&session.interface.place, rules::state_pointer(name));
     }
     Ok(())
 }
@@ -98,6 +97,6 @@ fn compare(
     let rule = if d.relative <= ROUNDING { &rules::ROLLBACK_INEXACT } else { rule };
     let when = if d.row == 0 { "at once".to_owned() } else { d.when() };
     let message = format!("Variable \"{}\" is {} and then {} {words} ({when})", d.name, d.first, d.second);
-    seen.add(rule, &d.variable.place, message);
+    seen.add(&d.variable.place, rule.says(message));
     Ok(())
 }

@@ -32,13 +32,10 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         // Rounding errors of balances and remainders do not converge either.
         let matters = first.min(second) > (TOLERATED * movement[i]).max(SMALLEST * v.nominal);
         if steady && matters && second > 0.75 * first {
-            let message = format!(
-                "Variable {v} is {} at t = {} s with steps of {coarse} s but {} with steps of half that size, and does not converge",
-                one[i],
-                facts.start + coarse * end as f64,
-                two[i]
+            seen.add(
+                &v.place,
+                rules::step_size(v, one[i], facts.start + coarse * end as f64, coarse, two[i]),
             );
-            seen.add(&rules::STEP_SIZE, &v.place, message);
             return Ok(());
         }
     }
@@ -76,9 +73,6 @@ pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         now += h;
     }
     let (function, status) = (subject.facts.function("DoStep"), Status::Error);
-    let message = format!(
-        "{function} succeeds up to t = {now} s although the stop time was set to {stop} s; it must return {status}"
-    );
-    seen.add(&rules::STOP_TIME, &subject.interface.place, message);
+    seen.add(&subject.interface.place, rules::stop_time(function, now, stop, status));
     Ok(())
 }
