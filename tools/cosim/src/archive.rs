@@ -65,19 +65,6 @@ impl Archive {
         &self.description
     }
 
-    /// The binary for this platform: that of Co-Simulation, else that of Model Exchange.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`], listing the platforms that are there; on a machine for which FMI has no platform name or for an
-    /// archive without either interface.
-    pub fn binary_path(&self) -> Result<PathBuf, Error> {
-        let description = &self.description;
-        match description.co_simulation.as_ref().or(description.model_exchange.as_ref()) {
-            Some(interface) => self.binary_of(interface),
-            None => Err(self.unsupported("has neither a Co-Simulation nor a Model Exchange interface")),
-        }
-    }
-
     /// The platforms that have a directory below `binaries`, sorted.
     pub fn platforms(&self) -> Vec<String> {
         let Ok(entries) = fs::read_dir(self.dir().join("binaries")) else { return Vec::new() };

@@ -1,6 +1,7 @@
 //! The content of `modelDescription.xml` in one structure for FMI 2.0 and 3.0. The reader is in `description/parse.rs`.
 mod parse;
 
+use crate::raw::InterfaceType;
 use std::fmt;
 
 /// The generation of the standard.
@@ -58,10 +59,8 @@ pub struct ModelDescription {
     pub description: Option<String>,
     /// `generationTool`
     pub generation_tool: Option<String>,
-    /// The Co-Simulation interface, if there is one.
-    pub co_simulation: Option<Interface>,
-    /// The Model Exchange interface, if there is one.
-    pub model_exchange: Option<Interface>,
+    /// The interface types, in the order of the file.
+    pub interfaces: Vec<Interface>,
     /// `DefaultExperiment`; empty when absent.
     pub default_experiment: DefaultExperiment,
     /// Names of the log categories.
@@ -88,6 +87,8 @@ pub struct Dependencies {
 /// One interface with its capability flags; absent flags have the standard's default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interface {
+    /// The interface type.
+    pub kind: InterfaceType,
     /// Name of the binary, without extension.
     pub model_identifier: String,
     /// The FMU needs another program to run.
@@ -100,6 +101,10 @@ pub struct Interface {
     pub can_serialize_state: bool,
     /// Directional derivatives are provided.
     pub provides_directional_derivatives: bool,
+    /// FMI 3: adjoint derivatives are provided.
+    pub provides_adjoint_derivatives: bool,
+    /// Model Exchange: the end of each integrator step is to be reported.
+    pub needs_completed_step: bool,
     /// Co-Simulation: the step size may differ from step to step.
     pub can_handle_variable_step: bool,
     /// Co-Simulation, FMI 2: derivatives of inputs are understood.
@@ -112,6 +117,13 @@ pub struct Interface {
     pub has_event_mode: bool,
     /// Line of the element in the file.
     pub line: u32,
+}
+
+impl Interface {
+    /// File and line of the element.
+    pub fn place(&self) -> String {
+        format!("{}:{}", crate::elements::FILE, self.line)
+    }
 }
 
 /// Default experiment; times in s.
@@ -334,6 +346,16 @@ pub struct Variable {
 }
 
 impl ModelDescription {
+    /// The interface of a type, if there is one.
+    pub fn interface(&self, kind: InterfaceType) -> Option<&Interface> {
+        self.interfaces.iter().find(|i| i.kind == kind)
+    }
+
+    /// The Co-Simulation interface, if there is one.
+    pub fn co_simulation(&self) -> Option<&Interface> {
+        self.interface(InterfaceType::CoSimulation)
+    }
+
     /// The variable called `name`.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|v| v.name == name)

@@ -57,8 +57,8 @@ impl Instance {
     /// an FMU that refuses.
     pub fn instantiate(archive: &Archive, name: &str, log: Log) -> Result<Self, Error> {
         let description = archive.description();
-        let Some(interface) = &description.co_simulation else {
-            let what = if description.model_exchange.is_some() {
+        let Some(interface) = description.co_simulation() else {
+            let what = if description.interface(InterfaceType::ModelExchange).is_some() {
                 "is for Model Exchange only"
             } else {
                 "has no interface"

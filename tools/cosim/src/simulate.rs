@@ -58,7 +58,7 @@ pub fn simulate(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Recording, Error> {
     let description = archive.description();
-    let interface = description.co_simulation.clone().unwrap_or_default();
+    let interface = description.co_simulation().cloned().unwrap_or_default();
     let sets = checked_sets(description, options)?;
     let grid = grid(description, &interface, options)?;
 
@@ -75,25 +75,17 @@ pub fn simulate(
 
     let mut recorder = Recorder::new(description, &sets, grid.steps + 1)?;
     recorder.record(&mut instance, grid.start)?;
-    let mut ended_early = None;
-    let mut steps = 0;
-    let report_every = grid.steps.div_ceil(200).max(1);
-    for k in 0..grid.steps {
-        let (t, h) = grid.interval(k);
+    let (steps, ended_early) = grid.run(progress, |_, t, h, end| {
         if let Some(drive) = &mut drive {
             drive.set_values(&mut instance, t)?;
             drive.set_slopes(&mut instance, t, h)?;
         }
         if instance.do_step(t, h)? == Step::Terminated {
-            ended_early = Some(t);
-            break;
+            return Ok(Some(t));
         }
-        steps = k + 1;
-        recorder.record(&mut instance, grid.point(steps))?;
-        if steps % report_every == 0 || steps == grid.steps {
-            progress(steps as f64 / grid.steps as f64);
-        }
-    }
+        recorder.record(&mut instance, end)?;
+        Ok(None)
+    })?;
     instance.terminate()?;
     drop(instance);
     Ok(Recording {
@@ -117,7 +109,7 @@ fn grid(description: &ModelDescription, interface: &Interface, options: &Options
         Some(fixed) if fixed > 0.0 => fixed * (span / 500.0 / fixed).round().max(1.0),
         _ => span / 500.0,
     };
-    let rigid = !interface.can_handle_variable_step && description.co_simulation.is_some();
+    let rigid = !interface.can_handle_variable_step && description.co_simulation().is_some();
     Grid::new(start, stop, step, fallback, rigid.then_some(description.model_name.as_str()))
 }
 

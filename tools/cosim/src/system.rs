@@ -70,7 +70,7 @@ impl System {
                     fault(e.to_string().replace(&component.path.display().to_string(), &component.source))
                 })?,
             };
-            let Some(interface) = &archive.description().co_simulation else {
+            let Some(interface) = archive.description().co_simulation() else {
                 return Err(fault(format!("{} has no Co-Simulation interface", component.source)));
             };
             if interface.only_once_per_process && earlier.iter().any(|c| c.path == component.path) {

@@ -8,10 +8,10 @@ fn descriptions_of_both_standards_say_the_same() {
     for version in BOTH {
         let d = ModelDescription::parse(&xml(version)).unwrap();
         assert_eq!((d.fmi_version, d.model_name.as_str(), d.token.as_str()), (version, "Lag", "lag-guid"));
-        let cs = d.co_simulation.as_ref().unwrap();
+        let cs = d.co_simulation().unwrap();
         assert!(cs.can_handle_variable_step && cs.can_get_and_set_state && cs.can_serialize_state);
         assert_eq!(cs.can_interpolate_inputs, version == FmiVersion::V2);
-        assert!(d.model_exchange.is_none());
+        assert!(d.interface(cosim::raw::InterfaceType::ModelExchange).is_none());
         assert_eq!(d.default_experiment.step, Some(0.01));
         assert_eq!(d.log_categories, ["all"]);
 
@@ -131,7 +131,6 @@ fn archives_that_cannot_run_say_why() {
 fn unpacked_files_go_with_the_last_user() {
     let archive = Fmu::good(FmiVersion::V2).open().unwrap();
     let dir = archive.dir().to_owned();
-    assert!(archive.binary_path().unwrap().starts_with(&dir));
     let instance = cosim::Instance::instantiate(&archive, "a", cosim::Log::new()).unwrap();
     drop(archive);
     assert!(dir.join("resources/a.txt").exists());

@@ -141,7 +141,7 @@ fn shown(
     let description = archive.description();
     let inputs = references(description, experiment.inputs.iter().filter_map(|c| c.input))?;
     let outputs = references(description, experiment.outputs.iter().filter_map(|c| c.output))?;
-    let takes_slopes = description.co_simulation.as_ref().is_some_and(|i| i.can_interpolate_inputs);
+    let takes_slopes = description.co_simulation().is_some_and(|i| i.can_interpolate_inputs);
     let mut fmu = Instance::instantiate(archive, &description.model_name, Log::new())?;
     set(&mut fmu, description, starts)?;
     fmu.enter_initialization(drive.time[0], None, None)?;

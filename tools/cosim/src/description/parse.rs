@@ -2,6 +2,7 @@
 use super::*;
 use crate::Error;
 use crate::elements::{self, FILE, Model, TypeDefinition, Unknown};
+use crate::raw::InterfaceType;
 use crate::xml::{Fault, Xml, child, children, elements};
 use roxmltree::Node;
 
@@ -34,7 +35,6 @@ fn read(xml: &Xml) -> Result<ModelDescription, Fault> {
     };
     let model = Model::read(xml, version);
     let optional = |name| root.attribute(name).map(str::to_owned);
-    let interface = |name| child(root, name).map(|node| interface(xml, node)).transpose();
     Ok(ModelDescription {
         fmi_version: version,
         enumerations: model.types.iter().filter_map(|t| enumeration(xml, t)).collect::<Result<_, _>>()?,
@@ -51,8 +51,7 @@ fn read(xml: &Xml) -> Result<ModelDescription, Fault> {
             .to_owned(),
         description: optional("description"),
         generation_tool: optional("generationTool"),
-        co_simulation: interface("CoSimulation")?,
-        model_exchange: interface("ModelExchange")?,
+        interfaces: model.interfaces.iter().map(|n| interface(&model, *n)).collect::<Result<_, _>>()?,
         default_experiment: experiment(xml, child(root, "DefaultExperiment"))?,
         log_categories: elements(child(root, "LogCategories"))
             .filter_map(|n| n.attribute("name").map(str::to_owned))
@@ -167,7 +166,8 @@ fn dependencies(model: &Model, unknown: &Unknown) -> Result<Dependencies, Fault>
     Ok(Dependencies { output, on: Some(on) })
 }
 
-fn interface(xml: &Xml, node: Node) -> Result<Interface, Fault> {
+fn interface(model: &Model, node: Node) -> Result<Interface, Fault> {
+    let xml = model.xml;
     let model_identifier = xml.required(node, "modelIdentifier")?.to_owned();
     // It becomes a file name, so it must not contain path separators.
     let good = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
@@ -179,6 +179,11 @@ fn interface(xml: &Xml, node: Node) -> Result<Interface, Fault> {
     // The two standards spell some flags differently.
     let either = |a, b| Ok(xml.flag(node, a)?.or(xml.flag(node, b)?).unwrap_or(false));
     Ok(Interface {
+        kind: match node.tag_name().name() {
+            "ModelExchange" => InterfaceType::ModelExchange,
+            "ScheduledExecution" => InterfaceType::ScheduledExecution,
+            _ => InterfaceType::CoSimulation,
+        },
         model_identifier,
         needs_execution_tool: is("needsExecutionTool")?,
         only_once_per_process: is("canBeInstantiatedOnlyOncePerProcess")?,
@@ -188,6 +193,11 @@ fn interface(xml: &Xml, node: Node) -> Result<Interface, Fault> {
             "providesDirectionalDerivative",
             "providesDirectionalDerivatives",
         )?,
+        provides_adjoint_derivatives: is("providesAdjointDerivatives")?,
+        needs_completed_step: match model.version {
+            FmiVersion::V2 => !is("completedIntegratorStepNotNeeded")?,
+            FmiVersion::V3 => is("needsCompletedIntegratorStep")?,
+        },
         can_handle_variable_step: is("canHandleVariableCommunicationStepSize")?,
         can_interpolate_inputs: is("canInterpolateInputs")?,
         max_output_derivative_order: xml.number(node, "maxOutputDerivativeOrder")?.unwrap_or(0),

@@ -165,7 +165,7 @@ impl Master {
             let description = parts.description(component);
             has_derivative[slot] = plan.derivatives
                 && description.fmi_version == FmiVersion::V2
-                && description.co_simulation.as_ref().is_some_and(|c| c.can_interpolate_inputs)
+                && description.co_simulation().is_some_and(|c| c.can_interpolate_inputs)
                 && variable.kind == Kind::Float64
                 && variable.variability == Variability::Continuous
                 && parts.variable(connections.outputs[input.source]).variability == Variability::Continuous;

@@ -7,7 +7,6 @@ use cosim::raw::RawBinary;
 
 use super::facts::Facts;
 use super::report::{Channel, Event, Seen};
-use super::session::name_of;
 use super::stages::{self, Stage};
 use super::subject::Subject;
 use crate::validate::rules;
@@ -24,7 +23,7 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
         Ok(archive) => archive,
         Err(error) => return seen.add("archive", rules::NOT_RUN.says(sentence(&error))),
     };
-    let Some(facts) = Facts::read(archive.dir()) else { return };
+    let Some(facts) = Facts::read(&archive) else { return };
     let mut number = 0;
     for interface in &facts.interfaces {
         let first = number;
@@ -32,13 +31,13 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
         if number <= from {
             continue;
         }
-        let place = &interface.place;
-        if interface.needs_tool {
-            seen.add(place, rules::needs_another_program(name_of(interface.kind)));
+        let place = &interface.place();
+        if interface.needs_execution_tool {
+            seen.add(place, rules::needs_another_program(interface.kind));
             continue;
         }
         seen.channel.send(Event::Begin(first, "loading the library".to_owned()));
-        let binary = match RawBinary::load(&archive, &interface.identifier) {
+        let binary = match RawBinary::load(&archive, &interface.model_identifier) {
             Ok(binary) => binary,
             Err(error @ cosim::Error::Library { .. }) => {
                 seen.add(place, rules::LOAD.says(sentence(&error)));
@@ -49,7 +48,7 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
                 continue;
             }
         };
-        let place = format!("{} ({})", interface.identifier, name_of(interface.kind));
+        let place = format!("{} ({})", interface.model_identifier, interface.kind);
         let subject = Subject {
             archive: &archive,
             facts: &facts,
@@ -76,7 +75,7 @@ fn run_stage(stage: &Stage, number: usize, subject: &Subject, seen: &mut Seen) -
     if !(stage.applies)(subject) {
         return true;
     }
-    let words = format!("{}: {}", name_of(subject.interface.kind), stage.what);
+    let words = format!("{}: {}", subject.interface.kind, stage.what);
     seen.channel.send(Event::Begin(number, words));
     match (stage.run)(subject, seen) {
         Ok(()) => true,

@@ -3,25 +3,17 @@
 use cosim::raw::{InterfaceType, RawInstance};
 use cosim::{Kind, Log, Status};
 
-use super::facts::{Facts, Interface, Variable};
+use super::facts::{Facts, Variable};
 use super::report::{Fault, Pulse};
 use crate::validate::finding::short;
 use crate::validate::rules;
+use cosim::Interface;
 
 /// Limit of event iterations.
 const MOST_ITERATIONS: usize = 1000;
 
 /// Values that differ from the start values.
 pub(super) type Settings<'a> = Vec<(&'a Variable, Vec<f64>)>;
-
-/// The interface type as the XML names it.
-pub(super) fn name_of(kind: InterfaceType) -> &'static str {
-    match kind {
-        InterfaceType::CoSimulation => "Co-Simulation",
-        InterfaceType::ModelExchange => "Model Exchange",
-        InterfaceType::ScheduledExecution => "Scheduled Execution",
-    }
-}
 
 pub(super) fn words(log: &Log) -> String {
     let text = log.messages().iter().rev().take(2).map(|m| m.text.trim().to_owned()).collect::<Vec<_>>();
@@ -50,9 +42,11 @@ impl<'a> Session<'a> {
         if status <= Status::Warning {
             return Ok(());
         }
-        let (function, kind) = (self.facts.function(function), name_of(self.interface.kind));
-        let words = words(self.raw.log());
-        Fault::new(&self.interface.place, rules::call_failed(function, status, kind, self.now, words))
+        let (function, words) = (self.facts.function(function), words(self.raw.log()));
+        Fault::new(
+            &self.interface.place(),
+            rules::call_failed(function, status, self.interface.kind, self.now, words),
+        )
     }
 
     /// Calls one function of the FMU; [`Session::ok`] judges its status.
@@ -96,13 +90,13 @@ impl<'a> Session<'a> {
             changed |= update.values_changed;
             self.next = update.next;
             if let Some(next) = update.next.filter(|t| t.is_nan() || *t < self.now) {
-                return Fault::new(&self.interface.place, rules::time_event_in_the_past(next, self.now));
+                return Fault::new(&self.interface.place(), rules::time_event_in_the_past(next, self.now));
             }
             if !update.again || update.terminate {
                 return Ok(changed);
             }
         }
-        Fault::new(&self.interface.place, rules::event_iteration_diverges(self.now, MOST_ITERATIONS))
+        Fault::new(&self.interface.place(), rules::event_iteration_diverges(self.now, MOST_ITERATIONS))
     }
 
     /// One communication step of Co-Simulation; `false` if the FMU requests the end.
@@ -110,7 +104,7 @@ impl<'a> Session<'a> {
         let step = self.raw.do_step(self.now, h, false);
         self.ok("DoStep", step.status)?;
         if step.early {
-            return Fault::new(&self.interface.place, rules::early_return(self.now));
+            return Fault::new(&self.interface.place(), rules::early_return(self.now));
         }
         self.now += h;
         Ok(!step.terminated)

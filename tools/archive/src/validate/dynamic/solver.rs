@@ -142,7 +142,7 @@ impl Solver {
         self.x = new;
         Self::rates(session, end, &self.x)?;
         let mut event = false;
-        if session.interface.completed_step {
+        if session.interface.needs_completed_step {
             let (status, asked, _) = session.raw.completed_integrator_step();
             session.ok("CompletedIntegratorStep", status)?;
             event = asked;
@@ -182,7 +182,7 @@ pub(super) fn indicators(session: &mut Session, count: usize) -> Result<Vec<f64>
         session.call("GetEventIndicators", |raw| raw.get_indicators(&mut z))?;
         if let Some(i) = z.iter().position(|z| !z.is_finite()) {
             return Fault::new(
-                &session.interface.place,
+                &session.interface.place(),
                 rules::indicator_not_finite(i + 1, count, z[i], session.now),
             );
         }

@@ -5,11 +5,12 @@ use std::cell::OnceCell;
 use cosim::raw::{RawBinary, RawInstance, RawSetup};
 use cosim::{Archive, Log};
 
-use super::facts::{Facts, Interface};
+use super::facts::Facts;
 use super::report::{Fault, Pulse};
 use super::runs::{Rows, from_here, same};
-use super::session::{Session, Settings, name_of, words};
+use super::session::{Session, Settings, words};
 use crate::validate::rules;
+use cosim::Interface;
 
 /// What all stages share: the FMU and its declarations.
 pub(super) struct Subject<'a> {
@@ -42,10 +43,7 @@ impl<'a> Subject<'a> {
         let log = Log::new();
         match self.try_instance(name, &self.facts.token, &log) {
             Some(raw) => Ok(self.session(raw)),
-            None => {
-                let (kind, words) = (name_of(self.interface.kind), words(&log));
-                Fault::new(&self.place, rules::refused_instance(kind, words))
-            }
+            None => Fault::new(&self.place, rules::refused_instance(self.interface.kind, words(&log))),
         }
     }
 

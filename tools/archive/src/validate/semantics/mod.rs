@@ -7,7 +7,7 @@ mod derivatives;
 mod document;
 mod initial_unknowns;
 mod interfaces;
-mod names;
+pub(super) mod names;
 mod structure;
 mod types;
 mod units;

@@ -25,16 +25,16 @@ pub const FITTED: [&str; 6] = [
 /// Settings of the model for a test; with `calibrated` from the preset of the rig.
 fn setup(case: &Case, calibrated: bool) -> Result<Setup, StudyError> {
     let preset = calibrated.then(|| Preset::load(PRESET)).transpose()?;
+    let (power, ambient) = (POWER.to_string(), case.ambient().to_string());
+    let setting = case.setting.map(|(name, value)| (name, value.to_string()));
     let mut sets = vec![
-        ("electrical_power".to_owned(), POWER.to_string()),
-        ("cooling_mode".to_owned(), case.cooling_mode.to_owned()),
-        ("ambient_temperature".to_owned(), case.ambient().to_string()),
+        ("electrical_power", power.as_str()),
+        ("cooling_mode", case.cooling_mode),
+        ("ambient_temperature", &ambient),
     ];
-    if case.cooling_mode != "bare" {
-        sets.push(("fan_command".to_owned(), "1".to_owned()));
-    }
-    sets.extend(case.setting.map(|(name, value)| (name.to_owned(), value.to_string())));
-    Ok(Setup { model: MODEL.to_owned(), preset, sets })
+    sets.extend((case.cooling_mode != "bare").then_some(("fan_command", "1")));
+    sets.extend(setting.iter().map(|(name, value)| (*name, value.as_str())));
+    Ok(Setup::new(MODEL, preset, &sets))
 }
 
 /// The model's steady winding temperature in a test, K.

@@ -15,18 +15,19 @@ const PARTS: usize = 50;
 
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
-    let Some(interface) = facts.interface(InterfaceType::CoSimulation).filter(|i| !i.needs_tool) else {
+    let Some(interface) = facts.interface(InterfaceType::CoSimulation).filter(|i| !i.needs_execution_tool)
+    else {
         return Ok(());
     };
-    let Ok(binary) = RawBinary::load(subject.archive, &interface.identifier) else { return Ok(()) };
+    let Ok(binary) = RawBinary::load(subject.archive, &interface.model_identifier) else { return Ok(()) };
     let (place, base) = (subject.place.clone(), Default::default());
     let other = Subject { interface, binary, place, base, ..*subject };
     let watched = facts
         .select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input") && !v.is("independent"));
-    let h = facts.step().max(interface.internal_step.unwrap_or(0.0));
+    let h = facts.step().max(interface.fixed_internal_step_size.unwrap_or(0.0));
     let mut looks = vec![(h, steps(facts))];
     let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
-    if slow > 3.0 * h && interface.variable_step {
+    if slow > 3.0 * h && interface.can_handle_variable_step {
         looks.push(((slow / h).floor() * h, PARTS));
     }
     let settings = &subject.base()?.settings;
@@ -79,7 +80,8 @@ fn differs<'a>(
     if suspects.is_empty() {
         return Ok(None);
     }
-    let is_free = other.interface.variable_step && other.interface.internal_step.is_none();
+    let is_free =
+        other.interface.can_handle_variable_step && other.interface.fixed_internal_step_size.is_none();
     let fine = is_free.then(|| stepped(4).ok()).flatten();
     let euler = euler(subject, course)?;
     for i in suspects {
@@ -134,7 +136,7 @@ fn euler(subject: &Subject, course: &Course) -> Result<Rows, Fault> {
     let facts = subject.facts;
     let internal = facts
         .interface(InterfaceType::CoSimulation)
-        .and_then(|i| i.internal_step)
+        .and_then(|i| i.fixed_internal_step_size)
         .unwrap_or(facts.step())
         .min(h);
     let parts = (h / internal).round().clamp(1.0, 10_000.0) as usize;

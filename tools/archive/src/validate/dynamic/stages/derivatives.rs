@@ -74,14 +74,15 @@ struct Look {
 /// Step sizes of the comparison: that of the experiment, a longer one for slow variables, and a fine one for small faults.
 fn looks(subject: &Subject) -> Vec<Look> {
     let facts = subject.facts;
-    let h = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
+    let h = facts.step().max(subject.interface.fixed_internal_step_size.unwrap_or(0.0));
     let mut looks = vec![Look { h, n: steps(facts), is_fine: false }];
     let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
     if slow > 3.0 * h {
         // Multiples of the step: some FMUs accept no others.
         looks.push(Look { h: (slow / h).floor() * h, n: PARTS, is_fine: false });
     }
-    let is_free = subject.interface.variable_step && subject.interface.internal_step.is_none();
+    let is_free =
+        subject.interface.can_handle_variable_step && subject.interface.fixed_internal_step_size.is_none();
     if is_free || subject.interface.kind == InterfaceType::ModelExchange {
         looks.push(Look { h: h / FINER as f64, n: FINER, is_fine: true });
     }

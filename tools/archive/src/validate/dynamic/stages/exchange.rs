@@ -17,7 +17,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let numbers = numbers.or_else(|s| session.ok("GetNumberOfContinuousStates", s).map(|()| (0, 0)))?;
         if numbers != (n, facts.indicators) {
             return Fault::new(
-                &subject.interface.place,
+                &subject.interface.place(),
                 rules::states_number(numbers.0, numbers.1, n, facts.indicators),
             );
         }
@@ -38,7 +38,7 @@ fn nominals(session: &mut Session, n: usize, seen: &mut Seen) -> Result<(), Faul
     let mut nominals = vec![0.0; n];
     session.call("GetNominalsOfContinuousStates", |raw| raw.get_nominals(&mut nominals))?;
     if let Some(i) = nominals.iter().position(|x| !(*x > 0.0 && x.is_finite())) {
-        seen.add(&session.interface.place, rules::nominal_value(i + 1, n, nominals[i]));
+        seen.add(&session.interface.place(), rules::nominal_value(i + 1, n, nominals[i]));
     }
     Ok(())
 }
@@ -51,7 +51,7 @@ fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Faul
     let mut back = vec![0.0; x.len()];
     session.call("GetContinuousStates", |raw| raw.get_states(&mut back))?;
     if let Some(i) = x.iter().zip(&back).position(|(a, b)| !close(*a, *b)) {
-        seen.add(&session.interface.place, rules::states_kept(i + 1, x[i], back[i]));
+        seen.add(&session.interface.place(), rules::states_kept(i + 1, x[i], back[i]));
     }
     let derivatives: Vec<usize> = facts.derivatives.iter().map(|e| e.variable).collect();
     for (list, vector, what) in [(&facts.states, &back, "state"), (&derivatives, &rates, "derivative")] {
@@ -78,8 +78,8 @@ fn memory(session: &mut Session, x: &[f64], moved: &[f64], seen: &mut Seen) -> R
     let second = Solver::rates(session, t, x)?;
     if let Some(i) = first.iter().zip(&second).position(|(a, b)| !close(*a, *b)) {
         let v = session.facts.derivatives.get(i).map(|e| &session.facts.variables[e.variable]);
-        let place = v.map_or(&session.interface.place, |v| &v.place);
-        seen.add(place, rules::evaluation_memory(i + 1, first.len(), first[i], second[i]));
+        let place = v.map_or_else(|| session.interface.place(), |v| v.place.clone());
+        seen.add(&place, rules::evaluation_memory(i + 1, first.len(), first[i], second[i]));
     }
     Ok(())
 }
@@ -119,7 +119,7 @@ fn jumps(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let jump = (high.1 - low.1).abs();
         if jump > 1e-3 * (before[i] - after[i]).abs() {
             seen.add(
-                &subject.interface.place,
+                &subject.interface.place(),
                 rules::indicator_jumps(i + 1, facts.indicators, low.1, high.1, t + low.0 * (t1 - t)),
             );
         }

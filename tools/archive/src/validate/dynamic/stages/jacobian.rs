@@ -82,12 +82,12 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             continue;
         };
         dependencies(facts, &unknowns, known, &column, seen);
-        if subject.interface.directional {
+        if subject.interface.provides_directional_derivatives {
             point.directional(known, &column, seen)?;
         }
         columns.push((*known, column));
     }
-    if subject.interface.adjoint {
+    if subject.interface.provides_adjoint_derivatives {
         point.adjoint(&columns, seen)?;
     }
     Ok(())

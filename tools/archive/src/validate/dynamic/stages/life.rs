@@ -73,7 +73,7 @@ fn is_outside(v: &Variable, x: f64) -> bool {
 fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let log = Log::with_debug();
     let Some(mut raw) = subject.try_instance("probe", &subject.facts.token, &log) else {
-        return Fault::new(&subject.interface.place, rules::refused_with_logging());
+        return Fault::new(&subject.interface.place(), rules::refused_with_logging());
     };
     let started = raw.enter_initialization(subject.facts.start, None, subject.facts.tolerance)
         <= Status::Warning
@@ -85,7 +85,7 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let messages = log.messages();
     if let Some(m) = messages.iter().find(|m| !m.category.is_empty() && !declared.contains(&m.category)) {
         seen.add(
-            &subject.interface.place,
+            &subject.interface.place(),
             rules::log_category_undeclared(short(&m.category), short(m.text.trim())),
         );
     }
@@ -102,7 +102,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         event_mode: true,
     };
     let Some(raw) = subject.binary.instantiate(&setup, &log) else {
-        return Fault::new(&subject.interface.place, rules::refused_with_event_mode());
+        return Fault::new(&subject.interface.place(), rules::refused_with_event_mode());
     };
     let facts = subject.facts;
     let mut session = subject.session(raw);

@@ -10,7 +10,7 @@ pub(super) fn token(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     }
     if subject.try_instance("probe", FOREIGN, &Log::new()).is_some() {
         let word = subject.facts.pick("GUID", "instantiation token");
-        seen.add(&subject.interface.place, rules::token_unchecked(word, FOREIGN));
+        seen.add(&subject.interface.place(), rules::token_unchecked(word, FOREIGN));
     }
     Ok(())
 }
@@ -75,7 +75,7 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     for reference in [u32::MAX - 1, highest.saturating_add(1000)] {
         let mut value = [0.0];
         if session.raw.get(Kind::Float64, &[reference], &mut value) <= Status::Warning {
-            seen.add(&subject.interface.place, rules::reference_unchecked(reference, value[0]));
+            seen.add(&subject.interface.place(), rules::reference_unchecked(reference, value[0]));
             break;
         }
         session = subject.started(&Vec::new())?;

@@ -191,7 +191,8 @@ fn reach(session: &mut Session, t: f64, inputs: Option<&Table>) -> Result<bool, 
     session.now = from + h * whole.max(0.0);
     let rest = t - session.now;
     if rest > 1e-6 * h {
-        if !session.interface.variable_step || session.interface.internal_step.is_some() {
+        if !session.interface.can_handle_variable_step || session.interface.fixed_internal_step_size.is_some()
+        {
             return Ok(false);
         }
         feed(session, inputs)?;

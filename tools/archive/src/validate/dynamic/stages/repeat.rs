@@ -112,10 +112,10 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         && let Some(bytes) = growth(round_of_instances, || subject.started(&Vec::new()).map(|_| true))?
         && bytes > LEAK
     {
-        seen.add(&subject.interface.place, rules::leak_of_instance(bytes, 4 * round_of_instances));
+        seen.add(&subject.interface.place(), rules::leak_of_instance(bytes, 4 * round_of_instances));
     }
     let mut session = subject.started(&Vec::new())?;
-    if subject.interface.state {
+    if subject.interface.can_get_and_set_state {
         let piece = || {
             let mut state = RawState::NONE;
             session.call("GetFMUState", |raw| raw.save(&mut state))?;
@@ -125,7 +125,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND / 5, piece)?
             && bytes > LEAK
         {
-            seen.add(&subject.interface.place, rules::leak_of_state(bytes));
+            seen.add(&subject.interface.place(), rules::leak_of_state(bytes));
         }
     }
     if subject.interface.kind == InterfaceType::CoSimulation {
@@ -142,7 +142,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND, piece)?
             && bytes > STEP_LEAK
         {
-            seen.add(&subject.interface.place, rules::leak_of_step(bytes));
+            seen.add(&subject.interface.place(), rules::leak_of_step(bytes));
         }
     }
     Ok(())

@@ -42,7 +42,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let second = back(&mut session, &state)?;
     compare(subject, &first, &second, &rules::ROLLBACK, "after going back to the saved state", seen)?;
 
-    if subject.interface.serialize {
+    if subject.interface.can_serialize_state {
         let mut size = 0;
         session.call(names[3], |raw| raw.state_size(&state, &mut size))?;
         let mut bytes = vec![0; size];
@@ -51,7 +51,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let third = back(&mut session, &copy)?;
         compare(subject, &first, &third, &rules::SERIALIZE, "from the state's bytes", seen)?;
         free(&mut session, copy, names[2], seen)?;
-        if !subject.interface.only_once {
+        if !subject.interface.only_once_per_process {
             let mut other = subject.started(&Vec::new())?;
             let copy = from_bytes(&mut other, &bytes, names[4])?;
             let fourth = back(&mut other, &copy)?;
@@ -80,7 +80,7 @@ fn from_bytes(session: &mut Session, bytes: &[u8], name: &str) -> Result<RawStat
 fn free(session: &mut Session, mut state: RawState, name: &str, seen: &mut Seen) -> Result<(), Fault> {
     session.call(name, |raw| raw.free_state(&mut state))?;
     if !state.is_none() {
-        seen.add(&session.interface.place, rules::state_pointer(name));
+        seen.add(&session.interface.place(), rules::state_pointer(name));
     }
     Ok(())
 }

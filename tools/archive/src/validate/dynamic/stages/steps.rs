@@ -11,7 +11,7 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let base = subject.base()?;
     let watched = facts.select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input"));
-    let coarse = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
+    let coarse = facts.step().max(subject.interface.fixed_internal_step_size.unwrap_or(0.0));
     let end = steps(facts);
     let mut movement = vec![0.0_f64; watched.len()];
     let mut run = |parts: usize| -> Result<Option<Vec<f64>>, Fault> {
@@ -24,7 +24,7 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     };
     let (Some(one), Some(two)) = (run(1)?, run(2)?) else { return Ok(()) };
     // A fixed internal step cannot be cut in four.
-    let four = if subject.interface.internal_step.is_none() { run(4)? } else { None };
+    let four = if subject.interface.fixed_internal_step_size.is_none() { run(4)? } else { None };
     for (i, v) in watched.iter().enumerate() {
         let first = (one[i] - two[i]).abs();
         let second = four.as_ref().map_or(first, |f| (two[i] - f[i]).abs());
@@ -73,6 +73,6 @@ pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         now += h;
     }
     let (function, status) = (subject.facts.function("DoStep"), Status::Error);
-    seen.add(&subject.interface.place, rules::stop_time(function, now, stop, status));
+    seen.add(&subject.interface.place(), rules::stop_time(function, now, stop, status));
     Ok(())
 }
