@@ -1,7 +1,6 @@
 //! The content of `modelDescription.xml` in one structure for FMI 2.0 and 3.0. The reader is in `description/parse.rs`.
 mod parse;
 
-use crate::raw::InterfaceType;
 use std::fmt;
 
 /// The generation of the standard.
@@ -84,6 +83,29 @@ pub struct Dependencies {
     pub on: Option<Vec<usize>>,
 }
 
+/// Name of the file in the archive.
+pub const FILE: &str = "modelDescription.xml";
+
+/// An interface type of the standards.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the standard's words
+pub enum InterfaceType {
+    #[default]
+    CoSimulation,
+    ModelExchange,
+    ScheduledExecution,
+}
+
+impl std::fmt::Display for InterfaceType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::CoSimulation => "Co-Simulation",
+            Self::ModelExchange => "Model Exchange",
+            Self::ScheduledExecution => "Scheduled Execution",
+        })
+    }
+}
+
 /// One interface with its capability flags; absent flags have the standard's default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interface {
@@ -122,7 +144,7 @@ pub struct Interface {
 impl Interface {
     /// File and line of the element.
     pub fn place(&self) -> String {
-        format!("{}:{}", crate::elements::FILE, self.line)
+        format!("{}:{}", FILE, self.line)
     }
 }
 

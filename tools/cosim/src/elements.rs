@@ -8,8 +8,7 @@ use roxmltree::Node;
 use std::collections::HashMap;
 use std::fmt::{Display, Formatter};
 
-/// Name of the file in the archive.
-pub const FILE: &str = "modelDescription.xml";
+pub use crate::description::FILE;
 
 /// A model description.
 pub struct Model<'a> {

@@ -18,30 +18,11 @@ mod continuous;
 mod functions;
 mod values;
 
+pub use crate::description::InterfaceType;
 pub use calls::{RawState, RawStep};
 pub use continuous::DiscreteUpdate;
 pub(crate) use functions::{Functions, names};
 pub(crate) use values::Number;
-
-/// An interface type of the standards.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum InterfaceType {
-    #[default]
-    CoSimulation,
-    ModelExchange,
-    ScheduledExecution,
-}
-
-impl std::fmt::Display for InterfaceType {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::CoSimulation => "Co-Simulation",
-            Self::ModelExchange => "Model Exchange",
-            Self::ScheduledExecution => "Scheduled Execution",
-        })
-    }
-}
 
 /// A loaded library of an FMU. It stays loaded for as long as an instance of it lives.
 #[derive(Clone)]

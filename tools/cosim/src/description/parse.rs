@@ -1,8 +1,7 @@
 //! From the elements of `modelDescription.xml` to a [`ModelDescription`]; strict for the elements that it uses.
 use super::*;
 use crate::Error;
-use crate::elements::{self, FILE, Model, TypeDefinition, Unknown};
-use crate::raw::InterfaceType;
+use crate::elements::{self, Model, TypeDefinition, Unknown};
 use crate::xml::{Fault, Xml, child, children, elements};
 use roxmltree::Node;
 

@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::facts::Variable;
-use super::runs::Difference;
-use crate::validate::rules::{Breach, Rule};
+use crate::validate::rules::Breach;
 
 /// A message of the child process to the parent, one line each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -113,18 +112,5 @@ impl<'a> Seen<'a> {
         self.failed = true;
         let (code, place) = (rule.code.to_owned(), place.to_owned());
         self.channel.send(Event::Seen(Observation { code, place, message }));
-    }
-
-    /// Reports where two runs differ, and whether they do; `is` puts both values into words.
-    pub(super) fn differ(
-        &mut self,
-        rule: &'static Rule,
-        difference: Option<Difference>,
-        is: impl Fn(f64, f64) -> String,
-    ) -> bool {
-        let Some(d) = difference else { return false };
-        let message = format!("Variable \"{}\" {} ({})", d.name, is(d.first, d.second), d.when());
-        self.add(&d.variable.place, rule.says(message));
-        true
     }
 }

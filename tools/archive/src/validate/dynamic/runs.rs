@@ -3,9 +3,10 @@
 use cosim::raw::InterfaceType;
 
 use super::facts::{Facts, Variable};
-use super::report::Fault;
+use super::report::{Fault, Seen};
 use super::session::{Session, column};
 use super::solver::{Reached, Solver};
+use crate::validate::rules::Rule;
 
 /// Steps of one run.
 const STEPS: usize = 10;
@@ -113,6 +114,21 @@ impl Difference<'_> {
             1 => "after 1 step".to_owned(),
             n => format!("after {n} steps"),
         }
+    }
+}
+
+impl Seen<'_> {
+    /// Reports where two runs differ, and whether they do; `is` puts both values into words.
+    pub(super) fn differ(
+        &mut self,
+        rule: &'static Rule,
+        difference: Option<Difference>,
+        is: impl Fn(f64, f64) -> String,
+    ) -> bool {
+        let Some(d) = difference else { return false };
+        let message = format!("Variable \"{}\" {} ({})", d.name, is(d.first, d.second), d.when());
+        self.add(&d.variable.place, rule.says(message));
+        true
     }
 }
 
