@@ -56,8 +56,7 @@ pub fn glibc(bytes: &[u8]) -> Option<(u32, u32)> {
 
 /// `GLIBC_2.14` and `GLIBC_2.2.5` as numbers; the third one never decides.
 fn version_of(name: &[u8]) -> Option<(u32, u32)> {
-    let text = std::str::from_utf8(name).ok()?.strip_prefix("GLIBC_")?;
-    let mut numbers = text.split('.').map(str::parse);
+    let mut numbers = std::str::from_utf8(name).ok()?.strip_prefix("GLIBC_")?.split('.').map(str::parse);
     Some((numbers.next()?.ok()?, numbers.next()?.ok()?))
 }
 

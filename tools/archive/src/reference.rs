@@ -6,15 +6,13 @@
 
 use crate::native::Native;
 use describe::{Causality, DEFAULT_STEP, DEFAULT_STOP, Entry};
-use quick_xml::Writer;
-use std::io;
 
 /// The folder in the archive.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 /// Points between two rows of the results.
 const DECIMATION: u32 = 10;
-/// The version of the layered standard, a draft, that the manifest follows.
-const VERSION: &str = "1.0.0-alpha.1";
+/// The manifest with places for names and numbers; its version of the layered standard is a draft.
+const MANIFEST: &str = include_str!("../assets/fmi-ls-manifest.xml");
 
 /// The table of inputs and the results, both as CSV.
 pub struct Reference {
@@ -98,51 +96,10 @@ pub fn run(native: &Native<'_>) -> Option<Reference> {
 /// What lies in the folder, for the layered standard's readers.
 pub fn manifest(model: &str) -> String {
     let [inputs, results] = file_names(model);
-    let related = [
-        (
-            "text/csv",
-            inputs,
-            "testcase",
-            "Inputs over time; two rows with the same time make a jump".to_string(),
-        ),
-        (
-            "text/csv",
-            results,
-            "result",
-            format!(
-                "Outputs of the native model under these inputs and the start values, at communication steps of {DEFAULT_STEP} s"
-            ),
-        ),
-        (
-            "text/html",
-            "../../documentation/index.html".into(),
-            "document",
-            "What the model is and holds".into(),
-        ),
-    ];
-    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-    let root = [
-        ("xmlns:fmi-ls", "http://fmi-standard.org/fmi-ls-manifest"),
-        ("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-ref"),
-        ("fmi-ls:fmi-ls-version", VERSION),
-        (
-            "fmi-ls:fmi-ls-description",
-            "Layered Standard providing information on related files included in an FMU.",
-        ),
-    ];
-    let write = |xml: &mut Writer<Vec<u8>>| -> io::Result<()> {
-        xml.create_element("fmiReferences").with_attributes(root).write_inner_content(|xml| {
-            related.iter().try_for_each(|(kind, source, role, description)| {
-                let attributes =
-                    [("type", *kind), ("source", source), ("role", role), ("description", description)];
-                xml.create_element("Related").with_attributes(attributes).write_empty().map(drop)
-            })
-        })?;
-        Ok(())
-    };
-    write(&mut xml).expect("writing to memory does not fail");
-    let text = String::from_utf8(xml.into_inner()).expect("names and descriptions are UTF-8");
-    format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{text}\n")
+    let step = DEFAULT_STEP.to_string();
+    [("{inputs}", inputs), ("{results}", results), ("{step}", step)]
+        .iter()
+        .fold(MANIFEST.to_owned(), |text, (place, value)| text.replace(place, value))
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! Which variables belong together where a model is connected: `terminalsAndIcons.xml` of FMI 3.
 
+use describe::xml::{self, Attributes, element, empty};
 use describe::{Causality, Declaration};
-use quick_xml::Writer;
 use serde::Deserialize;
-use std::io;
 use std::sync::LazyLock;
 
 /// The folder in the archive.
@@ -56,57 +55,35 @@ pub fn of(declaration: &Declaration) -> Vec<Terminal> {
 
 /// terminalsAndIcons.xml: the icon, and the terminals on its edges.
 pub fn document(declaration: &Declaration) -> String {
-    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-    write(&mut xml, declaration).expect("writing to memory does not fail");
-    let text = String::from_utf8(xml.into_inner()).expect("names and descriptions are UTF-8");
-    format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{text}\n")
-}
-
-fn write(xml: &mut Writer<Vec<u8>>, declaration: &Declaration) -> io::Result<()> {
-    let box_of = |x1: &'static str, y1: &'static str, x2: &'static str, y2: &'static str| {
-        [("x1", x1), ("y1", y1), ("x2", x2), ("y2", y2)]
+    let texts = |all: &[(&'static str, &str)]| -> Attributes {
+        all.iter().map(|(name, value)| (*name, (*value).to_owned())).collect()
     };
+    let corners = [("x1", "-100"), ("y1", "-100"), ("x2", "100"), ("y2", "100")];
+    let system = [&corners[..], &[("suggestedScalingFactorTo_mm", "0.1")]].concat();
     let terminals = of(declaration);
-    xml.create_element("fmiTerminalsAndIcons").with_attribute(("fmiVersion", "3.0")).write_inner_content(
-        |xml| {
-            xml.create_element("GraphicalRepresentation").write_inner_content(|xml| {
-                let system = box_of("-100", "-100", "100", "100");
-                let scale = [("suggestedScalingFactorTo_mm", "0.1")];
-                xml.create_element("CoordinateSystem")
-                    .with_attributes(system.into_iter().chain(scale))
-                    .write_empty()?;
-                xml.create_element("Icon").with_attributes(system).write_empty()?;
-                Ok(())
-            })?;
-            if terminals.is_empty() {
-                return Ok(());
-            }
-            xml.create_element("Terminals").write_inner_content(|xml| {
-                terminals.iter().try_for_each(|terminal| {
-                    let attributes =
-                        [("name", terminal.name), ("matchingRule", "bus"), ("description", terminal.what)];
-                    xml.create_element("Terminal").with_attributes(attributes).write_inner_content(
-                        |xml| {
-                            terminal.members.iter().try_for_each(|(variable, kind)| {
-                                let member = [
-                                    ("variableName", variable.as_str()),
-                                    ("memberName", variable.as_str()),
-                                    ("variableKind", kind.as_str()),
-                                ];
-                                xml.create_element("TerminalMemberVariable")
-                                    .with_attributes(member)
-                                    .write_empty()
-                                    .map(drop)
-                            })
-                        },
-                    )?;
-                    Ok(())
+    xml::document("fmiTerminalsAndIcons", &texts(&[("fmiVersion", "3.0")]), |xml| {
+        element(xml, "GraphicalRepresentation", &vec![], |xml| {
+            empty(xml, "CoordinateSystem", &texts(&system))?;
+            empty(xml, "Icon", &texts(&corners))
+        })?;
+        if terminals.is_empty() {
+            return Ok(());
+        }
+        element(xml, "Terminals", &vec![], |xml| {
+            terminals.iter().try_for_each(|terminal| {
+                let attributes =
+                    [("name", terminal.name), ("matchingRule", "bus"), ("description", terminal.what)];
+                element(xml, "Terminal", &texts(&attributes), |xml| {
+                    terminal.members.iter().try_for_each(|(variable, kind)| {
+                        let member =
+                            [("variableName", variable), ("memberName", variable), ("variableKind", kind)];
+                        let member = member.map(|(name, value)| (name, value.as_str()));
+                        empty(xml, "TerminalMemberVariable", &texts(&member))
+                    })
                 })
-            })?;
-            Ok(())
-        },
-    )?;
-    Ok(())
+            })
+        })
+    })
 }
 
 #[cfg(test)]

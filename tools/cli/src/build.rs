@@ -46,7 +46,6 @@ pub struct Args {
     out: PathBuf,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let preset = args.preset.as_deref().map(Preset::load).transpose()?;
     let effects = args.effects.as_deref().map(TermsFile::load).transpose()?;

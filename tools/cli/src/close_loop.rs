@@ -41,10 +41,6 @@ pub struct Args {
 /// Fraction of the progress that the search takes; the rest is export and replay.
 const SEARCH: f64 = 0.9;
 
-/// Runs the command.
-///
-/// # Errors
-/// One sentence: what cannot be read, is no experiment, or cannot be written.
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let begun = std::time::Instant::now();
     let experiment = Experiment::read(&args.experiment)?;

@@ -78,10 +78,6 @@ impl From<Scheme> for Algorithm {
     }
 }
 
-/// Runs a system.
-///
-/// # Errors
-/// One sentence: what could not be read, connected, set, run or written.
 pub fn run(args: Args) -> Result<ExitCode, Failure> {
     let system = System::open(&args.system)?;
     let options = SystemOptions {
@@ -117,10 +113,6 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
     Ok(crate::outcome(run.recording.ended_early.is_none()))
 }
 
-/// Writes a system.
-///
-/// # Errors
-/// One sentence: what does not fit, or could not be written.
 pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
     let out = args.out.clone().unwrap_or_else(|| args.system.with_extension("ssp"));
     if out == args.system {

@@ -33,7 +33,6 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let (json, rows, conclusion, page) = match args.which {
         Which::Thesis => {
@@ -82,10 +81,9 @@ fn table(rows: &[Row], conclusion: &str) -> String {
             Printed::Text(_) => "-".to_owned(),
         };
         text += &format!(
-            "{:14} {:44} {:>12} {:>12} {:>12} {:9}  {:8} {}\n",
+            "{:14} {:44} {printed:>12} {:>12} {:>12} {:9}  {:8} {}\n",
             row.id,
             shortened(&row.quantity, 44),
-            printed,
             number(row.as_published),
             number(row.corrected),
             row.basis.map_or("", Basis::text),
@@ -110,9 +108,9 @@ fn cases(cases: &[CaseResult]) -> String {
             "{:16} {:>10.1} {:>18} {:>18} {:>18}\n",
             case.name,
             case.T_w_measured_K,
-            with_error(case.T_w_model_K),
+            with_error(Some(case.T_w_model_K)),
             with_error(case.T_w_leave_one_out_K),
-            with_error(case.T_w_untuned_K)
+            with_error(Some(case.T_w_untuned_K))
         );
     }
     text

@@ -45,10 +45,6 @@ pub struct Args {
     json: bool,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// One sentence: what could not be read, set, run or written.
 pub fn run(args: Args) -> Result<ExitCode, Failure> {
     let archive = Archive::open(&args.file)?;
     let input =
@@ -151,7 +147,6 @@ pub fn final_values(recording: &Recording) -> String {
     text
 }
 
-/// Six significant digits.
 pub fn significant(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() || (1e-3..1e6).contains(&size) {

@@ -81,7 +81,6 @@ pub struct SteadyArgs {
     pub json: bool,
 }
 
-/// Runs `steady`.
 pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.load.load {
         return walk::run(args, file);
@@ -171,7 +170,6 @@ pub struct SweepArgs {
     json: bool,
 }
 
-/// Runs `sweep`.
 pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let vary = args.vary.iter().map(|text| Vary::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);

@@ -31,7 +31,6 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     report_within(&args.files, args.json, args.patience)
 }
@@ -81,7 +80,6 @@ pub struct ProbeArgs {
     from: usize,
 }
 
-/// Runs the child.
 pub fn probe(args: &ProbeArgs) -> Result<ExitCode, Failure> {
     dynamic::probe(&args.file, args.from, &mut |event| {
         // The line before ours may be one that the FMU has begun.

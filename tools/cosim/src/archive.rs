@@ -1,5 +1,6 @@
 //! An FMU file: a zip archive that is checked, unpacked into a temporary directory and described.
 use crate::{Error, FmiVersion, Interface, ModelDescription};
+use std::env::consts::{ARCH, OS};
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
@@ -31,7 +32,6 @@ impl Archive {
     /// A missing file; no zip, or a damaged one; names that would leave the directory; absurd sizes; no
     /// `modelDescription.xml`, or one that [`ModelDescription::parse`] refuses.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let io = |source| Error::Io { action: "open", path: path.to_owned(), source };
         let dir = unpacked(path)?;
         let xml = match fs::read(dir.path().join("modelDescription.xml")) {
             Ok(bytes) => String::from_utf8(bytes)
@@ -39,11 +39,11 @@ impl Archive {
             Err(e) if e.kind() == io::ErrorKind::NotFound => {
                 return Err(bad(path, "it has no modelDescription.xml"));
             }
-            Err(source) => return Err(io(source)),
+            Err(e) => return Err(Error::io("open", path)(e)),
         };
         let description = ModelDescription::parse(&xml).map_err(|e| match e {
-            Error::Description { file, line, message } => {
-                Error::Description { file: format!("{}: {file}", path.display()), line, message }
+            Error::Text { file, line, message } => {
+                Error::Text { file: format!("{}: {file}", path.display()), line, message }
             }
             other => other,
         })?;
@@ -65,22 +65,6 @@ impl Archive {
         &self.description
     }
 
-    /// The binary for this platform: that of Co-Simulation, else that of Model Exchange.
-    ///
-    /// # Errors
-    /// [`Error::Platform`], listing the platforms that are there; [`Error::Unsupported`] on a machine for which
-    /// FMI has no platform name or for an archive without either interface.
-    pub fn binary_path(&self) -> Result<PathBuf, Error> {
-        let description = &self.description;
-        match description.co_simulation.as_ref().or(description.model_exchange.as_ref()) {
-            Some(interface) => self.binary_of(interface),
-            None => Err(Error::Unsupported {
-                name: self.path.display().to_string(),
-                reason: "has neither a Co-Simulation nor a Model Exchange interface".to_owned(),
-            }),
-        }
-    }
-
     /// The platforms that have a directory below `binaries`, sorted.
     pub fn platforms(&self) -> Vec<String> {
         let Ok(entries) = fs::read_dir(self.dir().join("binaries")) else { return Vec::new() };
@@ -93,16 +77,10 @@ impl Archive {
 
     /// The binary of one interface for this platform.
     pub(crate) fn binary_of(&self, interface: &Interface) -> Result<PathBuf, Error> {
-        let Some((platform, extension)) = platform(self.description.fmi_version) else {
-            return Err(Error::Unsupported {
-                name: self.path.display().to_string(),
-                reason: format!(
-                    "cannot run here: FMI {} has no name for the platform {}-{}",
-                    self.description.fmi_version,
-                    std::env::consts::ARCH,
-                    std::env::consts::OS
-                ),
-            });
+        let version = self.description.fmi_version;
+        let Some((platform, extension)) = platform(version) else {
+            let reason = format!("cannot run here: FMI {version} has no name for the platform {ARCH}-{OS}");
+            return Err(self.unsupported(reason));
         };
         let relative: PathBuf =
             ["binaries", platform, &format!("{}.{extension}", interface.model_identifier)].iter().collect();
@@ -111,11 +89,14 @@ impl Archive {
             return Ok(binary);
         }
         let present = self.platforms();
-        Err(Error::Platform {
-            path: self.path.clone(),
-            wanted: relative.display().to_string(),
-            present: if present.is_empty() { "none at all".to_owned() } else { present.join(", ") },
-        })
+        let present = if present.is_empty() { "none at all".to_owned() } else { present.join(", ") };
+        let wanted = relative.display();
+        Err(self.unsupported(format!("has no binary {wanted} for this platform, it has {present}")))
+    }
+
+    /// An error of this archive with a predicate.
+    pub(crate) fn unsupported(&self, reason: impl Into<String>) -> Error {
+        Error::unsupported(self.path.display(), reason)
     }
 
     /// A handle that keeps the unpacked files on disk.
@@ -126,29 +107,24 @@ impl Archive {
 
 /// A directory with the content of the zip archive at `path`, checked as [`Archive::open`] says.
 pub(crate) fn unpacked(path: &Path) -> Result<TempDir, Error> {
-    let io = |source| Error::Io { action: "open", path: path.to_owned(), source };
-    let file = fs::File::open(path).map_err(io)?;
-    let meta = file.metadata().map_err(io)?;
+    let file = fs::File::open(path).map_err(Error::io("open", path))?;
+    let meta = file.metadata().map_err(Error::io("open", path))?;
     if meta.is_dir() {
         return Err(bad(path, "it is a directory"));
     }
-    let dir = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(|source| Error::Io {
-        action: "create a directory in",
-        path: std::env::temp_dir(),
-        source,
-    })?;
+    let dir = tempfile::Builder::new().prefix("fmu-").tempdir();
+    let dir = dir.map_err(Error::io("create a directory in", &std::env::temp_dir()))?;
     let limit = (meta.len().saturating_mul(MAX_RATIO)).clamp(ALWAYS_ALLOWED, NEVER_ALLOWED);
     unpack(path, file, dir.path(), limit)?;
     Ok(dir)
 }
 
 fn bad(path: &Path, reason: impl Into<String>) -> Error {
-    Error::Archive { path: path.to_owned(), reason: reason.into() }
+    Error::Archive { path: path.to_owned(), kind: "FMU", reason: reason.into() }
 }
 
 /// This machine's directory below `binaries` and its library extension.
 fn platform(version: FmiVersion) -> Option<(&'static str, &'static str)> {
-    use std::env::consts::{ARCH, OS};
     Some(match (version, ARCH, OS) {
         (FmiVersion::V2, "x86_64", "linux") => ("linux64", "so"),
         (FmiVersion::V2, "x86", "linux") => ("linux32", "so"),
@@ -181,13 +157,13 @@ fn unpack(path: &Path, file: fs::File, dir: &Path, limit: u64) -> Result<(), Err
         let name = entry.name().map_err(damaged)?.into_owned();
         check_name(path, &name)?;
         let target = dir.join(&name);
-        let failed = |source| Error::Io { action: "unpack", path: target.clone(), source };
+        let failed = Error::io("unpack", &target);
         if entry.is_dir() {
-            fs::create_dir_all(&target).map_err(failed)?;
+            fs::create_dir_all(&target).map_err(&failed)?;
             continue;
         }
         if let Some(parent) = target.parent() {
-            fs::create_dir_all(parent).map_err(failed)?;
+            fs::create_dir_all(parent).map_err(&failed)?;
         }
         // Symbolic links are never made: their target becomes the content of a plain file.
         let mut out = fs::File::create(&target).map_err(failed)?;

@@ -14,12 +14,36 @@ pub enum FmiVersion {
 
 impl fmt::Display for FmiVersion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::V2 => "2.0",
-            Self::V3 => "3.0",
-        })
+        f.write_str(if *self == Self::V2 { "2.0" } else { "3.0" })
     }
 }
+
+/// Declares an enumeration with the word of the standard for each item and how messages name it.
+macro_rules! words {
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($item:ident $word:literal $text:literal,)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[allow(missing_docs)] // the standard's words
+        $vis enum $name { $($item,)* }
+
+        impl $name {
+            /// The item that a file calls `word`.
+            pub(crate) fn of(word: &str) -> Option<Self> {
+                match word {
+                    $($word => Some(Self::$item),)*
+                    _ => None,
+                }
+            }
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(match self { $(Self::$item => $text,)* })
+            }
+        }
+    };
+}
+pub(crate) use words;
 
 /// The content of `modelDescription.xml`.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,10 +58,8 @@ pub struct ModelDescription {
     pub description: Option<String>,
     /// `generationTool`
     pub generation_tool: Option<String>,
-    /// The Co-Simulation interface, if there is one.
-    pub co_simulation: Option<Interface>,
-    /// The Model Exchange interface, if there is one.
-    pub model_exchange: Option<Interface>,
+    /// The interface types, in the order of the file.
+    pub interfaces: Vec<Interface>,
     /// `DefaultExperiment`; empty when absent.
     pub default_experiment: DefaultExperiment,
     /// Names of the log categories.
@@ -61,9 +83,34 @@ pub struct Dependencies {
     pub on: Option<Vec<usize>>,
 }
 
+/// Name of the file in the archive.
+pub const FILE: &str = "modelDescription.xml";
+
+/// An interface type of the standards.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the standard's words
+pub enum InterfaceType {
+    #[default]
+    CoSimulation,
+    ModelExchange,
+    ScheduledExecution,
+}
+
+impl std::fmt::Display for InterfaceType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::CoSimulation => "Co-Simulation",
+            Self::ModelExchange => "Model Exchange",
+            Self::ScheduledExecution => "Scheduled Execution",
+        })
+    }
+}
+
 /// One interface with its capability flags; absent flags have the standard's default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interface {
+    /// The interface type.
+    pub kind: InterfaceType,
     /// Name of the binary, without extension.
     pub model_identifier: String,
     /// The FMU needs another program to run.
@@ -76,6 +123,10 @@ pub struct Interface {
     pub can_serialize_state: bool,
     /// Directional derivatives are provided.
     pub provides_directional_derivatives: bool,
+    /// FMI 3: adjoint derivatives are provided.
+    pub provides_adjoint_derivatives: bool,
+    /// Model Exchange: the end of each integrator step is to be reported.
+    pub needs_completed_step: bool,
     /// Co-Simulation: the step size may differ from step to step.
     pub can_handle_variable_step: bool,
     /// Co-Simulation, FMI 2: derivatives of inputs are understood.
@@ -88,6 +139,13 @@ pub struct Interface {
     pub has_event_mode: bool,
     /// Line of the element in the file.
     pub line: u32,
+}
+
+impl Interface {
+    /// File and line of the element.
+    pub fn place(&self) -> String {
+        format!("{}:{}", FILE, self.line)
+    }
 }
 
 /// Default experiment; times in s.
@@ -229,63 +287,37 @@ impl Kind {
     }
 }
 
-/// `causality`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum Causality {
-    Parameter,
-    CalculatedParameter,
-    StructuralParameter,
-    Input,
-    Output,
-    Local,
-    Independent,
-}
-
-impl fmt::Display for Causality {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Parameter => "parameter",
-            Self::CalculatedParameter => "calculated parameter",
-            Self::StructuralParameter => "structural parameter",
-            Self::Input => "input",
-            Self::Output => "output",
-            Self::Local => "local variable",
-            Self::Independent => "independent variable",
-        })
+words! {
+    /// `causality`
+    pub enum Causality {
+        Parameter "parameter" "parameter",
+        CalculatedParameter "calculatedParameter" "calculated parameter",
+        StructuralParameter "structuralParameter" "structural parameter",
+        Input "input" "input",
+        Output "output" "output",
+        Local "local" "local variable",
+        Independent "independent" "independent variable",
     }
 }
 
-/// `variability`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum Variability {
-    Constant,
-    Fixed,
-    Tunable,
-    Discrete,
-    Continuous,
-}
-
-impl fmt::Display for Variability {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Constant => "constant",
-            Self::Fixed => "fixed",
-            Self::Tunable => "tunable",
-            Self::Discrete => "discrete",
-            Self::Continuous => "continuous",
-        })
+words! {
+    /// `variability`
+    pub enum Variability {
+        Constant "constant" "constant",
+        Fixed "fixed" "fixed",
+        Tunable "tunable" "tunable",
+        Discrete "discrete" "discrete",
+        Continuous "continuous" "continuous",
     }
 }
 
-/// `initial`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum Initial {
-    Exact,
-    Approx,
-    Calculated,
+words! {
+    /// `initial`
+    pub enum Initial {
+        Exact "exact" "exact",
+        Approx "approx" "approx",
+        Calculated "calculated" "calculated",
+    }
 }
 
 /// One dimension of an array (FMI 3).
@@ -336,6 +368,16 @@ pub struct Variable {
 }
 
 impl ModelDescription {
+    /// The interface of a type, if there is one.
+    pub fn interface(&self, kind: InterfaceType) -> Option<&Interface> {
+        self.interfaces.iter().find(|i| i.kind == kind)
+    }
+
+    /// The Co-Simulation interface, if there is one.
+    pub fn co_simulation(&self) -> Option<&Interface> {
+        self.interface(InterfaceType::CoSimulation)
+    }
+
     /// The variable called `name`.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|v| v.name == name)

@@ -2,13 +2,13 @@
 //!
 //! [`ModelDescription`](crate::ModelDescription) is made from it and is strict; a validator works on it directly. What
 //! cannot be read is `None` here; defaults of the standards are filled in.
-use crate::xml::{Xml, child, children, elements, unsigned};
+use crate::xml::{Xml, child, children, elements, short, unsigned};
 use crate::{FmiVersion, Kind};
 use roxmltree::Node;
 use std::collections::HashMap;
+use std::fmt::{Display, Formatter};
 
-/// Name of the file in the archive.
-pub const FILE: &str = "modelDescription.xml";
+pub use crate::description::FILE;
 
 /// A model description.
 pub struct Model<'a> {
@@ -77,6 +77,13 @@ impl Variable<'_> {
     }
 }
 
+/// The name in quotes, for messages.
+impl Display for Variable<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "\"{}\"", short(self.name))
+    }
+}
+
 /// A type definition.
 pub struct TypeDefinition<'a> {
     /// The element with the name.
@@ -87,6 +94,13 @@ pub struct TypeDefinition<'a> {
     pub name: &'a str,
     /// As a variable's element would be called.
     pub type_name: &'a str,
+}
+
+/// The name in quotes, for messages.
+impl Display for TypeDefinition<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "\"{}\"", short(self.name))
+    }
 }
 
 /// An entry of the model structure.

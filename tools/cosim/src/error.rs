@@ -1,6 +1,6 @@
 //! Errors with their data; the text of each error is one sentence.
 use crate::log::{LogMessage, Status};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A failure of this crate. `Display` gives one sentence naming what, where, and the limits.
 #[derive(Debug, thiserror::Error)]
@@ -16,33 +16,25 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The file is not an archive that can be unpacked safely.
-    #[error("{} is not a usable FMU archive: {reason}", path.display())]
+    /// The file is not an archive that can be unpacked safely, or not one of an FMU or a system.
+    #[error("{} is not a usable {kind} archive: {reason}", path.display())]
     Archive {
         /// The archive.
         path: PathBuf,
+        /// "FMU" or "SSP".
+        kind: &'static str,
         /// What is wrong with it.
         reason: String,
     },
-    /// `modelDescription.xml` cannot be understood.
+    /// A file that cannot be understood: a model description, an input table, a system of FMUs.
     #[error("{file}, line {line}: {message}")]
-    Description {
-        /// The archive (when known) and the XML file.
+    Text {
+        /// The file; of an archive with the path of the archive, when known.
         file: String,
-        /// Line of the XML file, from 1.
-        line: u32,
+        /// Line, from 1.
+        line: u64,
         /// What is wrong there.
         message: String,
-    },
-    /// The archive has no binary for this machine.
-    #[error("{} has no binary {wanted} for this platform, it has {present}", path.display())]
-    Platform {
-        /// The archive.
-        path: PathBuf,
-        /// The entry that was looked for.
-        wanted: String,
-        /// The platforms that are there, as text.
-        present: String,
     },
     /// The binary cannot be loaded.
     #[error("cannot load {} of {}: {reason}", binary.display(), path.display())]
@@ -53,24 +45,6 @@ pub enum Error {
         binary: PathBuf,
         /// Message of the loader.
         reason: String,
-    },
-    /// The binary lacks a function of its standard.
-    #[error("the binary of {} does not export {symbol}", path.display())]
-    Symbol {
-        /// The archive.
-        path: PathBuf,
-        /// The missing function.
-        symbol: &'static str,
-    },
-    /// The FMU refused to be instantiated (a wrong GUID or token, most often).
-    #[error("{} refused to be instantiated as {name}{}", path.display(), because(messages))]
-    Instantiate {
-        /// The archive.
-        path: PathBuf,
-        /// The name of the instance.
-        name: String,
-        /// What the FMU logged meanwhile.
-        messages: Vec<LogMessage>,
     },
     /// An FMI function did not succeed.
     #[error("{function} of {instance} returned {status}{}{}", at(*time), because(messages))]
@@ -94,12 +68,12 @@ pub enum Error {
         /// The C function.
         function: &'static str,
     },
-    /// The FMU, or its version of the standard, does not support the request.
+    /// The FMU, its version of the standard or the variable does not support the request.
     #[error("{name} {reason}")]
     Unsupported {
-        /// The FMU or the instance.
+        /// The archive, the instance or the variable.
         name: String,
-        /// A predicate: "is for Model Exchange only".
+        /// A predicate: "is for Model Exchange only", with the words of the FMU if it refused.
         reason: String,
     },
     /// A call was made with lists that do not fit together, or a value its type cannot hold.
@@ -121,14 +95,6 @@ pub enum Error {
         model: String,
         /// Names that look alike, best first.
         near: Vec<String>,
-    },
-    /// The variable exists but is not for the user to set.
-    #[error("{name} cannot be set: it is {what}, and only parameters and inputs can be")]
-    NotSettable {
-        /// The variable.
-        name: String,
-        /// Its causality and variability, as text.
-        what: String,
     },
     /// The text is not a value of the variable's type.
     #[error("{name} = {text:?} is not {expected}")]
@@ -164,42 +130,23 @@ pub enum Error {
         /// A predicate: "must be above the start time 0 s".
         reason: String,
     },
-    /// An input table is wrong.
-    #[error("{}, line {line}: {message}", path.display())]
-    Input {
-        /// The CSV file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: u64,
-        /// What is wrong there.
-        message: String,
-    },
-    /// A system of FMUs is described wrongly.
-    #[error("{file}, line {line}: {message}")]
-    System {
-        /// The file: a TOML file, or the archive and the XML file in it.
-        file: String,
-        /// Line, from 1.
-        line: u32,
-        /// What is wrong there, with component and connector.
-        message: String,
-    },
-    /// The file is no archive of a system.
-    #[error("{} is not a usable SSP archive: {reason}", path.display())]
-    Package {
-        /// The archive.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// The figure could not be drawn.
-    #[error("cannot draw {}: {reason}", path.display())]
-    Plot {
-        /// The SVG file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+}
+
+impl Error {
+    /// The error of an action on a file.
+    pub(crate) fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self {
+        move |source| Self::Io { action, path: path.to_owned(), source }
+    }
+
+    /// The error of a name for which a predicate holds.
+    pub(crate) fn unsupported(name: impl ToString, reason: impl Into<String>) -> Self {
+        Self::Unsupported { name: name.to_string(), reason: reason.into() }
+    }
+
+    /// The error of an option with this value and a predicate.
+    pub(crate) fn option(option: &'static str, value: impl ToString, reason: impl Into<String>) -> Self {
+        Self::Option { option, value: value.to_string(), reason: reason.into() }
+    }
 }
 
 fn at(time: Option<f64>) -> String {
@@ -207,7 +154,7 @@ fn at(time: Option<f64>) -> String {
 }
 
 /// The FMU's messages, on one line.
-fn because(messages: &[LogMessage]) -> String {
+pub(crate) fn because(messages: &[LogMessage]) -> String {
     let texts: Vec<String> =
         messages.iter().map(|m| m.text.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
     if texts.is_empty() { String::new() } else { format!(": {}", texts.join("; ")) }

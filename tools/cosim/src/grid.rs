@@ -24,9 +24,8 @@ impl Grid {
         fallback: impl Fn(f64) -> f64,
         rigid: Option<&str>,
     ) -> Result<Self, Error> {
-        let refuse = |option, value: f64, reason: String| {
-            Err(Error::Option { option, value: format!("{value} s"), reason })
-        };
+        let refuse =
+            |option, value: f64, reason: String| Err(Error::option(option, format!("{value} s"), reason));
         if !start.is_finite() {
             return refuse("start time", start, "must be finite".to_owned());
         }
@@ -54,14 +53,35 @@ impl Grid {
         Ok(Self { start, stop, step, steps, slack: 1e-9 * step.min(span) })
     }
 
+    /// Takes all steps: `step` gets the number, start, length and end of each and gives the requested end of the simulation;
+    /// then the number of completed steps and that. `progress` gets the fraction that is done, at most about 200 times.
+    pub(crate) fn run<E>(
+        &self,
+        progress: &mut dyn FnMut(f64),
+        mut step: impl FnMut(usize, f64, f64, f64) -> Result<Option<E>, Error>,
+    ) -> Result<(usize, Option<E>), Error> {
+        let report_every = self.steps.div_ceil(200).max(1);
+        for k in 0..self.steps {
+            let ((t, h), done) = (self.interval(k), k + 1);
+            let ended = step(k, t, h, self.point(done))?;
+            if ended.is_some() {
+                return Ok((k, ended));
+            }
+            if done % report_every == 0 || done == self.steps {
+                progress(done as f64 / self.steps as f64);
+            }
+        }
+        Ok((self.steps, None))
+    }
+
     /// Communication point `k`, without accumulated rounding.
-    pub(crate) fn point(&self, k: usize) -> f64 {
+    fn point(&self, k: usize) -> f64 {
         if k == self.steps { self.stop } else { self.start + k as f64 * self.step }
     }
 
     /// Start and length of step `k`. All lengths but the last are the same to the bit, so that an FMU can keep what
     /// it has computed for a length.
-    pub(crate) fn interval(&self, k: usize) -> (f64, f64) {
+    fn interval(&self, k: usize) -> (f64, f64) {
         let t = self.point(k);
         let rest = self.stop - t;
         let shorter = k + 1 == self.steps && (rest - self.step).abs() > self.slack;

@@ -13,7 +13,6 @@ pub struct InputTable {
     columns: Vec<InputColumn>,
 }
 
-/// One input.
 #[derive(Clone, Debug)]
 pub(crate) struct InputColumn {
     pub(crate) name: String,
@@ -28,18 +27,17 @@ impl InputTable {
     /// Reads a table for the FMU with this description.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Input`] with the line: an empty file, a first column that is not `time`, a name that
+    /// [`Error::Io`]; [`Error::Text`] with the line: an empty file, a first column that is not `time`, a name that
     /// is unknown, not an input or repeated, a row of another length, a value that is no finite number of its type
     /// or outside its limits, time running backwards, no rows.
     pub fn read(path: &Path, description: &ModelDescription) -> Result<Self, Error> {
-        let io = |source| Error::Io { action: "read", path: path.to_owned(), source };
-        let bytes = std::fs::read(path).map_err(io)?;
+        let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
         Self::parse(path, &bytes, description)
     }
 
     /// As [`Self::read`], for text at hand; `path` is for messages.
     fn parse(path: &Path, bytes: &[u8], description: &ModelDescription) -> Result<Self, Error> {
-        let fault = |line, message: String| Error::Input { path: path.to_owned(), line, message };
+        let fault = |line, message: String| Error::Text { file: path.display().to_string(), line, message };
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -221,23 +219,8 @@ mod tests {
 
     #[test]
     fn faults_name_file_and_line() {
-        for (text, expected) in [
-            ("", "in.csv, line 1: the file is empty"),
-            ("time,u\n", "in.csv, line 1: there are no rows below the header"),
-            ("time\n0\n", "in.csv, line 1: there is no input column besides time"),
-            ("t,u\n0,0\n", "in.csv, line 1: the first column is \"t\", not \"time\""),
-            ("time,v\n0,0\n", "in.csv, line 1: unknown column: m has no variable v"),
-            ("time,p\n0,0\n", "in.csv, line 1: column p is a parameter, only inputs can change in time"),
-            ("time,u,u\n0,0,0\n", "in.csv, line 1: column u is repeated"),
-            ("time,u\n0,0\n\n1,x\n", "in.csv, line 4: u = \"x\" is not a finite number"),
-            ("time,u\n0,0\n1,NaN\n", "in.csv, line 3: u = \"NaN\" is not a finite number"),
-            ("time,u\n0,11\n", "in.csv, line 2: u = 11 is outside its limits -10 ... 10"),
-            ("time,u\n1,0\n0.5,0\n", "in.csv, line 3: time runs backwards from 1 s to 0.5 s"),
-            ("time,u\n0,0\n1\n", "in.csv, line 3: 1 cells where the header has 2"),
-            ("time,u\ninf,0\n", "in.csv, line 2: time = \"inf\" is not a finite number (in s)"),
-            ("time,n\n0,1.5\n", "in.csv, line 2: n = \"1.5\" is not a whole number"),
-        ] {
-            assert_eq!(parse(text).unwrap_err().to_string(), expected);
+        for [text, expected] in crate::tests::faults("input") {
+            assert_eq!(parse(&text).unwrap_err().to_string(), expected);
         }
     }
 }

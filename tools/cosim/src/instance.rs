@@ -1,4 +1,5 @@
 //! One instance of an FMU, the same for FMI 2.0 and 3.0: the raw calls with checks before and errors after.
+use crate::error::because;
 use crate::raw::{Functions, InterfaceType, RawBinary, RawInstance, RawSetup, RawState, names};
 use crate::{Archive, Error, FmiVersion, Log, Status};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -56,28 +57,25 @@ impl Instance {
     /// an FMU that refuses.
     pub fn instantiate(archive: &Archive, name: &str, log: Log) -> Result<Self, Error> {
         let description = archive.description();
-        let path = archive.path();
-        let Some(interface) = &description.co_simulation else {
-            let what = if description.model_exchange.is_some() {
+        let Some(interface) = description.co_simulation() else {
+            let what = if description.interface(InterfaceType::ModelExchange).is_some() {
                 "is for Model Exchange only"
             } else {
                 "has no interface"
             };
-            return Err(Error::Unsupported {
-                name: path.display().to_string(),
-                reason: format!("cannot be stepped: it {what}"),
-            });
+            return Err(archive.unsupported(format!("cannot be stepped: it {what}")));
         };
         let binary = RawBinary::load(archive, &interface.model_identifier)?;
         if let Some(symbol) = binary.missing() {
-            return Err(Error::Symbol { path: path.to_owned(), symbol });
+            let name = format!("the binary of {}", archive.path().display());
+            return Err(Error::unsupported(name, format!("does not export {symbol}")));
         }
         let token = &description.token;
         let setup = RawSetup { interface: InterfaceType::CoSimulation, token, name, event_mode: false };
         let mark = log.mark();
         let Some(raw) = binary.instantiate(&setup, &log) else {
-            let (path, name) = (path.to_owned(), name.to_owned());
-            return Err(Error::Instantiate { path, name, messages: log.since(mark) });
+            let words = because(&log.since(mark));
+            return Err(archive.unsupported(format!("refused to be instantiated as {name}{words}")));
         };
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Ok(Self {
@@ -234,10 +232,7 @@ impl Instance {
         f: impl FnOnce(&mut RawInstance) -> Status,
     ) -> Result<(), Error> {
         if !self.raw.is_dead() && !has(self.raw.functions()) {
-            return Err(Error::Unsupported {
-                name: self.name.clone(),
-                reason: format!("does not provide {}", self.pick(names)),
-            });
+            return Err(Error::unsupported(&self.name, format!("does not provide {}", self.pick(names))));
         }
         self.call(names, f)
     }

@@ -54,3 +54,12 @@ pub use recording::{Column, Recording};
 pub use simulate::{Options, simulate};
 pub use system::{Algorithm, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 pub use value::Value;
+
+#[cfg(test)]
+mod tests {
+    /// The table of `tests/data/faults.toml` with this name: a text, and its error.
+    pub(crate) fn faults(name: &str) -> Vec<[String; 2]> {
+        let all: toml::Table = toml::from_str(include_str!("../tests/data/faults.toml")).unwrap();
+        all[name].clone().try_into().unwrap()
+    }
+}

@@ -93,7 +93,6 @@ impl Log {
         self.debug
     }
 
-    /// A mark for [`Log::since`].
     pub(crate) fn mark(&self) -> u64 {
         self.sink.total.load(Ordering::Relaxed)
     }

@@ -1,10 +1,22 @@
 //! The figure of a recording: one panel for each unit, over a common time axis.
 
-use crate::{Column, Kind, Recording};
+use crate::{Column, Error, Kind, Recording};
 use present::figure::{Axis, Figure};
+use std::path::Path;
+
+impl Recording {
+    /// Draws the outputs over time as SVG: one panel for each unit, kelvin as degC if the FMU declares this display unit.
+    ///
+    /// # Errors
+    /// [`Error::Io`], also for a run without numeric outputs.
+    pub fn plot_svg(&self, path: &Path) -> Result<(), Error> {
+        let svg = svg(self).map_err(|reason| Error::io("draw", path)(std::io::Error::other(reason)))?;
+        std::fs::write(path, svg).map_err(Error::io("write", path))
+    }
+}
 
 /// The SVG text; the error is a plain reason.
-pub(crate) fn svg(recording: &Recording) -> Result<String, String> {
+fn svg(recording: &Recording) -> Result<String, String> {
     if recording.columns.is_empty() {
         return Err("there are no numeric outputs".to_owned());
     }

@@ -18,19 +18,11 @@ mod continuous;
 mod functions;
 mod values;
 
+pub use crate::description::InterfaceType;
 pub use calls::{RawState, RawStep};
 pub use continuous::DiscreteUpdate;
 pub(crate) use functions::{Functions, names};
 pub(crate) use values::Number;
-
-/// An interface type of the standards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the standard's words
-pub enum InterfaceType {
-    CoSimulation,
-    ModelExchange,
-    ScheduledExecution,
-}
 
 /// A loaded library of an FMU. It stays loaded for as long as an instance of it lives.
 #[derive(Clone)]
@@ -77,7 +69,7 @@ impl RawBinary {
     /// Loads the library with this file name (without extension) for this platform.
     ///
     /// # Errors
-    /// [`Error::Platform`] if there is none, [`Error::Library`] if it cannot be loaded.
+    /// [`Error::Unsupported`] if there is none, [`Error::Library`] if it cannot be loaded.
     pub fn load(archive: &Archive, model_identifier: &str) -> Result<Self, Error> {
         let interface =
             crate::Interface { model_identifier: model_identifier.to_owned(), ..Default::default() };
@@ -275,15 +267,17 @@ pub(crate) fn c_string(text: &str) -> CString {
 /// `path` as a `file:///` URI, with everything but unreserved characters percent-encoded.
 fn file_uri(path: &Path) -> String {
     let text = path.to_string_lossy().replace('\\', "/");
-    let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || b"/-._~:".contains(&byte) {
-            uri.push(byte.into());
-        } else {
-            uri.push_str(&format!("%{byte:02X}"));
-        }
-    }
-    uri
+    let start = if text.starts_with('/') { "file://" } else { "file:///" };
+    format!("{start}{}", encoded(&text, b"/-._~:"))
+}
+
+/// A text with everything but letters, digits and `plain` percent-encoded.
+pub(crate) fn encoded(text: &str, plain: &[u8]) -> String {
+    let encode = |byte: u8| match byte.is_ascii_alphanumeric() || plain.contains(&byte) {
+        true => char::from(byte).to_string(),
+        false => format!("%{byte:02X}"),
+    };
+    text.bytes().map(encode).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,4 @@
 //! The result of a run: time and outputs, and their CSV file.
-mod figure;
-
 use crate::{DisplayUnit, Error, Kind, LogMessage};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -63,8 +61,8 @@ impl Recording {
     /// # Errors
     /// [`Error::Io`].
     pub fn write_csv(&self, path: &Path) -> Result<(), Error> {
-        let io = |source| Error::Io { action: "write", path: path.to_owned(), source };
-        let mut out = BufWriter::new(File::create(path).map_err(io)?);
+        let io = Error::io("write", path);
+        let mut out = BufWriter::new(File::create(path).map_err(&io)?);
         self.csv_to(&mut out).and_then(|()| out.flush()).map_err(io)
     }
 

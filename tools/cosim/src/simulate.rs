@@ -1,9 +1,10 @@
 //! The master for one FMU: settings, initialization, steps, recording.
 use crate::grid::Grid;
 use crate::input::InputTable;
+use crate::system::Batch;
 use crate::{
-    Archive, Causality, Column, Error, FmiVersion, Instance, Interface, Kind, Log, ModelDescription,
-    Recording, Step, Value, Variable,
+    Archive, Causality, Column, Error, FmiVersion, Instance, Interface, Log, ModelDescription, Recording,
+    Step, Value, Variable,
 };
 use std::time::Instant;
 
@@ -57,20 +58,13 @@ pub fn simulate(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Recording, Error> {
     let description = archive.description();
-    let interface = description.co_simulation.clone().unwrap_or_default();
+    let interface = description.co_simulation().cloned().unwrap_or_default();
     let sets = checked_sets(description, options)?;
     let grid = grid(description, &interface, options)?;
 
     let begun = Instant::now();
     let mut instance = Instance::instantiate(archive, &description.model_name, options.log.clone())?;
-    set_structural(&mut instance, &sets)?;
-    for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Parameter) {
-        instance.set_value(variable, value)?;
-    }
-    instance.enter_initialization(grid.start, Some(grid.stop), description.default_experiment.tolerance)?;
-    for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Input) {
-        instance.set_value(variable, value)?;
-    }
+    initialise(&mut instance, &sets, (grid.start, grid.stop), description.default_experiment.tolerance)?;
     let slopes =
         options.input_slopes && description.fmi_version == FmiVersion::V2 && interface.can_interpolate_inputs;
     let mut drive = options.input.as_ref().map(|table| Drive::new(table, slopes, grid.slack));
@@ -81,25 +75,17 @@ pub fn simulate(
 
     let mut recorder = Recorder::new(description, &sets, grid.steps + 1)?;
     recorder.record(&mut instance, grid.start)?;
-    let mut ended_early = None;
-    let mut steps = 0;
-    let report_every = grid.steps.div_ceil(200).max(1);
-    for k in 0..grid.steps {
-        let (t, h) = grid.interval(k);
+    let (steps, ended_early) = grid.run(progress, |_, t, h, end| {
         if let Some(drive) = &mut drive {
             drive.set_values(&mut instance, t)?;
             drive.set_slopes(&mut instance, t, h)?;
         }
         if instance.do_step(t, h)? == Step::Terminated {
-            ended_early = Some(t);
-            break;
+            return Ok(Some(t));
         }
-        steps = k + 1;
-        recorder.record(&mut instance, grid.point(steps))?;
-        if steps % report_every == 0 || steps == grid.steps {
-            progress(steps as f64 / grid.steps as f64);
-        }
-    }
+        recorder.record(&mut instance, end)?;
+        Ok(None)
+    })?;
     instance.terminate()?;
     drop(instance);
     Ok(Recording {
@@ -123,7 +109,7 @@ fn grid(description: &ModelDescription, interface: &Interface, options: &Options
         Some(fixed) if fixed > 0.0 => fixed * (span / 500.0 / fixed).round().max(1.0),
         _ => span / 500.0,
     };
-    let rigid = !interface.can_handle_variable_step && description.co_simulation.is_some();
+    let rigid = !interface.can_handle_variable_step && description.co_simulation().is_some();
     Grid::new(start, stop, step, fallback, rigid.then_some(description.model_name.as_str()))
 }
 
@@ -143,55 +129,39 @@ fn checked_sets<'a>(
             sets.push(set);
             continue;
         };
-        return Err(Error::Option {
-            option: "setting",
-            value: format!("{name} = {text}"),
-            reason: format!("is refused because {name} {reason}"),
-        });
+        let reason = format!("is refused because {name} {reason}");
+        return Err(Error::option("setting", format!("{name} = {text}"), reason));
     }
     Ok(sets)
 }
 
-/// Structural parameters are set in configuration mode.
-pub(crate) fn set_structural(instance: &mut Instance, sets: &[(&Variable, Value)]) -> Result<(), Error> {
-    let structural: Vec<_> =
-        sets.iter().filter(|(v, _)| v.causality == Causality::StructuralParameter).collect();
-    if structural.is_empty() {
-        return Ok(());
+/// Sets parameters, structural ones in configuration mode, enters initialization mode and sets inputs; times from and to in s.
+pub(crate) fn initialise(
+    instance: &mut Instance,
+    sets: &[(&Variable, Value)],
+    (start, stop): (f64, f64),
+    tolerance: Option<f64>,
+) -> Result<(), Error> {
+    let set = |instance: &mut Instance, role: Causality| {
+        let of_role = |(variable, _): &&(&Variable, Value)| variable.causality == role;
+        sets.iter().filter(of_role).try_for_each(|(variable, value)| instance.set_value(variable, value))
+    };
+    if sets.iter().any(|(v, _)| v.causality == Causality::StructuralParameter) {
+        instance.enter_configuration_mode()?;
+        set(instance, Causality::StructuralParameter)?;
+        instance.exit_configuration_mode()?;
     }
-    instance.enter_configuration_mode()?;
-    for (variable, value) in structural {
-        instance.set_value(variable, value)?;
-    }
-    instance.exit_configuration_mode()
-}
-
-/// Variables of one kind that are set or read in one call.
-struct Group {
-    kind: Kind,
-    vrs: Vec<u32>,
-    /// Where each value belongs: a column of the input table or of the recording.
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Group {
-    /// The group of `kind`, made if it is not there.
-    fn of(groups: &mut Vec<Group>, kind: Kind) -> &mut Group {
-        let index = groups.iter().position(|g| g.kind == kind).unwrap_or_else(|| {
-            groups.push(Group { kind, vrs: Vec::new(), columns: Vec::new(), values: Vec::new() });
-            groups.len() - 1
-        });
-        &mut groups[index]
-    }
+    set(instance, Causality::Parameter)?;
+    instance.enter_initialization(start, Some(stop), tolerance)?;
+    set(instance, Causality::Input)
 }
 
 /// Feeds an input table to an instance.
 struct Drive<'a> {
     table: &'a InputTable,
-    groups: Vec<Group>,
+    groups: Vec<Batch>,
     /// The continuous reals, if their derivatives are set.
-    slopes: Option<Group>,
+    slopes: Option<Batch>,
     slack: f64,
 }
 
@@ -200,11 +170,10 @@ impl<'a> Drive<'a> {
         let mut groups = Vec::new();
         let mut continuous = Vec::new();
         for (index, column) in table.columns().iter().enumerate() {
-            let add = |groups: &mut Vec<Group>| {
-                let group = Group::of(groups, column.kind);
+            let add = |groups: &mut Vec<Batch>| {
+                let group = Batch::of(groups, 0, column.kind);
                 group.vrs.push(column.value_reference);
-                group.columns.push(index);
-                group.values.push(0.0);
+                group.push(index);
             };
             add(&mut groups);
             if slopes && column.continuous {
@@ -216,7 +185,7 @@ impl<'a> Drive<'a> {
 
     fn set_values(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
         for group in &mut self.groups {
-            for (value, column) in group.values.iter_mut().zip(&group.columns) {
+            for (value, column) in group.values.iter_mut().zip(&group.slots) {
                 *value = self.table.after(*column, t, self.slack);
             }
             instance.set_number(group.kind, &group.vrs, &group.values)?;
@@ -227,7 +196,7 @@ impl<'a> Drive<'a> {
     /// The mean derivative over the step: the input meets the table at both ends of the step.
     fn set_slopes(&mut self, instance: &mut Instance, t: f64, h: f64) -> Result<(), Error> {
         let Some(group) = &mut self.slopes else { return Ok(()) };
-        for (slope, column) in group.values.iter_mut().zip(&group.columns) {
+        for (slope, column) in group.values.iter_mut().zip(&group.slots) {
             let (from, to) =
                 (self.table.after(*column, t, self.slack), self.table.before(*column, t + h, self.slack));
             *slope = (to - from) / h;
@@ -240,7 +209,7 @@ impl<'a> Drive<'a> {
 pub(crate) struct Recorder {
     pub(crate) times: Vec<f64>,
     pub(crate) columns: Vec<Column>,
-    groups: Vec<Group>,
+    groups: Vec<Batch>,
 }
 
 impl Recorder {
@@ -268,18 +237,14 @@ impl Recorder {
                 continue;
             }
             if count > MAX_ELEMENTS {
-                return Err(Error::Unsupported {
-                    name: variable.name.clone(),
-                    reason: format!(
-                        "cannot be recorded: it has {count} elements, the limit is {MAX_ELEMENTS}"
-                    ),
-                });
+                let reason =
+                    format!("cannot be recorded: it has {count} elements, the limit is {MAX_ELEMENTS}");
+                return Err(Error::unsupported(&variable.name, reason));
             }
-            let group = Group::of(&mut recorder.groups, variable.kind);
+            let group = Batch::of(&mut recorder.groups, 0, variable.kind);
             group.vrs.push(variable.value_reference);
             for element in 1..=count {
-                group.columns.push(recorder.columns.len());
-                group.values.push(0.0);
+                group.push(recorder.columns.len());
                 let mut values = Vec::new();
                 complete &= values.try_reserve_exact(rows).is_ok();
                 recorder.columns.push(Column {
@@ -294,10 +259,8 @@ impl Recorder {
                     values,
                 });
                 if !complete {
-                    return Err(Error::Unsupported {
-                        name: description.model_name.clone(),
-                        reason: format!("cannot be recorded: {rows} rows do not fit into memory"),
-                    });
+                    let reason = format!("cannot be recorded: {rows} rows do not fit into memory");
+                    return Err(Error::unsupported(&description.model_name, reason));
                 }
             }
         }
@@ -308,7 +271,7 @@ impl Recorder {
         self.times.push(t);
         for group in &mut self.groups {
             instance.get_number(group.kind, &group.vrs, &mut group.values)?;
-            for (value, column) in group.values.iter().zip(&group.columns) {
+            for (value, column) in group.values.iter().zip(&group.slots) {
                 self.columns[*column].values.push(*value);
             }
         }

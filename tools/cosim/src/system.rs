@@ -25,6 +25,7 @@ mod text;
 mod units;
 mod variable_step;
 
+pub(crate) use batch::Batch;
 pub use master::Algorithm;
 pub use power_bonds::PowerBond;
 pub use run::{SystemOptions, SystemRun, cosimulate};
@@ -32,7 +33,7 @@ pub use run::{SystemOptions, SystemRun, cosimulate};
 use crate::{Archive, Error};
 use parts::Parts;
 use std::path::Path;
-use structure::Structure;
+use structure::{Place, Structure};
 
 /// A system of FMUs: components, connections, values. Each archive is unpacked once, however many components use it.
 #[derive(Clone, Debug)]
@@ -69,7 +70,7 @@ impl System {
                     fault(e.to_string().replace(&component.path.display().to_string(), &component.source))
                 })?,
             };
-            let Some(interface) = &archive.description().co_simulation else {
+            let Some(interface) = archive.description().co_simulation() else {
                 return Err(fault(format!("{} has no Co-Simulation interface", component.source)));
             };
             if interface.only_once_per_process && earlier.iter().any(|c| c.path == component.path) {
@@ -80,8 +81,8 @@ impl System {
             archives.push(archive);
         }
         if archives.is_empty() {
-            let message = "there are no components".to_owned();
-            return Err(Error::System { file: path.display().to_string(), line: 1, message });
+            let place = Place { file: path.display().to_string().into(), line: 1 };
+            return Err(place.fault("there are no components"));
         }
         Ok(Self { structure, archives })
     }

@@ -30,7 +30,7 @@ impl ModelDescription {
     /// The parameter or input called `name`.
     ///
     /// # Errors
-    /// [`Error::UnknownVariable`], [`Error::NotSettable`].
+    /// [`Error::UnknownVariable`], [`Error::Unsupported`].
     pub fn settable(&self, name: &str) -> Result<&Variable, Error> {
         let variable = self.variable(name).ok_or_else(|| Error::UnknownVariable {
             name: name.to_owned(),
@@ -48,7 +48,8 @@ impl ModelDescription {
             _ if variable.causality == Causality::Independent => "the independent variable".to_owned(),
             _ => format!("a {}", variable.causality),
         };
-        Err(Error::NotSettable { name: name.to_owned(), what })
+        let reason = format!("cannot be set: it is {what}, and only parameters and inputs can be");
+        Err(Error::unsupported(name, reason))
     }
 
     /// `text` as a value of `variable`, within its limits.
@@ -64,10 +65,8 @@ impl ModelDescription {
         };
         if !variable.dimensions.is_empty() || matches!(variable.kind, Kind::Binary | Kind::Clock) {
             let what = if variable.dimensions.is_empty() { "binary or clock" } else { "array" };
-            return Err(Error::Unsupported {
-                name: variable.name.clone(),
-                reason: format!("cannot be set from text: {what} values have no text form here"),
-            });
+            let reason = format!("cannot be set from text: {what} values have no text form here");
+            return Err(Error::unsupported(&variable.name, reason));
         }
         match variable.kind {
             Kind::Boolean => match text {
@@ -135,7 +134,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
     for original in candidates {
         let candidate = original.to_lowercase();
         let contains = wanted.len() >= 3 && candidate.contains(&wanted);
-        let score = if contains { 1 } else { distance(&wanted, &candidate) };
+        let score = if contains { 1 } else { strsim::osa_distance(&wanted, &candidate) };
         // A third of the letters may differ, but never all of them.
         if contains || score <= (1 + letters / 4).min(letters.saturating_sub(1)) {
             scored.push((score, original));
@@ -175,41 +174,5 @@ pub(crate) fn integer_limits(kind: Kind) -> (i64, i64) {
         Kind::UInt32 => (0, u32::MAX.into()),
         Kind::UInt64 => (0, i64::MAX),
         _ => (i64::MIN, i64::MAX),
-    }
-}
-
-/// Insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let width = b.len() + 1;
-    // Row i, column j: the distance of the first i characters of `a` from the first j of `b`.
-    let mut table = vec![0; (a.len() + 1) * width];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            let at = i * width + j;
-            table[at] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let replaced = table[at - width - 1] + usize::from(a[i - 1] != b[j - 1]);
-                replaced.min(table[at - 1] + 1).min(table[at - width] + 1)
-            };
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                table[at] = table[at].min(table[at - 2 * width - 2] + 1);
-            }
-        }
-    }
-    table[table.len() - 1]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::distance;
-
-    #[test]
-    fn distances() {
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("motor.R_ref", "motor.R_rfe"), 1);
-        assert_eq!(distance("voltage", "voltage"), 0);
-        assert_eq!(distance("kitten", "sitting"), 3);
     }
 }

@@ -16,7 +16,6 @@ pub struct Xml<'a> {
 pub(crate) struct Fault {
     /// Line, from 1.
     pub(crate) line: u32,
-    /// One sentence.
     pub(crate) message: String,
 }
 
@@ -141,6 +140,16 @@ pub fn unsigned_list(text: &str) -> Vec<u32> {
         .collect()
 }
 
+/// A text of the file for a message, shortened so that the message stays one readable line.
+pub fn short(text: &str) -> String {
+    const MOST: usize = 80;
+    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
+    if text.chars().nth(MOST).is_some() {
+        out.push_str("...");
+    }
+    out
+}
+
 /// White space of XML Schema.
 const SPACE: [char; 4] = [' ', '\t', '\n', '\r'];
 
@@ -183,8 +192,7 @@ mod tests {
 
     #[test]
     fn lines_are_those_of_the_parser() {
-        let text = "\u{feff}<a>\n\n<b/><c\n x='1'/>text\r\n<d/></a>";
-        let xml = Xml::parse(text).unwrap();
+        let xml = Xml::parse("\u{feff}<a>\n\n<b/><c\n x='1'/>text\r\n<d/></a>").unwrap();
         for node in xml.document().descendants() {
             let row = node.document().text_pos_at(node.range().start).row;
             assert_eq!(xml.line(node), row, "{node:?}");

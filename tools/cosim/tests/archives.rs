@@ -8,10 +8,10 @@ fn descriptions_of_both_standards_say_the_same() {
     for version in BOTH {
         let d = ModelDescription::parse(&xml(version)).unwrap();
         assert_eq!((d.fmi_version, d.model_name.as_str(), d.token.as_str()), (version, "Lag", "lag-guid"));
-        let cs = d.co_simulation.as_ref().unwrap();
+        let cs = d.co_simulation().unwrap();
         assert!(cs.can_handle_variable_step && cs.can_get_and_set_state && cs.can_serialize_state);
         assert_eq!(cs.can_interpolate_inputs, version == FmiVersion::V2);
-        assert!(d.model_exchange.is_none());
+        assert!(d.interface(cosim::raw::InterfaceType::ModelExchange).is_none());
         assert_eq!(d.default_experiment.step, Some(0.01));
         assert_eq!(d.log_categories, ["all"]);
 
@@ -39,38 +39,9 @@ fn descriptions_of_both_standards_say_the_same() {
 
 #[test]
 fn broken_descriptions_name_the_line() {
-    for (text, expected) in [
-        ("", "modelDescription.xml, line 1: not well-formed XML"),
-        ("rubbish", "modelDescription.xml, line 1: not well-formed XML"),
-        ("<a>\n<b></a>", "modelDescription.xml, line 2: not well-formed XML"),
-        ("<a/>", "modelDescription.xml, line 1: the root is <a>, not <fmiModelDescription>"),
-        (
-            "<fmiModelDescription/>",
-            "modelDescription.xml, line 1: <fmiModelDescription> has no attribute fmiVersion",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='1.0'/>",
-            "modelDescription.xml, line 1: fmiVersion \"1.0\" is not supported, only 2.0 and 3.0 are",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='3.0' modelName='m' instantiationToken='t'><ModelVariables>\n\n\
-             <Float64 name='a' valueReference='-1'/></ModelVariables></fmiModelDescription>",
-            "modelDescription.xml, line 3: valueReference = \"-1\" is not a number of the right kind",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='2.0' modelName='m' guid='t'><ModelVariables>\n\
-             <ScalarVariable name='a' valueReference='1' causality='inptu'><Real/></ScalarVariable>\
-             </ModelVariables></fmiModelDescription>",
-            "modelDescription.xml, line 2: causality \"inptu\" does not exist",
-        ),
-        (
-            "<fmiModelDescription fmiVersion='2.0' modelName='m' guid='t'>\n<CoSimulation modelIdentifier='../a'/>\
-             </fmiModelDescription>",
-            "modelDescription.xml, line 2: modelIdentifier \"../a\" is not an identifier",
-        ),
-    ] {
-        let message = ModelDescription::parse(text).unwrap_err().to_string();
-        assert!(message.starts_with(expected), "{message}");
+    for [text, expected] in faults().description {
+        let message = ModelDescription::parse(&text).unwrap_err().to_string();
+        assert!(message.starts_with(&expected), "{message}");
     }
 }
 
@@ -160,7 +131,6 @@ fn archives_that_cannot_run_say_why() {
 fn unpacked_files_go_with_the_last_user() {
     let archive = Fmu::good(FmiVersion::V2).open().unwrap();
     let dir = archive.dir().to_owned();
-    assert!(archive.binary_path().unwrap().starts_with(&dir));
     let instance = cosim::Instance::instantiate(&archive, "a", cosim::Log::new()).unwrap();
     drop(archive);
     assert!(dir.join("resources/a.txt").exists());

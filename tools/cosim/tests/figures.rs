@@ -54,32 +54,13 @@ fn a_motor_sized_figure() {
         |t| (-t / 900.0).exp(),
         |t| (t * 7.0).sin() * 0.2 + 1.0,
     ];
-    let names = [
-        ("current", "A"),
-        ("shaft_angle", "rad"),
-        ("shaft_speed", "rad/s"),
-        ("shaft_torque", "N.m"),
-        ("winding_temperature", "degC"),
-        ("stator_temperature", "degC"),
-        ("magnet_temperature", "degC"),
-        ("housing_temperature", "degC"),
-        ("air_outlet_temperature", "degC"),
-        ("air_flow_rate", "m3/s"),
-        ("air_pressure_drop", "Pa"),
-        ("winding_resistance", "Ohm"),
-        ("torque_constant", "N.m/A"),
-        ("power_electrical", "W"),
-        ("power_mechanical", "W"),
-        ("loss_copper", "W"),
-        ("loss_iron", "W"),
-        ("loss_friction", "W"),
-        ("loss_drive", "W"),
-        ("heat_to_ambient", "W"),
-        ("power_balance_error", "W"),
-        ("winding_margin", "K"),
-        ("over_temperature", ""),
-        ("torque_density", "N.m/kg"),
-    ];
+    let names = "current=A shaft_angle=rad shaft_speed=rad/s shaft_torque=N.m winding_temperature=degC \
+        stator_temperature=degC magnet_temperature=degC housing_temperature=degC \
+        air_outlet_temperature=degC air_flow_rate=m3/s air_pressure_drop=Pa winding_resistance=Ohm \
+        torque_constant=N.m/A power_electrical=W power_mechanical=W loss_copper=W loss_iron=W \
+        loss_friction=W loss_drive=W heat_to_ambient=W power_balance_error=W winding_margin=K \
+        over_temperature= torque_density=N.m/kg";
+    let names: Vec<(&str, &str)> = names.split(' ').filter_map(|name| name.split_once('=')).collect();
     let columns = names.iter().enumerate().map(|(i, (name, unit))| {
         let scale = match *unit {
             "N.m/A" => 0.0,

@@ -147,24 +147,8 @@ fn arrays_follow_their_structural_parameter() {
 #[test]
 fn bad_settings_get_one_sentence() {
     for version in BOTH {
-        for (name, text, expected) in [
-            ("tua", "1", "Lag has no variable tua, did you mean tau?"),
-            ("qqqqqq", "1", "Lag has no variable qqqqqq"),
-            ("x", "1", "x cannot be set: it is an output, and only parameters and inputs can be"),
-            ("tau", "200", "tau = 200 s is outside its limits 0.01 ... 100"),
-            ("tau", "1e-3", "tau = 0.001 s is outside its limits 0.01 ... 100"),
-            ("tau", "NaN", "tau = \"NaN\" is not a finite number (in s)"),
-            ("tau", "inf", "tau = \"inf\" is not a finite number (in s)"),
-            ("tau", "1e999", "tau = \"1e999\" is not a finite number (in s)"),
-            ("tau", "", "tau = \"\" is not a finite number (in s)"),
-            ("tau", "1,5", "tau = \"1,5\" is not a finite number (in s)"),
-            ("mode", "slow", "mode = \"slow\" is not one of frozen (1), normal (2), fast (3)"),
-            ("mode", "4", "mode = \"4\" is not one of frozen (1), normal (2), fast (3)"),
-            ("invert", "yes", "invert = \"yes\" is not true or false"),
-            ("n", "1.5", "n = \"1.5\" is not a whole number"),
-            ("fault", "6", "fault = 6 is outside its limits 0 ... 5"),
-        ] {
-            let options = Options { sets: sets(&[(name, text)]), ..Options::default() };
+        for [name, text, expected] in faults().setting {
+            let options = Options { sets: vec![(name, text)], ..Options::default() };
             assert_eq!(run(version, &options).unwrap_err().to_string(), expected);
         }
         let options = Options { sets: sets(&[("tau", "1"), ("tau", "2")]), ..Options::default() };

@@ -1,18 +1,7 @@
 //! Each error in a system description is one sentence with component, connector, file and line.
-use crate::common::sets;
+use crate::common::{faults, sets};
 use crate::parts::*;
 use cosim::SystemOptions;
-
-/// The tables of `data/system_faults.toml`.
-#[derive(serde::Deserialize)]
-struct Faults {
-    toml: Vec<[String; 3]>,
-    ssp: Vec<[String; 4]>,
-}
-
-fn faults() -> Faults {
-    toml::from_str(include_str!("data/system_faults.toml")).unwrap()
-}
 
 #[test]
 fn connections_in_toml() {

@@ -3,88 +3,10 @@ use crate::parts::*;
 use cosim::{SystemOptions, SystemRun, cosimulate};
 
 /// Two components, everything that is read; `%` stands for what a test puts there.
-pub const SSD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
-<ssd:SystemStructureDescription name="units" version="1.0"
-    xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
-    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon"
-    xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues">
-  <ssd:System name="units">
-    <ssd:Connectors>
-      <ssd:Connector name="push" kind="input"><ssc:Real unit="mN.m"/></ssd:Connector>
-      <ssd:Connector name="turns" kind="output"><ssc:Real unit="rpm"/></ssd:Connector>
-    </ssd:Connectors>
-    <ssd:ParameterBindings>
-      <ssd:ParameterBinding source="resources/all.ssv" prefix="rotor."/>
-      <ssd:ParameterBinding>
-        <ssd:ParameterValues>
-          <ssv:ParameterSet version="1.0" name="push">
-            <ssv:Parameters>
-              <ssv:Parameter name="push"><ssv:Real value="-2000"/></ssv:Parameter>
-            </ssv:Parameters>
-          </ssv:ParameterSet>
-        </ssd:ParameterValues>
-      </ssd:ParameterBinding>
-    </ssd:ParameterBindings>
-    <ssd:Elements>
-      <ssd:Component name="rotor" type="application/x-fmu-sharedlibrary" source="resources/rotor.fmu">
-        <ssd:Connectors>
-          <ssd:Connector name="torque" kind="input"><ssc:Real/></ssd:Connector>
-          <ssd:Connector name="speed" kind="output"><ssc:Real unit="rpm"/></ssd:Connector>
-        </ssd:Connectors>
-      </ssd:Component>
-      <ssd:Component name="gain" source="resources/gain.fmu">
-        <ssd:Connectors>
-          <ssd:Connector name="u" kind="input"><ssc:Real/></ssd:Connector>
-          <ssd:Connector name="y" kind="output"><ssc:Real/></ssd:Connector>
-        </ssd:Connectors>
-        <ssd:ParameterBindings>
-          <ssd:ParameterBinding>
-            <ssd:ParameterValues>
-              <ssv:ParameterSet version="1.0" name="values">
-                <ssv:Parameters>
-                  <ssv:Parameter name="g"><ssv:Real value="2"/></ssv:Parameter>
-                  <ssv:Parameter name="n"><ssv:Integer value="4"/></ssv:Parameter>
-                </ssv:Parameters>
-              </ssv:ParameterSet>
-            </ssd:ParameterValues>
-          </ssd:ParameterBinding>
-        </ssd:ParameterBindings>
-      </ssd:Component>
-    </ssd:Elements>
-    <ssd:Connections>
-      <ssd:Connection startElement="gain" startConnector="u" endElement="rotor" endConnector="speed"/>
-      <ssd:Connection startConnector="push" endElement="rotor" endConnector="torque"/>
-      <ssd:Connection startElement="rotor" startConnector="speed" endConnector="turns"/>
-    </ssd:Connections>
-  </ssd:System>
-  <ssd:Units>
-    <ssc:Unit name="rpm"><ssc:BaseUnit s="-1" rad="1" factor="0.10471975511965977"/></ssc:Unit>
-    <ssc:Unit name="mN.m"><ssc:BaseUnit kg="1" m="2" s="-2" factor="0.001"/></ssc:Unit>
-    <ssc:Unit name="K"><ssc:BaseUnit K="1"/></ssc:Unit>
-  </ssd:Units>
-  <ssd:DefaultExperiment startTime="1.0" stopTime="2.0">
-    <ssd:Annotations>
-      <ssc:Annotation type="com.opensimulationplatform">
-        <osp:Algorithm xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations">
-          <osp:FixedStepAlgorithm baseStepSize="0.125"/>
-        </osp:Algorithm>
-      </ssc:Annotation>
-    </ssd:Annotations>
-  </ssd:DefaultExperiment>
-</ssd:SystemStructureDescription>
-"#;
+pub const SSD: &str = include_str!("data/units.ssd");
 
 /// The start speed is in a file, in revolutions per minute.
-pub const SSV: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
-<ssv:ParameterSet version="1.0" name="all" xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
-  <ssv:Parameters>
-    <ssv:Parameter name="w"><ssv:Real value="60" unit="rpm"/></ssv:Parameter>
-    <ssv:Parameter name="J"><ssv:Real value="0.5"/></ssv:Parameter>
-  </ssv:Parameters>
-  <ssv:Units><ssc:Unit name="rpm"><ssc:BaseUnit s="-1" rad="1" factor="0.10471975511965977"/></ssc:Unit></ssv:Units>
-</ssv:ParameterSet>
-"#;
+pub const SSV: &str = include_str!("data/units.ssv");
 
 fn run(ssd: &str, sets: &[(&str, &str)]) -> SystemRun {
     let system = Folder::new().ssp(ssd, &[("resources/all.ssv", SSV)]).unwrap();

@@ -161,32 +161,7 @@ fn runs_repeat_to_the_bit_from_toml_and_from_the_archive_made_of_it() {
     }
 }
 
-const CHAIN: &str = r#"
-[system]
-name = "chain"
-connect = ["b.y -> c.u", "a.y -> b.u", "rotor.speed -> a.u", "c.y -> result", "start -> a.n", "a.twice -> b.n"]
-[system.set]
-start = 3
-[[component]]
-name = "c"
-fmu = "gain.fmu"
-[[component]]
-name = "b"
-fmu = "gain.fmu"
-[component.set]
-g = 10.0
-[[component]]
-name = "a"
-fmu = "gain.fmu"
-[component.set]
-g = 0.5
-[[component]]
-name = "rotor"
-fmu = "rotor.fmu"
-[component.set]
-w = 4.0
-torque = 1.0
-"#;
+const CHAIN: &str = include_str!("data/chain.toml");
 
 #[test]
 fn what_passes_through_arrives_in_the_same_communication_point() {

@@ -12,7 +12,7 @@ pub mod lock;
 pub mod markdown;
 pub mod preset;
 pub mod usage;
-mod xml;
+pub mod xml;
 
 pub use dependencies::{Dependencies, Unknown};
 pub use physics::declare::{Causality, Kind};

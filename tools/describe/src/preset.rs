@@ -224,25 +224,9 @@ pub fn motor_data(declaration: &Declaration, value: impl Fn(&str) -> Option<f64>
 
 /// One sentence about an unknown name, with the most similar known one.
 pub fn unknown(declaration: &Declaration, name: &str) -> String {
-    let nearest = declaration.entries.iter().min_by_key(|e| distance(&e.name, name));
+    let nearest = declaration.entries.iter().min_by_key(|e| strsim::levenshtein(&e.name, name));
     let hint = nearest.map(|e| format!("; did you mean {}?", e.name)).unwrap_or_default();
     format!("{} has no variable {name}{hint}", declaration.name)
-}
-
-/// Edit distance (Levenshtein).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 /// The checked number of a value in a preset.

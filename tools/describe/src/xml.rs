@@ -7,12 +7,12 @@ use quick_xml::Writer;
 use std::io;
 
 /// A writer into memory, which does not fail.
-pub(crate) type Xml = Writer<Vec<u8>>;
+pub type Xml = Writer<Vec<u8>>;
 /// Attributes of an element.
-pub(crate) type Attributes = Vec<(&'static str, String)>;
+pub type Attributes = Vec<(&'static str, String)>;
 
 /// A document with this root element.
-pub(crate) fn document(
+pub fn document(
     root: &str,
     attributes: &Attributes,
     body: impl FnOnce(&mut Xml) -> io::Result<()>,
@@ -24,7 +24,7 @@ pub(crate) fn document(
 }
 
 /// An element with content.
-pub(crate) fn element(
+pub fn element(
     xml: &mut Xml,
     name: &str,
     attributes: &Attributes,
@@ -37,7 +37,7 @@ pub(crate) fn element(
 }
 
 /// An element without content.
-pub(crate) fn empty(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::Result<()> {
+pub fn empty(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::Result<()> {
     xml.create_element(name)
         .with_attributes(attributes.iter().map(|(k, v)| (*k, v.as_str())))
         .write_empty()?;
@@ -143,7 +143,6 @@ pub(crate) fn start_attribute(entry: &Entry, starts: &StartValues) -> Option<(&'
     Some(("start", text))
 }
 
-/// The log categories.
 fn log_categories(xml: &mut Xml) -> io::Result<()> {
     element(xml, "LogCategories", &vec![], |xml| {
         physics::model::LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
@@ -156,7 +155,6 @@ fn log_categories(xml: &mut Xml) -> io::Result<()> {
     })
 }
 
-/// The default experiment.
 fn default_experiment(xml: &mut Xml) -> io::Result<()> {
     let attributes = vec![
         ("startTime", "0".to_string()),
@@ -233,13 +231,11 @@ pub(crate) fn integer_attributes(entry: &Entry, starts: &StartValues) -> Attribu
     limit_attributes(entry).chain(start_attribute(entry, starts)).collect()
 }
 
-/// The finite limits.
 fn limit_attributes(entry: &Entry) -> impl Iterator<Item = (&'static str, String)> {
     let limits = [("min", entry.row.min), ("max", entry.row.max)];
     limits.into_iter().filter(|(_, limit)| limit.is_finite()).map(|(name, limit)| (name, number(limit)))
 }
 
-/// The declared causality.
 pub(crate) fn causality(entry: &Entry) -> &'static str {
     match entry.row.causality {
         Causality::Parameter => "parameter",

@@ -10,10 +10,8 @@ const NO_UNIT: &str = "-";
 /// Heading of the column with names; a column that starts so and ends with `(prefix)` lists prefixes of names.
 const NAMES: &str = "FMI name";
 
-/// What the glossary lists.
 #[derive(Default)]
 struct Glossary {
-    /// Unit by name.
     units: HashMap<String, String>,
     /// Beginnings of names, up to a dot.
     prefixes: HashSet<String>,

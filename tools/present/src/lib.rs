@@ -8,7 +8,6 @@ pub mod check;
 pub mod figure;
 pub mod page;
 
-/// Colours of one scheme.
 pub(crate) struct Palette {
     pub ink: &'static str,
     pub soft: &'static str,

@@ -7,31 +7,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 /// Rows of a table with more columns than this become blocks of lines in a narrow window.
 const COLUMNS_OF_A_NARROW_WINDOW: usize = 4;
 
-const STYLE: &str = "\
-body{font:16px/1.55 system-ui,'Segoe UI',Helvetica,Arial,sans-serif;color:var(--ink);background:var(--paper);\
-max-width:1320px;margin:2rem auto;padding:0 1rem;overflow-wrap:anywhere}\
-h1{font-size:1.7rem;line-height:1.25;margin:0 0 .4rem}h2{font-size:1.25rem;margin:2.4rem 0 .6rem}\
-h3{font-size:1.05rem;margin:1.6rem 0 .4rem}p,li{max-width:76ch}a{color:var(--link)}\
-.soft,figcaption{color:var(--soft)}.lead{font-size:1.15rem;line-height:1.45;max-width:66ch}\
-.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,460px),1fr));gap:1.6rem}\
-figure{margin:0;max-width:640px}figure svg{display:block;width:100%;height:auto}figure.picture{max-width:960px}\
-.picture div{overflow-x:auto}.picture svg{min-width:620px}@media (prefers-color-scheme:dark){.picture svg{filter:invert(.93) hue-rotate(180deg)}}\
-figcaption{font-size:.9rem;max-width:70ch}\
-code,pre{font-family:ui-monospace,Consolas,monospace;font-size:.9em}\
-pre{background:var(--raised);padding:.8rem;overflow-x:auto;overflow-wrap:normal}\
-.wide{overflow-x:auto;margin:.6rem 0}table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums;overflow-wrap:normal}\
-th,td{padding:.32rem .6rem;border-bottom:1px solid var(--grid);text-align:left;vertical-align:top}\
-th{background:var(--raised);vertical-align:bottom}td.n,th.n{text-align:right}td.n{white-space:nowrap}td.w{min-width:26ch}\
-select{font:inherit;color:inherit;background:var(--raised);border:1px solid var(--grid);padding:.15rem .4rem;max-width:100%}\
-details{margin:.6rem 0}summary{cursor:pointer;font-weight:600}[hidden]{display:none!important}\
-@media (max-width:600px){body{margin:1rem auto}td:last-child{overflow-wrap:anywhere}\
-.cards thead{display:none}.cards,.cards tbody,.cards tr,.cards td{display:block}\
-.cards tr{border-bottom:1px solid var(--grid);padding:.5rem 0}\
-.cards td,.cards td.n{border:0;padding:.1rem 0;text-align:left;white-space:normal;overflow-wrap:anywhere}.cards td.w{min-width:0}\
-.cards td:empty{display:none}.cards td:first-child{font-weight:600}\
-.cards td:not(:first-child)::before{content:attr(data-label) ': ';color:var(--soft)}}\
-@media print{body{max-width:none;margin:0}.wide{overflow:visible}figure,tr{break-inside:avoid}\
-details::details-content{content-visibility:visible;display:block}}";
+/// The rules; a page has them in one line.
+const STYLE: &str = include_str!("page.css");
 
 /// The colours as custom properties.
 fn scheme(p: &Palette) -> String {
@@ -53,7 +30,7 @@ pub fn page(title: &str, body: Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
-                style { (PreEscaped(colours)) (PreEscaped(STYLE)) }
+                style { (PreEscaped(colours)) (PreEscaped(STYLE.replace('\n', ""))) }
             }
             body { h1 { (title) } (body) }
         }

@@ -349,9 +349,8 @@ mod tests {
     /// Steady temperatures at known parameters, as if measured: 10 W at several fan commands.
     fn problem(parameters: &[&str]) -> Problem {
         let observation = |command: f64| {
-            let sets = [("electrical_power", "10".to_owned()), ("fan_command", command.to_string())];
-            let sets = sets.into_iter().map(|(n, v)| (n.to_owned(), v)).collect();
-            let setup = Setup { model: "AnnulusCooledMotor".into(), preset: None, sets };
+            let sets = [("electrical_power", "10"), ("fan_command", &command.to_string())];
+            let setup = Setup::new("AnnulusCooledMotor", None, &sets);
             // By hand: T_w = T_a + P (R_wh + 1/(G_still + G_forced n^0.8)) with 0.3 K/W, 0.2 and 0.5 W/K.
             let measured = 298.15 + 10.0 * (0.3 + 1.0 / (0.2 + 0.5 * f64::powf(command, 0.8)));
             Observation { name: format!("n={command}"), setup, output: "winding_temperature", measured }

@@ -32,6 +32,12 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// A model of this name with a preset, and values as text by name.
+    pub fn new(model: &str, preset: Option<Preset>, sets: &[(&str, &str)]) -> Setup {
+        let sets = sets.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
+        Setup { model: model.to_owned(), preset, sets }
+    }
+
     /// The bench with all values set, not started.
     ///
     /// Modes that are not set follow from the inputs that are, as in the design's section 6: electrical_power
@@ -225,11 +231,7 @@ mod tests {
     use super::*;
 
     fn setup(sets: &[(&str, &str)]) -> Setup {
-        Setup {
-            model: "AnnulusCooledMotor".into(),
-            preset: Some(Preset::load("maxon-305015").unwrap()),
-            sets: sets.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect(),
-        }
+        Setup::new("AnnulusCooledMotor", Preset::load("maxon-305015").ok(), sets)
     }
 
     /// 10 W through 1/G = 1/0.1351 K/W.

@@ -391,11 +391,7 @@ mod tests {
     use super::*;
 
     fn constant(sets: &[(&str, &str)], objective: &str) -> ConstantInputs {
-        let sets = sets.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
-        ConstantInputs {
-            setup: Setup { model: "AnnulusCooledMotor".into(), preset: None, sets },
-            objective: objective.into(),
-        }
+        ConstantInputs { setup: Setup::new("AnnulusCooledMotor", None, sets), objective: objective.into() }
     }
 
     fn vary(texts: &[&str]) -> Vec<Vary> {

@@ -2,63 +2,64 @@ use super::*;
 use describe::models;
 use std::io::Read;
 
-fn library(folder: &Path) -> PathBuf {
-    let path = folder.join("library");
-    let mut bytes = b"code ".to_vec();
-    bytes.extend(start_values::empty());
-    fs::write(&path, bytes).unwrap();
-    path
+/// A folder with a library.
+struct Packing {
+    folder: tempfile::TempDir,
+    library: PathBuf,
+}
+
+impl Packing {
+    fn new() -> Packing {
+        let folder = tempfile::tempdir().unwrap();
+        let library = folder.path().join("library");
+        fs::write(&library, [b"code ", &start_values::empty()[..]].concat()).unwrap();
+        Packing { folder, library }
+    }
+
+    /// The motor in an archive below the folder.
+    fn build(&self, standard: Standard, contents: Contents<'_>) -> Result<PathBuf, BuildError> {
+        build(&models::ALL[0], standard, contents, &self.library, self.folder.path())
+    }
+}
+
+/// Text or bytes of an entry.
+fn entry(archive: &Path, name: &str) -> Vec<u8> {
+    let mut zip = zip::ZipArchive::new(fs::File::open(archive).unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    zip.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
+    bytes
 }
 
 #[test]
 fn the_same_input_gives_the_same_bytes() {
-    let folder = tempfile::tempdir().unwrap();
-    let library = library(folder.path());
     for standard in Standard::ALL {
-        let make = |out: &str| {
-            let path =
-                build(&models::ALL[0], standard, Contents::default(), &library, &folder.path().join(out))
-                    .unwrap();
-            fs::read(path).unwrap()
-        };
-        assert_eq!(make("a"), make("b"));
+        let make = || fs::read(Packing::new().build(standard, Contents::default()).unwrap()).unwrap();
+        assert_eq!(make(), make());
     }
 }
 
 #[test]
 fn a_preset_reaches_the_xml_and_the_binary() {
-    let folder = tempfile::tempdir().unwrap();
-    let library = library(folder.path());
-    let preset = Preset::load("maxon-305015").unwrap();
+    let (packing, preset) = (Packing::new(), Preset::load("maxon-305015").unwrap());
     let contents = Contents { preset: Some(&preset), ..Contents::default() };
-    let path = build(&models::ALL[0], Standard::Fmi2, contents, &library, folder.path()).unwrap();
-    let mut zip = zip::ZipArchive::new(fs::File::open(path).unwrap()).unwrap();
-    let mut read = |name: &str| {
-        let mut bytes = Vec::new();
-        zip.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
-        bytes
-    };
-    let xml = String::from_utf8(read("modelDescription.xml")).unwrap();
+    let path = packing.build(Standard::Fmi2, contents).unwrap();
+    let xml = String::from_utf8(entry(&path, "modelDescription.xml")).unwrap();
     assert!(xml.contains("start=\"0.00983\""), "tau_c of the preset is the start value");
-    let binary = read(&format!("binaries/{}/AnnulusCooledMotor.{}", HERE.fmi2, HERE.ending));
+    let binary = entry(&path, &format!("binaries/{}/AnnulusCooledMotor.{}", HERE.fmi2, HERE.ending));
     let block: [u8; start_values::SIZE] = binary[5..].try_into().unwrap();
     assert!(start_values::entries(&block).any(|entry| entry == (1000, 9.83e-3)));
 }
 
 #[test]
 fn effects_are_packed_and_checked() {
-    let folder = tempfile::tempdir().unwrap();
-    let library = library(folder.path());
+    let packing = Packing::new();
     let term = r#"{"port": "drag_torque", "coefficient": 1e-3}"#;
     let text = |terms: &str| format!(r#"{{"format": "motor-fmu effects 1", "terms": [{terms}]}}"#);
     let mut file = TermsFile::parse(&text(term), "x.json").unwrap();
     let make = |file: &TermsFile| {
-        let contents = Contents { effects: Some(file), ..Contents::default() };
-        build(&models::ALL[0], Standard::Fmi3, contents, &library, folder.path())
+        packing.build(Standard::Fmi3, Contents { effects: Some(file), ..Contents::default() })
     };
-    let mut zip = zip::ZipArchive::new(fs::File::open(make(&file).unwrap()).unwrap()).unwrap();
-    let mut packed = String::new();
-    zip.by_name("resources/effects.json").unwrap().read_to_string(&mut packed).unwrap();
+    let packed = String::from_utf8(entry(&make(&file).unwrap(), "resources/effects.json")).unwrap();
     assert_eq!(TermsFile::parse(&packed, "resources").unwrap(), file);
     file.terms[0].port = "nowhere".to_string();
     assert!(make(&file).unwrap_err().to_string().contains("nowhere"));
@@ -66,22 +67,17 @@ fn effects_are_packed_and_checked() {
 
 #[test]
 fn a_preset_for_another_model_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
     let mut preset = Preset::load("maxon-305015").unwrap();
     preset.model = "Other".to_string();
-    let library = library(folder.path());
     let contents = Contents { preset: Some(&preset), ..Contents::default() };
-    let error = build(&models::ALL[0], Standard::Fmi2, contents, &library, folder.path()).unwrap_err();
+    let error = Packing::new().build(Standard::Fmi2, contents).unwrap_err();
     assert_eq!(error.to_string(), "preset maxon-305015 is for Other and not for AnnulusCooledMotor");
 }
 
 #[test]
 fn a_missing_library_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let missing = folder.path().join("nothing.so");
-    let error = build(&models::ALL[0], Standard::Fmi3, Contents::default(), &missing, folder.path())
-        .unwrap_err()
-        .to_string();
+    let missing = Packing { library: "nothing.so".into(), ..Packing::new() };
+    let error = missing.build(Standard::Fmi3, Contents::default()).unwrap_err().to_string();
     assert!(error.contains("nothing.so") && error.contains("cargo build --release"), "{error}");
 }
 
@@ -99,9 +95,8 @@ fn a_library_for_another_platform_is_refused() {
 
 #[test]
 fn every_platform_has_its_own_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = library(folder.path());
-    let libraries = crate::platform::ALL.map(|platform| Library { platform, path: path.clone() });
+    let Packing { folder, library } = Packing::new();
+    let libraries = crate::platform::ALL.map(|platform| Library { platform, path: library.clone() });
     for standard in Standard::ALL {
         let out =
             build_for(&models::ALL[0], &[standard], Contents::default(), &libraries, folder.path()).unwrap();

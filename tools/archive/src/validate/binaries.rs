@@ -65,7 +65,6 @@ fn suffix(system: System) -> &'static str {
     }
 }
 
-/// Checks every platform folder.
 pub(crate) fn check(archive: &mut Archive, model: &Model, entries: &HashSet<String>, out: &mut Findings) {
     let mut folders: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for entry in entries.iter().filter(|e| !e.ends_with('/')) {
@@ -78,24 +77,20 @@ pub(crate) fn check(archive: &mut Archive, model: &Model, entries: &HashSet<Stri
         let platform = match (fmi2_platform(folder), tuple(folder)) {
             (Some(p), _) => {
                 if model.version == FmiVersion::V3 {
-                    out.add(&rules::PLATFORM_OF_FMI2, &place, format!("The folder \"{folder}\" is named as in FMI 2; importers of FMI 3 look for a platform tuple such as x86_64-linux"));
+                    out.add(&place, rules::platform_of_fmi2(folder));
                 }
                 p
             }
             (None, Some(p)) => {
                 let old = p.architecture == Architecture::X86_64 || p.architecture == Architecture::I386;
                 if model.version == FmiVersion::V2 && old {
-                    out.add(&rules::PLATFORM_OF_FMI3, &place, format!("The folder \"{folder}\" is named as in FMI 3; FMI 2 has its own name for this platform"));
+                    out.add(&place, rules::platform_of_fmi3(folder));
                 }
                 p
             }
             (None, None) => {
                 if !(model.version == FmiVersion::V3 && has_abi(folder)) {
-                    out.add(
-                        &rules::PLATFORM_UNKNOWN,
-                        &place,
-                        format!("The platform folder \"{}\" is not one of the standard", short(folder)),
-                    );
+                    out.add(&place, rules::platform_unknown(short(folder)));
                 }
                 continue;
             }
@@ -130,13 +125,10 @@ fn check_folder(
             let mut have = files.to_vec();
             have.sort_unstable();
             have.truncate(5);
-            let message = format!(
-                "The folder binaries/{folder} has no \"{}\", the library that the modelIdentifier \"{}\" names (it has {})",
-                short(file),
-                short(identifier),
-                short(&have.join(", "))
+            out.add(
+                format!("binaries/{folder}"),
+                rules::binary_missing(folder, short(file), short(identifier), short(&have.join(", "))),
             );
-            out.add(&rules::BINARY_MISSING, format!("binaries/{folder}"), message);
         }
     }
 }
@@ -154,23 +146,22 @@ fn check_binary(
     let Some(bytes) = zip::read(archive, path, LARGEST_BINARY) else { return };
     let parts = symbols::read(&bytes);
     if parts.is_empty() {
-        out.add(
-            &rules::BINARY_FORMAT,
-            path,
-            format!("The file {path} is not a shared library of any known format"),
-        );
+        out.add(path, rules::binary_format(path));
         return;
     }
     let fits = |p: &&Part| p.system == platform.system && p.architecture == platform.architecture;
     let Some(part) = parts.iter().find(fits) else {
         let have: Vec<_> = parts.iter().map(|p| format!("{:?} for {:?}", p.architecture, p.system)).collect();
-        let message = format!(
-            "The library {path} is machine code of {}, but the folder {folder} promises {:?} for {:?}",
-            have.join(", "),
-            platform.architecture,
-            platform.system
+        out.add(
+            path,
+            rules::binary_architecture(
+                path,
+                have.join(", "),
+                folder,
+                format!("{:?}", platform.architecture),
+                format!("{:?}", platform.system),
+            ),
         );
-        out.add(&rules::BINARY_ARCHITECTURE, path, message);
         return;
     };
     let exported: HashSet<&str> = part.exports.iter().map(String::as_str).collect();
@@ -185,10 +176,6 @@ fn check_binary(
         };
         let shown = missing.iter().take(5).cloned().collect::<Vec<_>>().join(", ");
         let more = if missing.len() > 5 { ", ..." } else { "" };
-        let message = format!(
-            "The library {path} does not export {} required functions: {shown}{more}{hint}",
-            missing.len()
-        );
-        out.add(&rules::SYMBOL_MISSING, path, message);
+        out.add(path, rules::symbol_missing(path, missing.len(), shown, more, hint));
     }
 }

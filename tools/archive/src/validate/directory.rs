@@ -38,7 +38,6 @@ impl RawEntry {
     }
 }
 
-/// The central directory.
 pub(crate) struct Directory {
     pub(crate) entries: Vec<RawEntry>,
     /// More than one disk: a split or spanned archive.

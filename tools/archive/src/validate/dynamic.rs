@@ -42,8 +42,7 @@ pub fn run(program: &Path, file: &Path, patience: Duration) -> Vec<Finding> {
             Ok(None) => break,
             Ok(Some(next)) => from = next,
             Err(error) => {
-                let message = format!("The FMU was not run: {} {error}", program.display());
-                out.add(&rules::NOT_RUN, "binaries", message);
+                out.add("binaries", rules::not_run(program.display(), error));
                 break;
             }
         }
@@ -77,7 +76,7 @@ fn follow(
                 // A later child may find again what an earlier one has reported.
                 if reported.insert((o.code.clone(), o.place.clone())) {
                     let rule = rules::ALL.iter().find(|r| r.code == o.code);
-                    out.add(rule.copied().unwrap_or(&rules::LIFE_CYCLE), o.place, o.message);
+                    out.add(o.place, rule.copied().unwrap_or(&rules::LIFE_CYCLE).says(o.message));
                 }
             }
             Ok(Event::Alive) => {}
@@ -98,10 +97,12 @@ fn follow(
     if hung {
         let message =
             format!("A call did not return within {} s (stage \"{doing}\")", patience.as_secs_f64());
-        out.add(if is_misuse { &rules::HANG_ON_MISUSE } else { &rules::HANG }, "binaries", message);
+        let rule = if is_misuse { &rules::HANG_ON_MISUSE } else { &rules::HANG };
+        out.add("binaries", rule.says(message));
     } else {
         let message = format!("The FMU ended the process that ran it: {} (stage \"{doing}\")", cause(status));
-        out.add(if is_misuse { &rules::CRASH_ON_MISUSE } else { &rules::CRASH }, "binaries", message);
+        let rule = if is_misuse { &rules::CRASH_ON_MISUSE } else { &rules::CRASH };
+        out.add("binaries", rule.says(message));
     }
     // Without a basis the other stages of the same interface type would crash in the same way.
     let rest = if stages::ALL[of_all].is_basis { stages::ALL.len() - of_all } else { 1 };

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use cosim::FmiVersion;
+pub(crate) use cosim::xml::short;
 use serde::Serialize;
 
-use super::rules::{Rule, Severity};
+use super::rules::{Breach, Severity};
 
 /// One thing the validator noticed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -36,8 +37,7 @@ impl Findings {
         Findings { version: FmiVersion::V3, list: Vec::new(), counts: HashMap::new() }
     }
 
-    /// Adds a finding; `message` is a sentence without its full stop.
-    pub(crate) fn add(&mut self, rule: &'static Rule, place: impl Into<String>, message: impl AsRef<str>) {
+    pub(crate) fn add(&mut self, place: impl Into<String>, Breach { rule, message }: Breach) {
         let count = self.counts.entry(rule.code).or_insert(0);
         *count += 1;
         if *count > MOST_PER_RULE {
@@ -53,7 +53,7 @@ impl Findings {
             severity: rule.severity,
             code: rule.code,
             place: place.into(),
-            message: format!("{}{reference}.", message.as_ref()),
+            message: format!("{message}{reference}."),
         });
     }
 
@@ -77,14 +77,4 @@ impl Findings {
         }
         self.list
     }
-}
-
-/// Shortens a text from the file so that a message stays one readable line.
-pub(crate) fn short(text: &str) -> String {
-    const MOST: usize = 80;
-    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(MOST).is_some() {
-        out.push_str("...");
-    }
-    out
 }

@@ -95,7 +95,7 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
         out.version = guess_version(bytes);
     }
     if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("fmu")) {
-        out.add(&rules::EXTENSION, "archive", "The name of the archive does not end in .fmu");
+        out.add("archive", rules::extension());
     }
     zip::check(&directory, &mut out);
     zip::check_content(&mut archive, &directory, &mut out);
@@ -104,8 +104,7 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
         Some(bytes) => check_description(&bytes, &mut archive, &entries, &mut out),
         None if entries.contains(MODEL_DESCRIPTION) => {
             if !out.any_error() {
-                let message = format!("{MODEL_DESCRIPTION} cannot be read from the archive");
-                out.add(&rules::DESCRIPTION_MISSING, MODEL_DESCRIPTION, message);
+                out.add(MODEL_DESCRIPTION, rules::description_unreadable(MODEL_DESCRIPTION));
             }
         }
         None => {
@@ -113,11 +112,7 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
             let elsewhere =
                 directory.entries.iter().map(|e| e.text()).find(|e| e.replace('\\', "/").ends_with(&suffix));
             let hint = elsewhere.map(|e| format!("; it is at \"{}\"", short(&e))).unwrap_or_default();
-            out.add(
-                &rules::DESCRIPTION_MISSING,
-                "archive",
-                format!("The archive has no {MODEL_DESCRIPTION} at its root{hint}"),
-            );
+            out.add("archive", rules::description_missing(MODEL_DESCRIPTION, hint));
         }
     }
     Ok(out.into_list())
@@ -138,15 +133,12 @@ fn check_description(bytes: &[u8], archive: &mut Archive, entries: &HashSet<Stri
         Some("2.0") => FmiVersion::V2,
         Some(v) if v.starts_with("3.") => {
             if v != "3.0" {
-                let message =
-                    format!("fmiVersion is \"{}\"; the file is checked by the rules of 3.0", short(v));
-                out.add(&rules::VERSION_NEWER, xml.place(root), message);
+                out.add(xml.place(root), rules::version_newer(short(v)));
             }
             FmiVersion::V3
         }
         Some(v) => {
-            let message = format!("fmiVersion is \"{}\", which is neither 2.0 nor 3.0", short(v));
-            out.add(&rules::VERSION, xml.place(root), message);
+            out.add(xml.place(root), rules::version(short(v)));
             return;
         }
         // The schema rules report the missing attribute; its neighbours show which schema applies.

@@ -9,21 +9,14 @@ pub(crate) use cosim::elements::{Model, Unknown, Variable};
 pub(crate) use cosim::xml::{children, double, is_true, unsigned, unsigned_list};
 pub(crate) use cosim::{FmiVersion, Kind};
 
-/// `Variable "x"`, the start of most messages.
-pub(crate) fn label(variable: &Variable) -> String {
-    format!("Variable \"{}\"", short(variable.name))
-}
-
 /// Another file of the archive must be of the model description's version.
 pub(crate) fn check_version_of(model: &Model, other: &Xml, out: &mut Findings) {
     let root = other.root();
     let (here, there) = (root.attribute("fmiVersion"), model.root.attribute("fmiVersion"));
     if model.version == FmiVersion::V3 && here.is_some() && here != there {
-        let message = format!(
-            "fmiVersion is \"{}\" here and \"{}\" in modelDescription.xml",
-            short(here.unwrap_or_default()),
-            short(there.unwrap_or_default())
+        out.add(
+            other.place(root),
+            rules::version_mismatch(short(here.unwrap_or_default()), short(there.unwrap_or_default())),
         );
-        out.add(&rules::VERSION_MISMATCH, other.place(root), message);
     }
 }

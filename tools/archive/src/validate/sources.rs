@@ -15,11 +15,7 @@ pub(crate) const FILE: &str = "sources/buildDescription.xml";
 pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings) {
     let has_sources = entries.iter().any(|e| e.starts_with("sources/") && !e.ends_with('/'));
     if model.version == FmiVersion::V3 && has_sources && !entries.contains(FILE) {
-        out.add(
-            &rules::BUILD_DESCRIPTION_MISSING,
-            "sources/",
-            format!("The archive has source files but no {FILE}"),
-        );
+        out.add("sources/", rules::build_description_missing(FILE));
     }
     if model.version == FmiVersion::V2 {
         let files = model
@@ -38,11 +34,7 @@ pub(crate) fn check(model: &Model, entries: &HashSet<String>, out: &mut Findings
 fn require_source(name: &str, place: &str, entries: &HashSet<String>, out: &mut Findings) {
     let file = format!("sources/{}", name.trim_start_matches("./"));
     if !entries.contains(&file) {
-        out.add(
-            &rules::SOURCE_FILE_MISSING,
-            place,
-            format!("The source file \"{}\" is listed but not in the archive", short(name)),
-        );
+        out.add(place, rules::source_file_missing(short(name)));
     }
 }
 
@@ -60,18 +52,10 @@ pub(crate) fn check_build(bytes: &[u8], model: &Model, entries: &HashSet<String>
         let Some(identifier) = configuration.attribute("modelIdentifier") else { continue };
         let is_ours = |i: &roxmltree::Node| i.attribute("modelIdentifier") == Some(identifier);
         if !model.interfaces.is_empty() && !model.interfaces.iter().any(is_ours) {
-            let message = format!(
-                "The build configuration is for the modelIdentifier \"{}\", which no interface type has",
-                short(identifier)
-            );
-            out.add(&rules::BUILD_IDENTIFIER, &place, message);
+            out.add(&place, rules::build_identifier(short(identifier)));
         }
         if configuration.attribute("platform").is_none() && !seen.insert(identifier) {
-            let message = format!(
-                "There is more than one build configuration without platform for \"{}\"",
-                short(identifier)
-            );
-            out.add(&rules::BUILD_FALLBACK, &place, message);
+            out.add(&place, rules::build_fallback(short(identifier)));
         }
         let sets = configuration.children().filter(|c| c.has_tag_name("SourceFileSet"));
         for file in sets.flat_map(|s| s.children()).filter(|c| c.has_tag_name("SourceFile")) {

@@ -6,18 +6,20 @@ use roxmltree::Node;
 
 use super::finding::{Findings, short};
 use super::model::{Model, check_version_of, children, double};
-use super::rules;
+use super::rules::{self, Breach};
 use super::schema;
 use super::xml::Xml;
 
 /// Where the file must be.
 pub(crate) const FILE: &str = "terminalsAndIcons/terminalsAndIcons.xml";
 
-/// What a terminal may refer to.
-struct Context<'a> {
+/// The file, what a terminal may refer to, and the findings.
+struct Check<'a> {
+    xml: &'a Xml<'a>,
     /// Causality by name, aliases included.
     variables: HashMap<&'a str, &'a str>,
     entries: &'a HashSet<String>,
+    out: &'a mut Findings,
 }
 
 /// Checks the file against the model description and the entries of the archive.
@@ -31,146 +33,95 @@ pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out:
     let mut variables = HashMap::new();
     for v in &model.variables {
         let aliases = v.aliases.iter().filter_map(|a| a.attribute("name"));
-        std::iter::once(v.name).chain(aliases).for_each(|name| {
-            variables.insert(name, v.causality);
-        });
+        variables.extend(std::iter::once(v.name).chain(aliases).map(|name| (name, v.causality)));
     }
-    let context = Context { variables, entries };
     for system in children(root, "GraphicalRepresentation").flat_map(|g| children(g, "CoordinateSystem")) {
-        let corner = |name| double(system, name);
         for (low, high) in [("x1", "x2"), ("y1", "y2")] {
-            if let (Some(a), Some(b)) = (corner(low), corner(high))
+            if let (Some(a), Some(b)) = (double(system, low), double(system, high))
                 && a >= b
             {
-                let message = format!("{low} = {a} of the coordinate system must be less than {high} = {b}");
-                out.add(&rules::COORDINATE_SYSTEM, xml.place(system), message);
+                out.add(xml.place(system), rules::coordinate_system(low, a, high, b));
             }
         }
     }
-    for list in children(root, "Terminals") {
-        check_level(&xml, list, &context, out);
-    }
+    let mut check = Check { xml: &xml, variables, entries, out };
+    children(root, "Terminals").for_each(|list| check.level(list));
 }
 
-/// The terminals side by side under one node.
-fn check_level(xml: &Xml, parent: Node, context: &Context, out: &mut Findings) {
-    let mut names = HashSet::new();
-    for terminal in parent.children().filter(|c| c.has_tag_name("Terminal")) {
-        let name = terminal.attribute("name").unwrap_or_default();
-        if !names.insert(name) {
-            out.add(
-                &rules::TERMINAL_REPEATED,
-                xml.place(terminal),
-                format!("The terminal \"{}\" is defined more than once on its level", short(name)),
-            );
-        }
-        check_terminal(xml, terminal, name, context, out);
-        check_level(xml, terminal, context, out);
+impl Check<'_> {
+    fn add(&mut self, node: Node, breach: Breach) {
+        self.out.add(self.xml.place(node), breach);
     }
-}
 
-fn check_terminal(xml: &Xml, terminal: Node, name: &str, context: &Context, out: &mut Findings) {
-    let rule = terminal.attribute("matchingRule").unwrap_or_default();
-    let predefined = ["plug", "bus", "sequence"].contains(&rule);
-    if terminal.attribute("matchingRule").is_some() && !predefined && !rule.contains('.') {
-        let message = format!(
-            "The matchingRule \"{}\" of the terminal \"{}\" is neither plug, bus nor sequence nor a name in reverse domain notation",
-            short(rule),
-            short(name)
-        );
-        out.add(&rules::MATCHING_RULE, xml.place(terminal), message);
-    }
-    let mut members = HashSet::new();
-    let mut flows = 0;
-    let streams = terminal.children().any(|c| c.has_tag_name("TerminalStreamMemberVariable"));
-    for member in terminal.children().filter(|c| c.has_tag_name("TerminalMemberVariable")) {
-        let kind = member.attribute("variableKind").unwrap_or_default();
-        let is_flow = ["inflow", "outflow"].contains(&kind);
-        flows += usize::from(is_flow);
-        check_variable(xml, member, "variableName", name, is_flow || kind == "signal", context, out);
-        match member.attribute("memberName") {
-            None if rule == "plug" || rule == "bus" => {
-                let message = format!(
-                    "A member of the terminal \"{}\" has no memberName, which the matchingRule {rule} requires",
-                    short(name)
-                );
-                out.add(&rules::MEMBER_NAME, xml.place(member), message);
+    /// The terminals side by side under one node.
+    fn level(&mut self, parent: Node) {
+        let mut names = HashSet::new();
+        for terminal in children(parent, "Terminal") {
+            let name = terminal.attribute("name").unwrap_or_default();
+            if !names.insert(name) {
+                self.add(terminal, rules::terminal_repeated(short(name)));
             }
-            Some(m) if !members.insert(m) => {
-                let message = format!(
-                    "The memberName \"{}\" occurs more than once in the terminal \"{}\"",
-                    short(m),
-                    short(name)
-                );
-                out.add(&rules::MEMBER_NAME, xml.place(member), message);
+            self.terminal(terminal, &short(name));
+            self.level(terminal);
+        }
+    }
+
+    fn terminal(&mut self, terminal: Node, name: &str) {
+        let rule = terminal.attribute("matchingRule").unwrap_or_default();
+        let predefined = ["plug", "bus", "sequence"].contains(&rule);
+        if terminal.attribute("matchingRule").is_some() && !predefined && !rule.contains('.') {
+            self.add(terminal, rules::matching_rule(short(rule), name));
+        }
+        let mut members = HashSet::new();
+        let mut flows = 0;
+        for member in children(terminal, "TerminalMemberVariable") {
+            let kind = member.attribute("variableKind").unwrap_or_default();
+            let is_flow = ["inflow", "outflow"].contains(&kind);
+            flows += usize::from(is_flow);
+            self.variable(member, "variableName", name, is_flow || kind == "signal");
+            match member.attribute("memberName") {
+                None if rule == "plug" || rule == "bus" => {
+                    self.add(member, rules::member_name_missing(name, rule));
+                }
+                Some(m) if !members.insert(m) => {
+                    self.add(member, rules::member_name_repeated(short(m), name))
+                }
+                _ => {}
             }
-            _ => {}
+        }
+        let streams = || children(terminal, "TerminalStreamMemberVariable");
+        if streams().next().is_some() && flows > 1 {
+            self.add(terminal, rules::stream_flow(name, flows));
+        }
+        for stream in streams() {
+            self.variable(stream, "inStreamVariableName", name, true);
+            self.variable(stream, "outStreamVariableName", name, true);
+        }
+        for graphic in children(terminal, "TerminalGraphicalRepresentation") {
+            self.icon(graphic, name);
         }
     }
-    if streams && flows > 1 {
-        let message = format!(
-            "The terminal \"{}\" has stream members and {flows} inflow or outflow members; only one is allowed",
-            short(name)
-        );
-        out.add(&rules::STREAM_FLOW, xml.place(terminal), message);
-    }
-    for stream in terminal.children().filter(|c| c.has_tag_name("TerminalStreamMemberVariable")) {
-        for attribute in ["inStreamVariableName", "outStreamVariableName"] {
-            check_variable(xml, stream, attribute, name, true, context, out);
-        }
-    }
-    for graphic in terminal.children().filter(|c| c.has_tag_name("TerminalGraphicalRepresentation")) {
-        check_icon(xml, graphic, name, context, out);
-    }
-}
 
-fn check_variable(
-    xml: &Xml,
-    node: Node,
-    attribute: &str,
-    terminal: &str,
-    restricted: bool,
-    context: &Context,
-    out: &mut Findings,
-) {
-    let Some(name) = node.attribute(attribute) else { return };
-    match context.variables.get(name) {
-        None => {
-            let message = format!(
-                "The terminal \"{}\" refers to the variable \"{}\", which does not exist",
-                short(terminal),
-                short(name)
-            );
-            out.add(&rules::TERMINAL_VARIABLE, xml.place(node), message);
+    fn variable(&mut self, node: Node, attribute: &str, terminal: &str, restricted: bool) {
+        let Some(name) = node.attribute(attribute) else { return };
+        match self.variables.get(name).copied() {
+            None => self.add(node, rules::terminal_variable(terminal, short(name))),
+            Some(causality @ ("local" | "independent" | "structuralParameter")) if restricted => {
+                self.add(node, rules::terminal_causality(terminal, causality, short(name)));
+            }
+            Some(_) => {}
         }
-        Some(causality)
-            if restricted && ["local", "independent", "structuralParameter"].contains(causality) =>
-        {
-            let message = format!(
-                "The terminal \"{}\" refers to the {causality} variable \"{}\"; only inputs, outputs and parameters are allowed",
-                short(terminal),
-                short(name)
-            );
-            out.add(&rules::TERMINAL_CAUSALITY, xml.place(node), message);
-        }
-        Some(_) => {}
     }
-}
 
-fn check_icon(xml: &Xml, graphic: Node, terminal: &str, context: &Context, out: &mut Findings) {
-    let Some(base) = graphic.attribute("iconBaseName") else { return };
-    // An absolute URI is somebody else's file; its existence is not ours to check.
-    if base.contains("://") {
-        return;
-    }
-    let file = format!("terminalsAndIcons/{}.png", base.trim_start_matches("./"));
-    if base.split('/').any(|part| part == "..") || !context.entries.contains(&file) {
-        let message = format!(
-            "The icon \"{}\" of the terminal \"{}\" is not in the archive as {}",
-            short(base),
-            short(terminal),
-            short(&file)
-        );
-        out.add(&rules::ICON_MISSING, xml.place(graphic), message);
+    fn icon(&mut self, graphic: Node, terminal: &str) {
+        let Some(base) = graphic.attribute("iconBaseName") else { return };
+        // An absolute URI is somebody else's file; its existence is not ours to check.
+        if base.contains("://") {
+            return;
+        }
+        let file = format!("terminalsAndIcons/{}.png", base.trim_start_matches("./"));
+        if base.split('/').any(|part| part == "..") || !self.entries.contains(&file) {
+            self.add(graphic, rules::icon_missing(short(base), terminal, short(&file)));
+        }
     }
 }

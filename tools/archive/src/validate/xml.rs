@@ -8,7 +8,6 @@ use super::rules;
 /// Deeper than any FMI file is; the walkers recurse, so a hostile depth must end before them.
 const DEEPEST: usize = 256;
 
-/// A parsed file.
 pub(crate) struct Xml<'a> {
     file: &'a str,
     xml: cosim::xml::Xml<'a>,
@@ -21,7 +20,7 @@ impl<'a> Xml<'a> {
             Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
             Err(e) => {
                 let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
-                out.add(&rules::XML_NOT_UTF8, format!("{file}:{line}"), "The file is not UTF-8 text");
+                out.add(format!("{file}:{line}"), rules::xml_not_utf8());
                 return None;
             }
         };
@@ -30,30 +29,21 @@ impl<'a> Xml<'a> {
             Ok(xml) => xml,
             Err(roxmltree::Error::DtdDetected) => {
                 let line = 1 + text[..text.find("<!DOCTYPE").unwrap_or(0)].matches('\n').count();
-                out.add(
-                    &rules::XML_DOCTYPE,
-                    format!("{file}:{line}"),
-                    "The file has a document type declaration, through which entities can be smuggled in",
-                );
+                out.add(format!("{file}:{line}"), rules::xml_doctype());
                 return None;
             }
             Err(e) => {
-                out.add(
-                    &rules::XML_MALFORMED,
-                    format!("{file}:{}", e.pos().row),
-                    format!("The file is not well-formed XML: {e}"),
-                );
+                out.add(format!("{file}:{}", e.pos().row), rules::xml_malformed(e));
                 return None;
             }
         };
         if is_too_deep(xml.document()) {
-            out.add(&rules::XML_DEPTH, file, format!("The elements are nested deeper than {DEEPEST} levels"));
+            out.add(file, rules::xml_depth(DEEPEST));
             return None;
         }
         Some(Xml { file, xml })
     }
 
-    /// The root element.
     pub(crate) fn root(&self) -> Node<'_, 'a> {
         self.xml.root()
     }
@@ -78,16 +68,8 @@ fn check_declaration(file: &str, text: &str, out: &mut Findings) {
     });
     match encoding {
         Some(e) if e.eq_ignore_ascii_case("utf-8") => {}
-        Some(e) => out.add(
-            &rules::XML_ENCODING,
-            format!("{file}:1"),
-            format!("The file declares the encoding \"{}\" instead of UTF-8", super::finding::short(e)),
-        ),
-        None => out.add(
-            &rules::XML_ENCODING,
-            format!("{file}:1"),
-            "The first line does not declare the encoding UTF-8",
-        ),
+        Some(e) => out.add(format!("{file}:1"), rules::xml_encoding(super::finding::short(e))),
+        None => out.add(format!("{file}:1"), rules::xml_encoding_missing()),
     }
 }
 

@@ -19,7 +19,7 @@ const BOMB_TOTAL: u64 = 8 << 30;
 /// Checks every entry of the directory.
 pub(crate) fn check(directory: &Directory, out: &mut Findings) {
     if directory.spanned {
-        out.add(&rules::ARCHIVE_SPANNED, "archive", "The archive is split over several disks");
+        out.add("archive", rules::archive_spanned());
     }
     let mut seen = HashSet::new();
     let mut folded: HashMap<String, String> = HashMap::new();
@@ -30,21 +30,13 @@ pub(crate) fn check(directory: &Directory, out: &mut Findings) {
         check_storage(entry, &name, out);
         total = total.saturating_add(entry.size);
         if !seen.insert(entry.name.clone()) {
-            let message = format!("The entry \"{}\" occurs more than once in the archive", short(&name));
-            out.add(&rules::ENTRY_DUPLICATE, &name, message);
+            out.add(&name, rules::entry_duplicate(short(&name)));
         } else if let Some(other) = folded.insert(name.to_lowercase(), name.clone()) {
-            let message = format!(
-                "The entries \"{}\" and \"{}\" differ only in case and overwrite each other where file names do not",
-                short(&other),
-                short(&name)
-            );
-            out.add(&rules::ENTRY_CASE, &name, message);
+            out.add(&name, rules::entry_case(short(&other), short(&name)));
         }
     }
     if total > BOMB_TOTAL {
-        let message =
-            format!("The archive unpacks to {total} bytes, more than the {BOMB_TOTAL} allowed here");
-        out.add(&rules::ARCHIVE_BOMB, "archive", message);
+        out.add("archive", rules::archive_bomb(total, BOMB_TOTAL));
     }
 }
 
@@ -52,79 +44,45 @@ fn check_name(name: &str, out: &mut Findings) {
     let shown = short(name);
     let normal = name.replace('\\', "/");
     let drive = normal.as_bytes().get(1) == Some(&b':') && normal.as_bytes()[0].is_ascii_alphabetic();
-    if name.contains('\\') {
-        out.add(
-            &rules::ENTRY_BACKSLASH,
-            name,
-            format!("The entry name \"{shown}\" contains a backslash; only / separates folders"),
-        );
-    }
-    if normal.starts_with('/') || drive {
-        out.add(
-            &rules::ENTRY_ABSOLUTE,
-            name,
-            format!("The entry name \"{shown}\" is absolute and would be unpacked outside its folder"),
-        );
-    }
-    if normal.split('/').any(|part| part == "..") {
-        out.add(
-            &rules::ENTRY_OUTSIDE,
-            name,
-            format!("The entry name \"{shown}\" contains \"..\" and would be unpacked outside its folder"),
-        );
-    }
-    if !name.is_ascii() {
-        out.add(
-            &rules::ENTRY_NOT_ASCII,
-            name,
-            format!("The entry name \"{shown}\" is not plain ASCII, which some systems cannot unpack"),
-        );
-    }
-    if !drive && name.chars().any(|c| "<>:\"|?*".contains(c) || c.is_control()) {
-        out.add(
-            &rules::ENTRY_UNPORTABLE,
-            name,
-            format!("The entry name \"{shown}\" has a character that Windows does not allow in file names"),
-        );
+    let absolute = normal.starts_with('/') || drive;
+    let outside = normal.split('/').any(|part| part == "..");
+    let unportable = !drive && name.chars().any(|c| "<>:\"|?*".contains(c) || c.is_control());
+    for (is_wrong, rule, what) in [
+        (name.contains('\\'), &rules::ENTRY_BACKSLASH, "contains a backslash; only / separates folders"),
+        (absolute, &rules::ENTRY_ABSOLUTE, "is absolute and would be unpacked outside its folder"),
+        (outside, &rules::ENTRY_OUTSIDE, "contains \"..\" and would be unpacked outside its folder"),
+        (!name.is_ascii(), &rules::ENTRY_NOT_ASCII, "is not plain ASCII, which some systems cannot unpack"),
+        (unportable, &rules::ENTRY_UNPORTABLE, "has a character that Windows does not allow in file names"),
+    ] {
+        if is_wrong {
+            out.add(name, rule.says(format!("The entry name \"{shown}\" {what}")));
+        }
     }
 }
 
 fn check_storage(entry: &RawEntry, name: &str, out: &mut Findings) {
-    let shown = short(name);
+    let shown = &short(name);
     if entry.is_encrypted() {
-        out.add(&rules::ENTRY_ENCRYPTED, name, format!("The entry \"{shown}\" is encrypted"));
+        out.add(name, rules::entry_encrypted(shown));
     }
     if ![0, 8].contains(&entry.method) {
-        let message = format!(
-            "The entry \"{shown}\" uses compression method {}; only 0 (store) and 8 (deflate) are allowed",
-            entry.method
-        );
-        out.add(&rules::ENTRY_METHOD, name, message);
+        out.add(name, rules::entry_method(shown, entry.method));
     } else if entry.version_needed & 0xFF > 20 {
         let needed = entry.version_needed & 0xFF;
-        let message = format!(
-            "The entry \"{shown}\" needs version {}.{} of zip to extract; at most 2.0 is allowed",
-            needed / 10,
-            needed % 10
-        );
-        out.add(&rules::ENTRY_VERSION, name, message);
+        out.add(name, rules::entry_version(shown, needed / 10, needed % 10));
     }
     if entry.method == 0 && entry.has_data_descriptor() {
-        out.add(&rules::ENTRY_DESCRIPTOR, name, format!("The stored entry \"{shown}\" has general purpose bit 3 set, which only deflated entries may have"));
+        out.add(name, rules::entry_descriptor(shown));
     }
     if entry.is_link() {
-        out.add(&rules::ENTRY_LINK, name, format!("The entry \"{shown}\" is a symbolic link"));
+        out.add(name, rules::entry_link(shown));
     }
     if entry.local_name.as_ref().is_some_and(|local| *local != entry.name) {
         let local = String::from_utf8_lossy(entry.local_name.as_deref().unwrap_or_default()).into_owned();
-        let message =
-            format!("The directory calls the entry \"{shown}\", its own header \"{}\"", short(&local));
-        out.add(&rules::ENTRY_HEADER, name, message);
+        out.add(name, rules::entry_header(shown, short(&local)));
     }
     if entry.size > BOMB_SIZE && entry.size / entry.compressed.max(1) > BOMB_RATIO {
-        let message =
-            format!("The entry \"{shown}\" of {} bytes unpacks to {} bytes", entry.compressed, entry.size);
-        out.add(&rules::ARCHIVE_BOMB, name, message);
+        out.add(name, rules::entry_bomb(shown, entry.compressed, entry.size));
     }
 }
 
@@ -144,8 +102,7 @@ pub(crate) fn check_content(archive: &mut Archive, directory: &Directory, out: &
             continue;
         }
         let Ok(mut entry) = archive.by_index(index) else {
-            let message = format!("The entry \"{}\" cannot be read: its header is damaged", short(&name));
-            out.add(&rules::ENTRY_DAMAGED, &name, message);
+            out.add(&name, rules::entry_header_damaged(short(&name)));
             continue;
         };
         let size = entry.size();
@@ -154,7 +111,7 @@ pub(crate) fn check_content(archive: &mut Archive, directory: &Directory, out: &
             Ok(_) => format!("does not unpack to the {size} bytes that it declares"),
             Err(e) => format!("cannot be unpacked: {e}"),
         };
-        out.add(&rules::ENTRY_DAMAGED, &name, format!("The entry \"{}\" {what}", short(&name)));
+        out.add(&name, rules::entry_damaged(short(&name), what));
     }
 }
 

@@ -11,13 +11,10 @@ use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-/// What was written.
 pub struct Exported {
-    /// The model.
     pub kind: &'static ModelType,
     /// The FMU library that the archives are made with.
     pub library: PathBuf,
-    /// The calibrated values.
     pub preset: Preset,
     /// The archives with their standards.
     pub archives: Vec<(Standard, PathBuf)>,
@@ -27,9 +24,6 @@ pub struct Exported {
 
 impl Exported {
     /// Errors that the validator finds in the archives, in sentences.
-    ///
-    /// # Errors
-    /// An archive that cannot be read.
     pub fn findings(&self) -> Result<Vec<String>, Failure> {
         let program = crate::program()?;
         let wrong = |(name, (_, path)): (&String, &(Standard, PathBuf))| -> Result<Vec<String>, Failure> {
@@ -47,9 +41,6 @@ impl Exported {
 }
 
 /// Writes preset.toml, effects.json where there are terms, and the archives.
-///
-/// # Errors
-/// A file that cannot be written, a library that is not there, values that the model refuses.
 pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<Exported, Failure> {
     let kind = models::by_name(outcome.model)
         .ok_or_else(|| Failure::new(format!("unknown model {}", outcome.model)))?;

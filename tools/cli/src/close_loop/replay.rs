@@ -24,9 +24,6 @@ const PAIRS: usize = 16;
 
 /// Runs every test run (without such, every validation run, else those that were fitted) with both archives. A run that
 /// starts at measured temperatures is left out: an FMU starts where its ambient temperature is.
-///
-/// # Errors
-/// What an FMU refuses.
 pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
     let cold = |r: &&Run| r.start == Start::Ambient;
     let has = |role: &Role| experiment.runs.iter().filter(cold).any(|r| r.role == *role);
@@ -144,7 +141,7 @@ fn shown(
     let description = archive.description();
     let inputs = references(description, experiment.inputs.iter().filter_map(|c| c.input))?;
     let outputs = references(description, experiment.outputs.iter().filter_map(|c| c.output))?;
-    let takes_slopes = description.co_simulation.as_ref().is_some_and(|i| i.can_interpolate_inputs);
+    let takes_slopes = description.co_simulation().is_some_and(|i| i.can_interpolate_inputs);
     let mut fmu = Instance::instantiate(archive, &description.model_name, Log::new())?;
     set(&mut fmu, description, starts)?;
     fmu.enter_initialization(drive.time[0], None, None)?;

@@ -132,7 +132,6 @@ pub fn outcome(verdict: Verdict) -> Outcome {
     }
 }
 
-/// A replay that agrees.
 pub fn replay() -> Replay {
     let channel = ReplayedChannel {
         standard: "fmi3",

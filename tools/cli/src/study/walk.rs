@@ -9,7 +9,6 @@ use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Runs `steady --load`.
 pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     let load = args.start.load(file)?;
     let walked = walk(&load, args.load.hours)?;

@@ -1,7 +1,7 @@
 //! From the elements of `modelDescription.xml` to a [`ModelDescription`]; strict for the elements that it uses.
 use super::*;
 use crate::Error;
-use crate::elements::{self, FILE, Model, TypeDefinition, Unknown};
+use crate::elements::{self, Model, TypeDefinition, Unknown};
 use crate::xml::{Fault, Xml, child, children, elements};
 use roxmltree::Node;
 
@@ -9,14 +9,11 @@ impl ModelDescription {
     /// Reads the text of a `modelDescription.xml` of FMI 2.0 or 3.0.
     ///
     /// # Errors
-    /// [`Error::Description`] with the line: no XML, another standard, a missing or unreadable attribute.
+    /// [`Error::Text`] with the line: no XML, another standard, a missing or unreadable attribute.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let description = Xml::read(text).and_then(|xml| read(&xml));
-        description.map_err(|Fault { line, message }| Error::Description {
-            file: FILE.to_owned(),
-            line,
-            message,
-        })
+        let file = FILE.to_owned();
+        description.map_err(|Fault { line, message }| Error::Text { file, line: line.into(), message })
     }
 }
 
@@ -37,7 +34,6 @@ fn read(xml: &Xml) -> Result<ModelDescription, Fault> {
     };
     let model = Model::read(xml, version);
     let optional = |name| root.attribute(name).map(str::to_owned);
-    let interface = |name| child(root, name).map(|node| interface(xml, node)).transpose();
     Ok(ModelDescription {
         fmi_version: version,
         enumerations: model.types.iter().filter_map(|t| enumeration(xml, t)).collect::<Result<_, _>>()?,
@@ -54,8 +50,7 @@ fn read(xml: &Xml) -> Result<ModelDescription, Fault> {
             .to_owned(),
         description: optional("description"),
         generation_tool: optional("generationTool"),
-        co_simulation: interface("CoSimulation")?,
-        model_exchange: interface("ModelExchange")?,
+        interfaces: model.interfaces.iter().map(|n| interface(&model, *n)).collect::<Result<_, _>>()?,
         default_experiment: experiment(xml, child(root, "DefaultExperiment"))?,
         log_categories: elements(child(root, "LogCategories"))
             .filter_map(|n| n.attribute("name").map(str::to_owned))
@@ -104,17 +99,8 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
             None => xml.fault(node, format!("variable {} has no type", xml.required(node, "name")?)),
         });
     }
-    let unknown = |name: &str, text: &str| Err(xml.fault(node, format!("{name} {text:?} does not exist")));
-    let causality = match v.causality {
-        "local" => Causality::Local,
-        "parameter" => Causality::Parameter,
-        "calculatedParameter" => Causality::CalculatedParameter,
-        "structuralParameter" => Causality::StructuralParameter,
-        "input" => Causality::Input,
-        "output" => Causality::Output,
-        "independent" => Causality::Independent,
-        other => return unknown("causality", other),
-    };
+    let unknown = |name: &str, text: &str| xml.fault(node, format!("{name} {text:?} does not exist"));
+    let causality = Causality::of(v.causality).ok_or_else(|| unknown("causality", v.causality))?;
     let variability = match node.attribute("variability") {
         // FMI 3: the default variability of parameters is fixed.
         None => match causality {
@@ -124,20 +110,10 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
             _ if v.kind.is_float() => Variability::Continuous,
             _ => Variability::Discrete,
         },
-        Some("constant") => Variability::Constant,
-        Some("fixed") => Variability::Fixed,
-        Some("tunable") => Variability::Tunable,
-        Some("discrete") => Variability::Discrete,
-        Some("continuous") => Variability::Continuous,
-        Some(other) => return unknown("variability", other),
+        Some(word) => Variability::of(word).ok_or_else(|| unknown("variability", word))?,
     };
-    let initial = match v.initial_written {
-        None => None,
-        Some("exact") => Some(Initial::Exact),
-        Some("approx") => Some(Initial::Approx),
-        Some("calculated") => Some(Initial::Calculated),
-        Some(other) => return unknown("initial", other),
-    };
+    let initial = v.initial_written.map(|word| Initial::of(word).ok_or_else(|| unknown("initial", word)));
+    let initial = initial.transpose()?;
     let own = inherited(xml, v.typed)?;
     let from_type = model.type_of(v).map(|t| inherited(xml, t.typed)).transpose()?.unwrap_or_default();
     let dimensions = children(v.typed, "Dimension").map(|dimension| {
@@ -189,7 +165,8 @@ fn dependencies(model: &Model, unknown: &Unknown) -> Result<Dependencies, Fault>
     Ok(Dependencies { output, on: Some(on) })
 }
 
-fn interface(xml: &Xml, node: Node) -> Result<Interface, Fault> {
+fn interface(model: &Model, node: Node) -> Result<Interface, Fault> {
+    let xml = model.xml;
     let model_identifier = xml.required(node, "modelIdentifier")?.to_owned();
     // It becomes a file name, so it must not contain path separators.
     let good = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
@@ -201,6 +178,11 @@ fn interface(xml: &Xml, node: Node) -> Result<Interface, Fault> {
     // The two standards spell some flags differently.
     let either = |a, b| Ok(xml.flag(node, a)?.or(xml.flag(node, b)?).unwrap_or(false));
     Ok(Interface {
+        kind: match node.tag_name().name() {
+            "ModelExchange" => InterfaceType::ModelExchange,
+            "ScheduledExecution" => InterfaceType::ScheduledExecution,
+            _ => InterfaceType::CoSimulation,
+        },
         model_identifier,
         needs_execution_tool: is("needsExecutionTool")?,
         only_once_per_process: is("canBeInstantiatedOnlyOncePerProcess")?,
@@ -210,6 +192,11 @@ fn interface(xml: &Xml, node: Node) -> Result<Interface, Fault> {
             "providesDirectionalDerivative",
             "providesDirectionalDerivatives",
         )?,
+        provides_adjoint_derivatives: is("providesAdjointDerivatives")?,
+        needs_completed_step: match model.version {
+            FmiVersion::V2 => !is("completedIntegratorStepNotNeeded")?,
+            FmiVersion::V3 => is("needsCompletedIntegratorStep")?,
+        },
         can_handle_variable_step: is("canHandleVariableCommunicationStepSize")?,
         can_interpolate_inputs: is("canInterpolateInputs")?,
         max_output_derivative_order: xml.number(node, "maxOutputDerivativeOrder")?.unwrap_or(0),

@@ -3,7 +3,6 @@ use std::ffi::{c_char, c_int, c_void};
 
 /// An instance of the FMU.
 pub(crate) type Handle = *mut c_void;
-/// A C string.
 pub(crate) type Text = *const c_char;
 type Get2<T> = unsafe extern "C" fn(Handle, *const u32, usize, *mut T) -> c_int;
 type Set2<T> = unsafe extern "C" fn(Handle, *const u32, usize, *const T) -> c_int;

@@ -33,36 +33,63 @@ pub struct RawStep {
     pub reached: Option<f64>,
 }
 
-/// Calls that take the instance alone.
-macro_rules! plain {
-    ($($(#[$doc:meta])* $name:ident: $field:ident;)*) => {
+/// Calls that are one function of both standards, with their arguments and what is passed of them.
+macro_rules! calls {
+    ($($(#[$doc:meta])* $name:ident($($argument:ident: $type:ty),*) = $field:ident($($passed:expr),*);)*) => {
         impl RawInstance {
             $($(#[$doc])*
-            pub fn $name(&mut self) -> Status {
-                // SAFETY: the function belongs to the loaded library, and the handle is alive.
-                self.status(|f, h| f.$field.map(|f| unsafe { f(h) }))
+            pub fn $name(&mut self $(, $argument: $type)*) -> Status {
+                // SAFETY: the function belongs to the loaded library, the handle is alive, pointers to arrays and results are
+                // valid during the call, and saved states come from `save` or `deserialize` of the same library.
+                self.status(|f, h| f.$field.map(|f| unsafe { f(h $(, $passed)*) }))
             })*
         }
     };
 }
 
-plain! {
+calls! {
     /// FMI 3: `EnterConfigurationMode`
-    enter_configuration: enter_configuration;
+    enter_configuration() = enter_configuration();
     /// FMI 3: `ExitConfigurationMode`
-    exit_configuration: exit_configuration;
+    exit_configuration() = exit_configuration();
     /// `ExitInitializationMode`
-    exit_initialization: exit_initialization;
+    exit_initialization() = exit_initialization();
     /// `Terminate`
-    terminate: terminate;
+    terminate() = terminate();
     /// `Reset`
-    reset: reset;
+    reset() = reset();
     /// FMI 3: `EnterStepMode`
-    enter_step_mode: enter_step_mode;
+    enter_step_mode() = enter_step_mode();
     /// `EnterEventMode`
-    enter_event_mode: enter_event;
+    enter_event_mode() = enter_event();
     /// `EnterContinuousTimeMode`
-    enter_continuous_time_mode: enter_continuous;
+    enter_continuous_time_mode() = enter_continuous();
+    /// FMI 3 Scheduled Execution: `ActivateModelPartition` of a clock at time `t` (s).
+    activate_partition(clock: u32, t: f64) = activate_partition(clock, t);
+    /// Saves the FMU's state into `state`, which may hold one already.
+    save(state: &mut RawState) = get_state(&mut state.0);
+    /// Goes back to a saved state.
+    restore(state: &RawState) = set_state(state.0);
+    /// Frees a saved state; the FMU must set its pointer to NULL, see [`RawState::is_none`].
+    free_state(state: &mut RawState) = free_state(&mut state.0);
+    /// The number of bytes of a serialized state.
+    state_size(state: &RawState, size: &mut usize) = state_size(state.0, size);
+    /// Writes a saved state to `bytes`, which must have the size that [`Self::state_size`] gives.
+    serialize(state: &RawState, bytes: &mut [u8]) = serialize(state.0, bytes.as_mut_ptr(), bytes.len());
+    /// A state from bytes.
+    deserialize(bytes: &[u8], state: &mut RawState) = deserialize(bytes.as_ptr(), bytes.len(), &mut state.0);
+    /// `SetTime`, s
+    set_time(t: f64) = set_time(t);
+    /// `SetContinuousStates`
+    set_states(x: &[f64]) = set_states(x.as_ptr(), x.len());
+    /// `GetContinuousStates`
+    get_states(x: &mut [f64]) = get_states(x.as_mut_ptr(), x.len());
+    /// The derivatives of all states, per s.
+    get_derivatives(x: &mut [f64]) = get_derivatives(x.as_mut_ptr(), x.len());
+    /// `GetEventIndicators`
+    get_indicators(z: &mut [f64]) = get_indicators(z.as_mut_ptr(), z.len());
+    /// `GetNominalsOfContinuousStates`
+    get_nominals(x: &mut [f64]) = get_nominals(x.as_mut_ptr(), x.len());
 }
 
 // SAFETY, for all unsafe blocks below: the functions belong to the loaded library, the handle is alive, pointers to
@@ -132,47 +159,5 @@ impl RawInstance {
         // SAFETY: see above.
         let query = functions.get_boolean_status.map(|f| unsafe { f(self.handle, TERMINATED, &mut value) });
         query.is_some_and(|status| status <= 1) && value != 0
-    }
-
-    /// FMI 3 Scheduled Execution: `ActivateModelPartition` of a clock at time `t` (s).
-    pub fn activate_partition(&mut self, clock: u32, t: f64) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.activate_partition.map(|f| unsafe { f(h, clock, t) }))
-    }
-
-    /// Saves the FMU's state into `state`, which may hold one already.
-    pub fn save(&mut self, state: &mut RawState) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.get_state.map(|f| unsafe { f(h, &mut state.0) }))
-    }
-
-    /// Goes back to a saved state.
-    pub fn restore(&mut self, state: &RawState) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.set_state.map(|f| unsafe { f(h, state.0) }))
-    }
-
-    /// Frees a saved state; the FMU must set its pointer to NULL, see [`RawState::is_none`].
-    pub fn free_state(&mut self, state: &mut RawState) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.free_state.map(|f| unsafe { f(h, &mut state.0) }))
-    }
-
-    /// The number of bytes of a serialized state.
-    pub fn state_size(&mut self, state: &RawState, size: &mut usize) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.state_size.map(|f| unsafe { f(h, state.0, size) }))
-    }
-
-    /// Writes a saved state to `bytes`, which must have the size that [`Self::state_size`] gives.
-    pub fn serialize(&mut self, state: &RawState, bytes: &mut [u8]) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.serialize.map(|f| unsafe { f(h, state.0, bytes.as_mut_ptr(), bytes.len()) }))
-    }
-
-    /// A state from bytes.
-    pub fn deserialize(&mut self, bytes: &[u8], state: &mut RawState) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.deserialize.map(|f| unsafe { f(h, bytes.as_ptr(), bytes.len(), &mut state.0) }))
     }
 }

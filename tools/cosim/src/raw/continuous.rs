@@ -60,58 +60,15 @@ impl RawInstance {
     /// `CompletedIntegratorStep`, without a later rollback to a time before this point; returns whether the FMU requests event mode and
     /// whether it requests the end of the simulation.
     pub fn completed_integrator_step(&mut self) -> (Status, bool, bool) {
-        match self.version() {
-            FmiVersion::V2 => {
-                let (mut event, mut end) = (0, 0);
-                // SAFETY: see above.
-                let call =
-                    |f: &Functions, h| f.completed_step2.map(|f| unsafe { f(h, 1, &mut event, &mut end) });
-                (self.status(call), event != 0, end != 0)
-            }
-            FmiVersion::V3 => {
-                let (mut event, mut end) = (0, 0);
-                let call =
-                    // SAFETY: see above.
-                    |f: &Functions, h| f.completed_step3.map(|f| unsafe { f(h, true, &mut event, &mut end) });
-                (self.status(call), event != 0, end != 0)
-            }
-        }
-    }
-
-    /// `SetTime`, s
-    pub fn set_time(&mut self, t: f64) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.set_time.map(|f| unsafe { f(h, t) }))
-    }
-
-    /// `SetContinuousStates`
-    pub fn set_states(&mut self, x: &[f64]) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.set_states.map(|f| unsafe { f(h, x.as_ptr(), x.len()) }))
-    }
-
-    /// `GetContinuousStates`
-    pub fn get_states(&mut self, x: &mut [f64]) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.get_states.map(|f| unsafe { f(h, x.as_mut_ptr(), x.len()) }))
-    }
-
-    /// The derivatives of all states, per s.
-    pub fn get_derivatives(&mut self, x: &mut [f64]) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.get_derivatives.map(|f| unsafe { f(h, x.as_mut_ptr(), x.len()) }))
-    }
-
-    /// `GetEventIndicators`
-    pub fn get_indicators(&mut self, z: &mut [f64]) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.get_indicators.map(|f| unsafe { f(h, z.as_mut_ptr(), z.len()) }))
-    }
-
-    /// `GetNominalsOfContinuousStates`
-    pub fn get_nominals(&mut self, x: &mut [f64]) -> Status {
-        // SAFETY: see above.
-        self.status(|f, h| f.get_nominals.map(|f| unsafe { f(h, x.as_mut_ptr(), x.len()) }))
+        let (mut event2, mut end2, mut event3, mut end3) = (0, 0, 0, 0);
+        let version = self.version();
+        let status = self.status(|f, h| match version {
+            // SAFETY: see above.
+            FmiVersion::V2 => f.completed_step2.map(|f| unsafe { f(h, 1, &mut event2, &mut end2) }),
+            // SAFETY: see above.
+            FmiVersion::V3 => f.completed_step3.map(|f| unsafe { f(h, true, &mut event3, &mut end3) }),
+        });
+        (status, event2 != 0 || event3 != 0, end2 != 0 || end3 != 0)
     }
 
     /// FMI 3: the numbers of continuous states and of event indicators.

@@ -7,7 +7,6 @@ use crate::log::{Callbacks, LogCallback};
 use libloading::Library;
 use std::ffi::{c_int, c_void};
 
-/// `fmi2EventInfo`.
 #[repr(C)]
 #[derive(Default)]
 pub(crate) struct EventInfo {

@@ -5,27 +5,37 @@ use crate::{Error, Instance, Kind, Variable};
 /// Variables of one component and kind that are read or set in one call.
 #[derive(Debug)]
 pub(crate) struct Batch {
+    /// 0 for a single FMU.
     pub(crate) component: usize,
     pub(crate) kind: Kind,
     pub(crate) vrs: Vec<u32>,
-    /// Their places among the connected outputs or inputs.
+    /// Where each value belongs: among the connected outputs or inputs, or a column of a table or recording.
     pub(crate) slots: Vec<usize>,
     pub(crate) values: Vec<f64>,
 }
 
 impl Batch {
-    /// Adds a variable to the batch of its component and kind, which is made if it is not there.
-    pub(crate) fn add(batches: &mut Vec<Self>, component: usize, variable: &Variable, slot: usize) {
-        let kind = variable.kind;
+    /// The batch of a component and kind, which is made if it is not there.
+    pub(crate) fn of(batches: &mut Vec<Self>, component: usize, kind: Kind) -> &mut Self {
         let same = batches.iter().position(|b| b.component == component && b.kind == kind);
         let index = same.unwrap_or_else(|| {
             batches.push(Self { component, kind, vrs: Vec::new(), slots: Vec::new(), values: Vec::new() });
             batches.len() - 1
         });
-        let batch = &mut batches[index];
+        &mut batches[index]
+    }
+
+    /// Adds a value of the variable that was added last; an array has several.
+    pub(crate) fn push(&mut self, slot: usize) {
+        self.slots.push(slot);
+        self.values.push(0.0);
+    }
+
+    /// Adds a variable to the batch of its component and kind.
+    pub(crate) fn add(batches: &mut Vec<Self>, component: usize, variable: &Variable, slot: usize) {
+        let batch = Self::of(batches, component, variable.kind);
         batch.vrs.push(variable.value_reference);
-        batch.slots.push(slot);
-        batch.values.push(0.0);
+        batch.push(slot);
     }
 
     /// Reads the variables into `outputs`.

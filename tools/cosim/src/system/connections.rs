@@ -35,7 +35,6 @@ pub(crate) struct Connections {
     pub(crate) system_outputs: Vec<SystemOutput>,
     /// Values to set, by component; variables by their place.
     pub(crate) sets: Vec<Vec<(usize, Value)>>,
-    /// Warnings.
     pub(crate) notes: Vec<String>,
 }
 

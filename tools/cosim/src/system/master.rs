@@ -5,8 +5,8 @@ use super::order::Order;
 use super::parts::Parts;
 use super::power_bonds::{PowerBonds, Stepped};
 use super::units::Affine;
-use crate::simulate::set_structural;
-use crate::{Causality, Error, FmiVersion, Instance, Kind, Log, State, Step, Value, Variability, Variable};
+use crate::simulate::initialise;
+use crate::{Error, FmiVersion, Instance, Kind, Log, State, Step, Value, Variability, Variable};
 
 /// Coupling algorithm during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,7 +77,6 @@ pub(crate) struct Plan {
     pub(crate) log: Log,
 }
 
-/// A running system.
 pub(crate) struct Master {
     pub(crate) instances: Vec<Instance>,
     memory: Memory,
@@ -128,16 +127,8 @@ impl Master {
             let variables = &parts.description(index).variables;
             let sets: Vec<(&Variable, Value)> =
                 sets.iter().map(|(v, value)| (&variables[*v], value.clone())).collect();
-            let instance = &mut master.instances[index];
-            set_structural(instance, &sets)?;
-            for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Parameter) {
-                instance.set_value(variable, value)?;
-            }
-            let own = parts.description(index).default_experiment.tolerance;
-            instance.enter_initialization(plan.start, Some(plan.stop), plan.tolerance.or(own))?;
-            for (variable, value) in sets.iter().filter(|(v, _)| v.causality == Causality::Input) {
-                instance.set_value(variable, value)?;
-            }
+            let tolerance = plan.tolerance.or(parts.description(index).default_experiment.tolerance);
+            initialise(&mut master.instances[index], &sets, (plan.start, plan.stop), tolerance)?;
         }
         master.find_initial_values(parts, connections)?;
         for instance in &mut master.instances {
@@ -174,7 +165,7 @@ impl Master {
             let description = parts.description(component);
             has_derivative[slot] = plan.derivatives
                 && description.fmi_version == FmiVersion::V2
-                && description.co_simulation.as_ref().is_some_and(|c| c.can_interpolate_inputs)
+                && description.co_simulation().is_some_and(|c| c.can_interpolate_inputs)
                 && variable.kind == Kind::Float64
                 && variable.variability == Variability::Continuous
                 && parts.variable(connections.outputs[input.source]).variability == Variability::Continuous;
@@ -208,7 +199,6 @@ impl Master {
         }
     }
 
-    /// The connected outputs.
     pub(crate) fn outputs(&self) -> &[f64] {
         &self.memory.outputs
     }

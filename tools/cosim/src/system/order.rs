@@ -11,11 +11,9 @@ pub(crate) struct Order {
     pub(crate) read: Vec<usize>,
     /// The round in which each input is set, after the reading.
     pub(crate) set: Vec<usize>,
-    /// Number of rounds.
     pub(crate) rounds: usize,
     /// Components, sources first where values pass through.
     pub(crate) components: Vec<usize>,
-    /// Warnings.
     pub(crate) notes: Vec<String>,
 }
 

@@ -8,6 +8,7 @@ use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
 use super::structure::{Component, Connection, Connector, End};
 use super::units::unit_of;
+use crate::raw::encoded;
 use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
@@ -26,29 +27,26 @@ const NAMESPACES: [(&str, &str); 3] = [
 ];
 const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatform.com/SSP/OSPAnnotations");
 
-/// Writes the archive.
 pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
     let connections = resolve(parts, &[])?;
     super::order::order(parts, &connections)?;
-    let io = |source| Error::Io { action: "write", path: path.to_owned(), source };
+    let io = Error::io("write", path);
     let resources = resources(&parts.structure.components);
     let document =
         Document { parts, connections: &connections, resources: &resources, units: BTreeMap::new() };
-    let xml = document.text().map_err(io)?;
+    let xml = document.text().map_err(&io)?;
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let failed = |e: zip::result::ZipError| io(io::Error::other(e));
-    zip.start_file(MAIN, entry(CompressionMethod::Deflated)).map_err(failed)?;
-    zip.write_all(xml.as_bytes()).map_err(io)?;
+    zip.start_file(MAIN, entry(CompressionMethod::Deflated)).map_err(&failed)?;
+    zip.write_all(xml.as_bytes()).map_err(&io)?;
     for (source, name) in &resources {
-        let read =
-            |source_error| Error::Io { action: "read", path: (*source).to_owned(), source: source_error };
-        let bytes = fs::read(source).map_err(read)?;
+        let bytes = fs::read(source).map_err(Error::io("read", source))?;
         // FMUs are compressed already.
-        zip.start_file(name.as_str(), entry(CompressionMethod::Stored)).map_err(failed)?;
-        zip.write_all(&bytes).map_err(io)?;
+        zip.start_file(name.as_str(), entry(CompressionMethod::Stored)).map_err(&failed)?;
+        zip.write_all(&bytes).map_err(&io)?;
     }
-    let bytes = zip.finish().map_err(failed)?.into_inner();
-    fs::write(path, bytes).map_err(io)
+    let bytes = zip.finish().map_err(&failed)?.into_inner();
+    fs::write(path, bytes).map_err(&io)
 }
 
 fn entry(method: CompressionMethod) -> SimpleFileOptions {
@@ -87,13 +85,11 @@ struct Tag {
     children: Option<Vec<Tag>>,
 }
 
-/// An element without content.
 fn leaf(name: &'static str, attributes: &[(&'static str, &str)]) -> Tag {
     let attributes = attributes.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
     Tag { name, attributes, children: None }
 }
 
-/// An element with content.
 fn node(name: &'static str, attributes: &[(&'static str, &str)], children: Vec<Tag>) -> Tag {
     Tag { children: Some(children), ..leaf(name, attributes) }
 }
@@ -179,7 +175,7 @@ impl Document<'_> {
         let attributes = [
             ("name", component.name.as_str()),
             ("type", FMU),
-            ("source", &uri(source)),
+            ("source", &encoded(source, b"/-._~")),
             ("implementation", "CoSimulation"),
         ];
         let mut connectors = Vec::new();
@@ -314,17 +310,4 @@ fn unit_in(connectors: Option<&[Connector]>, name: &str) -> Option<Unit> {
 
 fn kind_of(variable: &Variable) -> &'static str {
     if variable.causality == Causality::Output { "output" } else { "input" }
-}
-
-/// A name in the archive as a relative URI.
-fn uri(name: &str) -> String {
-    let mut uri = String::new();
-    for byte in name.bytes() {
-        if byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte) {
-            uri.push(byte.into());
-        } else {
-            uri.push_str(&format!("%{byte:02X}"));
-        }
-    }
-    uri
 }

@@ -108,7 +108,6 @@ impl PowerBonds {
         bonds
     }
 
-    /// Adds one step.
     pub(crate) fn add(&mut self, s: &Stepped) {
         for (ends, bond) in self.ends.iter().zip(&mut self.bonds) {
             let side = |output: usize, input: usize| {

@@ -12,9 +12,7 @@ pub(crate) const ROWS: usize = 100_000;
 pub(crate) struct Record {
     recorders: Vec<Recorder>,
     times: Vec<f64>,
-    /// Points between rows.
     pub(crate) every: usize,
-    /// Points since the start.
     points: usize,
     /// Rows after which `every` doubles; `None` if it is not to change.
     room: Option<usize>,

@@ -83,11 +83,7 @@ pub fn cosimulate(
     let rigid = rigid(parts).filter(|_| options.tolerance.is_none());
     let grid = Grid::new(start, stop, step, |span| span / 500.0, rigid)?;
     if options.every == Some(0) {
-        return Err(Error::Option {
-            option: "every",
-            value: "0".to_owned(),
-            reason: "must be above 0".to_owned(),
-        });
+        return Err(Error::option("every", 0, "must be above 0"));
     }
     if let Some(tolerance) = options.tolerance {
         check_tolerance(parts, tolerance)?;
@@ -107,7 +103,16 @@ pub fn cosimulate(
     let mut record = Record::new(parts, &connections, points, options.every)?;
     record.point(&mut master, start, false)?;
     let outcome = match options.tolerance {
-        None => fixed(&mut master, &mut record, &grid, progress)?,
+        None => {
+            let (steps, ended) = grid.run(progress, |k, t, h, end| {
+                let ended = master.step(t, h)?.map(|component| (component, t));
+                if ended.is_none() {
+                    record.point(&mut master, end, k + 1 == grid.steps)?;
+                }
+                Ok(ended)
+            })?;
+            Outcome { steps, rejected: 0, ended }
+        }
         Some(tolerance) => {
             let order = if master.has_derivatives() { 2 } else { 1 };
             let control = Control { tolerance, order, first: grid.step, start, stop };
@@ -145,40 +150,17 @@ pub fn cosimulate(
     })
 }
 
-fn fixed(
-    master: &mut Master,
-    record: &mut Record,
-    grid: &Grid,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Outcome, Error> {
-    let report_every = grid.steps.div_ceil(200).max(1);
-    for k in 0..grid.steps {
-        let (t, h) = grid.interval(k);
-        if let Some(component) = master.step(t, h)? {
-            return Ok(Outcome { steps: k, rejected: 0, ended: Some((component, t)) });
-        }
-        let steps = k + 1;
-        record.point(master, grid.point(steps), steps == grid.steps)?;
-        if steps % report_every == 0 || steps == grid.steps {
-            progress(steps as f64 / grid.steps as f64);
-        }
-    }
-    Ok(Outcome { steps: grid.steps, ..Outcome::default() })
-}
-
 /// A component that cannot vary its step.
 fn rigid(parts: Parts<'_>) -> Option<&str> {
-    let can = |index: &usize| {
-        parts.description(*index).co_simulation.as_ref().is_some_and(|c| c.can_handle_variable_step)
-    };
+    let can =
+        |index: &usize| parts.description(*index).co_simulation().is_some_and(|c| c.can_handle_variable_step);
     let index = (0..parts.archives.len()).find(|index| !can(index))?;
     Some(&parts.structure.components[index].name)
 }
 
 /// A variable step needs FMUs with variable communication step size and rollback.
 fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
-    let refuse =
-        |reason: String| Err(Error::Option { option: "tolerance", value: tolerance.to_string(), reason });
+    let refuse = |reason: String| Err(Error::option("tolerance", tolerance, reason));
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return refuse("must be above 0 and below 1".to_owned());
     }
@@ -186,7 +168,7 @@ fn check_tolerance(parts: Parts, tolerance: f64) -> Result<(), Error> {
         return refuse(format!("requires a variable communication step, which {name} does not support"));
     }
     for (archive, component) in parts.archives.iter().zip(&parts.structure.components) {
-        if !archive.description().co_simulation.as_ref().is_some_and(|c| c.can_get_and_set_state) {
+        if !archive.description().co_simulation().is_some_and(|c| c.can_get_and_set_state) {
             return refuse(format!("requires rollback, but {} cannot save its state", component.name));
         }
     }

@@ -9,7 +9,6 @@ pub(crate) struct Given {
     pub(crate) setting: Setting,
     /// Given on the command line, not in the file.
     pub(crate) asked: bool,
-    /// The setting was applied.
     pub(crate) used: bool,
 }
 
@@ -46,14 +45,9 @@ pub(crate) fn value(
     let inner = unit_of(description, variable);
     let (outer, way) = way.unwrap_or((inner.as_ref(), Affine::IDENTITY));
     let Some(convert) = conversion(setting.unit.as_ref(), outer, variable.relative) else {
-        return Err(Error::Unsupported {
-            name: variable.name.clone(),
-            reason: format!(
-                "is in {}, its value in {}: these cannot be converted",
-                named(&inner),
-                named(&setting.unit)
-            ),
-        });
+        let (inner, unit) = (named(&inner), named(&setting.unit));
+        let reason = format!("is in {inner}, its value in {unit}: these cannot be converted");
+        return Err(Error::unsupported(&variable.name, reason));
     };
     let convert = convert.then(way);
     let number: Option<f64> = setting.text.trim().parse().ok();
@@ -74,11 +68,7 @@ pub(crate) fn setting_error(component: &Component, setting: &Setting, asked: boo
 
 pub(crate) fn refused(setting: &Setting, asked: bool, reason: String) -> Error {
     if asked {
-        return Error::Option {
-            option: "setting",
-            value: format!("{} = {}", setting.name, setting.text),
-            reason,
-        };
+        return Error::option("setting", format!("{} = {}", setting.name, setting.text), reason);
     }
     setting.place.fault(format!("{} {reason}", setting.name))
 }

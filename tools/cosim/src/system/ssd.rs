@@ -20,7 +20,7 @@ pub(crate) const STEP_ANNOTATION: &str = "com.opensimulationplatform";
 /// Unpacks and reads the package at `path`.
 pub(crate) fn read(path: &Path) -> Result<Structure, Error> {
     let dir = unpacked(path).map_err(|e| match e {
-        Error::Archive { path, reason } => Error::Package { path, reason },
+        Error::Archive { path, reason, .. } => Error::Archive { path, kind: "SSP", reason },
         other => other,
     })?;
     let text = match fs::read_to_string(dir.path().join(MAIN)) {
@@ -31,7 +31,7 @@ pub(crate) fn read(path: &Path) -> Result<Structure, Error> {
                 io::ErrorKind::InvalidData => format!("its {MAIN} is not UTF-8 text"),
                 _ => format!("its {MAIN} cannot be read: {e}"),
             };
-            return Err(Error::Package { path: path.to_owned(), reason });
+            return Err(Error::Archive { path: path.to_owned(), kind: "SSP", reason });
         }
     };
     let reader = Reader { package: path.display().to_string(), dir: dir.path().to_owned() };
@@ -159,8 +159,7 @@ impl Reader {
         }
         let source = file.required(node, "source")?.to_owned();
         let path = self.resource(&source).ok_or_else(|| {
-            let message = format!("component {name}: the source {source:?} is not a file in the package");
-            file.fault(node, message)
+            file.fault(node, format!("component {name}: the source {source:?} is not a file in the package"))
         })?;
         Ok(Component {
             path,
@@ -249,26 +248,16 @@ fn connectors(file: &File, element: Node) -> Result<Vec<Connector>, Error> {
     let mut connectors = Vec::new();
     for node in elements(child(element, "Connectors")) {
         let name = file.required(node, "name")?.to_owned();
-        let direction = match file.required(node, "kind")? {
-            "input" => Direction::Input,
-            "output" => Direction::Output,
-            "parameter" | "calculatedParameter" => Direction::Parameter,
-            other => {
-                return Err(file.fault(node, format!("connector {name}: unknown kind {other:?}")));
-            }
+        let kind = match file.required(node, "kind")? {
+            "calculatedParameter" => "parameter",
+            other => other,
         };
+        let unknown = || file.fault(node, format!("connector {name}: unknown kind {kind:?}"));
+        let direction = Direction::of(kind).ok_or_else(unknown)?;
         let (mut sort, mut unit) = (None, None);
         for body in elements(Some(node)) {
-            sort = match body.tag_name().name() {
-                "Real" => Some(Sort::Real),
-                "Integer" => Some(Sort::Integer),
-                "Boolean" => Some(Sort::Boolean),
-                "String" => Some(Sort::String),
-                "Enumeration" => Some(Sort::Enumeration),
-                "Binary" => Some(Sort::Binary),
-                _ => continue,
-            };
-            unit = file.unit(body)?;
+            let Some(known) = Sort::of(body.tag_name().name()) else { continue };
+            (sort, unit) = (Some(known), file.unit(body)?);
         }
         connectors.push(Connector { name, direction, sort, unit, place: file.place(node) });
     }

@@ -1,4 +1,5 @@
 //! A system as described in TOML or SSP: names and places in the file, not yet resolved in the FMUs.
+use crate::description::words;
 use crate::{Error, Unit};
 use std::fmt;
 use std::path::PathBuf;
@@ -15,38 +16,29 @@ pub(crate) struct Place {
 impl Place {
     /// The sentence `message` about this place.
     pub(crate) fn fault(&self, message: impl Into<String>) -> Error {
-        Error::System { file: self.file.to_string(), line: self.line, message: message.into() }
+        Error::Text { file: self.file.to_string(), line: self.line.into(), message: message.into() }
     }
 }
 
-/// What a connector is to the element that has it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
-    Input,
-    Output,
-    /// Parameters can be set but not connected.
-    Parameter,
-}
-
-impl fmt::Display for Direction {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Input => "input",
-            Self::Output => "output",
-            Self::Parameter => "parameter",
-        })
+words! {
+    /// What a connector is to the element that has it; parameters can be set but not connected.
+    pub(crate) enum Direction {
+        Input "input" "input",
+        Output "output" "output",
+        Parameter "parameter" "parameter",
     }
 }
 
-/// The types of SSP; each corresponds to several FMI types.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sort {
-    Real,
-    Integer,
-    Boolean,
-    String,
-    Enumeration,
-    Binary,
+words! {
+    /// The types of SSP; each corresponds to several FMI types.
+    pub(crate) enum Sort {
+        Real "Real" "Real",
+        Integer "Integer" "Integer",
+        Boolean "Boolean" "Boolean",
+        String "String" "String",
+        Enumeration "Enumeration" "Enumeration",
+        Binary "Binary" "Binary",
+    }
 }
 
 /// A connector that the file declares.
@@ -118,7 +110,6 @@ impl fmt::Display for Connection {
     }
 }
 
-/// A whole system.
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
     pub(crate) name: String,

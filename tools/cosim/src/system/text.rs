@@ -83,11 +83,7 @@ impl Lines<'_> {
 
 /// Reads a system from TOML; FMUs are named relative to the file.
 pub(crate) fn read(path: &Path) -> Result<Structure, Error> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::Io {
-        action: "read",
-        path: path.to_owned(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path).map_err(Error::io("read", path))?;
     parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")))
 }
 
@@ -110,8 +106,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
     }
     // A name with a dot is ambiguous with component.variable.
     if let Some(bad) = components.iter().find(|c| c.name.is_empty() || c.name.contains('.')) {
-        let message = format!("component {:?}: a name is not empty and has no dot", bad.name);
-        return Err(bad.place.fault(message));
+        return Err(bad.place.fault(format!("component {:?}: a name is not empty and has no dot", bad.name)));
     }
     let mut connections = Vec::new();
     for text in document.system.connect {
@@ -197,27 +192,8 @@ fmu = "b.fmu"
 
     #[test]
     fn faults_name_file_and_line() {
-        let component = "[[component]]\nname = \"a\"\nfmu = \"a.fmu\"\n";
-        for (text, expected) in [
-            ("[system]\nname = 1\n", "s.toml, line 2: invalid type: integer `1`, expected a string"),
-            (
-                "[system]\nname = \"s\"\nconect = []\n",
-                "s.toml, line 3: unknown field `conect`, expected one of `name`, `connect`, `set`",
-            ),
-            (
-                "[system]\nname = \"s\"\nconnect = [\"a.y, b.u\"]\n",
-                "s.toml, line 3: \"a.y, b.u\" is not a connection; expected: \"component.output -> component.input\"",
-            ),
-            (
-                "[system]\nname = \"s\"\n[[component]]\nname = \"a.b\"\nfmu = \"a.fmu\"\n",
-                "s.toml, line 4: component \"a.b\": a name is not empty and has no dot",
-            ),
-            (
-                &format!("[system]\nname = \"s\"\n{component}[component.set]\np = [1]\n"),
-                "s.toml, line 7: p is not a number, text or Boolean",
-            ),
-        ] {
-            assert_eq!(parse(text, "s.toml", Path::new("")).unwrap_err().to_string(), expected);
+        for [text, expected] in crate::tests::faults("system") {
+            assert_eq!(parse(&text, "s.toml", Path::new("")).unwrap_err().to_string(), expected);
         }
     }
 }

@@ -4,7 +4,6 @@ use super::master::{Master, Outcome};
 use super::record::Record;
 use crate::{Error, Status};
 
-/// Step size control.
 pub(crate) struct Control {
     /// Error of one step, relative to the largest magnitude that an output has had.
     pub(crate) tolerance: f64,
@@ -28,7 +27,6 @@ enum Attempt {
     Completed(f64),
     /// A component requests the end.
     Ended(usize),
-    /// An FMU refused it.
     Refused(Error),
 }
 
@@ -55,8 +53,7 @@ pub(crate) fn run(
         let last = h >= rest * (1.0 - 1e-12);
         let step = if last { rest } else { h.min(0.5 * rest) };
         master.save()?;
-        let result = attempt(master, t, step, control, &mut largest, &mut whole)?;
-        let (error, refusal) = match result {
+        let (error, refusal) = match attempt(master, t, step, control, &mut largest, &mut whole)? {
             Attempt::Ended(component) => {
                 outcome.ended = Some((component, t));
                 return Ok(outcome);
@@ -81,11 +78,8 @@ pub(crate) fn run(
             outcome.rejected += 1;
             h = step * factor.clamp(SHRINK, 0.9);
             if h < least {
-                return Err(refusal.unwrap_or_else(|| Error::Option {
-                    option: "tolerance",
-                    value: control.tolerance.to_string(),
-                    reason: format!("cannot be met at t = {t} s: steps of {step:e} s are still too long"),
-                }));
+                let reason = format!("cannot be met at t = {t} s: steps of {step:e} s are still too long");
+                return Err(refusal.unwrap_or_else(|| Error::option("tolerance", control.tolerance, reason)));
             }
         }
     }

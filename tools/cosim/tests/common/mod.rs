@@ -2,7 +2,6 @@
 
 use cosim::{Archive, Error, FmiVersion, InputTable, Options, Recording, simulate};
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -61,12 +60,7 @@ impl Fmu {
     pub fn with(entries: &[(&str, &[u8])]) -> Self {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("lag.fmu");
-        let mut zip = zip::ZipWriter::new(fs::File::create(&path).unwrap());
-        for (name, bytes) in entries {
-            zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
-            zip.write_all(bytes).unwrap();
-        }
-        zip.finish().unwrap();
+        crate::parts::zip(&path, entries);
         Self { dir, path }
     }
 
@@ -110,4 +104,17 @@ pub fn table(version: FmiVersion, text: &str) -> InputTable {
     let path = fmu.dir.path().join("in.csv");
     fs::write(&path, text).unwrap();
     InputTable::read(&path, fmu.open().unwrap().description()).unwrap()
+}
+
+/// The tables of `data/faults.toml`.
+#[derive(serde::Deserialize)]
+pub struct Faults {
+    pub toml: Vec<[String; 3]>,
+    pub ssp: Vec<[String; 4]>,
+    pub description: Vec<[String; 2]>,
+    pub setting: Vec<[String; 3]>,
+}
+
+pub fn faults() -> Faults {
+    toml::from_str(include_str!("../data/faults.toml")).unwrap()
 }

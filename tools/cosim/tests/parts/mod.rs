@@ -7,72 +7,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-const UNITS: &str = r#"<UnitDefinitions>
-    <Unit name="rad/s"><BaseUnit s="-1" rad="1"/></Unit>
-    <Unit name="rpm"><BaseUnit s="-1" rad="1" factor="0.10471975511965977"/></Unit>
-    <Unit name="N.m"><BaseUnit kg="1" m="2" s="-2"/></Unit>
-    <Unit name="mN.m"><BaseUnit kg="1" m="2" s="-2" factor="0.001"/></Unit>
-    <Unit name="K"><BaseUnit K="1"/></Unit>
-    <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
-  </UnitDefinitions>"#;
-
-fn real(name: &str, vr: u32, role: &str, unit: &str, start: &str) -> String {
-    let unit = if unit.is_empty() { String::new() } else { format!(" unit=\"{unit}\"") };
-    let start = if start.is_empty() { String::new() } else { format!(" start=\"{start}\"") };
-    format!(
-        "<ScalarVariable name=\"{name}\" valueReference=\"{vr}\" {role}><Real{unit}{start}/></ScalarVariable>\n"
-    )
-}
-
 /// The model description of a part.
 pub fn xml(part: &str) -> String {
-    let input = "causality=\"input\" variability=\"continuous\"";
-    let output = "causality=\"output\" variability=\"continuous\"";
-    let parameter = "causality=\"parameter\" variability=\"tunable\"";
-    let variables = match part {
-        "rotor" => [
-            real("torque", 1, input, "N.m", "0"),
-            real("speed", 2, output, "rad/s", ""),
-            real("J", 3, parameter, "", "1"),
-            real("w", 5, &parameter.replace("tunable", "fixed"), "rad/s", "0"),
-            real("longest", 6, parameter, "", "1e9"),
-            real("until", 10, parameter, "", "1e99"),
-        ]
-        .concat(),
-        "spring" => [
-            real("speed", 1, input, "rad/s", "0"),
-            real("torque", 2, output, "N.m", ""),
-            real("J", 3, parameter, "", "1"),
-            real("k", 4, parameter, "", "1"),
-            real("far_speed", 5, output, "rad/s", ""),
-        ]
-        .concat(),
-        _ => {
-            let discrete = "variability=\"discrete\"";
-            [
-                real("u", 1, input, "", "0"),
-                real("y", 2, output, "", ""),
-                real("g", 7, parameter, "", "1"),
-                format!("<ScalarVariable name=\"n\" valueReference=\"8\" causality=\"input\" {discrete}><Integer start=\"0\"/></ScalarVariable>\n"),
-                format!("<ScalarVariable name=\"twice\" valueReference=\"9\" causality=\"output\" {discrete}><Integer/></ScalarVariable>\n"),
-                format!("<ScalarVariable name=\"some\" valueReference=\"9\" causality=\"output\" {discrete}><Boolean/></ScalarVariable>\n"),
-            ]
-            .concat()
-        }
-    };
-    let outputs = match part {
-        "rotor" => "<Unknown index=\"2\" dependencies=\"\"/>",
-        "spring" => "<Unknown index=\"2\" dependencies=\"\"/><Unknown index=\"5\" dependencies=\"\"/>",
-        _ => {
-            "<Unknown index=\"2\" dependencies=\"1 3\"/><Unknown index=\"5\" dependencies=\"4\"/><Unknown index=\"6\" dependencies=\"4\"/>"
-        }
-    };
-    format!(
-        "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"{part}\" guid=\"{part}\">\n\
-         <CoSimulation modelIdentifier=\"lag\" canHandleVariableCommunicationStepSize=\"true\" \
-         canInterpolateInputs=\"true\" canGetAndSetFMUstate=\"true\"/>\n{UNITS}\n<ModelVariables>\n{variables}\
-         </ModelVariables>\n<ModelStructure><Outputs>{outputs}</Outputs></ModelStructure>\n</fmiModelDescription>\n"
-    )
+    fs::read_to_string(data(&format!("{part}.xml"))).unwrap()
 }
 
 fn binary() -> &'static [u8] {
@@ -136,35 +73,12 @@ impl Folder {
     /// The sentence of what fails, without the folder's own path.
     pub fn sentence(&self, done: Result<System, Error>, options: &SystemOptions) -> String {
         let result = done.and_then(|system| cosimulate(&system, options, &mut |_| ()));
-        let message = result.map(|_| ()).unwrap_err().to_string();
-        message.replace(&format!("{}/", self.dir.path().display()), "")
+        result.map(|_| ()).unwrap_err().to_string().replace(&format!("{}/", self.dir.path().display()), "")
     }
 }
 
 /// The two-mass oscillator: the rotor starts at 1 rad/s.
-pub const PAIR: &str = r#"
-[system]
-name = "pair"
-connect = [
-  "rotor.speed -> spring.speed",
-  "spring.torque -> rotor.torque",
-]
-[experiment]
-stop = 6
-step = 0.01
-[[component]]
-name = "rotor"
-fmu = "rotor.fmu"
-[component.set]
-J = 2.0
-w = 1.0
-[[component]]
-name = "spring"
-fmu = "spring.fmu"
-[component.set]
-J = 0.5
-k = 3.0
-"#;
+pub const PAIR: &str = include_str!("../data/pair.toml");
 
 /// Speed of the rotor, of the far mass, and the torque between them, in closed form.
 pub fn exact(t: f64) -> [f64; 3] {

@@ -139,7 +139,6 @@ impl Row {
         self
     }
 
-    /// Enters the corrected value.
     fn right(&mut self, value: impl Into<Option<f64>>) -> &mut Row {
         self.corrected = value.into();
         self
@@ -157,7 +156,6 @@ impl Row {
         self
     }
 
-    /// Enters the measured value.
     fn measured(&mut self, value: f64) -> &mut Row {
         self.measured = Some(value);
         self
@@ -187,7 +185,6 @@ impl Rows {
         self.0.get_mut(id).unwrap_or_else(|| panic!("there is no row {id}"))
     }
 
-    /// Adds a row.
     fn add(&mut self, row: Row) -> &mut Row {
         self.0.entry(row.id.clone()).or_insert(row)
     }

@@ -58,7 +58,7 @@ pub struct Slopes {
     pub voltage_r2: f64,
     /// Coefficient of determination of the current's line.
     pub current_r2: f64,
-    /// Which voltages and currents: those of the native model, or the published lines.
+    /// Which voltages and currents: those of the native model.
     pub of: &'static str,
 }
 
@@ -75,7 +75,7 @@ pub struct Temperatures {
     /// Temperature rise of an adiabatic box of 95 J/K by the work at full duty, K.
     pub adiabatic_rise_K: f64,
     /// Winding temperature of the native model after 900 s at each duty, degC, each run from ambient.
-    pub simulated_degC: Option<Vec<f64>>,
+    pub simulated_degC: Vec<f64>,
     /// Conclusion.
     pub finding: String,
 }
@@ -136,15 +136,13 @@ pub struct Paper {
     /// Temperatures.
     pub temperatures: Temperatures,
     /// The native model's runs.
-    pub simulated: Option<Vec<Run>>,
+    pub simulated: Vec<Run>,
     /// Published and simulated quantities, with their use in the fit of the preset.
     pub compared: Vec<Compared>,
     /// Every published number.
     pub rows: Vec<Row>,
     /// Assessment of the paper's statements.
     pub conclusion: String,
-    /// Reason why the native model is not available; `None` if it is.
-    pub absent: Option<String>,
 }
 
 /// Recomputes the paper.
@@ -158,8 +156,8 @@ pub fn paper() -> Result<Paper, StudyError> {
     let work =
         Parts::of(power.electrical * DURATION, 0.5 * L_A * CURRENT * CURRENT, power.mechanical * DURATION);
     let temperatures = temperatures(&simulated, &work);
-    let compared = simulated.as_deref().map(compared).unwrap_or_default();
-    let rows = rows::rows(&voltage, &power, &work, &temperatures, simulated.as_deref().ok(), &compared);
+    let compared = compared(&simulated);
+    let rows = rows::rows(&voltage, &power, &work, &temperatures, &simulated, &compared);
     let misprints = rows.iter().filter(|r| r.verdict == super::Verdict::UnitError).count();
     let conclusion = format!(
         "At full duty {} V = {} V in the resistance + {} V against the counter-electromotive force, {} A and {} W are \
@@ -183,8 +181,7 @@ pub fn paper() -> Result<Paper, StudyError> {
         compared,
         rows,
         conclusion,
-        absent: simulated.as_ref().err().cloned(),
-        simulated: simulated.ok(),
+        simulated,
     })
 }
 
@@ -205,12 +202,15 @@ fn speed_at_full_duty() -> f64 {
     V_MECHANICAL * CURRENT / rows::TORQUE
 }
 
+/// The lines of voltage and current over duty.
+fn lines(runs: &[Run]) -> [Option<Line>; 2] {
+    [|r: &Run| r.voltage.total, |r: &Run| r.current_A]
+        .map(|f| Line::through(&runs.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>()))
+}
+
 /// Published and simulated quantities.
 fn compared(runs: &[Run]) -> Vec<Compared> {
-    let line = |f: &dyn Fn(&Run) -> f64| {
-        Line::through(&runs.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>())
-    };
-    let (voltage, current) = (line(&|r| r.voltage.total), line(&|r| r.current_A));
+    let [voltage, current] = lines(runs);
     let of = |line: &Option<Line>, f: &dyn Fn(&Line) -> f64| line.as_ref().map_or(f64::NAN, f);
     let full = runs.last();
     let at_full = |f: &dyn Fn(&Run) -> f64| full.map_or(f64::NAN, f);
@@ -261,30 +261,18 @@ fn measured(duty: f64) -> Measured {
     }
 }
 
-fn slopes(simulated: &Result<Vec<Run>, String>) -> Option<Slopes> {
-    let (points, of): (Vec<(f64, f64, f64)>, _) = match simulated {
-        Ok(runs) => {
-            (runs.iter().map(|r| (r.duty_percent, r.voltage.total, r.current_A)).collect(), "simulated")
-        }
-        Err(_) => {
-            let point = |duty: f64| (duty, on_the_lines(duty).0, on_the_lines(duty).1);
-            (DUTIES.map(point).to_vec(), "published lines")
-        }
-    };
-    let line = |f: &dyn Fn(&(f64, f64, f64)) -> f64| {
-        Line::through(&points.iter().map(|p| (p.0, f(p))).collect::<Vec<_>>())
-    };
-    let (voltage, current) = (line(&|p| p.1)?, line(&|p| p.2)?);
+fn slopes(simulated: &[Run]) -> Option<Slopes> {
+    let [Some(voltage), Some(current)] = lines(simulated) else { return None };
     Some(Slopes {
         voltage_mV_per_percent: 1e3 * voltage.slope,
         current_mA_per_percent: 1e3 * current.slope,
         voltage_r2: voltage.r2,
         current_r2: current.r2,
-        of,
+        of: "simulated",
     })
 }
 
-fn temperatures(simulated: &Result<Vec<Run>, String>, work: &Parts) -> Temperatures {
+fn temperatures(simulated: &[Run], work: &Parts) -> Temperatures {
     let power_at = |duty: f64| on_the_lines(duty).0 * on_the_lines(duty).1;
     let points = DUTIES.map(|duty| (power_at(duty), plateau(duty)));
     let line = Line::through(&points);
@@ -305,7 +293,7 @@ fn temperatures(simulated: &Result<Vec<Run>, String>, work: &Parts) -> Temperatu
         power_W: points.iter().map(|p| p.0).collect(),
         residuals_K: residuals,
         adiabatic_rise_K: adiabatic,
-        simulated_degC: simulated.as_ref().ok().map(|runs| runs.iter().map(Run::final_temperature).collect()),
+        simulated_degC: simulated.iter().map(Run::final_temperature).collect(),
         finding,
     }
 }

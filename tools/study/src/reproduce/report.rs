@@ -8,7 +8,10 @@ pub use thesis::thesis;
 
 use super::{Printed, Row, Verdict, significant};
 use maud::{Markup, PreEscaped, html};
+use present::figure::{Axis, Figure};
 use present::page::{Cell, Plate, labelled_table, page, plates};
+use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// A page and its figures.
 pub struct Page {
@@ -33,7 +36,6 @@ struct Content<'a> {
     /// What was published, and what this page is.
     lead: &'static str,
     conclusion: &'a str,
-    absent: Option<&'a str>,
     plates: Vec<Plate>,
     tables: Markup,
     rows: &'a [Row],
@@ -44,7 +46,6 @@ fn page_of(content: Content) -> Page {
         p.lead { (content.lead) }
         h2 { "Conclusion" }
         p { (content.conclusion) }
-        @if let Some(reason) = content.absent { p.soft { "Without the native model: " (reason) "." } }
         h2 { "Figures" }
         (plates(&content.plates))
         (content.tables)
@@ -54,6 +55,52 @@ fn page_of(content: Content) -> Page {
     let figures =
         content.plates.into_iter().map(|p| (format!("{}-{}", content.name, p.name), p.svg)).collect();
     Page { name: content.name, html: page(content.title, body), figures }
+}
+
+/// What is written at a figure.
+#[derive(Deserialize)]
+struct Text {
+    title: String,
+    /// Label of the x axis; the time where absent.
+    #[serde(default = "time")]
+    x: String,
+    y: String,
+    x_range: Option<(f64, f64)>,
+    y_range: Option<(f64, f64)>,
+    /// Absent where it has computed numbers.
+    #[serde(default)]
+    caption: String,
+}
+
+fn time() -> String {
+    "time in s".to_owned()
+}
+
+/// The texts of the figures of a page, by name.
+struct Texts(BTreeMap<String, Text>);
+
+impl Texts {
+    fn read(text: &str) -> Texts {
+        Texts(toml::from_str(text).expect("the tests read the texts"))
+    }
+
+    fn plate(&self, name: &'static str, draw: impl FnOnce(Figure) -> Figure) -> Plate {
+        self.captioned(name, self.0[name].caption.as_str(), draw)
+    }
+
+    fn captioned(
+        &self,
+        name: &'static str,
+        caption: impl Into<String>,
+        draw: impl FnOnce(Figure) -> Figure,
+    ) -> Plate {
+        let text = &self.0[name];
+        let axis = |label: &str, range: Option<(f64, f64)>| {
+            range.iter().fold(Axis::new(label), |axis, range| axis.from_to(range.0, range.1))
+        };
+        let empty = Figure::new(&text.title, axis(&text.x, text.x_range), axis(&text.y, text.y_range));
+        Plate::new(name, draw(empty), caption)
+    }
 }
 
 /// The table of rows with its filter.

@@ -9,7 +9,7 @@ mod rows;
 
 pub use identified::UNCERTAINTY;
 pub use measured::{CASES, Case, T_AMBIENT};
-pub use native::{FITTED, Native, fit_thesis_rig};
+pub use native::{FITTED, course, fit_thesis_rig, winding_at};
 
 use super::{Row, significant};
 use crate::StudyError;
@@ -38,13 +38,13 @@ pub struct CaseResult {
     /// Winding temperature by the published equations, K; the thesis computed annuli only.
     pub T_w_as_published_K: Option<f64>,
     /// Winding temperature of the native model fitted to all eight tests, K: the agreement is that of a fit.
-    pub T_w_model_K: Option<f64>,
+    pub T_w_model_K: f64,
     /// Winding temperature of the untuned native model, K.
-    pub T_w_untuned_K: Option<f64>,
+    pub T_w_untuned_K: f64,
     /// Winding temperature of the native model fitted to the other seven tests, K; absent where no fit is made.
     pub T_w_leave_one_out_K: Option<f64>,
     /// Housing to ambient by the calibrated native model's winding temperature, as the measured one is computed, K/W.
-    pub R_ha_model: Option<f64>,
+    pub R_ha_model: f64,
     /// 5 A times the torque constant at the measured temperature, per total mass, N.m/kg.
     pub torque_density_at_5A: f64,
     /// Continuous torque at stall with the winding at 155 degC, from the measured R_ha, N.m.
@@ -52,9 +52,9 @@ pub struct CaseResult {
     /// The same per total mass, N.m/kg.
     pub torque_density_at_limit: f64,
     /// The same torque from `T_w_model_K`, N.m.
-    pub torque_at_limit_model: Option<f64>,
+    pub torque_at_limit_model: f64,
     /// The same torque from `T_w_untuned_K`, N.m.
-    pub torque_at_limit_untuned: Option<f64>,
+    pub torque_at_limit_untuned: f64,
     /// The same torque from `T_w_leave_one_out_K`, N.m.
     pub torque_at_limit_leave_one_out: Option<f64>,
 }
@@ -62,18 +62,8 @@ pub struct CaseResult {
 impl CaseResult {
     /// Housing to ambient from a winding temperature, as the thesis computes it, K/W: all heat through R_wh and R_ha,
     /// none through the leads.
-    fn r_ha(&self, t_w: Option<f64>) -> Option<f64> {
-        Some(projection::r_ha(t_w?, self.ambient_K, self.power_W))
-    }
-
-    /// The same of the untuned model, K/W.
-    pub fn r_ha_untuned(&self) -> Option<f64> {
-        self.r_ha(self.T_w_untuned_K)
-    }
-
-    /// The same of the model fitted to the other tests, K/W.
-    pub fn r_ha_leave_one_out(&self) -> Option<f64> {
-        self.r_ha(self.T_w_leave_one_out_K)
+    pub fn r_ha(&self, t_w: f64) -> f64 {
+        projection::r_ha(t_w, self.ambient_K, self.power_W)
     }
 }
 
@@ -114,8 +104,6 @@ pub struct Thesis {
     pub identifiability: Option<Fit>,
     /// The same in sentences: which parameters are determined, which only together, which not at all.
     pub findings: Vec<String>,
-    /// Reason why the native model is not available; `None` if it is.
-    pub absent: Option<String>,
 }
 
 /// Which fits are made: each costs seconds.
@@ -134,21 +122,17 @@ pub enum Fits {
 /// # Errors
 /// A native model that does not settle.
 pub fn thesis(fits: Fits) -> Result<Thesis, StudyError> {
-    let native = Native::find();
-    let (leave_one_out, identifiability, alternatives) = match fit_thesis_rig(&native, &FITTED) {
-        Some(problem) if fits != Fits::None => {
-            let problem = problem?;
+    let (leave_one_out, identifiability) = match fits {
+        Fits::None => (None, None),
+        Fits::Rig | Fits::Alternatives => {
+            let problem = fit_thesis_rig(&FITTED)?;
             let fit = problem.fit()?;
-            let others = match fits {
-                Fits::Alternatives => identified::alternatives(&native)?,
-                _ => Vec::new(),
-            };
-            (Some(problem.leave_one_out(&fit)?), Some(fit), others)
+            (Some(problem.leave_one_out(&fit)?), Some(fit))
         }
-        _ => (None, None, Vec::new()),
     };
+    let alternatives = if fits == Fits::Alternatives { identified::alternatives()? } else { Vec::new() };
     let left_out = |name: &str| leave_one_out.iter().flatten().find(|l| l.case == name).map(|l| l.predicted);
-    let case = |case: &Case| result(case, &native, left_out(case.name));
+    let case = |case: &Case| result(case, left_out(case.name));
     let cases = CASES.iter().map(case).collect::<Result<Vec<_>, _>>()?;
     let findings = match (&identifiability, &leave_one_out) {
         (Some(fit), Some(left_out)) => identified::findings(fit, left_out, &alternatives, &cases),
@@ -157,23 +141,19 @@ pub fn thesis(fits: Fits) -> Result<Thesis, StudyError> {
     Ok(Thesis {
         findings,
         published: published_summary(),
-        rows: rows::rows(&native, &cases),
+        rows: rows::rows(&cases),
         conclusion: conclusion(&cases),
         leave_one_out,
         identifiability,
-        absent: native.absent(),
         cases,
     })
 }
 
-fn result(case: &Case, native: &Native, left_out: Option<f64>) -> Result<CaseResult, StudyError> {
+fn result(case: &Case, left_out: Option<f64>) -> Result<CaseResult, StudyError> {
     let torque_at_limit = projection::torque_at_limit(case.r_ha);
-    let winding = |calibrated| -> Result<Option<f64>, StudyError> {
-        Ok(native.steady(case, calibrated)?.and_then(|m| m.get("winding_temperature")))
-    };
-    let (fitted, untuned) = (winding(true)?, winding(false)?);
+    let (fitted, untuned) = (native::winding(case, true)?, native::winding(case, false)?);
     let r_ha = |t_w: f64| projection::r_ha(t_w, case.ambient(), measured::POWER);
-    let torque = |t_w: Option<f64>| t_w.map(r_ha).map(projection::torque_at_limit);
+    let torque = |t_w: f64| projection::torque_at_limit(r_ha(t_w));
     Ok(CaseResult {
         name: case.name,
         cooling_mode: case.cooling_mode,
@@ -186,13 +166,13 @@ fn result(case: &Case, native: &Native, left_out: Option<f64>) -> Result<CaseRes
         T_w_model_K: fitted,
         T_w_untuned_K: untuned,
         T_w_leave_one_out_K: left_out,
-        R_ha_model: fitted.map(r_ha),
+        R_ha_model: r_ha(fitted),
         torque_density_at_5A: projection::torque_at_5_a(case.t_w) / case.mass,
         torque_at_limit,
         torque_density_at_limit: torque_at_limit / case.mass,
         torque_at_limit_model: torque(fitted),
         torque_at_limit_untuned: torque(untuned),
-        torque_at_limit_leave_one_out: torque(left_out),
+        torque_at_limit_leave_one_out: left_out.map(torque),
     })
 }
 
@@ -277,9 +257,9 @@ mod tests {
         }
         // The fitted rig is within 0.5 K of every test; the untuned model is not (audit: up to 21 K).
         for case in &thesis.cases {
-            let miss = |t: Option<f64>| (t.unwrap() - case.T_w_measured_K).abs();
+            let miss = |t: f64| (t - case.T_w_measured_K).abs();
             assert!(miss(case.T_w_model_K) < 0.5, "{case:?}");
-            assert!((case.R_ha_model.unwrap() - case.R_ha_measured).abs() < 0.06, "{case:?}");
+            assert!((case.R_ha_model - case.R_ha_measured).abs() < 0.06, "{case:?}");
             assert!(miss(case.T_w_untuned_K) < 22.0, "{case:?}");
             assert!(case.T_w_leave_one_out_K.is_none(), "no fit was asked for");
         }

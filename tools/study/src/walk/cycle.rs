@@ -34,9 +34,7 @@ const JUMP_ERROR: f64 = 0.05;
 
 /// Change of the temperatures over a stride.
 struct Change {
-    /// Increase, K.
     gain: DVector<f64>,
-    /// The stride.
     stride: Periodic,
 }
 

@@ -30,7 +30,6 @@ const TABLES: [(&str, &str); 3] = [("motor", MOTOR), ("actuator", ACTUATOR), ("g
 const FREE_SHAFT: (&str, &str) = ("mechanical_mode", "free_shaft");
 /// The actuator's supply power is that of the connected motor.
 const POWER_SOURCE: (&str, &str) = ("drive.power_source", "motor_power");
-/// The gait's activity.
 const ACTIVITY: &str = "gait.activity";
 /// Index of the actuator among the three models.
 const THE_ACTUATOR: usize = 1;

@@ -61,7 +61,6 @@ pub struct Walker {
     /// Steps a stride, and their length, s.
     steps: u32,
     h: f64,
-    /// Steps done.
     done: u64,
     /// Number of states of the motor before its temperatures.
     first_temperature: usize,

@@ -4,7 +4,6 @@ use super::{Captioned, figure};
 use crate::native::Native;
 use describe::Kind;
 
-/// Points of a stride.
 const STRIDE_POINTS: u32 = 100;
 
 /// One stride of a model with these choices: an output over the phase.

@@ -1,20 +1,18 @@
 //! What the model description declares about the running FMU, as owned data.
 
-use std::path::Path;
-
-use cosim::Kind;
-use cosim::raw::InterfaceType;
-
-use crate::validate::finding::Findings;
-use crate::validate::model::{self, FmiVersion, Model, Unknown, double, is_true, unsigned, unsigned_list};
+use crate::validate::finding::{Findings, short};
+use crate::validate::model::{self, FmiVersion, Model, Unknown, unsigned, unsigned_list};
 use crate::validate::semantics::arrays;
 use crate::validate::xml::Xml;
+use cosim::elements::FILE;
+use cosim::raw::InterfaceType;
 use cosim::xml::{parse_boolean, parse_double, parse_integer};
+use cosim::{Archive, Interface, Kind, ModelDescription};
+use std::fmt::{Display, Formatter};
 
 /// Largest number of elements of an array that are read.
 const LARGEST_ARRAY: usize = 1 << 20;
 
-/// A variable.
 #[derive(Clone, Debug)]
 pub(super) struct Variable {
     pub(super) name: String,
@@ -84,6 +82,13 @@ impl Variable {
     }
 }
 
+/// The name in quotes, for messages.
+impl Display for Variable {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "\"{}\"", short(&self.name))
+    }
+}
+
 /// An entry of the model structure: a variable, and its dependencies if they are declared.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
@@ -91,27 +96,6 @@ pub(super) struct Entry {
     pub(super) dependencies: Option<Vec<usize>>,
 }
 
-/// An interface type with the flags that matter here.
-#[derive(Clone, Debug)]
-pub(super) struct Interface {
-    pub(super) kind: InterfaceType,
-    pub(super) identifier: String,
-    pub(super) needs_tool: bool,
-    pub(super) only_once: bool,
-    pub(super) state: bool,
-    pub(super) serialize: bool,
-    pub(super) directional: bool,
-    pub(super) adjoint: bool,
-    pub(super) variable_step: bool,
-    pub(super) interpolates: bool,
-    pub(super) output_derivatives: bool,
-    pub(super) event_mode: bool,
-    pub(super) internal_step: Option<f64>,
-    pub(super) completed_step: bool,
-    pub(super) place: String,
-}
-
-/// Everything.
 #[derive(Clone, Debug)]
 pub(super) struct Facts {
     pub(super) version: FmiVersion,
@@ -125,7 +109,6 @@ pub(super) struct Facts {
     pub(super) states: Vec<usize>,
     /// Pairs of a continuous variable and its declared derivative, states or not.
     pub(super) slopes: Vec<(usize, usize)>,
-    /// Number of event indicators.
     pub(super) indicators: usize,
     pub(super) start: f64,
     pub(super) stop: Option<f64>,
@@ -134,24 +117,22 @@ pub(super) struct Facts {
 }
 
 impl Facts {
-    /// Reads `modelDescription.xml` of an unpacked archive, which the static checks have found sound.
-    pub(super) fn read(folder: &Path) -> Option<Facts> {
-        let bytes = std::fs::read(folder.join("modelDescription.xml")).ok()?;
-        let mut out = Findings::new();
-        let xml = Xml::parse("modelDescription.xml", &bytes, &mut out)?;
-        let version = match xml.root().attribute("fmiVersion")? {
-            "2.0" => FmiVersion::V2,
-            _ => FmiVersion::V3,
-        };
-        Some(Facts::of(&Model::read(xml.file(), version)))
+    /// Reads `modelDescription.xml` of an archive, which the static checks have found sound.
+    pub(super) fn read(archive: &Archive) -> Option<Facts> {
+        let bytes = std::fs::read(archive.dir().join(FILE)).ok()?;
+        let xml = Xml::parse(FILE, &bytes, &mut Findings::new())?;
+        let description = archive.description();
+        Some(Facts::of(&Model::read(xml.file(), description.fmi_version), description))
     }
 
-    fn of(model: &Model) -> Facts {
-        let root = model.root;
-        let token = if model.version == FmiVersion::V2 { "guid" } else { "instantiationToken" };
-        let experiment = model::children(root, "DefaultExperiment").next();
-        let of_experiment = |name: &str| experiment.and_then(|e| double(e, name)).filter(|v| v.is_finite());
-        let categories = model::children(root, "LogCategories").flat_map(|l| model::children(l, "Category"));
+    fn of(model: &Model, description: &ModelDescription) -> Facts {
+        let experiment = description.default_experiment;
+        let finite = |value: Option<f64>| value.filter(|v| v.is_finite());
+        let positive = |value: Option<f64>| finite(value).filter(|v| *v > 0.0);
+        let interface = |i: &Interface| Interface {
+            fixed_internal_step_size: positive(i.fixed_internal_step_size),
+            ..i.clone()
+        };
         let derivatives: Vec<&Unknown> = model
             .structure
             .derivatives
@@ -166,23 +147,23 @@ impl Facts {
         let slopes = model.variables.iter().enumerate().filter_map(|(i, v)| Some((model.state_of(v)?, i)));
         let size = |u: &Unknown| u.variable.map_or(1, |i| variables[i].size);
         let indicators = match model.version {
-            FmiVersion::V2 => unsigned(root, "numberOfEventIndicators").unwrap_or(0) as usize,
+            FmiVersion::V2 => unsigned(model.root, "numberOfEventIndicators").unwrap_or(0) as usize,
             FmiVersion::V3 => model.structure.event_indicators.iter().map(size).sum(),
         };
         Facts {
             version: model.version,
-            token: root.attribute(token).unwrap_or_default().to_owned(),
-            categories: categories.filter_map(|c| c.attribute("name")).map(str::to_owned).collect(),
-            interfaces: model.interfaces.iter().filter_map(|i| read_interface(model, *i)).collect(),
+            token: description.token.clone(),
+            categories: description.log_categories.clone(),
+            interfaces: description.interfaces.iter().map(interface).collect(),
             outputs: model.structure.outputs.iter().filter_map(|u| read_entry(model, u)).collect(),
             derivatives: derivatives.into_iter().filter_map(|u| read_entry(model, u)).collect(),
             states,
             slopes: slopes.collect(),
             indicators,
-            start: of_experiment("startTime").unwrap_or(0.0),
-            stop: of_experiment("stopTime"),
-            step: of_experiment("stepSize").filter(|h| *h > 0.0),
-            tolerance: of_experiment("tolerance").filter(|t| *t > 0.0),
+            start: finite(experiment.start).unwrap_or(0.0),
+            stop: finite(experiment.stop),
+            step: positive(experiment.step),
+            tolerance: positive(experiment.tolerance),
             variables,
         }
     }
@@ -196,6 +177,20 @@ impl Facts {
     pub(super) fn step(&self) -> f64 {
         let span = self.stop.map_or(1.0, |stop| stop - self.start);
         self.step.unwrap_or(if span > 0.0 && span.is_finite() { span / 500.0 } else { 1e-3 })
+    }
+
+    /// The name of a function with the prefix of its standard.
+    pub(super) fn function(&self, name: &str) -> String {
+        format!("{}{name}", self.pick("fmi2", "fmi3"))
+    }
+
+    /// One of two words, by the standard.
+    pub(super) fn pick<'a>(&self, two: &'a str, three: &'a str) -> &'a str {
+        if self.version == FmiVersion::V2 { two } else { three }
+    }
+
+    pub(super) fn state_count(&self) -> usize {
+        self.states.iter().map(|i| self.variables[*i].size).sum()
     }
 
     /// Variables that pass a test.
@@ -215,37 +210,6 @@ fn read_entry(model: &Model, unknown: &Unknown) -> Option<Entry> {
         .attribute("dependencies")
         .map(|text| unsigned_list(text).into_iter().filter_map(|r| model.resolve(r)).collect());
     Some(Entry { variable: unknown.variable?, dependencies })
-}
-
-fn read_interface(model: &Model, node: roxmltree::Node) -> Option<Interface> {
-    let kind = match node.tag_name().name() {
-        "CoSimulation" => InterfaceType::CoSimulation,
-        "ModelExchange" => InterfaceType::ModelExchange,
-        "ScheduledExecution" => InterfaceType::ScheduledExecution,
-        _ => return None,
-    };
-    let flag =
-        |two: &str, three: &str| is_true(node, if model.version == FmiVersion::V2 { two } else { three });
-    Some(Interface {
-        kind,
-        identifier: node.attribute("modelIdentifier")?.to_owned(),
-        needs_tool: is_true(node, "needsExecutionTool"),
-        only_once: is_true(node, "canBeInstantiatedOnlyOncePerProcess"),
-        state: flag("canGetAndSetFMUstate", "canGetAndSetFMUState"),
-        serialize: flag("canSerializeFMUstate", "canSerializeFMUState"),
-        directional: flag("providesDirectionalDerivative", "providesDirectionalDerivatives"),
-        adjoint: is_true(node, "providesAdjointDerivatives"),
-        variable_step: is_true(node, "canHandleVariableCommunicationStepSize"),
-        interpolates: is_true(node, "canInterpolateInputs"),
-        output_derivatives: unsigned(node, "maxOutputDerivativeOrder").unwrap_or(0) > 0,
-        event_mode: is_true(node, "hasEventMode"),
-        internal_step: double(node, "fixedInternalStepSize").filter(|h| *h > 0.0 && h.is_finite()),
-        completed_step: match model.version {
-            FmiVersion::V2 => !is_true(node, "completedIntegratorStepNotNeeded"),
-            FmiVersion::V3 => is_true(node, "needsCompletedIntegratorStep"),
-        },
-        place: model.place(node),
-    })
 }
 
 fn read_variable(model: &Model, v: &model::Variable) -> Variable {

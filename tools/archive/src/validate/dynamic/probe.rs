@@ -7,7 +7,6 @@ use cosim::raw::RawBinary;
 
 use super::facts::Facts;
 use super::report::{Channel, Event, Seen};
-use super::session::name_of;
 use super::stages::{self, Stage};
 use super::subject::Subject;
 use crate::validate::rules;
@@ -22,9 +21,9 @@ pub fn probe(file: &Path, from: usize, send: &mut dyn FnMut(Event)) {
 fn run(file: &Path, from: usize, seen: &mut Seen) {
     let archive = match Archive::open(file) {
         Ok(archive) => archive,
-        Err(error) => return seen.add(&rules::NOT_RUN, "archive", sentence(&error)),
+        Err(error) => return seen.add("archive", rules::NOT_RUN.says(sentence(&error))),
     };
-    let Some(facts) = Facts::read(archive.dir()) else { return };
+    let Some(facts) = Facts::read(&archive) else { return };
     let mut number = 0;
     for interface in &facts.interfaces {
         let first = number;
@@ -32,28 +31,24 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
         if number <= from {
             continue;
         }
-        let place = &interface.place;
-        if interface.needs_tool {
-            let message = format!(
-                "The FMU was not run for {}: it needs another program to be installed",
-                name_of(interface.kind)
-            );
-            seen.add(&rules::NOT_RUN, place, message);
+        let place = &interface.place();
+        if interface.needs_execution_tool {
+            seen.add(place, rules::needs_another_program(interface.kind));
             continue;
         }
         seen.channel.send(Event::Begin(first, "loading the library".to_owned()));
-        let binary = match RawBinary::load(&archive, &interface.identifier) {
+        let binary = match RawBinary::load(&archive, &interface.model_identifier) {
             Ok(binary) => binary,
             Err(error @ cosim::Error::Library { .. }) => {
-                seen.add(&rules::LOAD, place, sentence(&error));
+                seen.add(place, rules::LOAD.says(sentence(&error)));
                 continue;
             }
             Err(error) => {
-                seen.add(&rules::NOT_RUN, place, format!("The FMU was not run: {}", sentence(&error)));
+                seen.add(place, rules::cannot_run(sentence(&error)));
                 continue;
             }
         };
-        let place = format!("{} ({})", interface.identifier, name_of(interface.kind));
+        let place = format!("{} ({})", interface.model_identifier, interface.kind);
         let subject = Subject {
             archive: &archive,
             facts: &facts,
@@ -80,12 +75,12 @@ fn run_stage(stage: &Stage, number: usize, subject: &Subject, seen: &mut Seen) -
     if !(stage.applies)(subject) {
         return true;
     }
-    let words = format!("{}: {}", name_of(subject.interface.kind), stage.what);
+    let words = format!("{}: {}", subject.interface.kind, stage.what);
     seen.channel.send(Event::Begin(number, words));
     match (stage.run)(subject, seen) {
         Ok(()) => true,
         Err(fault) => {
-            seen.add(fault.rule, &fault.place, fault.message);
+            seen.add(&fault.place, fault.breach);
             false
         }
     }

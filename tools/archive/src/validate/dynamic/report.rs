@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::facts::Variable;
-use crate::validate::finding::short;
-use crate::validate::rules::Rule;
+use crate::validate::rules::Breach;
 
 /// A message of the child process to the parent, one line each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,22 +36,21 @@ pub struct Observation {
 /// A finding that ends its stage.
 #[derive(Debug)]
 pub(super) struct Fault {
-    pub(super) rule: &'static Rule,
     pub(super) place: String,
-    pub(super) message: String,
+    pub(super) breach: Breach,
 }
 
 impl Fault {
-    pub(super) fn new(rule: &'static Rule, place: &str, message: impl Into<String>) -> Fault {
-        Fault { rule, place: place.to_owned(), message: message.into() }
+    pub(super) fn new<T>(place: &str, breach: Breach) -> Result<T, Fault> {
+        Err(Fault { place: place.to_owned(), breach })
     }
 
     /// Adds the variable that was set or read.
     pub(super) fn about(mut self, variable: &Variable, values: &[f64]) -> Fault {
         self.place.clone_from(&variable.place);
-        self.message += &match values {
-            [] => format!(" (variable \"{}\")", short(&variable.name)),
-            [first, ..] => format!(" (variable \"{}\", value {first})", short(&variable.name)),
+        self.breach.message += &match values {
+            [] => format!(" (variable {variable})"),
+            [first, ..] => format!(" (variable {variable}, value {first})"),
         };
         self
     }
@@ -92,7 +90,6 @@ impl Pulse for Channel<'_> {
     }
 }
 
-/// Findings of the stages.
 pub(super) struct Seen<'a> {
     pub(super) channel: &'a Channel<'a>,
     /// Findings that were reported already: several stages may detect the same fault.
@@ -106,7 +103,7 @@ impl<'a> Seen<'a> {
     }
 
     /// Reports a finding, unless it has been reported.
-    pub(super) fn add(&mut self, rule: &'static Rule, place: &str, message: impl Into<String>) {
+    pub(super) fn add(&mut self, place: &str, Breach { rule, message }: Breach) {
         let key = (rule.code, place.to_owned());
         if self.reported.contains(&key) {
             return;
@@ -114,6 +111,6 @@ impl<'a> Seen<'a> {
         self.reported.push(key);
         self.failed = true;
         let (code, place) = (rule.code.to_owned(), place.to_owned());
-        self.channel.send(Event::Seen(Observation { code, place, message: message.into() }));
+        self.channel.send(Event::Seen(Observation { code, place, message }));
     }
 }

@@ -3,9 +3,10 @@
 use cosim::raw::InterfaceType;
 
 use super::facts::{Facts, Variable};
-use super::report::Fault;
+use super::report::{Fault, Seen};
 use super::session::{Session, column};
 use super::solver::{Reached, Solver};
+use crate::validate::rules::Rule;
 
 /// Steps of one run.
 const STEPS: usize = 10;
@@ -68,6 +69,28 @@ pub(super) fn from_here(session: &mut Session) -> Result<Rows, Fault> {
     Ok(rows)
 }
 
+/// Values of `watched` at the start of a Co-Simulation and after each of `n` steps that are `parts` to an `h`, until the
+/// FMU requests the end.
+pub(super) fn stepped(
+    session: &mut Session,
+    watched: &[&Variable],
+    h: f64,
+    n: usize,
+    parts: usize,
+) -> Result<Rows, Fault> {
+    let mut rows = vec![session.get_all(watched)?];
+    // Times are multiples, not sums: sums would differ in the last bits.
+    let time = |k: usize| session.facts.start + h * k as f64 / parts as f64;
+    for (from, to) in (0..n).map(|k| (time(k), time(k + 1))).collect::<Vec<_>>() {
+        session.now = from;
+        if !session.step(to - from)? {
+            break;
+        }
+        rows.push(session.get_all(watched)?);
+    }
+    Ok(rows)
+}
+
 pub(super) fn same(a: f64, b: f64) -> bool {
     a == b || a.is_nan() && b.is_nan()
 }
@@ -81,6 +104,32 @@ pub(super) struct Difference<'a> {
     pub(super) first: f64,
     pub(super) second: f64,
     pub(super) relative: f64,
+}
+
+impl Difference<'_> {
+    /// The row in words.
+    pub(super) fn when(&self) -> String {
+        match self.row {
+            0 => "after initialisation".to_owned(),
+            1 => "after 1 step".to_owned(),
+            n => format!("after {n} steps"),
+        }
+    }
+}
+
+impl Seen<'_> {
+    /// Reports where two runs differ, and whether they do; `is` puts both values into words.
+    pub(super) fn differ(
+        &mut self,
+        rule: &'static Rule,
+        difference: Option<Difference>,
+        is: impl Fn(f64, f64) -> String,
+    ) -> bool {
+        let Some(d) = difference else { return false };
+        let message = format!("Variable \"{}\" {} ({})", d.name, is(d.first, d.second), d.when());
+        self.add(&d.variable.place, rule.says(message));
+        true
+    }
 }
 
 /// Where two runs differ most, among the steady columns.

@@ -3,26 +3,17 @@
 use cosim::raw::{InterfaceType, RawInstance};
 use cosim::{Kind, Log, Status};
 
-use super::facts::{Facts, Interface, Variable};
+use super::facts::{Facts, Variable};
 use super::report::{Fault, Pulse};
 use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
 use crate::validate::rules;
+use cosim::Interface;
 
 /// Limit of event iterations.
 const MOST_ITERATIONS: usize = 1000;
 
 /// Values that differ from the start values.
 pub(super) type Settings<'a> = Vec<(&'a Variable, Vec<f64>)>;
-
-/// The interface type as the XML names it.
-pub(super) fn name_of(kind: InterfaceType) -> &'static str {
-    match kind {
-        InterfaceType::CoSimulation => "Co-Simulation",
-        InterfaceType::ModelExchange => "Model Exchange",
-        InterfaceType::ScheduledExecution => "Scheduled Execution",
-    }
-}
 
 pub(super) fn words(log: &Log) -> String {
     let text = log.messages().iter().rev().take(2).map(|m| m.text.trim().to_owned()).collect::<Vec<_>>();
@@ -33,7 +24,6 @@ pub(super) fn words(log: &Log) -> String {
     }
 }
 
-/// A running instance.
 pub(super) struct Session<'a> {
     pub(super) raw: RawInstance,
     pub(super) facts: &'a Facts,
@@ -52,14 +42,11 @@ impl<'a> Session<'a> {
         if status <= Status::Warning {
             return Ok(());
         }
-        let prefix = if self.facts.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
-        let message = format!(
-            "{prefix}{function} returned {status} for {} at t = {} s{}",
-            name_of(self.interface.kind),
-            self.now,
-            words(self.raw.log())
-        );
-        Err(Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message))
+        let (function, words) = (self.facts.function(function), words(self.raw.log()));
+        Fault::new(
+            &self.interface.place(),
+            rules::call_failed(function, status, self.interface.kind, self.now, words),
+        )
     }
 
     /// Calls one function of the FMU; [`Session::ok`] judges its status.
@@ -99,28 +86,17 @@ impl<'a> Session<'a> {
         let mut changed = false;
         for _ in 0..MOST_ITERATIONS {
             let (status, update) = self.raw.update_discrete_states();
-            let name = if self.facts.version == FmiVersion::V2 {
-                "NewDiscreteStates"
-            } else {
-                "UpdateDiscreteStates"
-            };
-            self.ok(name, status)?;
+            self.ok(self.facts.pick("NewDiscreteStates", "UpdateDiscreteStates"), status)?;
             changed |= update.values_changed;
             self.next = update.next;
             if let Some(next) = update.next.filter(|t| t.is_nan() || *t < self.now) {
-                let message =
-                    format!("The next time event is at {next} s, before the present time {} s", self.now);
-                return Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message));
+                return Fault::new(&self.interface.place(), rules::time_event_in_the_past(next, self.now));
             }
             if !update.again || update.terminate {
                 return Ok(changed);
             }
         }
-        let message = format!(
-            "The event iteration at t = {} s does not converge in {MOST_ITERATIONS} iterations",
-            self.now
-        );
-        Err(Fault::new(&rules::EVENT_ITERATION, &self.interface.place, message))
+        Fault::new(&self.interface.place(), rules::event_iteration_diverges(self.now, MOST_ITERATIONS))
     }
 
     /// One communication step of Co-Simulation; `false` if the FMU requests the end.
@@ -128,11 +104,7 @@ impl<'a> Session<'a> {
         let step = self.raw.do_step(self.now, h, false);
         self.ok("DoStep", step.status)?;
         if step.early {
-            let message = format!(
-                "fmi3DoStep returned early at t = {} s although the importer did not allow it",
-                self.now
-            );
-            return Err(Fault::new(&rules::LIFE_CYCLE, &self.interface.place, message));
+            return Fault::new(&self.interface.place(), rules::early_return(self.now));
         }
         self.now += h;
         Ok(!step.terminated)

@@ -22,7 +22,6 @@ const E: [f64; 7] =
 /// Evaluations that one integration may take.
 const MOST_EVALUATIONS: usize = 200_000;
 
-/// How an integration ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reached {
     End,
@@ -46,7 +45,7 @@ impl Solver {
     /// Reads states, nominals and indicators.
     pub(super) fn new(session: &mut Session, tolerance: f64) -> Result<Solver, Fault> {
         let facts = session.facts;
-        let n = facts.states.iter().map(|i| facts.variables[*i].size).sum();
+        let n = facts.state_count();
         let mut solver = Solver {
             x: vec![0.0; n],
             nominals: vec![1.0; n],
@@ -77,12 +76,7 @@ impl Solver {
         if !x.is_empty() {
             session.call("SetContinuousStates", |raw| raw.set_states(x))?;
             let status = session.raw.get_derivatives(&mut rates);
-            let name = if session.facts.version == crate::validate::model::FmiVersion::V2 {
-                "GetDerivatives"
-            } else {
-                "GetContinuousStateDerivatives"
-            };
-            session.ok(name, status)?;
+            session.ok(session.facts.pick("GetDerivatives", "GetContinuousStateDerivatives"), status)?;
         }
         Ok(rates)
     }
@@ -148,7 +142,7 @@ impl Solver {
         self.x = new;
         Self::rates(session, end, &self.x)?;
         let mut event = false;
-        if session.interface.completed_step {
+        if session.interface.needs_completed_step {
             let (status, asked, _) = session.raw.completed_integrator_step();
             session.ok("CompletedIntegratorStep", status)?;
             event = asked;
@@ -187,9 +181,10 @@ pub(super) fn indicators(session: &mut Session, count: usize) -> Result<Vec<f64>
     if count > 0 {
         session.call("GetEventIndicators", |raw| raw.get_indicators(&mut z))?;
         if let Some(i) = z.iter().position(|z| !z.is_finite()) {
-            let message =
-                format!("Event indicator {} of {count} is {} at t = {} s", i + 1, z[i], session.now);
-            return Err(Fault::new(&rules::OUTPUT_NOT_FINITE, &session.interface.place, message));
+            return Fault::new(
+                &session.interface.place(),
+                rules::indicator_not_finite(i + 1, count, z[i], session.now),
+            );
         }
     }
     Ok(z)

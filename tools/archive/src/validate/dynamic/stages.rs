@@ -1,10 +1,19 @@
 //! The stages of the run, each a set of checks that share instances. After one that ends the process, the
 //! next child process continues with the others.
 
-use cosim::raw::InterfaceType::{CoSimulation, ModelExchange, ScheduledExecution};
-
+use super::facts::{Entry, Facts, Variable};
 use super::report::{Fault, Seen};
-use super::subject::Subject;
+use super::runs::{self, Drive, Rows, difference, steps};
+use super::session::{Session, Settings, column, observed};
+use super::solver::{Reached, Solver, indicators};
+use super::subject::{Subject, fresh};
+use crate::validate::finding::{Findings, short};
+use crate::validate::model::FmiVersion;
+use crate::validate::rules::{self, Rule};
+use cosim::raw::InterfaceType::{self, CoSimulation, ModelExchange, ScheduledExecution};
+use cosim::raw::{RawBinary, RawSetup, RawState};
+use cosim::{Kind, Log, Status};
+use setting::others;
 
 mod compare;
 mod derivatives;
@@ -18,7 +27,6 @@ mod setting;
 mod state;
 mod steps;
 
-/// A stage.
 pub(super) struct Stage {
     /// What it does, as a phrase.
     pub(super) what: &'static str,
@@ -54,21 +62,29 @@ fn is_integrated(s: &Subject) -> bool {
 pub(super) static ALL: &[Stage] = &[
     Stage { is_basis: true, ..stage("one life from instantiation to the end", |_| true, life::run) },
     stage("start values after instantiation", |_| true, setting::start_values),
-    stage("event mode in Co-Simulation", |s| steps_itself(s) && s.interface.event_mode, life::with_events),
+    stage(
+        "event mode in Co-Simulation",
+        |s| steps_itself(s) && s.interface.has_event_mode,
+        life::with_events,
+    ),
     stage("a second run, and runs after a reset", moves, repeat::reset),
-    stage("saved states", |s| moves(s) && s.interface.state, state::run),
+    stage("saved states", |s| moves(s) && s.interface.can_get_and_set_state, state::run),
     stage("values in another order", moves, setting::order),
-    stage("two instances at a time", |s| moves(s) && !s.interface.only_once, repeat::instances),
+    stage("two instances at a time", |s| moves(s) && !s.interface.only_once_per_process, repeat::instances),
     stage("many instances, many steps", moves, repeat::memory),
-    stage("steps of another size", |s| steps_itself(s) && s.interface.variable_step, steps::size),
+    stage("steps of another size", |s| steps_itself(s) && s.interface.can_handle_variable_step, steps::size),
     stage("steps past the stop time", steps_itself, steps::stop_time),
     stage("declared derivatives against differences", moves, derivatives::declared),
     stage(
         "derivatives of outputs",
-        |s| steps_itself(s) && s.interface.output_derivatives,
+        |s| steps_itself(s) && s.interface.max_output_derivative_order > 0,
         derivatives::of_outputs,
     ),
-    stage("derivatives of inputs", |s| steps_itself(s) && s.interface.interpolates, derivatives::of_inputs),
+    stage(
+        "derivatives of inputs",
+        |s| steps_itself(s) && s.interface.can_interpolate_inputs,
+        derivatives::of_inputs,
+    ),
     stage("states, derivatives and event indicators", is_integrated, exchange::run),
     stage("partial derivatives and dependencies", moves, jacobian::run),
     stage("Model Exchange against Co-Simulation", is_integrated, compare::run),

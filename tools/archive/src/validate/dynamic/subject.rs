@@ -5,11 +5,12 @@ use std::cell::OnceCell;
 use cosim::raw::{RawBinary, RawInstance, RawSetup};
 use cosim::{Archive, Log};
 
-use super::facts::{Facts, Interface};
+use super::facts::Facts;
 use super::report::{Fault, Pulse};
 use super::runs::{Rows, from_here, same};
-use super::session::{Session, Settings, name_of, words};
+use super::session::{Session, Settings, words};
 use crate::validate::rules;
+use cosim::Interface;
 
 /// What all stages share: the FMU and its declarations.
 pub(super) struct Subject<'a> {
@@ -38,26 +39,18 @@ impl<'a> Subject<'a> {
         self.binary.instantiate(&setup, log)
     }
 
-    /// A new instance.
     pub(super) fn instance(&self, name: &str) -> Result<Session<'a>, Fault> {
         let log = Log::new();
-        let raw = self.try_instance(name, &self.facts.token, &log);
-        let words = words(&log);
-        match raw {
-            Some(raw) => Ok(Session {
-                raw,
-                facts: self.facts,
-                interface: self.interface,
-                pulse: self.pulse,
-                now: self.facts.start,
-                next: None,
-            }),
-            None => Err(Fault::new(
-                &rules::INSTANTIATE,
-                &self.place,
-                format!("The FMU refused to be instantiated for {}{words}", name_of(self.interface.kind)),
-            )),
+        match self.try_instance(name, &self.facts.token, &log) {
+            Some(raw) => Ok(self.session(raw)),
+            None => Fault::new(&self.place, rules::refused_instance(self.interface.kind, words(&log))),
         }
+    }
+
+    /// The session of a new instance.
+    pub(super) fn session(&self, raw: RawInstance) -> Session<'a> {
+        let Subject { facts, interface, pulse, .. } = *self;
+        Session { raw, facts, interface, pulse, now: facts.start, next: None }
     }
 
     /// A new instance with these settings, initialised and ready to step.

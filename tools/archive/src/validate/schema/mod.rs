@@ -27,12 +27,7 @@ pub(crate) fn check(xml: &Xml, schema: &Schema, root: &str, out: &mut Findings) 
             .namespace()
             .map(|n| format!(" in the namespace \"{}\"", short(n)))
             .unwrap_or_default();
-        let message = format!(
-            "The root element is <{}>{space} instead of <{}>",
-            short(node.tag_name().name()),
-            root.name
-        );
-        out.add(&rules::XSD_ROOT, xml.place(node), message);
+        out.add(xml.place(node), rules::xsd_root(short(node.tag_name().name()), space, root.name));
         return false;
     }
     walk(xml, schema, node, root, out);
@@ -43,12 +38,7 @@ pub(crate) fn check(xml: &Xml, schema: &Schema, root: &str, out: &mut Findings) 
 fn check_text(xml: &Xml, child: Node, element: &Element, out: &mut Findings) {
     let text = child.text().filter(|_| child.is_text()).unwrap_or_default();
     if !text.trim_matches([' ', '\t', '\n', '\r']).is_empty() {
-        let message = format!(
-            "<{}> contains the text \"{}\", but only elements are allowed",
-            element.name,
-            short(text.trim())
-        );
-        out.add(&rules::XSD_TEXT, xml.place(child), message);
+        out.add(xml.place(child), rules::xsd_text(element.name, short(text.trim())));
     }
 }
 
@@ -58,9 +48,7 @@ fn walk(xml: &Xml, schema: &Schema, node: Node, element: &Element, out: &mut Fin
         &Content::Any(most) => {
             let count = node.children().filter(Node::is_element).count();
             if count > most {
-                let message =
-                    format!("<{}> has {count} child elements, at most {most} is allowed", element.name);
-                out.add(&rules::XSD_ELEMENT_REPEATED, xml.place(node), message);
+                out.add(xml.place(node), rules::xsd_too_many_children(element.name, count, most));
             }
             // A limited number of elements without text in between.
             if most != UNBOUNDED {
@@ -84,32 +72,24 @@ fn walk(xml: &Xml, schema: &Schema, node: Node, element: &Element, out: &mut Fin
             known.map(|e| (i, e))
         });
         let Some((index, known)) = found else {
-            let message = format!("The element <{}> is not allowed in <{}>", short(name), element.name);
-            out.add(&rules::XSD_ELEMENT_UNKNOWN, xml.place(child), message);
+            out.add(xml.place(child), rules::xsd_element_unknown(short(name), element.name));
             continue;
         };
         counts[index] += 1;
         if index < cursor {
             let after: Vec<_> = schema.choices(&slots[cursor]).map(|e| e.name).collect();
-            let message =
-                format!("The element <{name}> must stand before <{}> in <{}>", after.join("|"), element.name);
-            out.add(&rules::XSD_ELEMENT_ORDER, xml.place(child), message);
+            out.add(xml.place(child), rules::xsd_element_order(name, after.join("|"), element.name));
         }
         cursor = cursor.max(index);
         if counts[index] == slots[index].most.saturating_add(1) {
-            let message = format!(
-                "The element <{name}> occurs too often in <{}>: at most {} allowed",
-                element.name, slots[index].most
-            );
-            out.add(&rules::XSD_ELEMENT_REPEATED, xml.place(child), message);
+            out.add(xml.place(child), rules::xsd_element_repeated(name, element.name, slots[index].most));
         }
         walk(xml, schema, child, known, out);
     }
     for (slot, count) in slots.iter().zip(&counts) {
         if *count < slot.least {
             let names: Vec<_> = schema.choices(slot).map(|e| format!("<{}>", e.name)).collect();
-            let message = format!("<{}> must contain {}", element.name, names.join(" or "));
-            out.add(&rules::XSD_ELEMENT_MISSING, xml.place(node), message);
+            out.add(xml.place(node), rules::xsd_element_missing(element.name, names.join(" or ")));
         }
     }
 }
@@ -122,13 +102,10 @@ fn check_attributes(xml: &Xml, node: Node, element: &Element, out: &mut Findings
             Some(INSTANCE_NAMESPACE) => continue,
             Some(_) if element.any_attribute || matches!(element.content, Content::Any(_)) => continue,
             Some(space) => {
-                let message = format!(
-                    "The attribute \"{}\" of the namespace \"{}\" is not allowed in <{}>",
-                    short(name),
-                    short(space),
-                    element.name
+                out.add(
+                    xml.place(node),
+                    rules::xsd_foreign_attribute(short(name), short(space), element.name),
                 );
-                out.add(&rules::XSD_ATTRIBUTE_UNKNOWN, xml.place(node), message);
                 continue;
             }
             None => {}
@@ -140,36 +117,28 @@ fn check_attributes(xml: &Xml, node: Node, element: &Element, out: &mut Findings
                     .filter(|_| name != "name")
                     .map(|n| format!(" of \"{}\"", short(n)))
                     .unwrap_or_default();
-                let message = format!(
-                    "The value \"{}\" of the attribute \"{name}\" in <{}>{label} is not {}",
-                    short(attribute.value()),
-                    element.name,
-                    a.kind.describe()
+                out.add(
+                    xml.place(node),
+                    rules::xsd_attribute_value(
+                        short(attribute.value()),
+                        name,
+                        element.name,
+                        label,
+                        a.kind.describe(),
+                    ),
                 );
-                out.add(&rules::XSD_ATTRIBUTE_VALUE, xml.place(node), message);
             }
             Some(_) => {}
             // The schema gives no type: no check.
             None if element.any_attribute && matches!(element.content, Content::Any(_)) => {}
             None if element.any_attribute => {
-                let message = format!(
-                    "<{}> has the attribute \"{}\", which is not a capability flag of the standard and has no namespace",
-                    element.name,
-                    short(name)
-                );
-                out.add(&rules::CAPABILITY_UNKNOWN, xml.place(node), message);
+                out.add(xml.place(node), rules::capability_unknown(element.name, short(name)))
             }
-            None => {
-                let message =
-                    format!("The attribute \"{}\" is not allowed in <{}>", short(name), element.name);
-                out.add(&rules::XSD_ATTRIBUTE_UNKNOWN, xml.place(node), message);
-            }
+            None => out.add(xml.place(node), rules::xsd_attribute_unknown(short(name), element.name)),
         }
     }
     for a in known().filter(|a| a.required && node.attribute(a.name).is_none()) {
         let label = node.attribute("name").map(|n| format!(" \"{}\"", short(n))).unwrap_or_default();
-        let message =
-            format!("The element <{}>{label} lacks the required attribute \"{}\"", element.name, a.name);
-        out.add(&rules::XSD_ATTRIBUTE_MISSING, xml.place(node), message);
+        out.add(xml.place(node), rules::xsd_attribute_missing(element.name, label, a.name));
     }
 }

@@ -1,10 +1,6 @@
 //! FMI 2 alias variables: the same value reference and base type.
 
-use std::collections::BTreeMap;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut sets: BTreeMap<(u32, u8), Vec<&Variable>> = BTreeMap::new();
@@ -30,23 +26,13 @@ fn check_set(model: &Model, reference: u32, set: &[&Variable], out: &mut Finding
     if constants != 0 && constants != set.len() {
         let other = set.iter().find(|v| (v.variability == "constant") != (first.variability == "constant"));
         let other = other.unwrap_or(&first);
-        let message = format!(
-            "The variables \"{}\" and \"{}\" share the value reference {reference}, but only one of them is constant",
-            short(first.name),
-            short(other.name)
-        );
-        out.add(&rules::ALIAS_CONSTANT, model.place(other.node), message);
+        out.add(model.place(other.node), rules::alias_one_constant(first, other, reference));
         return;
     }
     if constants == set.len() {
         let start = |v: &Variable| v.typed.attribute("start").map(str::trim).map(str::to_owned);
         if let Some(other) = set.iter().find(|v| !same_value(start(v), start(first))) {
-            let message = format!(
-                "The constants \"{}\" and \"{}\" share the value reference {reference} but have different values",
-                short(first.name),
-                short(other.name)
-            );
-            out.add(&rules::ALIAS_CONSTANT, model.place(other.node), message);
+            out.add(model.place(other.node), rules::alias_constants_differ(first, other, reference));
         }
         return;
     }
@@ -54,24 +40,15 @@ fn check_set(model: &Model, reference: u32, set: &[&Variable], out: &mut Finding
     let free: Vec<_> =
         set.iter().filter(|v| v.is_settable() || v.has_start || v.causality == "independent").collect();
     if let [one, two, ..] = free[..] {
-        let message = format!(
-            "The variables \"{}\" and \"{}\" share the value reference {reference}, but both can be set or have a start value",
-            short(one.name),
-            short(two.name)
-        );
-        out.add(&rules::ALIAS_START, model.place(two.node), message);
+        out.add(model.place(two.node), rules::alias_start(one, two, reference));
     }
     let unit = |v: &Variable| model.attribute(v, "unit").map(str::to_owned);
     if let Some(other) = set.iter().find(|v| unit(v) != unit(first)) {
         let shown = |v: &Variable| unit(v).map_or("none".to_owned(), |u| format!("\"{}\"", short(&u)));
-        let message = format!(
-            "The variables \"{}\" (unit {}) and \"{}\" (unit {}) share the value reference {reference} but not the unit",
-            short(first.name),
-            shown(first),
-            short(other.name),
-            shown(other)
+        out.add(
+            model.place(other.node),
+            rules::alias_unit(first, shown(first), other, shown(other), reference),
         );
-        out.add(&rules::ALIAS_UNIT, model.place(other.node), message);
     }
 }
 

@@ -1,18 +1,11 @@
 //! FMI 3 arrays: dimensions, structural parameters, number of start values.
 
-use roxmltree::Node;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, children, label, unsigned};
-use crate::validate::rules;
-use cosim::xml::parse_integer;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     for v in &model.variables {
         if v.is_array() && v.causality == "structuralParameter" {
-            let message =
-                format!("The structural parameter \"{}\" must not have dimensions itself", short(v.name));
-            out.add(&rules::STRUCTURAL_ARRAY, model.place(v.node), message);
+            out.add(model.place(v.node), rules::structural_array(v));
         }
         for dimension in children(v.typed, "Dimension") {
             check_dimension(model, v, dimension, out);
@@ -23,9 +16,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 
 fn check_dimension(model: &Model, v: &Variable, dimension: Node, out: &mut Findings) {
     let place = model.place(dimension);
-    let mut complain = |what: String| {
-        out.add(&rules::DIMENSION, &place, format!("A dimension of variable \"{}\" {what}", short(v.name)));
-    };
+    let mut complain = |what: String| out.add(&place, rules::dimension(v, what));
     match (dimension.attribute("start"), dimension.attribute("valueReference")) {
         (Some(_), Some(_)) => complain("has both start and valueReference; only one is allowed".into()),
         (None, None) => complain("has neither start nor valueReference".into()),
@@ -41,21 +32,11 @@ fn check_dimension(model: &Model, v: &Variable, dimension: Node, out: &mut Findi
                 return;
             };
             if size.kind != Kind::UInt64 {
-                complain(format!(
-                    "refers to \"{}\", which is of type {}, not UInt64",
-                    short(size.name),
-                    size.type_name
-                ));
+                complain(format!("refers to {size}, which is of type {}, not UInt64", size.type_name));
             } else if size.causality != "structuralParameter" && size.variability != "constant" {
-                complain(format!(
-                    "refers to \"{}\", which is neither a structural parameter nor a constant",
-                    short(size.name)
-                ));
+                complain(format!("refers to {size}, which is neither a structural parameter nor a constant"));
             } else if size.typed.attribute("start").and_then(parse_integer) == Some(0) {
-                complain(format!(
-                    "refers to \"{}\", whose start value is 0; initial sizes must be positive",
-                    short(size.name)
-                ));
+                complain(format!("refers to {size}, whose start value is 0; initial sizes must be positive"));
             }
         }
     }
@@ -85,10 +66,6 @@ fn check_start_count(model: &Model, v: &Variable, out: &mut Findings) {
     // A single value applies to all elements; an empty start attribute has no values.
     let empty = count == 0 && v.typed.attribute("start").is_some();
     if empty || count > 1 && count as u128 != elements {
-        let message = format!(
-            "{} has {count} start values for {elements} elements; one value for all or one for each is allowed",
-            label(v)
-        );
-        out.add(&rules::START_COUNT, model.place(v.typed), message);
+        out.add(model.place(v.typed), rules::start_count(v, count, elements));
     }
 }

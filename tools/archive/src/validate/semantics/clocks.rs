@@ -1,11 +1,6 @@
 //! FMI 3 clocks, clocked variables and clocked states.
 
-use std::collections::HashMap;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Kind, Model, Variable, is_true, label, unsigned, unsigned_list};
-use crate::validate::rules;
-use cosim::xml::{parse_double, parse_integer};
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut previous_of: HashMap<u32, &str> = HashMap::new();
@@ -19,21 +14,13 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     for unknown in &model.structure.clocked_states {
         let Some(v) = unknown.variable.map(|i| &model.variables[i]) else { continue };
         if v.node.attribute("previous").is_none() || !v.clocked || v.kind == Kind::Clock {
-            let message = format!(
-                "The clocked state \"{}\" must have the attributes previous and clocks and must not be a clock",
-                short(v.name)
-            );
-            out.add(&rules::CLOCKED_STATE, model.place(unknown.node), message);
+            out.add(model.place(unknown.node), rules::clocked_state(v));
         }
     }
     let has_clocks = model.variables.iter().any(|v| v.kind == Kind::Clock);
     for cs in model.interfaces.iter().filter(|i| i.has_tag_name("CoSimulation")) {
         if has_clocks && !is_true(*cs, "hasEventMode") {
-            out.add(
-                &rules::CLOCKS_WITHOUT_EVENTS,
-                model.place(*cs),
-                "The FMU has clocks, so hasEventMode of <CoSimulation> must be true",
-            );
+            out.add(model.place(*cs), rules::clocks_without_events());
         }
     }
 }
@@ -41,22 +28,13 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 fn check_clock(model: &Model, v: &Variable, out: &mut Findings) {
     let place = model.place(v.node);
     if !["input", "output", "local"].contains(&v.causality) {
-        let message = format!(
-            "The clock \"{}\" has causality {}; it must be input, output or local",
-            short(v.name),
-            v.causality
-        );
-        out.add(&rules::CLOCK_CAUSALITY, &place, message);
+        out.add(&place, rules::clock_causality(v, v.causality));
     }
     // Continuous clocks are found by the rule on variability.
     if !["discrete", "continuous"].contains(&v.variability) && v.causality == "local" {
-        let message =
-            format!("The clock \"{}\" has variability {}; it must be discrete", short(v.name), v.variability);
-        out.add(&rules::CLOCK_VARIABILITY, &place, message);
+        out.add(&place, rules::clock_variability(v, v.variability));
     }
-    let mut interval = |what: String| {
-        out.add(&rules::CLOCK_INTERVAL, &place, format!("The clock \"{}\" {what}", short(v.name)));
-    };
+    let mut interval = |what: String| out.add(&place, rules::clock_interval(v, what));
     let kind = model.attribute(v, "intervalVariability").unwrap_or_default();
     let periodic = ["constant", "fixed", "tunable"].contains(&kind);
     let decimal = model.attribute(v, "intervalDecimal").and_then(parse_double);
@@ -76,24 +54,16 @@ fn check_clock(model: &Model, v: &Variable, out: &mut Findings) {
     }
     let priority = model.attribute(v, "priority").is_some();
     if v.causality == "output" && priority {
-        out.add(
-            &rules::CLOCK_PRIORITY,
-            &place,
-            format!("The output clock \"{}\" must not have a priority", short(v.name)),
-        );
+        out.add(&place, rules::clock_priority_of_output(v));
     } else if v.causality == "input" && !priority && model.has("ScheduledExecution") {
-        out.add(
-            &rules::CLOCK_PRIORITY,
-            &place,
-            format!("The input clock \"{}\" needs a priority in Scheduled Execution", short(v.name)),
-        );
+        out.add(&place, rules::clock_priority_missing(v));
     }
 }
 
 fn check_clocked(model: &Model, v: &Variable, out: &mut Findings) {
     let Some(text) = v.node.attribute("clocks") else { return };
     let place = model.place(v.node);
-    let mut complain = |what: String| out.add(&rules::CLOCKS, &place, format!("{} {what}", label(v)));
+    let mut complain = |what: String| out.add(&place, rules::clocks(v, what));
     if text.trim().is_empty() {
         complain("has an empty list of clocks".into());
     }
@@ -108,11 +78,9 @@ fn check_clocked(model: &Model, v: &Variable, out: &mut Findings) {
             None => {
                 complain(format!("names the clock with value reference {reference}, which no variable has"))
             }
-            Some(c) if c.kind != Kind::Clock => complain(format!(
-                "names \"{}\" as its clock, which is of type {}",
-                short(c.name),
-                c.type_name
-            )),
+            Some(c) if c.kind != Kind::Clock => {
+                complain(format!("names {c} as its clock, which is of type {}", c.type_name))
+            }
             Some(_) => {}
         }
     }
@@ -126,7 +94,7 @@ fn check_previous<'a>(
 ) {
     let Some(reference) = unsigned(v.node, "previous") else { return };
     let place = model.place(v.node);
-    let mut complain = |what: String| out.add(&rules::PREVIOUS, &place, format!("{} {what}", label(v)));
+    let mut complain = |what: String| out.add(&place, rules::previous(v, what));
     if !v.clocked {
         complain("has the attribute previous but no clocks".into());
         return;
@@ -148,8 +116,7 @@ fn check_previous<'a>(
         || target.causality == "input"
     {
         complain(format!(
-            "has \"{}\" as its previous value, which must be a discrete {} and no input",
-            short(target.name),
+            "has {target} as its previous value, which must be a discrete {} and no input",
             v.type_name
         ));
     }

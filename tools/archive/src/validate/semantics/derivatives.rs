@@ -1,14 +1,6 @@
 //! Continuous states and their derivatives.
 
-use std::collections::HashMap;
-
-use roxmltree::Node;
-
-use super::arrays;
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, Variable, children, double, label};
-use crate::validate::rules;
-use cosim::xml::parse_integer;
+use super::*;
 
 /// No equation of motion has more time derivatives than this.
 const HIGHEST_ORDER: usize = 64;
@@ -26,53 +18,27 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let Some(v) = unknown.variable.map(|i| &model.variables[i]) else { continue };
         let place = model.place(unknown.node);
         if !v.kind.is_float() || v.variability != "continuous" {
-            let message = format!(
-                "The state derivative \"{}\" is {} of type {}, not a continuous floating point number",
-                short(v.name),
-                v.variability,
-                v.type_name
-            );
-            out.add(&rules::DERIVATIVE_NOT_CONTINUOUS, &place, message);
+            out.add(&place, rules::derivative_not_continuous(v, v.variability, v.type_name));
             continue;
         }
         if v.typed.attribute("derivative").is_none() {
-            let message = format!(
-                "The state derivative \"{}\" has no attribute derivative, so its state is not known",
-                short(v.name)
-            );
-            out.add(&rules::DERIVATIVE_MISSING, &place, message);
+            out.add(&place, rules::derivative_missing(v));
             continue;
         }
         let Some(index) = model.state_of(v) else { continue };
         let state = &model.variables[index];
         if let Some(first) = derivative_of.insert(index, v.name) {
-            let message = format!(
-                "The variables \"{}\" and \"{}\" are both listed as derivative of the state \"{}\"",
-                short(first),
-                short(v.name),
-                short(state.name)
-            );
-            out.add(&rules::STATE_REPEATED, &place, message);
+            out.add(&place, rules::state_repeated(short(first), v, state));
             continue;
         }
         if !["local", "output"].contains(&state.causality) {
-            let message = format!(
-                "The continuous state \"{}\" has causality {}; it must be local or output",
-                short(state.name),
-                state.causality
-            );
-            out.add(&rules::STATE_CAUSALITY, model.place(state.node), message);
+            out.add(model.place(state.node), rules::state_causality(state, state.causality));
         }
         check_unit(model, v, state, &units, out);
         if let (Some(a), Some(b)) = (arrays::size(model, v), arrays::size(model, state))
             && a != b
         {
-            let message = format!(
-                "The state \"{}\" has {b} elements but its derivative \"{}\" has {a}",
-                short(state.name),
-                short(v.name)
-            );
-            out.add(&rules::DERIVATIVE_SIZE, &place, message);
+            out.add(&place, rules::derivative_size(state, b, v, a));
         }
     }
     check_unlisted(model, out);
@@ -82,29 +48,16 @@ fn check_attribute(model: &Model, index: usize, v: &Variable, out: &mut Findings
     let Some(reference) = v.derivative else { return };
     let place = model.place(v.typed);
     let Some(target) = model.state_of(v) else {
-        let message = format!(
-            "{} is the derivative of {} {reference}, which no variable has",
-            label(v),
-            model.reference_word()
-        );
-        out.add(&rules::DERIVATIVE_REFERENCE, place, message);
+        out.add(place, rules::derivative_reference(v, model.reference_word(), reference));
         return;
     };
     let state = &model.variables[target];
     if is_on_cycle(model, index) {
-        let message = format!("{} is, over its attribute derivative, a derivative of itself", label(v));
-        out.add(&rules::DERIVATIVE_CYCLE, place, message);
+        out.add(place, rules::derivative_cycle(v));
         return;
     }
     if !state.kind.is_float() || state.variability != "continuous" {
-        let message = format!(
-            "{} is the derivative of \"{}\", which is {} of type {} and has no derivative",
-            label(v),
-            short(state.name),
-            state.variability,
-            state.type_name
-        );
-        out.add(&rules::DERIVATIVE_TARGET, place, message);
+        out.add(place, rules::derivative_target(v, state, state.variability, state.type_name));
         return;
     }
     check_name(model, v, target, &place, out);
@@ -137,17 +90,12 @@ fn check_name(model: &Model, v: &Variable, target: usize, place: &str, out: &mut
     if model.version == FmiVersion::V2 && named.reference == state.reference && named.kind == state.kind {
         return;
     }
-    let message = format!(
-        "{} points with derivative to \"{}\" instead of \"{}\"",
-        label(v),
-        short(state.name),
-        short(inner)
-    );
+    let message = format!("Variable {v} points with derivative to {state} instead of \"{}\"", short(inner));
     if model.root.attribute("variableNamingConvention") == Some("structured") {
-        out.add(&rules::DERIVATIVE_NAME, place, message);
+        out.add(place, rules::DERIVATIVE_NAME.says(message));
     } else {
         // In the convention "flat" a name has no meaning.
-        out.add(&rules::DERIVATIVE_NAME_DOUBTFUL, place, message);
+        out.add(place, rules::DERIVATIVE_NAME_DOUBTFUL.says(message));
     }
 }
 
@@ -177,24 +125,19 @@ fn check_unit(
         return;
     }
     let names = format!(
-        "the unit \"{}\" of \"{}\" and the unit \"{}\" of its derivative \"{}\"",
+        "the unit \"{}\" of {state} and the unit \"{}\" of its derivative {v}",
         short(model.attribute(state, "unit").unwrap_or_default()),
-        short(state.name),
-        short(model.attribute(v, "unit").unwrap_or_default()),
-        short(v.name)
+        short(model.attribute(v, "unit").unwrap_or_default())
     );
     let place = model.place(v.typed);
     let mut expected = of_state;
     expected[2] -= 1;
     if of_v == of_state {
-        out.add(&rules::DERIVATIVE_UNIT_TIMELESS, place, format!("Time is missing between {names}"));
+        out.add(place, rules::derivative_unit_timeless(names));
     } else if of_v != expected {
-        out.add(&rules::DERIVATIVE_UNIT, place, format!("The second is not the first per second: {names}"));
+        out.add(place, rules::derivative_unit(names));
     } else if (factor_v - factor_state).abs() > 1e-3 * factor_state.abs() {
-        let message = format!(
-            "The factors {factor_state} and {factor_v} differ between {names}, so the numbers cannot be integrated"
-        );
-        out.add(&rules::DERIVATIVE_UNIT, place, message);
+        out.add(place, rules::derivative_factor(factor_state, factor_v, names));
     }
 }
 
@@ -211,12 +154,7 @@ fn check_unlisted(model: &Model, out: &mut Findings) {
         }
         let state = &model.variables[target];
         if v.causality == "local" && state.causality == "local" && state.variability == "continuous" {
-            let message = format!(
-                "{} is the derivative of the local variable \"{}\" but not listed among the state derivatives",
-                label(v),
-                short(state.name)
-            );
-            out.add(&rules::DERIVATIVE_NOT_LISTED, model.place(v.node), message);
+            out.add(model.place(v.node), rules::derivative_not_listed(v, state));
         }
     }
 }

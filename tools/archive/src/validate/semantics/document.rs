@@ -1,11 +1,6 @@
 //! The attributes of the root, the default experiment, log categories and annotations.
 
-use std::collections::HashSet;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, children, double};
-use crate::validate::rules;
-use crate::validate::schema::types::Type;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let place = model.place(model.root);
@@ -14,25 +9,15 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         FmiVersion::V3 => "instantiationToken",
     };
     if model.root.attribute(token).is_some_and(|t| t.trim().is_empty()) {
-        out.add(
-            &rules::TOKEN_EMPTY,
-            &place,
-            format!(
-                "The attribute {token} is empty, so the binary cannot tell whether this file belongs to it"
-            ),
-        );
+        out.add(&place, rules::token_empty(token));
     }
     if model.root.attribute("modelName").is_some_and(|t| t.trim().is_empty()) {
-        out.add(&rules::MODEL_NAME_EMPTY, &place, "The attribute modelName is empty");
+        out.add(&place, rules::model_name_empty());
     }
     if let Some(date) = model.root.attribute("generationDateAndTime").filter(|d| Type::DateTime.accepts(d))
         && !(date.len() == 20 && date.ends_with('Z'))
     {
-        let message = format!(
-            "generationDateAndTime is \"{}\" and should have the form 2026-01-31T12:00:00Z",
-            short(date)
-        );
-        out.add(&rules::DATE_FORM, &place, message);
+        out.add(&place, rules::date_form(short(date)));
     }
     check_experiment(model, out);
     for list in children(model.root, "LogCategories") {
@@ -45,27 +30,25 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 
 fn unique_names(
     model: &Model,
-    list: roxmltree::Node<'_, '_>,
+    list: Node<'_, '_>,
     element: &str,
     what: &str,
-    rule: &'static rules::Rule,
+    rule: &'static Rule,
     out: &mut Findings,
 ) {
     let mut seen = HashSet::new();
     for node in list.children().filter(|c| c.has_tag_name(element)) {
         if let Some(name) = node.attribute("name").filter(|n| !seen.insert(*n)) {
-            out.add(
-                rule,
-                model.place(node),
-                format!("The {what} \"{}\" is defined more than once", short(name)),
-            );
+            let message = format!("The {what} \"{}\" is defined more than once", short(name));
+            out.add(model.place(node), rule.says(message));
         }
     }
 }
 
 fn check_experiment(model: &Model, out: &mut Findings) {
     for node in children(model.root, "DefaultExperiment") {
-        let mut complain = |message: String| out.add(&rules::DEFAULT_EXPERIMENT, model.place(node), message);
+        let mut complain =
+            |message: String| out.add(model.place(node), rules::DEFAULT_EXPERIMENT.says(message));
         for name in ["startTime", "stopTime", "tolerance", "stepSize"] {
             if let Some(value) = double(node, name).filter(|v| !v.is_finite()) {
                 complain(format!("{name} of the default experiment is {value}, not a finite number"));
@@ -83,10 +66,7 @@ fn check_experiment(model: &Model, out: &mut Findings) {
             && step > stop - start
             && step.is_finite()
         {
-            let message = format!(
-                "stepSize {step} of the default experiment is longer than the experiment from {start} to {stop}"
-            );
-            out.add(&rules::EXPERIMENT_STEP_LONG, model.place(node), message);
+            out.add(model.place(node), rules::experiment_step_long(step, start, stop));
         }
     }
 }

@@ -1,10 +1,6 @@
 //! The list of initial unknowns is complete and has no other entries.
 
-use std::collections::HashSet;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Kind, Model, label};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let calculated = |i: usize| matches!(model.variables[i].initial, Some("approx" | "calculated"));
@@ -22,11 +18,7 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
     let listed: HashSet<usize> = model.structure.initial_unknowns.iter().filter_map(|u| u.variable).collect();
     for (i, v) in model.variables.iter().enumerate() {
         if expected.contains(&i) && !listed.contains(&i) {
-            let message = format!(
-                "{} is calculated during initialisation but is not listed among the initial unknowns",
-                label(v)
-            );
-            out.add(&rules::INITIAL_UNKNOWN_MISSING, model.place(v.node), message);
+            out.add(model.place(v.node), rules::initial_unknown_missing(v));
         }
     }
     let mut last = 0;
@@ -36,19 +28,10 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         // FMI 3: "clocked variables that the FMU wishes to initialize".
         if !expected.contains(&i) && !v.clocked && v.kind != Kind::Clock {
             let initial = v.initial.unwrap_or("none");
-            let message = format!(
-                "{} is listed among the initial unknowns but is not one: its causality is {}, its initial {initial}",
-                label(v),
-                v.causality
-            );
-            out.add(&rules::INITIAL_UNKNOWN_WRONG, model.place(unknown.node), message);
+            out.add(model.place(unknown.node), rules::initial_unknown_wrong(v, v.causality, initial));
         }
         if model.version == FmiVersion::V2 && i < last {
-            let message = format!(
-                "Variable \"{}\" is out of order: initial unknowns must be listed in the order of their indices",
-                short(v.name)
-            );
-            out.add(&rules::INITIAL_UNKNOWNS_ORDER, model.place(unknown.node), message);
+            out.add(model.place(unknown.node), rules::initial_unknowns_order(v));
         }
         last = last.max(i);
     }

@@ -7,15 +7,20 @@ mod derivatives;
 mod document;
 mod initial_unknowns;
 mod interfaces;
-mod names;
+pub(super) mod names;
 mod structure;
 mod types;
 mod units;
 mod values;
 mod variables;
 
-use super::finding::Findings;
-use super::model::{FmiVersion, Model};
+use super::finding::{Findings, short};
+use super::model::*;
+use super::rules::{self, Rule};
+use super::schema::types::Type;
+use cosim::xml::{parse_double, parse_integer};
+use roxmltree::Node;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Runs every semantic rule on a model description.
 pub(crate) fn check(model: &Model, out: &mut Findings) {

@@ -1,10 +1,6 @@
 //! The lists of the model structure: references, outputs, dependencies.
 
-use std::collections::HashSet;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Kind, Model, Unknown, Variable, label, unsigned_list};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let s = &model.structure;
@@ -22,19 +18,11 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
             let Some(reference) = unknown.reference else { continue };
             let place = model.place(unknown.node);
             let Some(index) = unknown.variable else {
-                let message = format!(
-                    "The list of {list} refers to {} {reference}, which no variable has",
-                    model.reference_word()
-                );
-                out.add(&rules::UNKNOWN_REFERENCE, place, message);
+                out.add(place, rules::unknown_reference(list, model.reference_word(), reference));
                 continue;
             };
             if !seen.insert(index) {
-                let message = format!(
-                    "Variable \"{}\" is listed more than once among the {list}",
-                    short(model.variables[index].name)
-                );
-                out.add(&rules::UNKNOWN_REPEATED, place, message);
+                out.add(place, rules::unknown_repeated(short(model.variables[index].name), list));
                 continue;
             }
             let knowns = match list {
@@ -54,16 +42,12 @@ fn check_outputs(model: &Model, out: &mut Findings) {
     let listed: HashSet<usize> = model.structure.outputs.iter().filter_map(|u| u.variable).collect();
     for (i, v) in model.variables.iter().enumerate() {
         if v.causality == "output" && !listed.contains(&i) {
-            let message =
-                format!("{} is an output but is not listed among the outputs of <ModelStructure>", label(v));
-            out.add(&rules::OUTPUT_NOT_LISTED, model.place(v.node), message);
+            out.add(model.place(v.node), rules::output_not_listed(v));
         }
     }
     for unknown in &model.structure.outputs {
         if let Some(v) = unknown.variable.map(|i| &model.variables[i]).filter(|v| v.causality != "output") {
-            let message =
-                format!("{} is listed among the outputs but its causality is {}", label(v), v.causality);
-            out.add(&rules::OUTPUT_CAUSALITY, model.place(unknown.node), message);
+            out.add(model.place(unknown.node), rules::output_causality(v, v.causality));
         }
     }
 }
@@ -80,8 +64,7 @@ fn check_event_indicators(model: &Model, out: &mut Findings) {
         } else {
             continue;
         };
-        let message = format!("The event indicator \"{}\" {wrong}", short(v.name));
-        out.add(&rules::EVENT_INDICATOR, model.place(unknown.node), message);
+        out.add(model.place(unknown.node), rules::event_indicator(v, wrong));
     }
 }
 
@@ -101,11 +84,7 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
         unknown.node.attribute("dependenciesKind").map(|k| k.split_ascii_whitespace().collect());
     let Some(text) = unknown.node.attribute("dependencies") else {
         if kinds.is_some() {
-            let message = format!(
-                "The entry of variable \"{}\" has dependenciesKind but no dependencies",
-                short(v.name)
-            );
-            out.add(&rules::KIND_ALONE, place, message);
+            out.add(place, rules::kind_alone(v));
         }
         return;
     };
@@ -115,30 +94,16 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
     }
     let dependencies = unsigned_list(text);
     if model.version == FmiVersion::V2 && !dependencies.is_sorted() {
-        let message = format!(
-            "The dependencies of variable \"{}\" are not in the order of their indices",
-            short(v.name)
-        );
-        out.add(&rules::DEPENDENCIES_ORDER, &place, message);
+        out.add(&place, rules::dependencies_order(v));
     }
     let mut seen = HashSet::new();
     for reference in dependencies {
         if !seen.insert(reference) {
-            let message = format!(
-                "Variable \"{}\" lists {} {reference} twice among its dependencies",
-                short(v.name),
-                model.reference_word()
-            );
-            out.add(&rules::DEPENDENCY_REPEATED, &place, message);
+            out.add(&place, rules::dependency_repeated(v, model.reference_word(), reference));
             continue;
         }
         let Some(index) = model.resolve(reference) else {
-            let message = format!(
-                "Variable \"{}\" depends on {} {reference}, which no variable has",
-                short(v.name),
-                model.reference_word()
-            );
-            out.add(&rules::DEPENDENCY_REFERENCE, &place, message);
+            out.add(&place, rules::dependency_reference(v, model.reference_word(), reference));
             continue;
         };
         let known = &model.variables[index];
@@ -148,40 +113,19 @@ fn check_dependencies(model: &Model, unknown: &Unknown, v: &Variable, knowns: Kn
             Knowns::Any => (true, ""),
         };
         if !is_known {
-            let message = format!(
-                "Variable \"{}\" depends on \"{}\", which is {} {} and not among the knowns {mode}",
-                short(v.name),
-                short(known.name),
-                known.variability,
-                known.causality
-            );
-            out.add(&rules::DEPENDENCY_NOT_KNOWN, &place, message);
+            out.add(&place, rules::dependency_not_known(v, known, known.variability, known.causality, mode));
         }
     }
 }
 
 fn check_kinds(v: &Variable, kinds: &[&str], written: usize, initial: bool, place: &str, out: &mut Findings) {
     if kinds.len() != written {
-        let message = format!(
-            "The entry of variable \"{}\" has {written} dependencies but {} items in dependenciesKind",
-            short(v.name),
-            kinds.len()
-        );
-        out.add(&rules::KIND_LENGTH, place, message);
+        out.add(place, rules::kind_length(v, written, kinds.len()));
     }
     if let Some(kind) = kinds.iter().find(|k| initial && ["fixed", "tunable", "discrete"].contains(*k)) {
-        let message = format!(
-            "The initial unknown \"{}\" has the dependenciesKind {kind}; only dependent and constant are allowed there",
-            short(v.name)
-        );
-        out.add(&rules::KIND_INITIAL, place, message);
+        out.add(place, rules::kind_initial(v, kind));
     } else if let Some(kind) = kinds.iter().find(|k| !v.kind.is_float() && **k != "dependent") {
-        let message = format!(
-            "{} is of type {} and has the dependenciesKind {kind}, which is meant for floating point numbers",
-            label(v),
-            v.type_name
-        );
-        out.add(&rules::KIND_NOT_FLOAT, place, message);
+        out.add(place, rules::kind_not_float(v, v.type_name, kind));
     }
 }
 
@@ -194,7 +138,6 @@ fn is_known(v: &Variable, is_state: bool) -> bool {
     !computed || is_state || v.variability == "discrete" || v.kind == Kind::Clock
 }
 
-/// Knowns in initialisation mode.
 fn is_initial_known(v: &Variable) -> bool {
     let computed = matches!(v.causality, "output" | "local" | "calculatedParameter");
     !computed || v.initial == Some("exact") || v.kind == Kind::Clock

@@ -1,64 +1,38 @@
 //! Type definitions, and the declared types of variables.
 
-use std::collections::HashSet;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{Model, children, label};
-use crate::validate::rules;
-use cosim::xml::parse_integer;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut seen = HashSet::new();
     for t in &model.types {
         if t.name.is_empty() {
-            out.add(&rules::TYPE_NAME_EMPTY, model.place(t.node), "A type definition has an empty name");
+            out.add(model.place(t.node), rules::type_name_empty());
         }
         if !seen.insert(t.name) {
-            let message = format!("The type \"{}\" is defined more than once", short(t.name));
-            out.add(&rules::TYPE_REPEATED, model.place(t.node), message);
+            out.add(model.place(t.node), rules::type_repeated(t));
         }
         let (mut names, mut values) = (HashSet::new(), HashSet::new());
         for item in children(t.typed, "Item") {
             let place = model.place(item);
             if let Some(name) = item.attribute("name").filter(|n| !names.insert(*n)) {
-                let message = format!(
-                    "The item \"{}\" occurs more than once in the enumeration \"{}\"",
-                    short(name),
-                    short(t.name)
-                );
-                out.add(&rules::ITEM_REPEATED, &place, message);
+                out.add(&place, rules::item_name_repeated(short(name), t));
             }
             if let Some(value) =
                 item.attribute("value").and_then(parse_integer).filter(|v| !values.insert(*v))
             {
-                let message = format!(
-                    "The value {value} occurs more than once in the enumeration \"{}\"",
-                    short(t.name)
-                );
-                out.add(&rules::ITEM_REPEATED, &place, message);
+                out.add(&place, rules::item_value_repeated(value, t));
             }
         }
     }
     for v in &model.variables {
         let Some(declared) = v.declared_type else { continue };
         match model.type_of(v) {
-            None => {
-                let message = format!(
-                    "{} has the declared type \"{}\", which is not defined in <TypeDefinitions>",
-                    label(v),
-                    short(declared)
-                );
-                out.add(&rules::TYPE_UNDEFINED, model.place(v.typed), message);
-            }
+            None => out.add(model.place(v.typed), rules::type_undefined(v, short(declared))),
             Some(t) if t.type_name != v.type_name => {
-                let message = format!(
-                    "{} is of type {} and cannot have the declared type \"{}\", which defines {}",
-                    label(v),
-                    v.type_name,
-                    short(declared),
-                    t.type_name
+                out.add(
+                    model.place(v.typed),
+                    rules::type_mismatch(v, v.type_name, short(declared), t.type_name),
                 );
-                out.add(&rules::TYPE_MISMATCH, model.place(v.typed), message);
             }
             Some(_) => {}
         }

@@ -1,12 +1,6 @@
 //! Unit definitions, and the units and display units of variables and types.
 
-use std::collections::{HashMap, HashSet};
-
-use roxmltree::Node;
-
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Model, children, double, is_true, label};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let mut units: HashMap<&str, HashSet<&str>> = HashMap::new();
@@ -14,19 +8,14 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let Some(name) = unit.attribute("name") else { continue };
         let displays = check_definition(model, unit, name, out);
         if units.insert(name, displays).is_some() {
-            let message = format!("The unit \"{}\" is defined more than once", short(name));
-            out.add(&rules::UNIT_REPEATED, model.place(unit), message);
+            out.add(model.place(unit), rules::unit_repeated(short(name)));
         }
     }
     for t in &model.types {
         let (unit, display) = (t.typed.attribute("unit"), t.typed.attribute("displayUnit"));
-        check_use(model, t.typed, &format!("Type \"{}\"", short(t.name)), unit, display, &units, out);
+        check_use(model, t.typed, &format!("Type {t}"), unit, display, &units, out);
         if unit.is_none() && is_true(t.typed, "relativeQuantity") {
-            out.add(
-                &rules::RELATIVE_WITHOUT_UNIT,
-                model.place(t.typed),
-                format!("Type \"{}\" has relativeQuantity but no unit, so it has no meaning", short(t.name)),
-            );
+            out.add(model.place(t.typed), rules::type_relative_without_unit(t));
         }
     }
     for v in &model.variables {
@@ -34,14 +23,18 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         let unit = model.attribute(v, "unit");
         // What the variable takes from its type has been checked there.
         if own("unit").is_some() || own("displayUnit").is_some() {
-            check_use(model, v.typed, &label(v), unit, model.attribute(v, "displayUnit"), &units, out);
+            check_use(
+                model,
+                v.typed,
+                &format!("Variable {v}"),
+                unit,
+                model.attribute(v, "displayUnit"),
+                &units,
+                out,
+            );
         }
         if unit.is_none() && is_true(v.typed, "relativeQuantity") {
-            out.add(
-                &rules::RELATIVE_WITHOUT_UNIT,
-                model.place(v.typed),
-                format!("{} has relativeQuantity but no unit, so it has no meaning", label(v)),
-            );
+            out.add(model.place(v.typed), rules::relative_without_unit(v));
         }
         for alias in v.aliases.iter().filter(|a| a.attribute("displayUnit").is_some()) {
             let label = format!("Alias \"{}\"", short(alias.attribute("name").unwrap_or_default()));
@@ -62,7 +55,7 @@ fn check_definition<'a>(
 ) -> HashSet<&'a str> {
     // FMI 2.0.5, section 2.2.3: an empty string is a valid unit.
     if name.is_empty() && model.version == FmiVersion::V3 {
-        out.add(&rules::UNIT_NAME_EMPTY, model.place(unit), "A unit has an empty name");
+        out.add(model.place(unit), rules::unit_name_empty());
     }
     for base in children(unit, "BaseUnit") {
         check_factor(model, base, &format!("unit \"{}\"", short(name)), out);
@@ -72,38 +65,21 @@ fn check_definition<'a>(
         let Some(display_name) = display.attribute("name") else { continue };
         check_factor(model, display, &format!("display unit \"{}\"", short(display_name)), out);
         if is_true(display, "inverse") && double(display, "offset").is_some_and(|o| o != 0.0) {
-            let message = format!(
-                "The display unit \"{}\" is inverse and has an offset; inverse is only allowed without",
-                short(display_name)
-            );
-            out.add(&rules::DISPLAY_UNIT_INVERSE, model.place(display), message);
+            out.add(model.place(display), rules::display_unit_inverse(short(display_name)));
         }
         if !displays.insert(display_name) {
-            let message = format!(
-                "The display unit \"{}\" is defined more than once for the unit \"{}\"",
-                short(display_name),
-                short(name)
-            );
-            out.add(&rules::DISPLAY_UNIT_REPEATED, model.place(display), message);
+            out.add(model.place(display), rules::display_unit_repeated(short(display_name), short(name)));
         }
     }
     displays
 }
 
 fn check_factor(model: &Model, node: Node, what: &str, out: &mut Findings) {
-    if let Some(factor) = double(node, "factor").filter(|f| *f == 0.0 || !f.is_finite()) {
-        out.add(
-            &rules::UNIT_FACTOR,
-            model.place(node),
-            format!("The factor of the {what} is {factor}; no value can be converted with it"),
-        );
-    }
-    if let Some(offset) = double(node, "offset").filter(|o| !o.is_finite()) {
-        out.add(
-            &rules::UNIT_FACTOR,
-            model.place(node),
-            format!("The offset of the {what} is {offset}; no value can be converted with it"),
-        );
+    for name in ["factor", "offset"] {
+        let is_wrong = |x: &f64| name == "factor" && *x == 0.0 || !x.is_finite();
+        if let Some(x) = double(node, name).filter(is_wrong) {
+            out.add(model.place(node), rules::unit_factor(name, what, x));
+        }
     }
 }
 
@@ -118,30 +94,15 @@ fn check_use(
 ) {
     let place = model.place(node);
     match (unit, display) {
-        (None, Some(display)) => {
-            let message = format!("{label} has the display unit \"{}\" but no unit", short(display));
-            out.add(&rules::DISPLAY_UNIT_ALONE, place, message);
-        }
+        (None, Some(display)) => out.add(place, rules::display_unit_alone(label, short(display))),
         (Some(unit), display) => match (units.get(unit), display) {
-            (None, _) => {
-                let message = format!(
-                    "{label} has the unit \"{}\", which is not defined in <UnitDefinitions>",
-                    short(unit)
-                );
-                out.add(&rules::UNIT_UNDEFINED, place, message);
-            }
+            (None, _) => out.add(place, rules::unit_undefined(label, short(unit))),
             (Some(known), Some(display)) if !known.contains(display) => {
-                let message = format!(
-                    "{label} has the display unit \"{}\", which is not defined for the unit \"{}\"",
-                    short(display),
-                    short(unit)
-                );
+                let (display, unit) = (short(display), short(unit));
                 match model.version {
                     // FMI 2: "then displayUnit is ignored".
-                    FmiVersion::V2 => {
-                        out.add(&rules::DISPLAY_UNIT_IGNORED, place, message + " and is therefore ignored")
-                    }
-                    FmiVersion::V3 => out.add(&rules::DISPLAY_UNIT_UNDEFINED, place, message),
+                    FmiVersion::V2 => out.add(place, rules::display_unit_ignored(label, display, unit)),
+                    FmiVersion::V3 => out.add(place, rules::display_unit_undefined(label, display, unit)),
                 }
             }
             _ => {}

@@ -1,9 +1,8 @@
 //! Start values, limits and nominal values.
 
-use crate::validate::finding::{Findings, short};
-use crate::validate::model::{FmiVersion, Kind, Model, Variable, children, label};
-use crate::validate::rules;
-use cosim::xml::{parse_double, parse_integer};
+use super::*;
+use crate::validate::rules::Breach;
+use std::fmt::Display;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let states = model.states();
@@ -18,50 +17,43 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
 }
 
 fn check_floats(model: &Model, v: &Variable, out: &mut Findings) {
-    let place = model.place(v.typed);
-    let limit = |name: &str| model.attribute(v, name).and_then(parse_double);
-    let (min, max) = (limit("min"), limit("max"));
-    for (name, value) in [("min", min), ("max", max)] {
-        if value.is_some_and(f64::is_nan) {
-            out.add(
-                &rules::LIMIT_NAN,
-                &place,
-                format!("The {name} of variable \"{}\" is NaN and limits nothing", short(v.name)),
-            );
+    for name in ["min", "max"] {
+        if model.attribute(v, name).and_then(parse_double).is_some_and(f64::is_nan) {
+            out.add(model.place(v.typed), rules::limit_nan(name, v));
         }
     }
-    if let (Some(min), Some(max)) = (min, max)
-        && min > max
-    {
-        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", label(v)));
-        return;
-    }
-    for text in v.typed.attribute("start").unwrap_or_default().split_ascii_whitespace() {
-        let Some(start) = parse_double(text) else { continue };
-        if min.is_some_and(|m| start < m) || max.is_some_and(|m| start > m) {
-            out.add(&rules::START_OUTSIDE, &place, outside(v, text, model));
-            return;
-        }
-        if !start.is_finite() {
-            let rule = match model.version {
-                FmiVersion::V2 => &rules::VALUE_SPECIAL,
-                FmiVersion::V3 => &rules::START_NOT_FINITE,
-            };
-            out.add(rule, &place, format!("{} has the start value {text}", label(v)));
-            return;
-        }
-    }
+    let finite = |start: f64, text: &str| match model.version {
+        _ if start.is_finite() => None,
+        FmiVersion::V2 => Some(rules::value_special(v, text)),
+        FmiVersion::V3 => Some(rules::start_not_finite(v, text)),
+    };
+    check_range(model, v, parse_double, |_| None, finite, out);
 }
 
-fn outside(v: &Variable, start: &str, model: &Model) -> String {
-    let bound = |name| model.attribute(v, name).map_or("none", str::trim);
-    format!(
-        "{} has the start value {} outside its limits (min {}, max {})",
-        label(v),
-        short(start),
-        short(bound("min")),
-        short(bound("max"))
-    )
+/// Limits that are not crossed, and start values within them; `before` and `after` check a start value before and after
+/// its limits. The first fault ends the check.
+fn check_range<T: PartialOrd + Display + Copy>(
+    model: &Model,
+    v: &Variable,
+    parse: fn(&str) -> Option<T>,
+    before: impl Fn(T) -> Option<Breach>,
+    after: impl Fn(T, &str) -> Option<Breach>,
+    out: &mut Findings,
+) {
+    let limit = |name: &str| model.attribute(v, name).and_then(parse);
+    let (min, max) = (limit("min"), limit("max"));
+    let crossed = min.zip(max).filter(|(min, max)| min > max);
+    let crossed = crossed.map(|(min, max)| rules::limits_crossed(v, min, max));
+    let is_outside = |start: T| min.is_some_and(|m| start < m) || max.is_some_and(|m| start > m);
+    let shown = |name| short(model.attribute(v, name).map_or("none", str::trim));
+    let texts = v.typed.attribute("start").unwrap_or_default().split_ascii_whitespace();
+    let mut starts = texts.filter_map(|text| Some((text, parse(text)?))).filter_map(|(text, start)| {
+        let outside = || rules::start_outside(v, short(text), shown("min"), shown("max"));
+        before(start).or_else(|| is_outside(start).then(outside)).or_else(|| after(start, text))
+    });
+    if let Some(breach) = crossed.or_else(|| starts.next()) {
+        out.add(model.place(v.typed), breach);
+    }
 }
 
 fn check_nominal(model: &Model, v: &Variable, is_state: bool, out: &mut Findings) {
@@ -70,48 +62,20 @@ fn check_nominal(model: &Model, v: &Variable, is_state: bool, out: &mut Findings
         return;
     }
     if is_state {
-        let message = format!(
-            "The continuous state \"{}\" has the nominal value {nominal}; it must be greater than 0",
-            short(v.name)
-        );
-        out.add(&rules::NOMINAL_STATE, model.place(v.typed), message);
+        out.add(model.place(v.typed), rules::nominal_state(v, nominal));
     } else {
-        let message = format!(
-            "{} has the nominal value {nominal}; tools divide by it and expect a number greater than 0",
-            label(v)
-        );
-        out.add(&rules::NOMINAL_DOUBTFUL, model.place(v.typed), message);
+        out.add(model.place(v.typed), rules::nominal_doubtful(v, nominal));
     }
 }
 
 fn check_integers(model: &Model, v: &Variable, out: &mut Findings) {
-    let place = model.place(v.typed);
-    let limit = |name: &str| model.attribute(v, name).and_then(parse_integer);
-    let (min, max) = (limit("min"), limit("max"));
-    if let (Some(min), Some(max)) = (min, max)
-        && min > max
-    {
-        out.add(&rules::LIMITS_CROSSED, &place, format!("{} has min {min} above max {max}", label(v)));
-        return;
-    }
     let items: Option<Vec<i128>> = (v.kind == Kind::Enumeration).then_some(()).and_then(|()| {
         let t = model.type_of(v).filter(|t| t.type_name == "Enumeration")?;
         Some(children(t.typed, "Item").filter_map(|i| i.attribute("value").and_then(parse_integer)).collect())
     });
-    for text in v.typed.attribute("start").unwrap_or_default().split_ascii_whitespace() {
-        let Some(start) = parse_integer(text) else { continue };
-        if items.as_ref().is_some_and(|items| !items.contains(&start)) {
-            let message = format!(
-                "{} has the start value {start}, which is no item of the enumeration \"{}\"",
-                label(v),
-                short(v.declared_type.unwrap_or_default())
-            );
-            out.add(&rules::START_NO_ITEM, &place, message);
-            return;
-        }
-        if min.is_some_and(|m| start < m) || max.is_some_and(|m| start > m) {
-            out.add(&rules::START_OUTSIDE, &place, outside(v, text, model));
-            return;
-        }
-    }
+    let is_item = |start: i128| {
+        let is_missing = items.as_ref().is_some_and(|items| !items.contains(&start));
+        is_missing.then(|| rules::start_no_item(v, start, short(v.declared_type.unwrap_or_default())))
+    };
+    check_range(model, v, parse_integer, is_item, |_, _| None, out);
 }

@@ -1,8 +1,6 @@
 //! Causality, variability and initial: which combinations exist, and what else each demands.
 
-use crate::validate::finding::Findings;
-use crate::validate::model::{FmiVersion, Kind, Model, Variable, is_true, label};
-use crate::validate::rules;
+use super::*;
 
 pub(super) fn check(model: &Model, out: &mut Findings) {
     let states = model.states();
@@ -11,37 +9,20 @@ pub(super) fn check(model: &Model, out: &mut Findings) {
         check_combination(model, v, out);
         if v.node.attribute("canHandleMultipleSetPerTimeInstant").is_some() {
             if v.causality != "input" {
-                let message = format!(
-                    "{} has canHandleMultipleSetPerTimeInstant but is {}, not input",
-                    label(v),
-                    v.causality
-                );
-                out.add(&rules::MULTIPLE_SET_NOT_INPUT, model.place(v.node), message);
+                out.add(model.place(v.node), rules::multiple_set_not_input(v, v.causality));
             } else if cs_only {
-                let message = format!(
-                    "{} has canHandleMultipleSetPerTimeInstant, which must not be present without <ModelExchange>",
-                    label(v)
-                );
-                out.add(&rules::MODEL_EXCHANGE_ONLY, model.place(v.node), message);
+                out.add(model.place(v.node), rules::multiple_set_without_exchange(v));
             }
         }
         if is_true(v.typed, "reinit") {
             if cs_only {
-                let message =
-                    format!("{} has reinit, which must not be present without <ModelExchange>", label(v));
-                out.add(&rules::MODEL_EXCHANGE_ONLY, model.place(v.typed), message);
+                out.add(model.place(v.typed), rules::reinit_without_exchange(v));
             } else if !is_state && model.has("ModelExchange") {
-                let message = format!("{} has reinit but is not a continuous state", label(v));
-                out.add(&rules::REINIT_NOT_STATE, model.place(v.typed), message);
+                out.add(model.place(v.typed), rules::reinit_not_state(v));
             }
         }
         if is_true(v.typed, "intermediateUpdate") && v.variability != "continuous" {
-            let message = format!(
-                "{} has intermediateUpdate but its variability is {}, not continuous",
-                label(v),
-                v.variability
-            );
-            out.add(&rules::INTERMEDIATE_UPDATE, model.place(v.node), message);
+            out.add(model.place(v.node), rules::intermediate_update(v, v.variability));
         }
     }
     check_independent(model, out);
@@ -69,23 +50,12 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
     }
     let by_default = if v.node.attribute("variability").is_none() { " (the default)" } else { "" };
     if !allowed(v.causality, v.variability) {
-        let message = format!(
-            "{} combines causality {} with variability {}{by_default}, which is not allowed",
-            label(v),
-            v.causality,
-            v.variability
-        );
-        out.add(&rules::CAUSALITY_VARIABILITY, &place, message);
+        out.add(&place, rules::causality_variability(v, v.causality, v.variability, by_default));
         return;
     }
     if v.variability == "continuous" && !v.kind.is_float() && v.causality != "independent" {
         let floats = if model.version == FmiVersion::V2 { "Real" } else { "Float32 and Float64" };
-        let message = format!(
-            "{} is of type {} with variability continuous{by_default}; only {floats} may be continuous",
-            label(v),
-            v.type_name
-        );
-        out.add(&rules::CONTINUOUS_NOT_FLOAT, &place, message);
+        out.add(&place, rules::continuous_not_float(v, v.type_name, by_default, floats));
     }
     check_initial(model, v, &place, out);
     check_start(v, &place, out);
@@ -94,12 +64,7 @@ fn check_combination(model: &Model, v: &Variable, out: &mut Findings) {
 fn check_initial(model: &Model, v: &Variable, place: &str, out: &mut Findings) {
     let Some(initial) = v.initial_written else { return };
     if v.causality == "independent" || v.causality == "input" && model.version == FmiVersion::V2 {
-        let message = format!(
-            "{} is {} and must not have the attribute initial, which is \"{initial}\"",
-            label(v),
-            v.causality
-        );
-        out.add(&rules::INITIAL_FORBIDDEN, place, message);
+        out.add(place, rules::initial_forbidden(v, v.causality, initial));
         return;
     }
     let possible: &[&str] = match (v.causality, v.variability) {
@@ -108,14 +73,10 @@ fn check_initial(model: &Model, v: &Variable, place: &str, out: &mut Findings) {
         _ => &["exact", "approx", "calculated"],
     };
     if ["exact", "approx", "calculated"].contains(&initial) && !possible.contains(&initial) {
-        let message = format!(
-            "{} has initial \"{initial}\", but for causality {} and variability {} only {} is allowed",
-            label(v),
-            v.causality,
-            v.variability,
-            possible.join(" or ")
+        out.add(
+            place,
+            rules::initial_not_allowed(v, initial, v.causality, v.variability, possible.join(" or ")),
         );
-        out.add(&rules::INITIAL_NOT_ALLOWED, place, message);
     }
 }
 
@@ -132,21 +93,13 @@ fn check_start(v: &Variable, place: &str, out: &mut Findings) {
         _ => None,
     };
     if let Some(reason) = reason.filter(|_| !v.has_start) {
-        out.add(&rules::START_MISSING, place, format!("{} has no start value although {reason}", label(v)));
+        out.add(place, rules::start_missing(v, reason));
     }
     if v.has_start && v.causality == "independent" {
-        out.add(
-            &rules::START_FORBIDDEN,
-            place,
-            format!("{} is the independent variable and must not have a start value", label(v)),
-        );
+        out.add(place, rules::independent_with_start(v));
     } else if v.has_start && v.initial == Some("calculated") {
         let how = if v.initial_written.is_some() { "" } else { " by default" };
-        out.add(
-            &rules::START_FORBIDDEN,
-            place,
-            format!("{} has a start value although its initial is calculated{how}", label(v)),
-        );
+        out.add(place, rules::calculated_with_start(v, how));
     }
 }
 
@@ -154,20 +107,13 @@ fn check_independent(model: &Model, out: &mut Findings) {
     let all: Vec<_> = model.variables.iter().filter(|v| v.causality == "independent").collect();
     for v in &all {
         if !v.kind.is_float() {
-            let message = format!(
-                "{} is the independent variable and must be a floating point number, not {}",
-                label(v),
-                v.type_name
-            );
-            out.add(&rules::INDEPENDENT_NOT_FLOAT, model.place(v.node), message);
+            out.add(model.place(v.node), rules::independent_not_float(v, v.type_name));
         }
     }
     for v in all.iter().skip(1) {
-        let message = format!("{} is a second independent variable; only one is allowed", label(v));
-        out.add(&rules::INDEPENDENT_REPEATED, model.place(v.node), message);
+        out.add(model.place(v.node), rules::independent_repeated(v));
     }
     if all.is_empty() && model.version == FmiVersion::V3 {
-        let message = "No variable has causality independent; exactly one must";
-        out.add(&rules::INDEPENDENT_MISSING, model.place(model.root), message);
+        out.add(model.place(model.root), rules::independent_missing());
     }
 }

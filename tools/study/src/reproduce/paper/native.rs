@@ -64,20 +64,13 @@ impl Run {
     }
 }
 
-/// The five runs of 900 s from the ambient temperature; in the inner result why they cannot be simulated.
+/// The five runs of 900 s from the ambient temperature.
 ///
 /// # Errors
 /// A model that refuses a value or fails.
-pub fn runs() -> Result<Result<Vec<Run>, String>, StudyError> {
-    let preset = match Preset::load(PRESET) {
-        Ok(preset) => preset,
-        Err(error) => return Ok(Err(error.to_string())),
-    };
-    let bench = match Bench::new(MODEL, Some(&preset)) {
-        Ok(bench) => bench,
-        Err(error) => return Ok(Err(error.to_string())),
-    };
-    DUTIES.iter().map(|duty| run(bench.clone(), *duty)).collect::<Result<Vec<Run>, StudyError>>().map(Ok)
+pub fn runs() -> Result<Vec<Run>, StudyError> {
+    let bench = Bench::new(MODEL, Some(&Preset::load(PRESET)?))?;
+    DUTIES.iter().map(|duty| run(bench.clone(), *duty)).collect()
 }
 
 fn run(mut bench: Bench, duty: f64) -> Result<Run, StudyError> {

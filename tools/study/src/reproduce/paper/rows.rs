@@ -27,7 +27,7 @@ pub fn rows(
     power: &Parts,
     work: &Parts,
     t: &Temperatures,
-    runs: Option<&[Run]>,
+    runs: &[Run],
     compared: &[Compared],
 ) -> Vec<Row> {
     let mut rows = Rows::read(include_str!("rows.toml"));
@@ -51,9 +51,9 @@ fn equations(rows: &mut Rows) {
     rows.of("P05").published(resistance(warm)).right(right_resistance(warm));
 }
 
-fn full_duty(rows: &mut Rows, voltage: &Parts, power: &Parts, work: &Parts, runs: Option<&[Run]>) {
+fn full_duty(rows: &mut Rows, voltage: &Parts, power: &Parts, work: &Parts, runs: &[Run]) {
     let simulated = runs
-        .and_then(|runs| runs.last())
+        .last()
         .map_or(String::new(), |run| format!("; simulated with a warming winding {:.1} J", run.work.total));
     let q = implied_charge();
     let p = Point {

@@ -1,20 +1,18 @@
 //! Figures of the paper.
 
-use super::{Content, Page, page_of};
+use super::{Content, Page, Texts, page_of};
 use crate::reproduce::paper::published::{self, DUTIES, Point};
 use crate::reproduce::paper::{Compared, Paper, Parts, Run, Sample};
 use crate::reproduce::{Basis, significant};
 use maud::{Markup, html};
-use present::figure::{Axis, Figure};
+use present::figure::Figure;
 use present::page::{Cell, Plate, table};
-use serde::Deserialize;
-use std::collections::BTreeMap;
 
 /// The page about the paper.
 pub fn paper(found: &Paper) -> Page {
-    let mut plates = found.simulated.as_deref().map(simulated).unwrap_or_default();
-    plates.push(temperatures(found));
-    plates.push(power(found));
+    let texts = Texts::read(include_str!("paper.toml"));
+    let mut plates = simulated(&texts, &found.simulated);
+    plates.extend([temperatures(&texts, found), power(&texts, found)]);
     page_of(Content {
         name: "paper",
         title: "A brushed gearmotor driven by PWM: the paper recomputed",
@@ -22,7 +20,6 @@ pub fn paper(found: &Paper) -> Page {
                current, temperature and torque. Its figures and published numbers are recomputed here, simulated with the native \
                model where a figure is a course over time.",
         conclusion: &found.conclusion,
-        absent: found.absent.as_deref(),
         plates,
         tables: compared(&found.compared),
         rows: &found.rows,
@@ -57,26 +54,11 @@ fn over_time(run: &Run, f: impl Fn(&Sample) -> f64) -> Vec<(f64, f64)> {
     run.course.iter().map(|s| (s.time, f(s))).collect()
 }
 
-/// What is written at a figure over time.
-#[derive(Deserialize)]
-struct Text {
-    title: String,
-    axis: String,
-    caption: String,
-}
-
-fn simulated(runs: &[Run]) -> Vec<Plate> {
+fn simulated(texts: &Texts, runs: &[Run]) -> Vec<Plate> {
     let Some(full) = runs.last() else { return Vec::new() };
-    let texts: BTreeMap<String, Text> =
-        toml::from_str(include_str!("paper.toml")).expect("the tests read the texts");
-    let plate = |name: &'static str, draw: &dyn Fn(Figure) -> Figure| {
-        let Text { title, axis, caption } = &texts[name];
-        let empty = Figure::new(title, Axis::new("time in s"), Axis::new(axis));
-        Plate::new(name, draw(empty), caption.as_str())
-    };
     // The parts of a quantity at full duty.
     let parts = |name, f: fn(&Sample) -> Parts| {
-        plate(name, &|figure| {
+        texts.plate(name, |figure| {
             figure
                 .line("total", over_time(full, |s| f(s).total))
                 .line("mechanical", over_time(full, |s| f(s).mechanical))
@@ -86,7 +68,7 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
     };
     // One line a duty.
     let lines = |name, runs: &[Run], f: fn(&Sample) -> f64| {
-        plate(name, &|figure| {
+        texts.plate(name, |figure| {
             runs.iter().fold(figure, |figure, run| {
                 figure.line(&format!("{} %", run.duty_percent), over_time(run, f))
             })
@@ -102,7 +84,7 @@ fn simulated(runs: &[Run]) -> Vec<Plate> {
         lines("6b", runs, |s| s.current),
         lines("6c", runs, |s| s.temperature),
         lines("6d", runs, |s| s.torque),
-        plate("7", &|figure| accuracy(full, figure)),
+        texts.plate("7", |figure| accuracy(full, figure)),
         parts("8", |s| s.voltage),
         lines("9", last, |s| s.current),
         lines("11", last, |s| s.temperature),
@@ -128,38 +110,26 @@ fn accuracy(run: &Run, figure: Figure) -> Figure {
     figure.line("as published, R = α R₀ T", later(false)).line("R = R₀ [1 + α (T − 20 °C)]", later(true))
 }
 
-fn temperatures(found: &Paper) -> Plate {
+fn temperatures(texts: &Texts, found: &Paper) -> Plate {
     let t = &found.temperatures;
     let (low, high) = t.plateaus_degC;
     let printed = DUTIES.iter().map(|d| (*d, if *d <= 40.0 { low } else { high })).collect::<Vec<_>>();
     let line = printed.iter().zip(&t.residuals_K).map(|((d, t), r)| (*d, t - r)).collect::<Vec<_>>();
-    let mut figure = Figure::new(
-        "Figure 10: winding temperature over duty",
-        Axis::new("duty in %"),
-        Axis::new("temperature in °C"),
-    )
-    .points("published", printed)
-    .points("best line in power", line);
-    if let Some(simulated) = &t.simulated_degC {
-        figure = figure.points(
-            "simulated, 900 s from 20 °C",
-            DUTIES.iter().copied().zip(simulated.iter().copied()).collect(),
-        );
-    }
-    Plate::new("10", figure, t.finding.clone())
+    let simulated = DUTIES.iter().copied().zip(t.simulated_degC.iter().copied()).collect();
+    texts.captioned("10", t.finding.clone(), |figure| {
+        figure
+            .points("published", printed)
+            .points("best line in power", line)
+            .points("simulated, 900 s from 20 °C", simulated)
+    })
 }
 
-fn power(found: &Paper) -> Plate {
+fn power(texts: &Texts, found: &Paper) -> Plate {
     let points: Vec<(f64, f64)> =
         DUTIES.iter().copied().zip(found.temperatures.power_W.iter().copied()).collect();
     let line = crate::numeric::Line::through(&points);
     let straight = DUTIES.iter().filter_map(|d| Some((*d, line?.at(*d)))).collect();
-    let figure = Figure::new("Power over duty", Axis::new("duty in %"), Axis::new("power in W"))
-        .points("V I of the published lines", points)
-        .dashed("least-squares line", straight);
-    Plate::new(
-        "power",
-        figure,
-        "The paper calls the power first-order in the duty; its own voltage and current give a parabola.",
-    )
+    texts.plate("power", |figure| {
+        figure.points("V I of the published lines", points).dashed("least-squares line", straight)
+    })
 }

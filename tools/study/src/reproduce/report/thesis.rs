@@ -1,13 +1,14 @@
 //! Figures and tables of the thesis.
 
-use super::{Content, Page, page_of};
+use super::{Content, Page, Texts, page_of};
 use crate::numeric::linspace;
 use crate::reproduce::significant;
 use crate::reproduce::thesis::measured::{FAN_FLOW, MOTOR_DIAMETER, NARROW, T_25, T_REF, WIDE};
 use crate::reproduce::thesis::published::{self, Annulus, RE_SWITCH};
-use crate::reproduce::thesis::{CASES, Case, Native, Thesis, UNCERTAINTY, projection};
+use crate::reproduce::thesis::{
+    CASES, Case, CaseResult, Thesis, UNCERTAINTY, course, projection, winding_at,
+};
 use maud::{Markup, html};
-use present::figure::{Axis, Figure};
 use present::page::{Cell, Plate, table};
 use rayon::prelude::*;
 
@@ -16,12 +17,12 @@ const FITTED_FROM: f64 = 0.70;
 
 /// The page about the thesis.
 pub fn thesis(found: &Thesis) -> Page {
-    let native = Native::find();
     // Results first, then where the publication differs from them.
-    let mut plates = vec![cases(found), densities(found)];
-    plates.extend(temperature_over_radius(&native, found));
-    plates.extend(step_response(&native));
-    plates.extend([operating_points(), reynolds(), torque_over_temperature()]);
+    let texts = Texts::read(include_str!("thesis.toml"));
+    let mut plates = vec![cases(&texts, found), densities(&texts, found)];
+    plates.extend(temperature_over_radius(&texts, found));
+    plates.extend(step_response(&texts));
+    plates.extend([operating_points(&texts), reynolds(&texts), torque_over_temperature(&texts)]);
     page_of(Content {
         name: "thesis",
         title: "A motor with a fan and an annulus: the thesis recomputed",
@@ -29,78 +30,56 @@ pub fn thesis(found: &Thesis) -> Page {
                in annuli of 40 and 35 mm with pushed and pulled air. Its figures, tables and published numbers are recomputed here \
                and compared with the native model.",
         conclusion: &found.conclusion,
-        absent: found.absent.as_deref(),
         plates,
         tables: tables(found),
         rows: &found.rows,
     })
 }
 
-fn torque_over_temperature() -> Plate {
+fn torque_over_temperature(texts: &Texts) -> Plate {
     let line = |f: &dyn Fn(f64) -> f64| {
         linspace(293.15, 473.15, 91).into_iter().map(|t| (t, f(t))).collect::<Vec<_>>()
     };
     let specimen = projection::resistance(T_REF, projection::specimen_resistance(), T_25);
-    let figure = Figure::new(
-        "Figure 3: torque over winding temperature",
-        Axis::new("winding temperature in K"),
-        Axis::new("torque in N·m"),
-    )
-    .line("10 W, eq. (6), 0.386 Ω", line(&|t| projection::torque_at_10_w(t, 0.386)))
-    .line("10 W, the specimen's resistance", line(&|t| projection::torque_at_10_w(t, specimen)))
-    .dashed("5 A", line(&projection::torque_at_5_a))
-    .points("published torques", CASES.iter().map(|c| (c.t_w, c.torque)).collect());
-    Plate::new(
-        "3",
-        figure,
-        "The published torques lie on two curves: table 1 on eq. (6), the bare motor and the annuli on 5 A.",
-    )
+    texts.plate("3", |figure| {
+        figure
+            .line("10 W, eq. (6), 0.386 Ω", line(&|t| projection::torque_at_10_w(t, 0.386)))
+            .line("10 W, the specimen's resistance", line(&|t| projection::torque_at_10_w(t, specimen)))
+            .dashed("5 A", line(&projection::torque_at_5_a))
+            .points("published torques", CASES.iter().map(|c| (c.t_w, c.torque)).collect())
+    })
 }
 
-fn step_response(native: &Native) -> Option<Plate> {
-    let course = native.course(&CASES[0], "winding_resistance", 3.0 * 3600.0, 240)?;
+fn step_response(texts: &Texts) -> Option<Plate> {
+    let course = course(&CASES[0], "winding_resistance", 3.0 * 3600.0, 240).ok()?;
     let minutes: Vec<(f64, f64)> = course.into_iter().map(|(t, r)| (t / 60.0, r)).collect();
     let end = minutes.last()?.1;
-    let figure = Figure::new(
-        "Figure 5: response of the bare motor to 10 W",
-        Axis::new("time in min"),
-        Axis::new("winding resistance in Ω"),
-    )
-    .line("native model, fitted to all tests", minutes)
-    .points("published steady value", vec![(180.0, CASES[0].resistance)])
-    .note(1180.0 / 60.0, "1180 s: end of the record");
-    Some(Plate::new(
-        "5",
-        figure,
-        format!(
-            "The model settles at {end:.3} Ω; the thesis gives 0.5 Ω, extrapolated from the first 20 minutes."
-        ),
-    ))
+    let caption = format!(
+        "The model settles at {end:.3} Ω; the thesis gives 0.5 Ω, extrapolated from the first 20 minutes."
+    );
+    Some(texts.captioned("5", caption, |figure| {
+        figure
+            .line("native model, fitted to all tests", minutes)
+            .points("published steady value", vec![(180.0, CASES[0].resistance)])
+            .note(1180.0 / 60.0, "1180 s: end of the record")
+    }))
 }
 
-fn operating_points() -> Plate {
+fn operating_points(texts: &Texts) -> Plate {
     let litres = |flow: f64| 1e3 * flow;
-    let full = FAN_FLOW;
-    let flows = linspace(0.0, full, 81);
+    let flows = linspace(0.0, FAN_FLOW, 81);
     let fan: Vec<(f64, f64)> = flows.iter().map(|q| (litres(*q), published::fan_pressure(*q))).collect();
-    let mut figure = Figure::new(
-        "Figure 14: fan and annuli",
-        Axis::new("flow in L/s"),
-        Axis::new("pressure in Pa").from_to(0.0, 75.0),
-    )
-    .line("fan, linear between its end points", fan);
-    let mut points = Vec::new();
-    for r_star in [0.5, 0.63, 0.75, 0.857] {
-        let annulus = Annulus::new(r_star);
-        let line = flows.iter().skip(1).map(|q| (litres(*q), annulus.pressure_drop(*q))).collect();
-        figure = figure.line(&format!("r* = {r_star}"), line);
-        points.push((litres(annulus.flow()), published::fan_pressure(annulus.flow())));
-    }
-    Plate::new(
-        "14",
-        figure.points("operating points", points),
-        "Pressure drop by eq. (15) with the stepwise K_c and K_e.",
-    )
+    texts.plate("14", |figure| {
+        let mut figure = figure.line("fan, linear between its end points", fan);
+        let mut points = Vec::new();
+        for r_star in [0.5, 0.63, 0.75, 0.857] {
+            let annulus = Annulus::new(r_star);
+            let line = flows.iter().skip(1).map(|q| (litres(*q), annulus.pressure_drop(*q))).collect();
+            figure = figure.line(&format!("r* = {r_star}"), line);
+            points.push((litres(annulus.flow()), published::fan_pressure(annulus.flow())));
+        }
+        figure.points("operating points", points)
+    })
 }
 
 /// The published curve in its branches, interrupted at the jumps.
@@ -119,29 +98,27 @@ fn published_curve(from: f64, to: f64) -> Vec<(f64, f64)> {
     curve
 }
 
-fn native_curve(native: &Native, from: f64, to: f64, calibrated: bool) -> Vec<(f64, f64)> {
-    let all = linspace(from, to, 36)
-        .into_par_iter()
-        .map(|r| Some((r, native.winding_at(MOTOR_DIAMETER / r, calibrated)?)));
+fn native_curve(from: f64, to: f64, calibrated: bool) -> Vec<(f64, f64)> {
+    let at = |r: f64| Some((r, winding_at(MOTOR_DIAMETER / r, calibrated)?));
+    let all = linspace(from, to, 36).into_par_iter().map(at);
     all.collect::<Option<Vec<_>>>().unwrap_or_default()
 }
 
-fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
+fn temperature_over_radius(texts: &Texts, found: &Thesis) -> Vec<Plate> {
     let measured = |mode: &str| {
         let of_mode = |c: &&Case| c.cooling_mode == mode;
         CASES.iter().filter(of_mode).filter_map(|c| Some((c.r_star()?, c.t_w))).collect::<Vec<_>>()
     };
     let bars = vec![UNCERTAINTY; 2];
-    let figure =
-        |title: &str, (from, to): (f64, f64), (low, high): (f64, f64)| {
-            let mut figure = Figure::new(
-                title,
-                Axis::new("r* = r_mot/r_o").from_to(from, to),
-                Axis::new("winding temperature in K").from_to(low, high),
-            )
-            .line("as published", published_curve(from, to));
-            let untuned = native_curve(native, from.max(0.4), to, false);
-            let fitted = native_curve(native, from.max(FITTED_FROM), to.min(0.90), true);
+    let jumps = published::jumps(RE_SWITCH);
+    let caption = jumps.map_or(String::new(), |(a, b)| {
+        format!("The published curve jumps at r* = {a:.2} and {b:.2}, where Re passes {RE_SWITCH:.0}; its optimum follows from Re alone. Error bars: ±{UNCERTAINTY} K.")
+    });
+    let plate = |name: &'static str, (from, to): (f64, f64), caption: String| {
+        texts.captioned(name, caption, |figure| {
+            let mut figure = figure.line("as published", published_curve(from, to));
+            let untuned = native_curve(from.max(0.4), to, false);
+            let fitted = native_curve(from.max(FITTED_FROM), to.min(0.90), true);
             if !untuned.is_empty() {
                 figure = figure.line("native model, untuned", untuned);
             }
@@ -151,29 +128,15 @@ fn temperature_over_radius(native: &Native, found: &Thesis) -> Vec<Plate> {
             figure
                 .points_with_bars("measured, pushed", measured("annulus_push"), bars.clone())
                 .points_with_bars("measured, pulled", measured("annulus_pull"), bars.clone())
-        };
-    let jumps = published::jumps(RE_SWITCH);
-    let caption = jumps.map_or(String::new(), |(a, b)| {
-        format!("The published curve jumps at r* = {a:.2} and {b:.2}, where Re passes {RE_SWITCH:.0}; its optimum follows from Re alone. Error bars: ±{UNCERTAINTY} K.")
-    });
-    vec![
-        Plate::new(
-            "15",
-            figure("Figure 15: winding temperature over r*, 10 W", (0.2, 0.95), (320.0, 400.0)),
-            caption,
-        ),
-        Plate::new(
-            "17",
-            figure("Figure 17: the same, near the tested annuli", (0.70, 0.90), (325.0, 365.0)),
-            untuned_errors(found),
-        ),
-    ]
+        })
+    };
+    vec![plate("15", (0.2, 0.95), caption), plate("17", (0.70, 0.90), untuned_errors(found))]
 }
 
 /// The errors of the untuned prediction in the annuli, in sentences.
 fn untuned_errors(found: &Thesis) -> String {
     let annuli = found.cases.iter().filter(|c| c.T_w_as_published_K.is_some());
-    let errors: Vec<f64> = annuli.filter_map(|c| Some(c.T_w_untuned_K? - c.T_w_measured_K)).collect();
+    let errors: Vec<f64> = annuli.map(|c| c.T_w_untuned_K - c.T_w_measured_K).collect();
     let (least, most) = errors.iter().fold((f64::MAX, f64::MIN), |(l, m), e| (l.min(*e), m.max(*e)));
     if errors.is_empty() {
         return String::new();
@@ -188,64 +151,53 @@ fn untuned_errors(found: &Thesis) -> String {
     format!("Errors of the untuned prediction in the tested annuli: {least:+.1} to {most:+.1} K. {verdict}")
 }
 
-fn reynolds() -> Plate {
+fn reynolds(texts: &Texts) -> Plate {
     let line = linspace(published::R_STAR.0, published::R_STAR.1, 201).into_iter();
     let (r_star, re) = published::summit();
-    let figure = Figure::new(
-        "Figure 18: Reynolds number over r*",
-        Axis::new("r* = r_mot/r_o"),
-        Axis::new("Re on the hydraulic diameter"),
-    )
-    .line("as published", line.map(|r| (r, Annulus::new(r).reynolds())).collect())
-    .limit(RE_SWITCH, "laminar to turbulent")
-    .points("tested annuli", [WIDE, NARROW].map(|r| (r, Annulus::new(r).reynolds())).to_vec())
-    .note(r_star, &format!("r* = {r_star:.3}, Re = {re:.0}"));
-    Plate::new("18", figure, "The flow is laminar, turbulent and laminar again, which causes the two jumps.")
+    texts.plate("18", |figure| {
+        figure
+            .line("as published", line.map(|r| (r, Annulus::new(r).reynolds())).collect())
+            .limit(RE_SWITCH, "laminar to turbulent")
+            .points("tested annuli", [WIDE, NARROW].map(|r| (r, Annulus::new(r).reynolds())).to_vec())
+            .note(r_star, &format!("r* = {r_star:.3}, Re = {re:.0}"))
+    })
 }
 
 const SHORT: [&str; 8] = ["bare", "fan 5", "fan 15", "fan 30", "40 push", "35 push", "40 pull", "35 pull"];
 
-fn cases(found: &Thesis) -> Plate {
-    let of = |f: &dyn Fn(usize) -> Option<f64>, shift: f64| {
-        (0..found.cases.len()).filter_map(|k| Some((k as f64 + shift, f(k)?))).collect::<Vec<_>>()
+fn cases(texts: &Texts, found: &Thesis) -> Plate {
+    let of = |f: &dyn Fn(&CaseResult) -> Option<f64>, shift: f64| {
+        let point = |(k, c)| Some((k as f64 + shift, f(c)?));
+        found.cases.iter().enumerate().filter_map(point).collect::<Vec<_>>()
     };
-    let c = &found.cases;
-    let bars = vec![UNCERTAINTY; c.len()];
-    let figure = Figure::new(
-        "Winding temperature at 10 W, all tests",
-        Axis::new("distance or diameter in mm, direction of flow"),
-        Axis::new("winding temperature in K"),
-    )
-    .points_with_bars("measured", of(&|k| Some(c[k].T_w_measured_K), 0.0), bars)
-    .points("fitted to all tests", of(&|k| c[k].T_w_model_K, 0.12))
-    .points("leave-one-out", of(&|k| c[k].T_w_leave_one_out_K, 0.22))
-    .points("untuned", of(&|k| c[k].T_w_untuned_K, 0.32))
-    .points("as published", of(&|k| c[k].T_w_as_published_K, -0.12))
-    .categories(&SHORT);
+    let bars = vec![UNCERTAINTY; found.cases.len()];
     let left_out = found.leave_one_out.as_ref().map_or(String::new(), |all| {
         let errors: Vec<String> = all.iter().map(|l| format!("{} {:+.1} K", l.case, l.error)).collect();
         format!("Leave-one-out prediction errors: {}. Error bars: ±{UNCERTAINTY} K.", errors.join(", "))
     });
-    Plate::new("cases", figure, left_out)
+    texts.captioned("cases", left_out, |figure| {
+        figure
+            .points_with_bars("measured", of(&|c| Some(c.T_w_measured_K), 0.0), bars)
+            .points("fitted to all tests", of(&|c| Some(c.T_w_model_K), 0.12))
+            .points("leave-one-out", of(&|c| c.T_w_leave_one_out_K, 0.22))
+            .points("untuned", of(&|c| Some(c.T_w_untuned_K), 0.32))
+            .points("as published", of(&|c| c.T_w_as_published_K, -0.12))
+            .categories(&SHORT)
+    })
 }
 
-fn densities(found: &Thesis) -> Plate {
-    let of = |f: &dyn Fn(usize) -> f64| (0..found.cases.len()).map(|k| (k as f64, f(k))).collect::<Vec<_>>();
-    let c = &found.cases;
-    let figure = Figure::new(
-        "Torque density at equal current and at equal winding temperature",
-        Axis::new("distance or diameter in mm, direction of flow"),
-        Axis::new("torque density in N·m/kg"),
-    )
-    .points("at 5 A", of(&|k| c[k].torque_density_at_5A))
-    .points("continuous, at a winding of 155 °C", of(&|k| c[k].torque_density_at_limit))
-    .points("as published", of(&|k| CASES[k].density).into_iter().map(|(x, y)| (x + 0.12, y)).collect())
-    .categories(&SHORT);
-    Plate::new(
-        "density",
-        figure,
-        "At constant current the effect of cooling on the continuous torque is not visible.",
-    )
+fn densities(texts: &Texts, found: &Thesis) -> Plate {
+    let of = |f: &dyn Fn(&CaseResult) -> f64| {
+        found.cases.iter().enumerate().map(|(k, c)| (k as f64, f(c))).collect::<Vec<_>>()
+    };
+    let published = CASES.iter().enumerate().map(|(k, c)| (k as f64 + 0.12, c.density));
+    texts.plate("density", |figure| {
+        figure
+            .points("at 5 A", of(&|c| c.torque_density_at_5A))
+            .points("continuous, at a winding of 155 °C", of(&|c| c.torque_density_at_limit))
+            .points("as published", published.collect())
+            .categories(&SHORT)
+    })
 }
 
 /// Tables 1 to 3 with the model's predictions.
@@ -278,12 +230,12 @@ fn tables(found: &Thesis) -> Markup {
             case.location.into(),
             number(case.resistance),
             with(1, Some(case.t_w)),
-            with_error(result.T_w_model_K),
+            with_error(Some(result.T_w_model_K)),
             with_error(result.T_w_leave_one_out_K),
-            with_error(result.T_w_untuned_K),
+            with_error(Some(result.T_w_untuned_K)),
             with_error(result.T_w_as_published_K),
             with(2, Some(case.r_ha)),
-            with(2, result.R_ha_model),
+            with(2, Some(result.R_ha_model)),
             number(case.torque),
             number(case.mass),
             number(case.density),

@@ -1,6 +1,6 @@
 //! What the eight tests determine of the fitted parameters, in sentences that are computed from the fits.
 
-use super::native::{FITTED, Native, fit_thesis_rig};
+use super::native::{FITTED, fit_thesis_rig};
 use super::{CASES, CaseResult};
 use crate::StudyError;
 use crate::fit::{Fit, LeftOut};
@@ -33,14 +33,12 @@ pub struct Alternative {
 ///
 /// # Errors
 /// A model that does not settle at the start.
-pub fn alternatives(native: &Native) -> Result<Vec<Alternative>, StudyError> {
-    let mut all = Vec::new();
-    for (fitted, instead) in INSTEAD {
+pub fn alternatives() -> Result<Vec<Alternative>, StudyError> {
+    let alternative = |(fitted, instead)| {
         let parameters = FITTED.map(|name| if name == fitted { instead } else { name });
-        let Some(problem) = fit_thesis_rig(native, &parameters) else { continue };
-        all.push(Alternative { fitted, instead, rms: problem?.fit()?.rms });
-    }
-    Ok(all)
+        Ok(Alternative { fitted, instead, rms: fit_thesis_rig(&parameters)?.fit()?.rms })
+    };
+    INSTEAD.into_iter().map(alternative).collect()
 }
 
 /// One sentence each: what is determined, what only together, what not at all, which other causes explain the tests as well,
@@ -81,9 +79,9 @@ pub fn findings(
     all.push(format!(
         "Rms error of the winding temperature: {:.1} K fitted to all tests, {:.1} K predicted from the other tests \
          (leave-one-out), {:.1} K predicted untuned.",
-        error(&|c| c.T_w_model_K),
+        error(&|c| Some(c.T_w_model_K)),
         error(&|c| c.T_w_leave_one_out_K),
-        error(&|c| c.T_w_untuned_K)
+        error(&|c| Some(c.T_w_untuned_K))
     ));
     for case in left_out.iter().filter(|c| !c.at_limit.is_empty()) {
         all.push(format!(
@@ -113,7 +111,7 @@ pub fn findings(
     }
     let miss = |which: &dyn Fn(&str) -> bool| {
         let misses = CASES.iter().zip(cases).filter(|(case, _)| which(case.name));
-        let misses = misses.filter_map(|(case, c)| Some(format!("{:+.1}", c.T_w_untuned_K? - case.t_w)));
+        let misses = misses.map(|(case, c)| format!("{:+.1}", c.T_w_untuned_K - case.t_w));
         misses.collect::<Vec<_>>().join(", ")
     };
     all.push(format!(

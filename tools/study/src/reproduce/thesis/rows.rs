@@ -5,16 +5,15 @@ mod model;
 mod sheets;
 
 use super::CaseResult;
-use super::native::Native;
 use crate::reproduce::{Row, Rows};
 
 /// The rows.
-pub fn rows(native: &Native, cases: &[CaseResult]) -> Vec<Row> {
+pub fn rows(cases: &[CaseResult]) -> Vec<Row> {
     let mut rows = Rows::read(include_str!("rows/rows.toml"));
     experiments::bare(&mut rows);
     experiments::tables(&mut rows, cases);
     experiments::discussion(&mut rows);
-    model::rows(&mut rows, native);
+    model::rows(&mut rows);
     sheets::rows(&mut rows);
     rows.all()
 }
@@ -45,7 +44,7 @@ mod tests {
             (square / found.cases.len() as f64).sqrt()
         };
         let (fit, left, untuned) =
-            (rms(&|c| c.T_w_model_K), rms(&|c| c.T_w_leave_one_out_K), rms(&|c| c.T_w_untuned_K));
+            (rms(&|c| Some(c.T_w_model_K)), rms(&|c| c.T_w_leave_one_out_K), rms(&|c| Some(c.T_w_untuned_K)));
         let sentence = format!(
             "{fit:.1} K fitted to all tests, {left:.1} K predicted from the other tests (leave-one-out), {untuned:.1} K"
         );

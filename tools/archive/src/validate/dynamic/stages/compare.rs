@@ -3,17 +3,7 @@
 //! The integration of Co-Simulation may be coarse: explicit Euler at the declared step is common and not a fault. A finding is a
 //! difference that neither decreases with the communication step nor has the shape of the error of Euler's method.
 
-use cosim::raw::{InterfaceType, RawBinary};
-
-use super::super::solver::{Reached, Solver};
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{Rows, steps};
-use crate::validate::dynamic::session::Settings;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::rules;
-
+use super::*;
 /// Tolerance relative to the range of a variable.
 const TOLERATED: f64 = 0.005;
 /// Tolerance relative to the nominal value.
@@ -25,55 +15,54 @@ const PARTS: usize = 50;
 
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
-    let Some(interface) = facts.interface(InterfaceType::CoSimulation).filter(|i| !i.needs_tool) else {
+    let Some(interface) = facts.interface(InterfaceType::CoSimulation).filter(|i| !i.needs_execution_tool)
+    else {
         return Ok(());
     };
-    let Ok(binary) = RawBinary::load(subject.archive, &interface.identifier) else { return Ok(()) };
-    let place = subject.place.clone();
-    let other = Subject {
-        archive: subject.archive,
-        facts,
-        interface,
-        binary,
-        place,
-        base: Default::default(),
-        pulse: subject.pulse,
-    };
+    let Ok(binary) = RawBinary::load(subject.archive, &interface.model_identifier) else { return Ok(()) };
+    let (place, base) = (subject.place.clone(), Default::default());
+    let other = Subject { interface, binary, place, base, ..*subject };
     let watched = facts
         .select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input") && !v.is("independent"));
-    let h = facts.step().max(interface.internal_step.unwrap_or(0.0));
+    let h = facts.step().max(interface.fixed_internal_step_size.unwrap_or(0.0));
     let mut looks = vec![(h, steps(facts))];
     let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
-    if slow > 3.0 * h && interface.variable_step {
+    if slow > 3.0 * h && interface.can_handle_variable_step {
         looks.push(((slow / h).floor() * h, PARTS));
     }
     let settings = &subject.base()?.settings;
     for (h, n) in looks {
-        if let Some((v, t, a, b)) = differs(subject, &other, settings, &watched, h, n)? {
-            let message = format!(
-                "Variable \"{}\" is {a} at t = {t} s in Model Exchange and {b} in Co-Simulation, and the difference does not decrease with the step size",
-                short(&v.name)
-            );
-            seen.add(&rules::EXCHANGE_DIFFERS, &v.place, message);
+        if let Some((v, t, a, b)) = differs(subject, &other, &Course { settings, watched: &watched, h, n })? {
+            seen.add(&v.place, rules::exchange_differs(v, a, t, b));
             return Ok(());
         }
     }
     Ok(())
 }
 
+/// Settings, watched variables, step and number of rows of a comparison.
+struct Course<'s, 'a> {
+    settings: &'s Settings<'a>,
+    watched: &'s [&'a Variable],
+    h: f64,
+    n: usize,
+}
+
 type Place<'a> = (&'a Variable, f64, f64, f64);
 
 fn differs<'a>(
     subject: &Subject<'a>,
-    other: &Subject,
-    settings: &Settings,
-    watched: &[&'a Variable],
-    h: f64,
-    n: usize,
+    other: &Subject<'a>,
+    course: &Course<'_, 'a>,
 ) -> Result<Option<Place<'a>>, Fault> {
-    let reference = integrate(subject, settings, watched, h, n)?;
+    let Course { settings, watched, h, n } = *course;
+    let reference = integrate(subject, course)?;
     // A Co-Simulation FMU that rejects these values is checked by another stage.
-    let Ok(coarse) = stepped(other, settings, watched, h, n, 1) else { return Ok(None) };
+    let stepped = |parts: usize| -> Result<Rows, Fault> {
+        let rows = runs::stepped(&mut other.started(settings)?, watched, h, n * parts, parts)?;
+        Ok(rows.into_iter().step_by(parts).collect())
+    };
+    let Ok(coarse) = stepped(1) else { return Ok(None) };
     let rows = reference.len().min(coarse.len());
     let scale: Vec<f64> = (0..watched.len())
         .map(|i| {
@@ -91,12 +80,10 @@ fn differs<'a>(
     if suspects.is_empty() {
         return Ok(None);
     }
-    let fine = if other.interface.variable_step && other.interface.internal_step.is_none() {
-        stepped(other, settings, watched, h, n, 4).ok()
-    } else {
-        None
-    };
-    let euler = euler(subject, settings, watched, h, n)?;
+    let is_free =
+        other.interface.can_handle_variable_step && other.interface.fixed_internal_step_size.is_none();
+    let fine = is_free.then(|| stepped(4).ok()).flatten();
+    let euler = euler(subject, course)?;
     for i in suspects {
         let first = error(&coarse, i);
         let converges = fine.as_ref().is_some_and(|f| error(f, i) < (0.6 * first).max(TOLERATED));
@@ -128,13 +115,8 @@ fn is_like_euler(reference: &Rows, coarse: &Rows, euler: &Rows, i: usize) -> boo
 }
 
 /// Rows at multiples of `h` up to the first event.
-fn integrate(
-    subject: &Subject,
-    settings: &Settings,
-    watched: &[&Variable],
-    h: f64,
-    n: usize,
-) -> Result<Rows, Fault> {
+fn integrate(subject: &Subject, course: &Course) -> Result<Rows, Fault> {
+    let Course { settings, watched, h, n } = *course;
     let mut session = subject.started(settings)?;
     let mut solver = Solver::new(&mut session, 1e-8)?;
     let mut rows = vec![session.get_all(watched)?];
@@ -148,43 +130,13 @@ fn integrate(
     Ok(rows)
 }
 
-/// Rows of Co-Simulation, with `parts` steps for each `h`.
-fn stepped(
-    subject: &Subject,
-    settings: &Settings,
-    watched: &[&Variable],
-    h: f64,
-    n: usize,
-    parts: usize,
-) -> Result<Rows, Fault> {
-    let mut session = subject.started(settings)?;
-    let mut rows = vec![session.get_all(watched)?];
-    for k in 0..n * parts {
-        session.now = subject.facts.start + h * k as f64 / parts as f64;
-        let next = subject.facts.start + h * (k + 1) as f64 / parts as f64;
-        let size = next - session.now;
-        if !session.step(size)? {
-            break;
-        }
-        if (k + 1) % parts == 0 {
-            rows.push(session.get_all(watched)?);
-        }
-    }
-    Ok(rows)
-}
-
 /// Rows of explicit Euler at the step that Co-Simulation can be expected to use.
-fn euler(
-    subject: &Subject,
-    settings: &Settings,
-    watched: &[&Variable],
-    h: f64,
-    n: usize,
-) -> Result<Rows, Fault> {
+fn euler(subject: &Subject, course: &Course) -> Result<Rows, Fault> {
+    let Course { settings, watched, h, n } = *course;
     let facts = subject.facts;
     let internal = facts
         .interface(InterfaceType::CoSimulation)
-        .and_then(|i| i.internal_step)
+        .and_then(|i| i.fixed_internal_step_size)
         .unwrap_or(facts.step())
         .min(h);
     let parts = (h / internal).round().clamp(1.0, 10_000.0) as usize;

@@ -1,15 +1,6 @@
 //! Derivatives from the FMU compared with differences of its values.
 
-use cosim::raw::InterfaceType;
-
-use crate::validate::dynamic::facts::{Facts, Variable};
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::rules;
-
+use super::*;
 /// Relative tolerance of a derivative.
 const SHARE: f64 = 0.01;
 /// The derivative of a fast variable at rest is a difference of large numbers; below this fraction of its largest value
@@ -83,14 +74,15 @@ struct Look {
 /// Step sizes of the comparison: that of the experiment, a longer one for slow variables, and a fine one for small faults.
 fn looks(subject: &Subject) -> Vec<Look> {
     let facts = subject.facts;
-    let h = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
+    let h = facts.step().max(subject.interface.fixed_internal_step_size.unwrap_or(0.0));
     let mut looks = vec![Look { h, n: steps(facts), is_fine: false }];
     let slow = facts.stop.map_or(0.0, |stop| (stop - facts.start) / PARTS as f64);
     if slow > 3.0 * h {
         // Multiples of the step: some FMUs accept no others.
         looks.push(Look { h: (slow / h).floor() * h, n: PARTS, is_fine: false });
     }
-    let is_free = subject.interface.variable_step && subject.interface.internal_step.is_none();
+    let is_free =
+        subject.interface.can_handle_variable_step && subject.interface.fixed_internal_step_size.is_none();
     if is_free || subject.interface.kind == InterfaceType::ModelExchange {
         looks.push(Look { h: h / FINER as f64, n: FINER, is_fine: true });
     }
@@ -126,68 +118,60 @@ pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> 
         return Ok(());
     }
     let (values, slopes): (Vec<_>, Vec<_>) = pairs.iter().copied().unzip();
-    let mut largest = vec![0.0_f64; pairs.len()];
-    for look in looks(subject) {
-        let (mut session, mut drive) = begin(subject, &look)?;
-        let start = session.now;
-        let mut series = vec![Series::default(); pairs.len()];
-        for k in 0..=look.n {
-            if k > 0 && !drive.advance(&mut session, look.h)? {
-                break;
-            }
-            let (x, d) = (session.get_all(&values)?, session.get_all(&slopes)?);
-            series.iter_mut().zip(x.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
-            largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
-        }
-        for (((value, slope), series), largest) in pairs.iter().zip(series).zip(&largest) {
-            if let Some((k, given, measured)) = series.disagrees(&look, *largest, |x| noise(facts, value, x))
-            {
-                let message = format!(
-                    "Variable \"{}\" is declared to be the derivative of \"{}\", but from t = {} s on it is {given} while \"{}\" changes by {measured} per second",
-                    short(&slope.name),
-                    short(&value.name),
-                    start + look.h * k as f64,
-                    short(&value.name)
-                );
-                seen.add(&rules::DERIVATIVE_VALUE, &slope.place, message);
-            }
-        }
-    }
-    Ok(())
+    let read = |session: &mut Session| session.get_all(&slopes);
+    follow(subject, &values, true, read, |i, t, given, measured| {
+        let (value, slope) = pairs[i];
+        seen.add(&slope.place, rules::derivative_value(slope, value, t, given, measured));
+    })
 }
 
 /// The derivatives of outputs that Co-Simulation gives.
 pub(super) fn of_outputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
-    let facts = subject.facts;
-    let outputs = facts.select(|v| v.is("output") && v.is_continuous() && v.size == 1 && !v.clocked);
+    let outputs = subject.facts.select(|v| v.is("output") && v.is_continuous() && v.size == 1 && !v.clocked);
     let references: Vec<u32> = outputs.iter().map(|v| v.reference).collect();
     if outputs.is_empty() {
         return Ok(());
     }
-    let mut largest = vec![0.0_f64; outputs.len()];
+    let read = |session: &mut Session| {
+        let mut given = vec![0.0; references.len()];
+        session.call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, &mut given))?;
+        Ok(given)
+    };
+    follow(subject, &outputs, false, read, |i, t, given, measured| {
+        let v = outputs[i];
+        seen.add(&v.place, rules::output_derivative(v, given, t, measured));
+    })
+}
+
+/// Compares values with the derivatives that `read` gives, for each step size; from the start, or from the end of the first
+/// step on. `report` gets each disagreement: number of the variable, time, mean derivative, mean difference quotient.
+fn follow(
+    subject: &Subject,
+    variables: &[&Variable],
+    from_start: bool,
+    read: impl Fn(&mut Session) -> Result<Vec<f64>, Fault>,
+    mut report: impl FnMut(usize, f64, f64, f64),
+) -> Result<(), Fault> {
+    let mut largest = vec![0.0_f64; variables.len()];
     for look in looks(subject) {
-        let (mut session, _) = begin(subject, &look)?;
+        let (mut session, mut drive) = begin(subject, &look)?;
         let start = session.now;
-        let mut series = vec![Series::default(); outputs.len()];
-        for _ in 0..look.n {
-            if !session.step(look.h)? {
+        let mut series = vec![Series::default(); variables.len()];
+        for k in 0..=look.n {
+            if k > 0 && !drive.advance(&mut session, look.h)? {
                 break;
             }
-            let values = session.get_all(&outputs)?;
-            let mut given = vec![0.0; outputs.len()];
-            session
-                .call("GetOutputDerivatives", |raw| raw.get_output_derivatives(&references, &mut given))?;
-            series.iter_mut().zip(values.iter().zip(&given)).for_each(|(s, (x, d))| s.push(*x, *d));
-            largest.iter_mut().zip(&given).for_each(|(l, d)| *l = l.max(d.abs()));
+            if k > 0 || from_start {
+                let (x, d) = (session.get_all(variables)?, read(&mut session)?);
+                series.iter_mut().zip(x.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
+                largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
+            }
         }
-        for ((v, series), largest) in outputs.iter().zip(series).zip(&largest) {
-            if let Some((k, given, measured)) = series.disagrees(&look, *largest, |x| noise(facts, v, x)) {
-                let message = format!(
-                    "The derivative of output \"{}\" is given as {given} from t = {} s on, but it changes by {measured} per second",
-                    short(&v.name),
-                    start + look.h * (k + 1) as f64
-                );
-                seen.add(&rules::OUTPUT_DERIVATIVE, &v.place, message);
+        for (i, (v, series)) in variables.iter().zip(series).enumerate() {
+            let noise = |x| noise(subject.facts, v, x);
+            if let Some((k, given, measured)) = series.disagrees(&look, largest[i], noise) {
+                let points = k + usize::from(!from_start);
+                report(i, start + look.h * points as f64, given, measured);
             }
         }
     }
@@ -222,12 +206,7 @@ pub(super) fn of_inputs(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         }
         let sloped = run(low, (high - low) / h)?;
         if difference(facts, &others, &held, &sloped).is_none() {
-            let message = format!(
-                "A derivative of input \"{}\" has no effect although canInterpolateInputs is true (the input itself moves \"{}\")",
-                short(&v.name),
-                effect.name
-            );
-            seen.add(&rules::INPUT_DERIVATIVE, &v.place, message);
+            seen.add(&v.place, rules::input_derivative(v, effect.name));
         }
     }
     Ok(())

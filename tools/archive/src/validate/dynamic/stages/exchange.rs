@@ -1,13 +1,6 @@
 //! Model Exchange: the vectors of states, derivatives, nominals and event indicators.
 
-use super::super::solver::{Solver, indicators};
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules;
-
+use super::*;
 /// Equal up to the tolerance of an iterative solver in the FMU.
 const CLOSE: f64 = 1e-6;
 
@@ -18,17 +11,15 @@ fn close(a: f64, b: f64) -> bool {
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let mut session = subject.started(&subject.base()?.settings)?;
-    let states: Vec<usize> = facts.states.clone();
-    let n: usize = states.iter().map(|i| facts.variables[*i].size).sum();
+    let n = facts.state_count();
     if facts.version == FmiVersion::V3 {
         let numbers = session.raw.numbers();
         let numbers = numbers.or_else(|s| session.ok("GetNumberOfContinuousStates", s).map(|()| (0, 0)))?;
         if numbers != (n, facts.indicators) {
-            let message = format!(
-                "The FMU has {} continuous states and {} event indicators, its model structure {n} and {}",
-                numbers.0, numbers.1, facts.indicators
+            return Fault::new(
+                &subject.interface.place(),
+                rules::states_number(numbers.0, numbers.1, n, facts.indicators),
             );
-            return Err(Fault::new(&rules::STATES_NUMBER, &subject.interface.place, message));
         }
     }
     let mut x = vec![0.0; n];
@@ -47,8 +38,7 @@ fn nominals(session: &mut Session, n: usize, seen: &mut Seen) -> Result<(), Faul
     let mut nominals = vec![0.0; n];
     session.call("GetNominalsOfContinuousStates", |raw| raw.get_nominals(&mut nominals))?;
     if let Some(i) = nominals.iter().position(|x| !(*x > 0.0 && x.is_finite())) {
-        let message = format!("The nominal value of continuous state {} of {n} is {}", i + 1, nominals[i]);
-        seen.add(&rules::NOMINAL_VALUE, &session.interface.place, message);
+        seen.add(&session.interface.place(), rules::nominal_value(i + 1, n, nominals[i]));
     }
     Ok(())
 }
@@ -61,8 +51,7 @@ fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Faul
     let mut back = vec![0.0; x.len()];
     session.call("GetContinuousStates", |raw| raw.get_states(&mut back))?;
     if let Some(i) = x.iter().zip(&back).position(|(a, b)| !close(*a, *b)) {
-        let message = format!("Continuous state {} was set to {} and is {} afterwards", i + 1, x[i], back[i]);
-        seen.add(&rules::STATES_KEPT, &session.interface.place, message);
+        seen.add(&session.interface.place(), rules::states_kept(i + 1, x[i], back[i]));
     }
     let derivatives: Vec<usize> = facts.derivatives.iter().map(|e| e.variable).collect();
     for (list, vector, what) in [(&facts.states, &back, "state"), (&derivatives, &rates, "derivative")] {
@@ -72,11 +61,7 @@ fn vectors(session: &mut Session, x: &[f64], seen: &mut Seen) -> Result<(), Faul
             let wanted = &vector[at..at + v.size];
             at += v.size;
             if let Some((a, b)) = values.iter().zip(wanted).find(|(a, b)| !close(**a, **b)) {
-                let message = format!(
-                    "Variable \"{}\" is {a}, but the entry at its place of the vector of continuous {what}s is {b}",
-                    short(&v.name)
-                );
-                seen.add(&rules::STATES_ORDER, &v.place, message);
+                seen.add(&v.place, rules::states_order(v, a, what, b));
                 return Ok(());
             }
         }
@@ -93,15 +78,8 @@ fn memory(session: &mut Session, x: &[f64], moved: &[f64], seen: &mut Seen) -> R
     let second = Solver::rates(session, t, x)?;
     if let Some(i) = first.iter().zip(&second).position(|(a, b)| !close(*a, *b)) {
         let v = session.facts.derivatives.get(i).map(|e| &session.facts.variables[e.variable]);
-        let place = v.map_or(&session.interface.place, |v| &v.place);
-        let message = format!(
-            "Derivative {} of {} is {} and, evaluated again at the same time and states, {}",
-            i + 1,
-            first.len(),
-            first[i],
-            second[i]
-        );
-        seen.add(&rules::EVALUATION_MEMORY, place, message);
+        let place = v.map_or_else(|| session.interface.place(), |v| v.place.clone());
+        seen.add(&place, rules::evaluation_memory(i + 1, first.len(), first[i], second[i]));
     }
     Ok(())
 }
@@ -140,15 +118,10 @@ fn jumps(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         }
         let jump = (high.1 - low.1).abs();
         if jump > 1e-3 * (before[i] - after[i]).abs() {
-            let message = format!(
-                "Event indicator {} of {} jumps from {} to {} at t = {} s; importers search for its zero crossing",
-                i + 1,
-                facts.indicators,
-                low.1,
-                high.1,
-                t + low.0 * (t1 - t)
+            seen.add(
+                &subject.interface.place(),
+                rules::indicator_jumps(i + 1, facts.indicators, low.1, high.1, t + low.0 * (t1 - t)),
             );
-            seen.add(&rules::INDICATOR_JUMPS, &subject.interface.place, message);
         }
         return Ok(());
     }

@@ -1,17 +1,7 @@
 //! Partial derivatives compared with difference quotients, and declared dependencies.
 
+use super::*;
 use std::time::{Duration, Instant};
-
-use cosim::raw::InterfaceType;
-use cosim::{Kind, Status};
-
-use super::super::solver::Solver;
-use crate::validate::dynamic::facts::{Entry, Facts, Variable};
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::rules;
 
 /// Relative size of a difference's step, and what a derivative may be off.
 const STEP: f64 = 1e-5;
@@ -70,10 +60,8 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         return Ok(());
     }
     let mut session = subject.started(&subject.base()?.settings)?;
-    let mut drive = crate::validate::dynamic::runs::Drive::new(&mut session)?;
-    drive.advance(&mut session, facts.step())?;
-    let mut x =
-        vec![0.0; if integrated { facts.states.iter().map(|i| facts.variables[*i].size).sum() } else { 0 }];
+    Drive::new(&mut session)?.advance(&mut session, facts.step())?;
+    let mut x = vec![0.0; if integrated { facts.state_count() } else { 0 }];
     if !x.is_empty() {
         session.call("GetContinuousStates", |raw| raw.get_states(&mut x))?;
     }
@@ -94,12 +82,12 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             continue;
         };
         dependencies(facts, &unknowns, known, &column, seen);
-        if subject.interface.directional {
+        if subject.interface.provides_directional_derivatives {
             point.directional(known, &column, seen)?;
         }
         columns.push((*known, column));
     }
-    if subject.interface.adjoint {
+    if subject.interface.provides_adjoint_derivatives {
         point.adjoint(&columns, seen)?;
     }
     Ok(())
@@ -170,15 +158,8 @@ impl<'a> Point<'_, 'a> {
         let still = self.x.is_empty() && column.near.iter().all(|d| *d == 0.0);
         for (i, given) in out.iter().enumerate() {
             // A Co-Simulation FMU that updates its outputs only in the next step gives nothing to compare with.
-            let itself = is_same(name_at(self.unknowns, i), known.variable);
-            if !still && !itself && !column.allows(i, *given, name_at(self.unknowns, i).nominal) {
-                let message = format!(
-                    "The directional derivative of \"{}\" over \"{}\" is {given}, but differences give {}",
-                    short(&name_at(self.unknowns, i).name),
-                    short(&known.variable.name),
-                    column.near[i]
-                );
-                seen.add(&rules::DIRECTIONAL, &name_at(self.unknowns, i).place, message);
+            if !still {
+                self.judge(&rules::DIRECTIONAL, "directional", i, *given, known, column, seen);
             }
         }
         Ok(())
@@ -197,23 +178,33 @@ impl<'a> Point<'_, 'a> {
                         raw.adjoint_derivative(&references, &[known.variable.reference], &seed, &mut out)
                     })
                     .map_err(|f| f.about(known.variable, &[]))?;
-                let v = name_at(self.unknowns, row);
-                if !is_still
-                    && !is_same(v, known.variable)
-                    && !column.allows(row, out[known.element], v.nominal)
-                {
-                    let message = format!(
-                        "The adjoint derivative of \"{}\" over \"{}\" is {}, but differences give {}",
-                        short(&v.name),
-                        short(&known.variable.name),
-                        out[known.element],
-                        column.near[row]
-                    );
-                    seen.add(&rules::ADJOINT, &v.place, message);
+                if !is_still {
+                    self.judge(&rules::ADJOINT, "adjoint", row, out[known.element], known, column, seen);
                 }
             }
         }
         Ok(())
+    }
+
+    /// Reports a derivative of the unknown at place `i` over `known` that the differences contradict.
+    #[allow(clippy::too_many_arguments)]
+    fn judge(
+        &self,
+        rule: &'static Rule,
+        word: &str,
+        i: usize,
+        given: f64,
+        known: &Known<'a>,
+        column: &Column,
+        seen: &mut Seen,
+    ) {
+        let (v, over) = (name_at(self.unknowns, i), known.variable);
+        if !is_same(v, over) && !column.allows(i, given, v.nominal) {
+            let near = column.near[i];
+            let message =
+                format!("The {word} derivative of {v} over {over} is {given}, but differences give {near}");
+            seen.add(&v.place, rule.says(message));
+        }
     }
 }
 
@@ -267,13 +258,10 @@ fn dependencies(
             continue;
         }
         if let Some(i) = elements.into_iter().find(|i| column.moves(*i, unknown.nominal)) {
-            let message = format!(
-                "Variable \"{}\" depends on \"{}\" (derivative {}), which is missing in its list of dependencies",
-                short(&unknown.name),
-                short(&known.variable.name),
-                column.near[i]
+            seen.add(
+                &unknown.place,
+                rules::dependency_undeclared(unknown, short(&known.variable.name), column.near[i]),
             );
-            seen.add(&rules::DEPENDENCY_UNDECLARED, &unknown.place, message);
         }
     }
 }

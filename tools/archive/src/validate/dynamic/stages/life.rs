@@ -1,17 +1,6 @@
 //! Life cycle of an instance: version, instantiation, initialisation, steps, termination.
 
-use cosim::raw::{InterfaceType, RawSetup};
-use cosim::{Kind, Log, Status};
-
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{self, Drive};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules;
-
+use super::*;
 /// Tolerance by which a value may exceed its limits, relative to the limits, as the standard allows.
 const PRECISION: f64 = 1e-6;
 
@@ -47,19 +36,14 @@ pub(super) fn free_nothing(subject: &Subject, _: &mut Seen) -> Result<(), Fault>
 }
 
 fn versions(subject: &Subject, seen: &mut Seen) {
-    let (function, wanted) = match subject.facts.version {
-        FmiVersion::V2 => ("fmi2GetVersion", "2.0"),
-        FmiVersion::V3 => ("fmi3GetVersion", "3.0"),
-    };
+    let (function, wanted) = (subject.facts.function("GetVersion"), subject.facts.pick("2.0", "3.0"));
     let version = subject.binary.version().unwrap_or_default();
     // FMI 3 has maintenance releases such as 3.0.2 in its version string.
     if !(version == wanted || subject.facts.version == FmiVersion::V3 && version.starts_with("3.")) {
-        let message = format!("{function} returns \"{}\" instead of \"{wanted}\"", short(&version));
-        seen.add(&rules::VERSION_STRING, &subject.place, message);
+        seen.add(&subject.place, rules::version_string(function, short(&version), wanted));
     }
     if let Some(types) = subject.binary.types_platform().filter(|t| t != "default") {
-        let message = format!("fmi2GetTypesPlatform returns \"{}\" instead of \"default\"", short(&types));
-        seen.add(&rules::VERSION_STRING, &subject.place, message);
+        seen.add(&subject.place, rules::types_platform(short(&types)));
     }
 }
 
@@ -72,18 +56,9 @@ fn outputs(session: &mut Session, when: &str, seen: &mut Seen) -> Result<(), Fau
             && v.kind.is_float()
             && let Some(value) = values.iter().find(|x| !x.is_finite())
         {
-            let message = format!(
-                "Output \"{}\" is {value} {when} with all variables at their start values",
-                short(&v.name)
-            );
-            seen.add(&rules::OUTPUT_NOT_FINITE, &v.place, message);
+            seen.add(&v.place, rules::output_not_finite(v, value, when));
         } else if let Some(value) = values.iter().find(|x| is_outside(v, **x)) {
-            let message = format!(
-                "Variable \"{}\" is {value} {when}, outside its limits ({})",
-                short(&v.name),
-                v.limits()
-            );
-            seen.add(&rules::VALUE_OUTSIDE, &v.place, message);
+            seen.add(&v.place, rules::value_outside(v, value, when, v.limits()));
         }
     }
     Ok(())
@@ -98,8 +73,7 @@ fn is_outside(v: &Variable, x: f64) -> bool {
 fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let log = Log::with_debug();
     let Some(mut raw) = subject.try_instance("probe", &subject.facts.token, &log) else {
-        let message = "The FMU refused to be instantiated with loggingOn = true";
-        return Err(Fault::new(&rules::INSTANTIATE, &subject.interface.place, message));
+        return Fault::new(&subject.interface.place(), rules::refused_with_logging());
     };
     let started = raw.enter_initialization(subject.facts.start, None, subject.facts.tolerance)
         <= Status::Warning
@@ -110,12 +84,10 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let declared = &subject.facts.categories;
     let messages = log.messages();
     if let Some(m) = messages.iter().find(|m| !m.category.is_empty() && !declared.contains(&m.category)) {
-        let message = format!(
-            "The FMU logs in the category \"{}\", which <LogCategories> does not define (message \"{}\")",
-            short(&m.category),
-            short(m.text.trim())
+        seen.add(
+            &subject.interface.place(),
+            rules::log_category_undeclared(short(&m.category), short(m.text.trim())),
         );
-        seen.add(&rules::LOG_CATEGORY_UNDECLARED, &subject.interface.place, message);
     }
     Ok(())
 }
@@ -130,19 +102,10 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         event_mode: true,
     };
     let Some(raw) = subject.binary.instantiate(&setup, &log) else {
-        let message =
-            "The FMU refused to be instantiated with eventModeUsed = true although hasEventMode is true";
-        return Err(Fault::new(&rules::INSTANTIATE, &subject.interface.place, message));
+        return Fault::new(&subject.interface.place(), rules::refused_with_event_mode());
     };
     let facts = subject.facts;
-    let mut session = Session {
-        raw,
-        facts,
-        interface: subject.interface,
-        pulse: subject.pulse,
-        now: facts.start,
-        next: None,
-    };
+    let mut session = subject.session(raw);
     session.initialise(None)?;
     session.iterate_events()?;
     session.call("EnterStepMode", |raw| raw.enter_step_mode())?;

@@ -1,16 +1,6 @@
 //! Invalid calls: a wrong token, NaN, values outside their limits, unknown value references.
 
-use cosim::raw::InterfaceType;
-use cosim::{Kind, Log, Status};
-
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules;
-
+use super::*;
 /// A token of no FMU.
 const FOREIGN: &str = "{00000000-0000-4000-8000-000000000000}";
 
@@ -19,11 +9,8 @@ pub(super) fn token(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         return Ok(());
     }
     if subject.try_instance("probe", FOREIGN, &Log::new()).is_some() {
-        let word = if subject.facts.version == FmiVersion::V2 { "GUID" } else { "instantiation token" };
-        let message = format!(
-            "The FMU accepts the {word} {FOREIGN}, so a library that does not match the description is not detected"
-        );
-        seen.add(&rules::TOKEN_UNCHECKED, &subject.interface.place, message);
+        let word = subject.facts.pick("GUID", "instantiation token");
+        seen.add(&subject.interface.place(), rules::token_unchecked(word, FOREIGN));
     }
     Ok(())
 }
@@ -37,11 +24,7 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     for v in targets {
         for bad in [f64::NAN, f64::INFINITY] {
             if accepts(subject, v, bad)? {
-                let message = format!(
-                    "Variable \"{}\" accepts the value {bad}, and the FMU steps with status OK",
-                    short(&v.name)
-                );
-                seen.add(&rules::NAN_ACCEPTED, &v.place, message);
+                seen.add(&v.place, rules::nan_accepted(v, bad));
                 break;
             }
         }
@@ -58,12 +41,7 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
             continue;
         };
         if accepts(subject, v, bad)? {
-            let message = format!(
-                "Variable \"{}\" accepts {bad}, which is outside its limits ({}), with status OK",
-                short(&v.name),
-                v.limits()
-            );
-            seen.add(&rules::RANGE_UNCHECKED, &v.place, message);
+            seen.add(&v.place, rules::range_unchecked(v, bad, v.limits()));
             break;
         }
     }
@@ -84,10 +62,7 @@ fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
         InterfaceType::CoSimulation => {
             Ok(session.raw.do_step(session.now, subject.facts.step(), false).status == Status::Ok)
         }
-        _ => {
-            let n: usize = subject.facts.states.iter().map(|i| subject.facts.variables[*i].size).sum();
-            Ok(session.raw.get_derivatives(&mut vec![0.0; n]) == Status::Ok)
-        }
+        _ => Ok(session.raw.get_derivatives(&mut vec![0.0; subject.facts.state_count()]) == Status::Ok),
     }
 }
 
@@ -100,11 +75,7 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
     for reference in [u32::MAX - 1, highest.saturating_add(1000)] {
         let mut value = [0.0];
         if session.raw.get(Kind::Float64, &[reference], &mut value) <= Status::Warning {
-            let message = format!(
-                "Reading value reference {reference}, which no variable has, gives {} and no error",
-                value[0]
-            );
-            seen.add(&rules::REFERENCE_UNCHECKED, &subject.interface.place, message);
+            seen.add(&subject.interface.place(), rules::reference_unchecked(reference, value[0]));
             break;
         }
         session = subject.started(&Vec::new())?;
@@ -117,8 +88,7 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
         let mut session = subject.instance("probe")?;
         let other: Vec<f64> = v.start.iter().map(|x| x + 1.0).collect();
         if session.raw.set(v.kind, &[v.reference], &other) <= Status::Warning {
-            let message = format!("The constant \"{}\" can be set without an error", short(&v.name));
-            seen.add(&rules::CONSTANT_SETTABLE, &v.place, message);
+            seen.add(&v.place, rules::constant_settable(v));
         }
     }
     Ok(())

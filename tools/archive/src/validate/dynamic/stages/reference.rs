@@ -1,14 +1,9 @@
 //! Comparison of the FMU's results with the reference results in its archive (layered standard `org.fmi-standard.fmi-ls-ref`).
 
+use super::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::validate::dynamic::facts::{Facts, Variable};
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::{Findings, short};
-use crate::validate::rules;
 use crate::validate::xml::Xml;
 use cosim::xml::{parse_boolean, parse_double};
 
@@ -98,10 +93,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         match (related.attribute("role"), Table::read(&folder.join(source))) {
             (Some("result"), Some(table)) => results.push((source.to_owned(), table)),
             (Some("testcase" | "input"), Some(table)) => inputs = Some(table),
-            (_, None) => {
-                let message = format!("The file \"{}\" is missing or no table over time", short(source));
-                seen.add(&rules::REFERENCE_FILE, &xml.place(related), message);
-            }
+            (_, None) => seen.add(&xml.place(related), rules::reference_file(short(source))),
             _ => {}
         }
     }
@@ -164,12 +156,7 @@ fn compare(
             let wanted = row[*column];
             let is_near = (value - wanted).abs() <= *room;
             if !is_near && !wanted.is_nan() {
-                let message = format!(
-                    "Variable \"{}\" is {value} at t = {} s, but {wanted} in the reference results of the archive",
-                    short(&v.name),
-                    row[0]
-                );
-                seen.add(&rules::REFERENCE_DIFFERS, place, message);
+                seen.add(place, rules::reference_differs(v, value, row[0], wanted));
                 return Ok(());
             }
         }
@@ -204,7 +191,8 @@ fn reach(session: &mut Session, t: f64, inputs: Option<&Table>) -> Result<bool, 
     session.now = from + h * whole.max(0.0);
     let rest = t - session.now;
     if rest > 1e-6 * h {
-        if !session.interface.variable_step || session.interface.internal_step.is_some() {
+        if !session.interface.can_handle_variable_step || session.interface.fixed_internal_step_size.is_some()
+        {
             return Ok(false);
         }
         feed(session, inputs)?;

@@ -1,16 +1,7 @@
 //! Repetition of a run: in a second instance, after a reset, together with another instance, a thousand times.
 
+use super::*;
 use std::time::{Duration, Instant};
-
-use cosim::raw::{InterfaceType, RawState};
-
-use super::setting::{others, when};
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{self, Drive, Rows, difference};
-use crate::validate::dynamic::session::{Session, column};
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::rules;
 
 /// Instances made in each of three rounds, and bytes that each may leave behind.
 const ROUND: usize = 400;
@@ -26,9 +17,7 @@ pub(super) fn reset(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
     if let Some(index) = base.steady.iter().position(|steady| !steady) {
         let (name, variable) = column(facts, index);
-        let message =
-            format!("Variable \"{name}\" has other values in a second instance after the same calls");
-        seen.add(&rules::NOT_DETERMINISTIC, &variable.place, message);
+        seen.add(&variable.place, rules::not_deterministic(name));
     }
     // A run with other values, which a reset must clear.
     let free = facts.select(Variable::is_free);
@@ -44,16 +33,10 @@ fn after_reset(session: &mut Session, subject: &Subject, place: &str, seen: &mut
     session.call("Reset", |raw| raw.reset())?;
     session.start(&base.settings)?;
     let rows = runs::from_here(session)?;
-    if let Some(d) = difference(subject.facts, &base.steady, &base.rows, &rows) {
-        let message = format!(
-            "Variable \"{}\" is {} in a new instance and {} in the same run after a reset {place} ({})",
-            d.name,
-            d.first,
-            d.second,
-            when(&d)
-        );
-        seen.add(&rules::RESET, &d.variable.place, message);
-    }
+    let difference = difference(subject.facts, &base.steady, &base.rows, &rows);
+    seen.differ(&rules::RESET, difference, |a, b| {
+        format!("is {a} in a new instance and {b} in the same run after a reset {place}")
+    });
     Ok(())
 }
 
@@ -85,16 +68,9 @@ pub(super) fn instances(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         rows.extend(row);
     }
     drop(other);
-    if let Some(d) = difference(facts, &base.steady, &base.rows, &rows) {
-        let message = format!(
-            "Variable \"{}\" is {} in a single instance and {} while a second instance with other values runs ({})",
-            d.name,
-            d.first,
-            d.second,
-            when(&d)
-        );
-        seen.add(&rules::INSTANCES, &d.variable.place, message);
-    }
+    seen.differ(&rules::INSTANCES, difference(facts, &base.steady, &base.rows, &rows), |a, b| {
+        format!("is {a} in a single instance and {b} while a second instance with other values runs")
+    });
     Ok(())
 }
 
@@ -136,14 +112,10 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         && let Some(bytes) = growth(round_of_instances, || subject.started(&Vec::new()).map(|_| true))?
         && bytes > LEAK
     {
-        let message = format!(
-            "Each instance leaks {bytes:.0} bytes after it has been freed ({} instances)",
-            4 * round_of_instances
-        );
-        seen.add(&rules::MEMORY, &subject.interface.place, message);
+        seen.add(&subject.interface.place(), rules::leak_of_instance(bytes, 4 * round_of_instances));
     }
     let mut session = subject.started(&Vec::new())?;
-    if subject.interface.state {
+    if subject.interface.can_get_and_set_state {
         let piece = || {
             let mut state = RawState::NONE;
             session.call("GetFMUState", |raw| raw.save(&mut state))?;
@@ -153,8 +125,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND / 5, piece)?
             && bytes > LEAK
         {
-            let message = format!("Each saved state leaks {bytes:.0} bytes after it has been freed");
-            seen.add(&rules::MEMORY, &subject.interface.place, message);
+            seen.add(&subject.interface.place(), rules::leak_of_state(bytes));
         }
     }
     if subject.interface.kind == InterfaceType::CoSimulation {
@@ -171,8 +142,7 @@ pub(super) fn memory(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         if let Some(bytes) = growth(STEP_ROUND, piece)?
             && bytes > STEP_LEAK
         {
-            let message = format!("Each step leaks {bytes:.0} bytes");
-            seen.add(&rules::MEMORY, &subject.interface.place, message);
+            seen.add(&subject.interface.place(), rules::leak_of_step(bytes));
         }
     }
     Ok(())

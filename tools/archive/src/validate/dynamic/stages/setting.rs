@@ -1,13 +1,6 @@
 //! Start values, and values set in one order or another.
 
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{self, Difference, Rows};
-use crate::validate::dynamic::session::{Session, Settings, observed};
-use crate::validate::dynamic::subject::{Subject, fresh};
-use crate::validate::finding::short;
-use crate::validate::rules;
-
+use super::*;
 /// The variables of the binary have the start values of the description.
 pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.instance("probe")?;
@@ -24,22 +17,12 @@ pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fau
             let texts = texts.or_else(|status| session.ok("GetString", status).map(|()| Vec::new()))?;
             let text = texts.concat();
             if text != *wanted {
-                let message = format!(
-                    "Variable \"{}\" starts at \"{}\" instead of its start value \"{}\"",
-                    short(&v.name),
-                    short(&text),
-                    short(wanted)
-                );
-                seen.add(&rules::START_DIFFERS, &v.place, message);
+                seen.add(&v.place, rules::start_text_differs(v, short(&text), short(wanted)));
             }
         } else if v.kind.is_numeric() && v.start.len() == v.size {
             let values = session.get(v)?;
             if let Some((value, start)) = values.iter().zip(&v.start).find(|(x, start)| x != start) {
-                let message = format!(
-                    "Variable \"{}\" starts at {value} instead of its start value {start}",
-                    short(&v.name)
-                );
-                seen.add(&rules::START_DIFFERS, &v.place, message);
+                seen.add(&v.place, rules::start_differs(v, value, start));
             }
         }
     }
@@ -63,35 +46,21 @@ pub(super) fn order(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let own: Settings = free.iter().map(|v| (*v, v.start.clone())).collect();
     let untouched = fresh(subject, &Vec::new())?;
     if let Ok((set, _)) = run_in(subject, &own, Order::Forwards)
-        && let Some(d) = runs::difference(facts, &base.steady, &untouched, &set)
+        && let Some(d) = difference(facts, &base.steady, &untouched, &set)
     {
-        let message = format!(
-            "Setting every parameter and input to its own start value changes \"{}\" from {} to {} ({})",
-            d.name,
-            d.first,
-            d.second,
-            when(&d)
-        );
-        seen.add(&rules::SET_START, &d.variable.place, message);
+        seen.add(&d.variable.place, rules::set_start(&d.name, d.first, d.second, d.when()));
     }
     // Other values, in three orders.
     let others = others(subject, &free);
     let Ok((forwards, lost)) = run_in(subject, &others, Order::Forwards) else { return Ok(()) };
     if let Some((v, set, kept)) = lost {
-        let message = format!("Variable \"{}\" was set to {set} and is {kept} afterwards", short(&v.name));
-        seen.add(&rules::SET_LOST, &v.place, message);
+        seen.add(&v.place, rules::set_lost(v, set, kept));
     }
     for (order, words) in [(Order::Backwards, "in reverse order"), (Order::Together, "all in one call")] {
         let (rows, _) = run_in(subject, &others, order)?;
-        if let Some(d) = runs::difference(facts, &base.steady, &forwards, &rows) {
-            let message = format!(
-                "Variable \"{}\" is {} when values are set one by one and {} when they are set {words} ({})",
-                d.name,
-                d.first,
-                d.second,
-                when(&d)
-            );
-            seen.add(&rules::SET_ORDER, &d.variable.place, message);
+        if seen.differ(&rules::SET_ORDER, difference(facts, &base.steady, &forwards, &rows), |a, b| {
+            format!("is {a} when values are set one by one and {b} when they are set {words}")
+        }) {
             break;
         }
     }
@@ -163,7 +132,7 @@ fn together(session: &mut Session, settings: &Settings) -> Result<(), Fault> {
 fn reading(subject: &Subject, settings: &Settings, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let mut session = subject.started(settings)?;
-    let mut drive = runs::Drive::new(&mut session)?;
+    let mut drive = Drive::new(&mut session)?;
     drive.advance(&mut session, facts.step())?;
     let scalars = facts.select(|v| observed(v) && v.size == 1);
     let mut backwards = Vec::new();
@@ -173,22 +142,9 @@ fn reading(subject: &Subject, settings: &Settings, seen: &mut Seen) -> Result<()
     for (v, first) in scalars.iter().zip(backwards.iter().rev()) {
         let second = session.get(v)?[0];
         if second != *first && !(second.is_nan() && first.is_nan()) {
-            let message = format!(
-                "Variable \"{}\" is read as {first} and then as {second}, with only reading calls in between",
-                short(&v.name)
-            );
-            seen.add(&rules::GET_CHANGES, &v.place, message);
+            seen.add(&v.place, rules::get_changes(v, first, second));
             break;
         }
     }
     Ok(())
-}
-
-/// The row of a difference in words.
-pub(super) fn when(d: &Difference) -> String {
-    match d.row {
-        0 => "after initialisation".to_owned(),
-        1 => "after 1 step".to_owned(),
-        n => format!("after {n} steps"),
-    }
 }

@@ -1,14 +1,7 @@
 //! Saved states: going back, freeing, and bytes.
 
+use super::*;
 use cosim::raw::RawState;
-
-use super::setting::when;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::runs::{Drive, Rows, difference, steps};
-use crate::validate::dynamic::session::Session;
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules::{self, Rule};
 
 /// Differences below this are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -17,11 +10,13 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
     let (h, n) = (subject.facts.step(), steps(subject.facts));
     let (before, after) = (n / 3, n - n / 3);
-    let two = subject.facts.version == FmiVersion::V2;
-    let names = if two {
-        ["GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializeFMUstate", "DeSerializeFMUstate"]
-    } else {
-        ["GetFMUState", "SetFMUState", "FreeFMUState", "SerializeFMUState", "DeserializeFMUState"]
+    let names = match subject.facts.version {
+        FmiVersion::V2 => {
+            ["GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializeFMUstate", "DeSerializeFMUstate"]
+        }
+        FmiVersion::V3 => {
+            ["GetFMUState", "SetFMUState", "FreeFMUState", "SerializeFMUState", "DeserializeFMUState"]
+        }
     };
     let mut session = subject.started(&base.settings)?;
     Drive::new(&mut session)?.rows(&mut session, h, before)?;
@@ -47,7 +42,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let second = back(&mut session, &state)?;
     compare(subject, &first, &second, &rules::ROLLBACK, "after going back to the saved state", seen)?;
 
-    if subject.interface.serialize {
+    if subject.interface.can_serialize_state {
         let mut size = 0;
         session.call(names[3], |raw| raw.state_size(&state, &mut size))?;
         let mut bytes = vec![0; size];
@@ -56,7 +51,7 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         let third = back(&mut session, &copy)?;
         compare(subject, &first, &third, &rules::SERIALIZE, "from the state's bytes", seen)?;
         free(&mut session, copy, names[2], seen)?;
-        if !subject.interface.only_once {
+        if !subject.interface.only_once_per_process {
             let mut other = subject.started(&Vec::new())?;
             let copy = from_bytes(&mut other, &bytes, names[4])?;
             let fourth = back(&mut other, &copy)?;
@@ -85,8 +80,7 @@ fn from_bytes(session: &mut Session, bytes: &[u8], name: &str) -> Result<RawStat
 fn free(session: &mut Session, mut state: RawState, name: &str, seen: &mut Seen) -> Result<(), Fault> {
     session.call(name, |raw| raw.free_state(&mut state))?;
     if !state.is_none() {
-        let message = format!("{name} does not set the pointer to the freed state to NULL");
-        seen.add(&rules::STATE_POINTER, &session.interface.place, message);
+        seen.add(&session.interface.place(), rules::state_pointer(name));
     }
     Ok(())
 }
@@ -101,8 +95,8 @@ fn compare(
 ) -> Result<(), Fault> {
     let Some(d) = difference(subject.facts, &subject.base()?.steady, a, b) else { return Ok(()) };
     let rule = if d.relative <= ROUNDING { &rules::ROLLBACK_INEXACT } else { rule };
-    let when = if d.row == 0 { "at once".to_owned() } else { when(&d) };
+    let when = if d.row == 0 { "at once".to_owned() } else { d.when() };
     let message = format!("Variable \"{}\" is {} and then {} {words} ({when})", d.name, d.first, d.second);
-    seen.add(rule, &d.variable.place, message);
+    seen.add(&d.variable.place, rule.says(message));
     Ok(())
 }

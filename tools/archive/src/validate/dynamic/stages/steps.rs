@@ -1,14 +1,6 @@
 //! Co-Simulation: convergence with the communication step, and the end at the stop time.
 
-use cosim::Status;
-
-use crate::validate::dynamic::facts::Variable;
-use crate::validate::dynamic::report::{Fault, Seen};
-use crate::validate::dynamic::subject::Subject;
-use crate::validate::finding::short;
-use crate::validate::model::FmiVersion;
-use crate::validate::rules;
-
+use super::*;
 /// Differences below this fraction of a variable's range are attributed to the solver.
 const TOLERATED: f64 = 0.05;
 /// Differences below this fraction of the nominal value are ignored.
@@ -19,31 +11,20 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
     let base = subject.base()?;
     let watched = facts.select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input"));
-    let coarse = facts.step().max(subject.interface.internal_step.unwrap_or(0.0));
-    let end = crate::validate::dynamic::runs::steps(facts);
+    let coarse = facts.step().max(subject.interface.fixed_internal_step_size.unwrap_or(0.0));
+    let end = steps(facts);
     let mut movement = vec![0.0_f64; watched.len()];
     let mut run = |parts: usize| -> Result<Option<Vec<f64>>, Fault> {
         let mut session = subject.started(&base.settings)?;
-        let start = session.get_all(&watched)?;
-        let mut values = start.clone();
-        for k in 0..end * parts {
-            // Times are multiples, not sums: sums would differ in the last bits.
-            session.now = facts.start + coarse * k as f64 / parts as f64;
-            let next = facts.start + coarse * (k + 1) as f64 / parts as f64;
-            let h = next - session.now;
-            if !session.step(h)? {
-                return Ok(None);
-            }
-            values = session.get_all(&watched)?;
-            for (m, (v, s)) in movement.iter_mut().zip(values.iter().zip(&start)) {
-                *m = m.max((v - s).abs());
-            }
+        let mut rows = runs::stepped(&mut session, &watched, coarse, end * parts, parts)?;
+        for (i, m) in movement.iter_mut().enumerate() {
+            *m = rows.iter().map(|row| (row[i] - rows[0][i]).abs()).fold(*m, f64::max);
         }
-        Ok(Some(values))
+        Ok(rows.pop().filter(|_| rows.len() == end * parts))
     };
     let (Some(one), Some(two)) = (run(1)?, run(2)?) else { return Ok(()) };
     // A fixed internal step cannot be cut in four.
-    let four = if subject.interface.internal_step.is_none() { run(4)? } else { None };
+    let four = if subject.interface.fixed_internal_step_size.is_none() { run(4)? } else { None };
     for (i, v) in watched.iter().enumerate() {
         let first = (one[i] - two[i]).abs();
         let second = four.as_ref().map_or(first, |f| (two[i] - f[i]).abs());
@@ -51,14 +32,10 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         // Rounding errors of balances and remainders do not converge either.
         let matters = first.min(second) > (TOLERATED * movement[i]).max(SMALLEST * v.nominal);
         if steady && matters && second > 0.75 * first {
-            let message = format!(
-                "Variable \"{}\" is {} at t = {} s with steps of {coarse} s but {} with steps of half that size, and does not converge",
-                short(&v.name),
-                one[i],
-                facts.start + coarse * end as f64,
-                two[i]
+            seen.add(
+                &v.place,
+                rules::step_size(v, one[i], facts.start + coarse * end as f64, coarse, two[i]),
             );
-            seen.add(&rules::STEP_SIZE, &v.place, message);
             return Ok(());
         }
     }
@@ -68,7 +45,7 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
 fn base_is_steady(subject: &Subject, wanted: &Variable) -> Result<bool, Fault> {
     let base = subject.base()?;
     let mut at = 0;
-    for v in subject.facts.variables.iter().filter(|v| crate::validate::dynamic::session::observed(v)) {
+    for v in subject.facts.variables.iter().filter(|v| observed(v)) {
         if std::ptr::eq(v, wanted) {
             return Ok(base.steady[at]);
         }
@@ -95,11 +72,7 @@ pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
         }
         now += h;
     }
-    let prefix = if subject.facts.version == FmiVersion::V2 { "fmi2" } else { "fmi3" };
-    let status = Status::Error;
-    let message = format!(
-        "{prefix}DoStep succeeds up to t = {now} s although the stop time was set to {stop} s; it must return {status}"
-    );
-    seen.add(&rules::STOP_TIME, &subject.interface.place, message);
+    let (function, status) = (subject.facts.function("DoStep"), Status::Error);
+    seen.add(&subject.interface.place(), rules::stop_time(function, now, stop, status));
     Ok(())
 }

@@ -99,7 +99,7 @@ pub fn tables(rows: &mut Rows, cases: &[CaseResult]) {
             .published(winding_temperature(case.resistance, specimen_resistance(), T_25))
             .right(found.T_w_model_K)
             .by(Basis::Fitted)
-            .predictions(found.T_w_untuned_K, found.T_w_leave_one_out_K)
+            .predictions(Some(found.T_w_untuned_K), found.T_w_leave_one_out_K)
             .measured(case.t_w);
         rows.add(row(torque, "torque"))
             .printed(case.torque)
@@ -114,7 +114,10 @@ pub fn tables(rows: &mut Rows, cases: &[CaseResult]) {
             .published(r_ha(case.t_w, T_AMBIENT, POWER))
             .right(found.R_ha_model)
             .by(Basis::Fitted)
-            .predictions(found.r_ha_untuned(), found.r_ha_leave_one_out())
+            .predictions(
+                Some(found.r_ha(found.T_w_untuned_K)),
+                found.T_w_leave_one_out_K.map(|t_w| found.r_ha(t_w)),
+            )
             .measured(case.r_ha);
         rows.add(row("ambient", "ambient")).printed(T_AMBIENT).published(case.implied_ambient());
     }

@@ -2,7 +2,7 @@
 
 use crate::numeric::{linspace, root};
 use crate::reproduce::thesis::measured::*;
-use crate::reproduce::thesis::native::Native;
+use crate::reproduce::thesis::native::winding_at;
 use crate::reproduce::thesis::projection::torque_at_5_a;
 use crate::reproduce::thesis::published::*;
 use crate::reproduce::{Basis, Rows, significant};
@@ -13,9 +13,9 @@ const K_HOUSING: f64 = 16.0;
 const OPTIMUM: f64 = 0.63;
 
 /// The rows.
-pub fn rows(rows: &mut Rows, native: &Native) {
+pub fn rows(rows: &mut Rows) {
     equations(rows);
-    figures(rows, native);
+    figures(rows);
     promises(rows);
 }
 
@@ -43,13 +43,12 @@ fn equations(rows: &mut Rows) {
         .fill([format!("{:.1}", TURBULENT_AS_PUBLISHED.0 / TURBULENT.0)]);
 }
 
-fn figures(rows: &mut Rows, native: &Native) {
+fn figures(rows: &mut Rows) {
     let (wide, narrow) = (Annulus::new(WIDE), Annulus::new(NARROW));
     let (argmax, re_max) = summit();
     let jumps_at = |re: f64| jumps(re).map_or("none".to_owned(), |(a, b)| format!("{a:.2} and {b:.2}"));
     let (left, right) = jumps(RE_SWITCH).unwrap_or((f64::NAN, f64::NAN));
-    let coldest = coldest_native(native);
-    rows.of("T39").printed(OPTIMUM).published(argmax).right(coldest).by(Basis::Predicted);
+    rows.of("T39").printed(OPTIMUM).published(argmax).right(coldest_native()).by(Basis::Predicted);
     rows.of("T40").published(re_max).fill([
         format!("{RE_SWITCH:.0}"),
         jumps_at(RE_SWITCH),
@@ -61,20 +60,19 @@ fn figures(rows: &mut Rows, native: &Native) {
     rows.of("T40-right").published(right);
     rows.of("T41")
         .published(wide.winding_temperature())
-        .right(native.winding_at(0.040, false))
+        .right(winding_at(0.040, false))
         .by(Basis::Predicted)
         .fill([format!("{:.2}", mean_of_l_over_x())]);
     rows.of("T41-narrow")
         .published(narrow.winding_temperature())
-        .right(native.winding_at(0.035, false))
+        .right(winding_at(0.035, false))
         .by(Basis::Predicted);
 }
 
 /// The ratio of radii with the coldest winding in the native model, if it is there.
-fn coldest_native(native: &Native) -> Option<f64> {
-    let at = |r: f64| native.winding_at(MOTOR_DIAMETER / r, false);
-    let all: Option<Vec<(f64, f64)>> =
-        linspace(0.5, 0.97, 48).into_iter().map(|r| Some((r, at(r)?))).collect();
+fn coldest_native() -> Option<f64> {
+    let at = |r: f64| Some((r, winding_at(MOTOR_DIAMETER / r, false)?));
+    let all: Option<Vec<(f64, f64)>> = linspace(0.5, 0.97, 48).into_iter().map(at).collect();
     all?.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(r, _)| r)
 }
 

@@ -7,7 +7,6 @@ use std::f64::consts::PI;
 
 /// A cubic foot, m3.
 const CUBIC_FOOT: f64 = 0.028_316_846_592;
-/// An inch, m.
 const INCH: f64 = 0.0254;
 /// Nominal voltage, V; no-load speed, rpm; no-load current, A; inertia, kg.m2 (appendix 2).
 const NO_LOAD: (f64, f64, f64, f64) = (48.0, 16_500.0, 0.356, 33.3e-7);
@@ -36,7 +35,7 @@ pub fn rows(rows: &mut Rows) {
     rows.of("T56-no-load").printed(n_0).published((v - i_0 * R_DATASHEET) / K_T * per_second);
     rows.of("T57").published(TAU.0 / R_WH);
     rows.of("T57-motor").published(TAU.1 / R_HA_DATASHEET);
-    rows.of("T58").right(u_t).fill([format!("{:.2}", u_r), format!("{:.1}", leads)]);
+    rows.of("T58").right(u_t).fill([format!("{u_r:.2}"), format!("{leads:.1}")]);
 }
 
 /// Standard uncertainty of T_w, K, and of R_ha, K/W, by the supply's accuracy (a rectangular distribution), and
