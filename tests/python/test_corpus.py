@@ -13,6 +13,7 @@ import re
 import resource
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import corpus
@@ -30,58 +31,60 @@ COMMANDS = ("validate", "simulate", "cosim")
 #: Seconds after which a run counts as one that does not return.
 PATIENCE = 10
 
-# Checks (patterns of their names), what is wrong, and the respects in which the answer is wrong.
+# Checks (patterns of their names), finding, and the respects in which the answer is wrong.
 NOT_YET = {
-    "lag:reset-in-setup fmi2 simulate": ("parameters are set before SetupExperiment", {"final"}),
-    "lag:reset-in-setup fmi2 cosim": ("parameters are set before SetupExperiment", {"final"}),
-    "lag:reset-in-setup fmi2 validate": ("an input is set in the state instantiated, where only parameters can be", {"says", "unsaid"}),
-    "lag:once * validate": ("several instances in one process in spite of the flag", {"exit", "errors"}),
-    "lag:terminate-frees * validate": ("instances are freed without Terminate", {"exit", "errors"}),
-    "lag:log-printf fmi2 simulate": ("the arguments of the logger are not formatted", {"says"}),
-    "lag:log-printf fmi2 cosim": ("the arguments of the logger are not formatted", {"says"}),
-    "lag:log-environment * simulate": ("the logger follows the environment pointer of the FMU", {"exit"}),
-    "lag:log-environment * cosim": ("the logger follows the environment pointer of the FMU", {"exit"}),
+    "lag:reset-in-setup fmi2 simulate": ("S1: parameters are set before SetupExperiment", {"final"}),
+    "lag:reset-in-setup fmi2 cosim": ("S1: parameters are set before SetupExperiment", {"final"}),
+    "lag:reset-in-setup fmi2 validate": ("new: an input is set in the state instantiated, where only parameters can be", {"says", "unsaid"}),
+    "lag:start-rounded * validate": ("S8: start values are compared bit for bit", {"exit", "errors"}),
+    "lag:once * validate": ("S8: several instances in one process in spite of the flag", {"exit", "errors"}),
+    "lag:terminate-frees * validate": ("S8: instances are freed without Terminate", {"exit", "errors"}),
+    "lag:log-printf fmi2 simulate": ("S7: the arguments of the logger are not formatted", {"says"}),
+    "lag:log-printf fmi2 cosim": ("S7: the arguments of the logger are not formatted", {"says"}),
+    "lag:log-environment * simulate": ("S4: the logger follows the environment pointer of the FMU", {"exit"}),
+    "lag:log-environment * cosim": ("S4: the logger follows the environment pointer of the FMU", {"exit"}),
     "lag:log-environment * validate": (
-        "the logger follows the environment pointer of the FMU, and no rule names the breach",
+        "S4: the logger follows the environment pointer of the FMU, and no rule names the breach",
         {"left behind", "without", "says"},
     ),
-    "lag-ISO-8859-1 * simulate": ("only UTF-8 is read", {"exit"}),
-    "lag-ISO-8859-1 * cosim": ("only UTF-8 is read", {"exit"}),
-    "lag-UTF-16 * simulate": ("only UTF-8 is read", {"exit"}),
-    "lag-UTF-16 * cosim": ("only UTF-8 is read", {"exit"}),
-    "lag:segfault-ISO-8859-1 * validate": ("after an error in the XML file the behaviour is not run", {"errors"}),
-    "clock * validate": ("clocks need eventModeUsed = true", {"exit", "errors"}),
-    "clock * simulate": ("clocks need eventModeUsed = true", {"exit"}),
-    "clock * cosim": ("clocks need eventModeUsed = true", {"exit"}),
-    "types * simulate": ("64-bit integers pass through a double", {"final"}),
-    "types * cosim": ("64-bit integers pass through a double", {"final"}),
-    "types:other-start * validate": ("start values of 64-bit integers and binary data are not compared", {"exit", "errors", "says"}),
-    "lag:many-* validate": ("time that grows with the square of the number of variables", {"time"}),
-    "lag:segfault fmi? validate": ("the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:segfault fmi? simulate": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:segfault fmi? cosim": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:exit * validate": ("the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:exit * simulate": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:exit * cosim": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:raise * validate": ("the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:raise * simulate": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:raise * cosim": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:hang * validate": ("the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:hang * simulate": ("no --patience", {"sentence", "says"}),
-    "lag:hang * cosim": ("no --patience", {"sentence", "says"}),
-    "lag:print * simulate": ("the FMU writes into the program's output", {"output"}),
-    "lag:print * cosim": ("the FMU writes into the program's output", {"output"}),
-    "lag:print-end * validate": ("the child's verdict goes over its standard output", {"exit", "left behind", "errors", "says"}),
-    "lag:print-end * simulate": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:print-end * cosim": ("the FMU runs in the program's own process", {"exit"}),
-    "lag:signal-parent * *": ("the FMU's parent process is the program, or who called it", {"exit"}),
-    "ball-ModelExchange * simulate": ("no Model Exchange", {"exit"}),
-    "stair-ModelExchange * simulate": ("no Model Exchange", {"exit"}),
-    "ball:reinit-undeclared * validate": ("reinit is not compared with what events do", {"exit", "errors", "says"}),
-    "lag:nan * validate": ("an error without a sentence of the standard", {"exit", "errors"}),
-    "lag:nan * simulate": ("NaN passes without a word", {"says"}),
-    "lag:nan * cosim": ("NaN passes without a word", {"says"}),
-    "pythonfmu3 * validate": ("the build description is optional", {"errors"}),
+    "lag-ISO-8859-1 * simulate": ("S3: only UTF-8 is read", {"exit"}),
+    "lag-ISO-8859-1 * cosim": ("S3: only UTF-8 is read", {"exit"}),
+    "lag-UTF-16 * simulate": ("S3: only UTF-8 is read", {"exit"}),
+    "lag-UTF-16 * cosim": ("S3: only UTF-8 is read", {"exit"}),
+    "lag:segfault-ISO-8859-1 * validate": ("S3: after an error in the XML file the behaviour is not run", {"errors"}),
+    "clock * validate": ("S6: clocks need eventModeUsed = true", {"exit", "errors"}),
+    "clock * simulate": ("S6: clocks need eventModeUsed = true", {"exit"}),
+    "clock * cosim": ("S6: clocks need eventModeUsed = true", {"exit"}),
+    "types * simulate": ("S6: 64-bit integers pass through a double", {"final"}),
+    "types * cosim": ("S6: 64-bit integers pass through a double", {"final"}),
+    "types:other-start * validate": ("S6: start values of 64-bit integers and binary data are not compared", {"exit", "errors", "says"}),
+    "lag:many-* validate": ("S2: time that grows with the square of the number of variables", {"time"}),
+    "lag:segfault fmi? validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
+    "lag:segfault fmi? simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:segfault fmi? cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:exit * validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
+    "lag:exit * simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:exit * cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:raise * validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
+    "lag:raise * simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:raise * cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:hang * validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
+    "lag:hang * simulate": ("S4: no --patience", {"sentence", "says"}),
+    "lag:hang * cosim": ("S4: no --patience", {"sentence", "says"}),
+    "lag:print * simulate": ("S5: the FMU writes into the program's output", {"output"}),
+    "lag:print * cosim": ("S5: the FMU writes into the program's output", {"output"}),
+    "lag:print-end * validate": ("S5, S10: the child's verdict goes over its standard output", {"exit", "left behind", "errors", "says"}),
+    "lag:print-end * simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:print-end * cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
+    "lag:signal-parent * *": ("S5: the FMU's parent process is the program, or who called it", {"exit"}),
+    "ball-ModelExchange * simulate": ("F11: no Model Exchange", {"exit"}),
+    "stair-ModelExchange * simulate": ("F11: no Model Exchange", {"exit"}),
+    "ball:reinit-undeclared * validate": ("new: reinit is not compared with what events do", {"exit", "errors", "says"}),
+    "lag:nan * validate": ("F8: an error without a sentence of the standard", {"exit", "errors"}),
+    "lag:nan * simulate": ("S7: NaN passes without a word", {"says"}),
+    "lag:nan * cosim": ("S7: NaN passes without a word", {"says"}),
+    "interrupt *": ("F12, S10: temporary folders and processes stay after a signal", {"left behind"}),
+    "pythonfmu3 * validate": ("S8: the build description is optional", {"errors"}),
 }
 
 CASES = tomllib.loads((corpus.FOLDER / "expected.toml").read_text(encoding="utf-8"))["case"]
@@ -121,13 +124,15 @@ def build(case, fmi, folder):
 
 
 def command_line(case, command, fmu, folder):
-    """The arguments of the program. A system has the FMU as its only component."""
-    arguments = expectation(case, command).get("arguments", [])
+    """The arguments of the program. A system has the FMU as its only component, or several times."""
+    expected = expectation(case, command)
+    arguments = expected.get("arguments", [])
     if command == "cosim":
         stop = getattr(describe.MODELS.get(case["fmu"].partition(":")[0]), "stop", 1)
         system = folder / f"system-{fmu.stem}.toml"
         text = f'[system]\nname = "alone"\n[experiment]\nstop = {stop}\nstep = 0.01\n'
-        system.write_text(f'{text}[[component]]\nname = "it"\nfmu = "{fmu.name}"\n')
+        names = ["it", *(f"further{k}" for k in range(1, expected.get("components", 1)))]
+        system.write_text(text + "".join(f'[[component]]\nname = "{name}"\nfmu = "{fmu.name}"\n' for name in names))
         return ["cosim", system, "--json", *(f"it.{a}" if "=" in a else a for a in arguments)]
     return [command, fmu, "--json", *arguments]
 
@@ -188,6 +193,7 @@ def judge(expected, command, run, fmu):
         lines = [line for line in run.err.splitlines() if line.strip()]
         one = len(lines) == 1 and lines[0].startswith("error: ") and Path(fmu).stem in lines[0]
         demand(one and not run.out, "sentence", (run.err[:300], run.out[:300]))
+        demand(re.search(expected.get("refusal", ""), run.err), "refusal", run.err[:300])
     else:
         try:
             answer = json.loads(run.out)
@@ -263,8 +269,52 @@ def test_the_answer_is_that_of_the_standard(case, fmi, command, program, fmus, t
     assert set(wrong) == known, f"wrong: {wrong}; NOT_YET has {known or 'nothing'}. {case['basis']}"
 
 
+@pytest.mark.parametrize("signal_name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_interrupt_leaves_nothing_behind(command, signal_name, program, fmus, tmp_path):
+    """While an FMU does not return, the program is interrupted: it ends soon, its temporary folder and its processes are gone."""
+    case = {"fmu": "lag:hang", command: {}}
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    arguments = command_line(case, command, fmus(case, 2), fmus(case, 2).parent)
+    environment = {**os.environ, "TMPDIR": str(temporary)}
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen([program, *map(str, arguments)], env=environment, start_new_session=True, **silent)
+    try:
+        until(lambda: any(temporary.iterdir()))
+        time.sleep(1.0)  # until the step that does not return
+        process.send_signal(getattr(signal, signal_name))
+        assert until(lambda: process.poll() is not None), "the program does not end"
+        gone = until(lambda: not any(temporary.iterdir()) and not group_alive(process.pid), 2)
+        wrong = set() if gone else {"left behind"}
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    assert wrong == not_yet(f"interrupt {command} {signal_name}")
+
+
+def until(done, seconds=PATIENCE):
+    """Waits for a condition; whether it came true."""
+    end = time.monotonic() + seconds
+    while not done():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def group_alive(group):
+    """Whether a process group has members."""
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
 def test_not_yet_lists_checks_that_exist():
     names = [check.id for check in CHECKS]
+    names += [f"interrupt {command} {name}" for command in COMMANDS for name in ("SIGINT", "SIGTERM")]
     assert all(fnmatch.filter(names, pattern) for pattern in NOT_YET)
 
 

@@ -13,6 +13,7 @@ static unsigned many(void) {
 static void set_defaults(Values *s) {
     memset(s, 0, sizeof *s);
     s->u = s->p[0] = s->p[1] = 1.0;
+    if (quirk("start-rounded")) s->p[0] = 1.0 + 2.3e-16;
     s->next = INFINITY;
 }
 static double *real(Values *s, unsigned vr, int for_set) {
@@ -32,8 +33,8 @@ static void derivatives(const Values *s, double *der) { der[0] = (s->p[0] * s->u
 static double indicator(const Values *s) { return 0.0; }
 static int event(Values *s) { return 0; }
 static void advance(Values *s, double h) {
-    double end = s->p[0] * s->u;
-    s->x[0] = end + (s->x[0] - end) * exp(-h / s->p[1]);
+    double end = s->p[0] * s->u, T = s->p[1] * (quirk("loose-solver") ? 1.001 : 1.0);
+    s->x[0] = end + (s->x[0] - end) * exp(-h / T);
     /* An internal solver that starts again from a restored state has another step size and another error. */
     if (quirk("solver-restart") && s->restarted) s->x[0] *= 1 + 1e-9;
     s->restarted = 0;
