@@ -21,6 +21,7 @@ import fmpy
 import pytest
 from corpus import describe, exports
 from requirements import where_demanded
+from validator import checkers
 
 try:
     import tomllib
@@ -322,6 +323,12 @@ def test_each_answer_has_a_basis():
     assert all(len(case["basis"]) > 5 for case in CASES)
     # (a) to (k) of the corpus, and the two exporters.
     assert len({case["fmu"] for case in CASES}) >= 22
+
+
+@pytest.mark.parametrize(("model", "fmi"), [(name, fmi) for name, model in describe.MODELS.items() for fmi in model.standards])
+def test_other_checkers_find_nothing_in_the_models(model, fmi, tmp_path):
+    fmu = corpus.build(model, fmi, tmp_path / f"{model}.fmu")
+    assert not checkers.fmpy(fmu) and not checkers.fmutool(fmu)
 
 
 @pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
