@@ -344,10 +344,10 @@ impl Sweep {
     /// More than two variables, or more lines than are distinguishable.
     pub fn figure(&self) -> Result<Figure, StudyError> {
         const MAX_LINES: usize = 8;
-        let axis = |name: &str, unit: &str| Axis::new(&format!("{name} {}", in_unit(unit)));
+        let axis = |name: &str, of: &str| Axis::new(&format!("{}{}", words(name), unit(" in ", of)));
         let source = self.source.as_ref().map_or(String::new(), |source| format!(". {source}"));
         let mut figure = Figure::new(
-            &format!("{} over {}{source}", self.objective, self.varied.join(" and ")),
+            &format!("{} over {}{source}", words(&self.objective), words(&self.varied.join(" and "))),
             axis(&self.varied[0], self.units[0]),
             axis(&self.objective, self.objective_unit),
         );
@@ -374,16 +374,23 @@ impl Sweep {
             )));
         }
         for (key, line) in lines {
-            let label = key.map_or(String::new(), |k| format!("{} = {}", self.varied[1], present::number(k)));
+            let label = key.map_or(String::new(), |k| {
+                format!("{} = {}{}", words(&self.varied[1]), present::number(k), unit(" ", self.units[1]))
+            });
             figure = figure.line(&label, line);
         }
         Ok(figure)
     }
 }
 
-/// The unit in words of an axis; a pure number has none.
-fn in_unit(unit: &str) -> String {
-    if unit == "1" { String::new() } else { format!("in {unit}") }
+/// The name of a variable in words.
+fn words(name: &str) -> String {
+    name.replace(['_', '.'], " ")
+}
+
+/// A unit after a separator; a pure number has none.
+fn unit(separator: &str, unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!("{separator}{}", unit.replace('.', "·")) }
 }
 
 #[cfg(test)]
@@ -416,7 +423,8 @@ mod tests {
         let edges = [edge("ambient_temperature", 290.0, "lower"), edge("fan_command", 1.0, "upper")];
         assert_eq!(found.best_at_edge, edges);
         assert_eq!(found.csv().lines().count(), 7);
-        assert!(found.figure().unwrap().svg().contains("fan_command"));
+        let figure = found.figure().unwrap().svg();
+        assert!(figure.contains("fan command") && !figure.contains("fan_command"));
     }
 
     #[test]
