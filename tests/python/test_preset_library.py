@@ -237,3 +237,12 @@ def test_gearmotor_has_the_data_of_its_motor(name):
         assert value(name, key) == value(motor, key), key
     resistance = 1 / value(name, "thermal.G_hb") + 1 / value(name, "thermal.G_ba")
     assert resistance == pytest.approx(1 / value(motor, "conductance.G_still"), rel=1e-4)
+
+
+def test_the_program_lists_every_file_and_names_the_nearest(motor_fmu):
+    listed = json.loads(motor_fmu("presets", "--json").stdout)
+    assert [preset["name"] for preset in listed] == list(FILES)
+    table = motor_fmu("presets").stdout.splitlines()
+    assert [line.split()[0] for line in table] == [preset["name"] for preset in listed]
+    wrong = motor_fmu("steady", "--preset", "maxon-re40-148878")
+    assert wrong.returncode == 2 and "did you mean maxon-re40-148877?" in wrong.stderr

@@ -3,6 +3,7 @@
 mod build;
 mod close_loop;
 mod cosim;
+mod presets;
 mod reproduce;
 mod simulate;
 mod study;
@@ -28,6 +29,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Build(build::Args),
+    Presets(presets::Args),
     Validate(validate::Args),
     Simulate(simulate::Args),
     Cosim(cosim::Args),
@@ -115,6 +117,7 @@ pub fn outcome(yes: bool) -> ExitCode {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Build(args) => build::run(&args),
+        Command::Presets(args) => presets::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Simulate(args) => simulate::run(args),
         Command::Cosim(args) => cosim::run(args),

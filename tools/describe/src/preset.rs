@@ -18,13 +18,8 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The built-in presets: name and text.
-const BUILT_IN: &[(&str, &str)] = &[
-    ("maxon-305015", include_str!("../../../examples/presets/maxon-305015.toml")),
-    ("thesis-rig", include_str!("../../../examples/presets/thesis-rig.toml")),
-    ("bdcm-37d", include_str!("../../../examples/presets/bdcm-37d.toml")),
-    ("bench-bldc-stall", include_str!("../../../examples/presets/bench-bldc-stall.toml")),
-];
+/// The built-in presets: name and text of every file in `examples/presets`, in the order of the names.
+const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/presets.rs"));
 
 /// Start values that differ from the declared ones, by value reference.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -127,6 +122,14 @@ fn parsed<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, PresetE
 }
 
 impl Preset {
+    /// The built-in presets, in the order of their names.
+    ///
+    /// # Errors
+    /// One sentence if a text is not a preset.
+    pub fn built_in() -> Result<Vec<Preset>, PresetError> {
+        BUILT_IN.iter().map(|(name, _)| Preset::load(name)).collect()
+    }
+
     /// The preset of a built-in name or of a file.
     pub fn load(name_or_file: &str) -> Result<Preset, PresetError> {
         if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_file) {
@@ -135,10 +138,12 @@ impl Preset {
         match std::fs::read_to_string(Path::new(name_or_file)) {
             Ok(text) => Preset::parse(&text, name_or_file),
             Err(error) => {
-                let names: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+                let names = BUILT_IN.iter().map(|(name, _)| *name);
+                let near = names.min_by_key(|name| strsim::levenshtein(name, name_or_file));
+                let near = near.map(|name| format!("; did you mean {name}?")).unwrap_or_default();
                 Err(PresetError(format!(
-                    "preset {name_or_file} is neither a built-in preset ({}) nor a readable file ({error})",
-                    names.join(", ")
+                    "preset {name_or_file} is neither a built-in preset (`motor-fmu presets` lists them{near}) nor a \
+                     readable file ({error})"
                 )))
             }
         }
