@@ -11,7 +11,7 @@ const TESTS: &str = "tests/python/requirements.txt";
 const CROSS: &str = "tools/xtask/cross-requirements.txt";
 /// Of `cargo xtask importers`: what bindings to C are made with.
 const IMPORTERS: &str = "tests/importers/requirements.txt";
-const OLDEST: (u32, u32) = (3, 10);
+const OLDEST: (u32, u32) = (3, 11);
 /// The requirements of the venv; it is made again when they change.
 const STAMP: &str = "requirements.stamp";
 
@@ -98,8 +98,8 @@ mod tests {
 
     #[test]
     fn versions_compare_as_numbers() {
-        assert!(version("3 9").unwrap() < OLDEST);
-        assert!(version("3 10\n").unwrap() >= OLDEST);
+        assert!(version("3 10").unwrap() < OLDEST);
+        assert!(version("3 11\n").unwrap() >= OLDEST);
         assert!(version("4 0").unwrap() >= OLDEST);
         assert_eq!(version("Python 3"), None);
     }
