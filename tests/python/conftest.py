@@ -13,15 +13,18 @@ from clients.fmu import Archive
 LONGEST = (
     "test_example[08_walking_study]",
     "test_close_loop_hard",
+    "test_preset_library",
     "test_validator_faults",
-    "test_example[12_coupling_error]",
+    "test_effects_file",
+    "test_example[02_walking]",
+    "test_example[05_thesis]",
+    "test_reproduce",
+    "test_seed_runs",
     "test_example[07_refit_against_repair]",
     "test_example[04_close_the_loop_bench]",
-    "test_example[02_walking]",
     "test_close_loop",
+    "test_corpus",
     "test_bench_rig",
-    "test_reproduce",
-    "test_derivatives",
 )
 
 MODEL = "AnnulusCooledMotor"
