@@ -134,7 +134,7 @@ def test_missing_experiment(motor_fmu, tmp_path):
         (('role = "test"', 'role = "exam"'), ("experiment.toml:", "exam", "test")),
         (('role = "fit"', 'role = "validate"'), ("experiment.toml", "no run has role")),
         (("[10.0, 90.0]", "[90.0, 10.0]"), ("experiment.toml:14:", "window_s = [90, 10] is empty", "run-2.csv")),
-        (("maxon-305015", "no-such-preset"), ("experiment.toml", "no-such-preset", "maxon-305015")),
+        (("maxon-305015", "no-such-preset"), ("experiment.toml", "no-such-preset", "motor-fmu presets")),
         (("maxon-305015", "bdcm-37d"), ("experiment.toml", "bdcm-37d", "BrushedGearmotor", "AnnulusCooledMotor")),
         (("preset =", "present ="), ("experiment.toml:4:", "present")),
         (("[set]", "[set"), ("experiment.toml:7:",)),

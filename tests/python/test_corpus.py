@@ -280,7 +280,12 @@ def test_an_interrupt_leaves_nothing_behind(command, signal_name, program, fmus,
     arguments = command_line(case, command, fmus(case, 2), fmus(case, 2).parent)
     environment = {**os.environ, "TMPDIR": str(temporary)}
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    process = subprocess.Popen([program, *map(str, arguments)], env=environment, start_new_session=True, **silent)
+    # A test run in the background ignores SIGINT, which its children would inherit.
+    def heed():
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+    command = [program, *map(str, arguments)]
+    process = subprocess.Popen(command, env=environment, start_new_session=True, preexec_fn=heed, **silent)
     try:
         until(lambda: any(temporary.iterdir()))
         time.sleep(1.0)  # until the step that does not return

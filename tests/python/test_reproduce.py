@@ -144,7 +144,7 @@ def test_a_motor_without_a_steady_state(motor_fmu):
         (["steady", "--set", "motor.R_reff=1"], ["motor.R_reff", "motor.R_ref?"]),
         (["steady", "--set", "motor.R_ref=-1"], ["motor.R_ref = -1 Ohm", "0.0001"]),
         (["steady", "--set", "drive_mode=steam"], ["drive_mode = steam", "current"]),
-        (["steady", "--preset", "no-such"], ["no-such", "maxon-305015"]),
+        (["steady", "--preset", "no-such"], ["no-such", "motor-fmu presets"]),
         (["steady", "--model", "Motor"], ["unknown model Motor"]),
         (["sweep", "--vary", "fan_command=0:2:3"], ["--vary fan_command", "0 ... 1"]),
         (["sweep", "--vary", "fan_command=0:1"], ["--vary", "name=from:to:n"]),

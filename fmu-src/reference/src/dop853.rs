@@ -10,7 +10,7 @@ use differential_equations::prelude::*;
 
 /// First step, s: a fraction of L/R. The library's own guess may leave the limits within which a model has derivatives.
 const FIRST: f64 = 1e-6;
-/// Steps of one interval: so many, and so many for each second. A solution that needs more runs away.
+/// Steps of one interval: so many, and so many for each second. A solution that needs more diverges.
 const MOST: (usize, f64) = (1_000, 1e6);
 
 struct System<F>(F);

@@ -378,7 +378,10 @@ mod tests {
         assert!(other.contains("x.toml:2") && other.contains("AnnulusCooledMotor"), "{other}");
         let key = Preset::parse("nam = \"x\"\n", "x.toml").unwrap_err().to_string();
         assert!(key.contains("x.toml:1: nam is not a key"), "{key}");
-        let missing = Preset::load("no-such-preset").unwrap_err().to_string();
-        assert!(missing.contains("no-such-preset") && missing.contains("maxon-305015"), "{missing}");
+        let missing = Preset::load("maxon-305016").unwrap_err().to_string();
+        assert!(
+            missing.contains("maxon-305016") && missing.contains("did you mean maxon-305015?"),
+            "{missing}"
+        );
     }
 }
