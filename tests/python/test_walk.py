@@ -27,7 +27,7 @@ def test_a_walk_ends_at_the_windings_limit(motor_fmu, tmp_path):
     # Peaks, rms and powers also where there is no steady state.
     assert cold["at_limit"]["current_rms"] > 5.0 and cold["at_limit"]["joint_torque_peak"] == pytest.approx(1.37 * 75.0, rel=0.02)
     assert "adults" in cold["gait"] and "Grimmer" in cold["gait"]
-    assert cold["continuous"]["at"]["winding_temperature"] == pytest.approx(cold["limit"], abs=0.5)
+    assert 0.0 <= cold["limit"] - cold["continuous"]["at"]["winding_temperature"] < 0.05
 
 
 def test_cooling_and_less_torque_have_a_steady_state(motor_fmu):
