@@ -139,8 +139,7 @@ impl Preset {
             Ok(text) => Preset::parse(&text, name_or_file),
             Err(error) => {
                 let names = BUILT_IN.iter().map(|(name, _)| *name);
-                let near = names.min_by_key(|name| strsim::levenshtein(name, name_or_file));
-                let near = near.map(|name| format!("; did you mean {name}?")).unwrap_or_default();
+                let near = nearest(name_or_file, names);
                 Err(PresetError(format!(
                     "preset {name_or_file} is neither a built-in preset (`motor-fmu presets` lists them{near}) nor a \
                      readable file ({error})"
@@ -227,10 +226,15 @@ pub fn motor_data(declaration: &Declaration, value: impl Fn(&str) -> Option<f64>
     }
 }
 
+/// The question for the most similar of the known names; empty if there is none.
+fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let nearest = known.min_by_key(|candidate| strsim::levenshtein(candidate, name));
+    nearest.map(|candidate| format!("; did you mean {candidate}?")).unwrap_or_default()
+}
+
 /// One sentence about an unknown name, with the most similar known one.
 pub fn unknown(declaration: &Declaration, name: &str) -> String {
-    let nearest = declaration.entries.iter().min_by_key(|e| strsim::levenshtein(&e.name, name));
-    let hint = nearest.map(|e| format!("; did you mean {}?", e.name)).unwrap_or_default();
+    let hint = nearest(name, declaration.entries.iter().map(|e| e.name.as_str()));
     format!("{} has no variable {name}{hint}", declaration.name)
 }
 

@@ -4,7 +4,6 @@ use crate::{
     Outcome, bench, blind, cross, fuzz, importers, mutants, shell,
     stages::Stages,
     test::{self, Extent},
-    tidy,
     workspace::Workspace,
 };
 
@@ -25,7 +24,6 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     crate::no_arguments("nightly", arguments)?;
     let mut stages = Stages::default();
     test::common(workspace, Extent::Full, &mut stages);
-    stages.run("tidy with the benchmarks", || tidy::run(workspace, &[]));
     stages.run("physics against diffsol", || {
         let mut command =
             workspace.cargo(&["test", "--release", "--package", "physics", "--package", "reference"]);

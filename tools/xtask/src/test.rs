@@ -32,8 +32,10 @@ pub fn common(workspace: &Workspace, extent: Extent, stages: &mut Stages) {
         // Packages come from the network while the compiler has the processors.
         let python = scope.spawn(|| venv::python(workspace));
         let compiled = stages.run("compile", || shell::run(workspace.cargo(&["build"]).args(TARGETS)));
-        // The tests of `describe` compare the generated files, so `tidy` need not.
-        stages.run("tidy", || tidy::sources(workspace));
+        stages.run("tidy", || match extent {
+            Extent::Everyday => tidy::sources(workspace),
+            Extent::Full => tidy::run(workspace, &[]),
+        });
         stages.keeping("cargo test", || {
             let mut command = workspace.cargo(&["test", "--no-fail-fast"]);
             shell::run_keeping(command.args(TARGETS), is_cargo_closing)

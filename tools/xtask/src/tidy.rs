@@ -21,9 +21,12 @@ const CHECKS: &[Check] = &[
     ("licences", licenses::check),
 ];
 
-/// What the everyday run leaves to others: the tests of `describe` compare the generated files, and the benchmarks need criterion and
-/// diffsol, which take longer to compile than all of ours.
+/// Everything.
 const FURTHER: &[Check] = &[("lints", |w| lints(w, &[])), ("generated files", describe::check)];
+
+/// The everyday run: the tests of `describe` compare the generated files, and the benchmarks need criterion and diffsol, which take
+/// longer to compile than all of ours.
+const EVERYDAY: &[Check] = &[("lints", |w| lints(w, &["--exclude", "bench"]))];
 
 /// Runs every check, failed or not. Takes no arguments.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
@@ -33,12 +36,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
 
 /// Runs the checks that no test repeats; lints without the benchmarks.
 pub fn sources(workspace: &Workspace) -> Outcome {
-    all(
-        workspace,
-        CHECKS
-            .iter()
-            .chain(&[("lints", (|w| lints(w, &["--exclude", "bench"])) as fn(&Workspace) -> Outcome)]),
-    )
+    all(workspace, CHECKS.iter().chain(EVERYDAY))
 }
 
 fn lints(workspace: &Workspace, without: &[&str]) -> Outcome {

@@ -80,10 +80,11 @@ pub(super) fn stepped(
 ) -> Result<Rows, Fault> {
     let mut rows = vec![session.get_all(watched)?];
     // Times are multiples, not sums: sums would differ in the last bits.
-    let time = |k: usize| session.facts.start + h * k as f64 / parts as f64;
-    for (from, to) in (0..n).map(|k| (time(k), time(k + 1))).collect::<Vec<_>>() {
-        session.now = from;
-        if !session.step(to - from)? {
+    let start = session.facts.start;
+    let time = |k: usize| start + h * k as f64 / parts as f64;
+    for k in 0..n {
+        session.now = time(k);
+        if !session.step(time(k + 1) - time(k))? {
             break;
         }
         rows.push(session.get_all(watched)?);
