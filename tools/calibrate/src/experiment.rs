@@ -2,18 +2,25 @@
 
 mod channel;
 mod clock;
+mod columns;
+mod stamp;
 mod table;
+pub mod units;
 
 pub use channel::{CHANNELS, Channel};
 pub use table::Table;
 
 use crate::CalibrateError;
+use columns::ColumnText;
 use physics::declare::{Causality, Kind};
 use physics::model::{Declaration, Entry, ModelType};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::{Spanned, Value};
+
+/// The column of the ambient temperature.
+const AMBIENT: &str = "ambient_temperature_degC";
 
 /// What a run is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -94,6 +101,8 @@ pub struct Experiment {
 struct Document {
     experiment: Head,
     #[serde(default)]
+    columns: BTreeMap<Spanned<String>, ColumnText>,
+    #[serde(default)]
     set: BTreeMap<Spanned<String>, Value>,
     #[serde(default)]
     prior: BTreeMap<Spanned<String>, f64>,
@@ -167,6 +176,17 @@ impl Experiment {
             declaration,
             &place,
         )?;
+        // Temperatures rise above ambient: no default stands for it.
+        if inputs.iter().all(|c| c.column != AMBIENT)
+            && let Some(ambient) = Channel::inputs_of(declaration).find(|c| c.column == AMBIENT)
+        {
+            let message = format!(
+                "{} is not among the inputs; measure it, or add a column with its value, since all temperatures rise above it",
+                ambient.column
+            );
+            return Err(place.at(head.inputs.first().map_or(0, |i| i.span().start), &message));
+        }
+        let mapped = columns::read(&document.columns, &place)?;
         let mut set = modes(&inputs, declaration);
         set.extend(settings(&document.set, declaration, &place)?);
         let mut priors = Vec::new();
@@ -181,7 +201,7 @@ impl Experiment {
         let all: Vec<&'static Channel> = inputs.iter().chain(&outputs).copied().collect();
         let mut noise = BTreeMap::new();
         for (name, &deviation) in &document.noise {
-            let channel = all.iter().find(|c| c.column == name.get_ref()).ok_or_else(|| {
+            let channel = all.iter().find(|c| c.is_named(name.get_ref())).ok_or_else(|| {
                 place.at(
                     name.span().start,
                     &format!("{} is no input or output of the experiment", name.get_ref()),
@@ -202,18 +222,8 @@ impl Experiment {
                 return Err(place.at(start, &format!("window_s = [{from}, {to}] is empty in {}", run.file)));
             }
             let path = folder.join(&run.file);
-            let mut table = Table::read(&path, &all)?;
+            let mut table = Table::read(&path, &all, &mapped)?;
             table.set_clipped_aside(&path.display().to_string(), &all, inputs.len()..all.len());
-            if let Some((from, to)) = run.window_s
-                && !table.time.iter().any(|t| (from..=to).contains(t))
-            {
-                let (first, last) = (table.time[0], table.time[table.time.len() - 1]);
-                let message = format!(
-                    "window_s = [{from}, {to}] holds no row of {}, which runs from {first} s to {last} s",
-                    run.file
-                );
-                return Err(place.at(start, &message));
-            }
             let set = settings(&run.set, declaration, &place)?;
             for name in run.set.keys() {
                 if priors.iter().any(|p| p.name == *name.get_ref()) {
@@ -241,6 +251,20 @@ impl Experiment {
         if !runs.iter().any(|r| r.role == Role::Fit) {
             return Err(CalibrateError(format!("{}: no run has role = \"fit\"", place.file)));
         }
+        since_midnight(&mut runs);
+        for (run, text) in runs.iter().zip(&document.run) {
+            let time = &run.table.time;
+            if let Some((from, to)) = run.window
+                && !time.iter().any(|t| (from..=to).contains(t))
+            {
+                let (first, last) = (time[0], time[time.len() - 1]);
+                let message = format!(
+                    "window_s = [{from}, {to}] holds no row of {}, which runs from {first} s to {last} s",
+                    run.file
+                );
+                return Err(place.at(text.span().start, &message));
+            }
+        }
         let mut notes: Vec<String> = Vec::new();
         for note in runs.iter().flat_map(|r| &r.table.notes) {
             // A file may appear in several roles.
@@ -264,6 +288,16 @@ impl Experiment {
     }
 }
 
+/// Times of dates as seconds since the midnight before the first of them, which is the same for all files.
+fn since_midnight(runs: &mut [Run]) {
+    let dated = || runs.iter().filter(|r| r.table.dated).map(|r| r.table.time[0]);
+    let first = dated().fold(f64::INFINITY, f64::min);
+    let midnight = (first / stamp::DAY).floor() * stamp::DAY;
+    for run in runs.iter_mut().filter(|r| r.table.dated) {
+        run.table.time.iter_mut().for_each(|t| *t -= midnight);
+    }
+}
+
 fn model(name: &Spanned<String>, place: &Place) -> Result<&'static ModelType, CalibrateError> {
     physics::models::by_name(name.get_ref()).ok_or_else(|| {
         let known: Vec<&str> = physics::models::ALL.iter().map(|m| (m.declaration)().name).collect();
@@ -282,7 +316,7 @@ fn channels(
     let mut found: Vec<&'static Channel> = Vec::new();
     for column in columns {
         let name = column.get_ref();
-        let channel = possible.iter().find(|c| c.column == name).ok_or_else(|| {
+        let channel = possible.iter().find(|c| c.is_named(name)).ok_or_else(|| {
             let all: Vec<&str> = possible.iter().map(|c| c.column).collect();
             let message = format!("{name} is no {word} of {}; there is {}", declaration.name, all.join(", "));
             place.at(column.span().start, &message)

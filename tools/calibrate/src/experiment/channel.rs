@@ -4,7 +4,7 @@
 //! model counts. What fits one model must not mean another thing in the next: power_electrical is what one motor takes
 //! at its terminals and the copper heat alone of the other, so supply_power stands before it.
 
-use physics::declare::Causality;
+use physics::declare::{Causality, Unit};
 use physics::model::{Declaration, Node};
 use physics::terms::Driver;
 
@@ -13,6 +13,8 @@ use physics::terms::Driver;
 pub struct Channel {
     /// Name of the column, which ends in its unit.
     pub column: &'static str,
+    /// SI unit of the quantity.
+    pub unit: Unit,
     /// The model's input that it drives, where it can drive one.
     pub input: Option<&'static str>,
     /// The model's output that it is compared with, where there is one.
@@ -77,40 +79,41 @@ const CELSIUS: f64 = 273.15;
 
 const fn channel(
     column: &'static str,
+    unit: Unit,
     input: Option<&'static str>,
     output: Option<&'static str>,
-    offset: f64,
 ) -> Channel {
-    Channel { column, input, output, offset }
+    // Temperatures stand in degC.
+    let offset = if matches!(unit, Unit::Kelvin) { CELSIUS } else { 0.0 };
+    Channel { column, unit, input, output, offset }
 }
 
 /// Every column that a file may have beside `time_s`.
 pub const CHANNELS: &[Channel] = &[
-    channel("voltage_V", Some("voltage"), Some("terminal_voltage"), 0.0),
-    channel("voltage_V", None, Some("voltage"), 0.0),
-    channel("supply_voltage_V", Some("supply_voltage"), None, 0.0),
-    channel("current_A", Some("current_command"), Some("current"), 0.0),
-    channel("duty_1", Some("duty"), None, 0.0),
-    channel("electrical_power_W", None, Some("supply_power"), 0.0),
-    channel("electrical_power_W", Some("electrical_power"), Some("power_electrical"), 0.0),
-    channel("speed_rad_per_s", Some("imposed_speed"), Some("shaft_speed"), 0.0),
-    channel("load_torque_Nm", Some("load_torque"), None, 0.0),
-    channel("shaft_torque_Nm", None, Some("shaft_torque"), 0.0),
-    channel("fan_command_1", Some("fan_command"), None, 0.0),
-    channel("ambient_temperature_degC", Some("ambient_temperature"), None, CELSIUS),
-    channel("ambient_pressure_Pa", Some("ambient_pressure"), None, 0.0),
-    channel("winding_temperature_degC", None, Some("winding_temperature"), CELSIUS),
-    channel("stator_temperature_degC", None, Some("stator_temperature"), CELSIUS),
-    channel("housing_temperature_degC", None, Some("housing_temperature"), CELSIUS),
-    channel("box_temperature_degC", None, Some("box_temperature"), CELSIUS),
-    channel("magnet_temperature_degC", None, Some("magnet_temperature"), CELSIUS),
-    channel("air_outlet_temperature_degC", None, Some("air_outlet_temperature"), CELSIUS),
+    channel("voltage_V", Unit::Volt, Some("voltage"), Some("terminal_voltage")),
+    channel("voltage_V", Unit::Volt, None, Some("voltage")),
+    channel("supply_voltage_V", Unit::Volt, Some("supply_voltage"), None),
+    channel("current_A", Unit::Ampere, Some("current_command"), Some("current")),
+    channel("duty_1", Unit::One, Some("duty"), None),
+    channel("electrical_power_W", Unit::Watt, None, Some("supply_power")),
+    channel("electrical_power_W", Unit::Watt, Some("electrical_power"), Some("power_electrical")),
+    channel("speed_rad_per_s", Unit::RadianPerSecond, Some("imposed_speed"), Some("shaft_speed")),
+    channel("load_torque_Nm", Unit::NewtonMetre, Some("load_torque"), None),
+    channel("shaft_torque_Nm", Unit::NewtonMetre, None, Some("shaft_torque")),
+    channel("fan_command_1", Unit::One, Some("fan_command"), None),
+    channel("ambient_temperature_degC", Unit::Kelvin, Some("ambient_temperature"), None),
+    channel("ambient_pressure_Pa", Unit::Pascal, Some("ambient_pressure"), None),
+    channel("winding_temperature_degC", Unit::Kelvin, None, Some("winding_temperature")),
+    channel("stator_temperature_degC", Unit::Kelvin, None, Some("stator_temperature")),
+    channel("housing_temperature_degC", Unit::Kelvin, None, Some("housing_temperature")),
+    channel("box_temperature_degC", Unit::Kelvin, None, Some("box_temperature")),
+    channel("magnet_temperature_degC", Unit::Kelvin, None, Some("magnet_temperature")),
+    channel("air_outlet_temperature_degC", Unit::Kelvin, None, Some("air_outlet_temperature")),
 ];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use physics::declare::Unit;
 
     fn declaration(model: &str) -> &'static Declaration {
         (physics::models::by_name(model).unwrap().declaration)()
@@ -131,6 +134,8 @@ mod tests {
                         other => other.name(),
                     };
                     assert!(channel.column.ends_with(unit), "{} and {unit}", channel.column);
+                    assert_eq!(channel.unit, entry.row.unit, "{}", channel.column);
+                    assert_ne!(channel.quantity(), channel.column);
                     found += 1;
                 }
             }

@@ -197,7 +197,7 @@ mod tests {
                 .collect(),
             (0..1200).map(|k: usize| temperature[k.saturating_sub(late[1])] + 0.3 * noise()).collect(),
         ];
-        let table = Table { time, columns, notes: Vec::new() };
+        let table = Table { time, columns, dated: false, notes: Vec::new() };
         Run {
             file: file.to_string(),
             role: Role::Fit,

@@ -1,6 +1,9 @@
 //! One CSV file of a run: checked, in SI units, blanks as gaps.
 
 use super::channel::Channel;
+use super::columns::{Column, TIME};
+use super::stamp::{DAY, Stamp};
+use super::units::FileUnit;
 use crate::CalibrateError;
 use std::path::Path;
 
@@ -11,6 +14,8 @@ pub struct Table {
     pub time: Vec<f64>,
     /// One column for each wanted channel; NaN where nothing was measured.
     pub columns: Vec<Vec<f64>>,
+    /// Whether its times are dates: seconds since 1970-01-01.
+    pub dated: bool,
     /// What is odd but no error, in sentences.
     pub notes: Vec<String>,
 }
@@ -26,56 +31,102 @@ const NEXT: usize = 8;
 const GAP: f64 = 5.0;
 
 impl Table {
-    /// Reads the channels that an experiment wants from a file; `wanted` in the order of [`Table::columns`].
+    /// Reads the channels that an experiment wants from a file; `wanted` in the order of [`Table::columns`], `mapped` the
+    /// headers of `[columns]`.
     ///
     /// # Errors
     /// One sentence with file and line: no such file, a missing column, no number, time that does not rise.
-    pub fn read(path: &Path, wanted: &[&'static Channel]) -> Result<Table, CalibrateError> {
+    pub fn read(
+        path: &Path,
+        wanted: &[&'static Channel],
+        mapped: &[Column],
+    ) -> Result<Table, CalibrateError> {
         let file = path.display();
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
-        Table::parse(&text, &file.to_string(), wanted)
+        let bytes = std::fs::read(path).map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
+        // What is no UTF-8 is ISO 8859-1, whose bytes are code points.
+        let text = String::from_utf8(bytes)
+            .unwrap_or_else(|e| e.into_bytes().iter().map(|byte| char::from(*byte)).collect());
+        Table::parse(&text, &file.to_string(), wanted, mapped)
     }
 
     /// The table of a text; `file` names it in errors.
-    pub fn parse(text: &str, file: &str, wanted: &[&'static Channel]) -> Result<Table, CalibrateError> {
+    pub fn parse(
+        text: &str,
+        file: &str,
+        wanted: &[&'static Channel],
+        mapped: &[Column],
+    ) -> Result<Table, CalibrateError> {
         let at = |line: u64, message: String| CalibrateError(format!("{file}:{line}: {message}"));
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let text = text.trim_start_matches('\u{feff}');
+        let apart = separator(text);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .delimiter(apart)
+            .comment(Some(b'#'))
+            .from_reader(text.as_bytes());
         let header = reader.headers().map_err(|e| at(1, format!("the header cannot be read: {e}")))?.clone();
-        let place = |name: &str| {
-            header.iter().position(|h| h == name).ok_or_else(|| {
-                let there: Vec<&str> = header.iter().collect();
-                at(1, format!("the column {name} is missing; there is {}", there.join(", ")))
-            })
-        };
-        let time_at = place("time_s")?;
+        let line = header.position().map_or(1, csv::Position::line);
+        let place = |column: &str| source(&header, column, mapped).map_err(|message| at(line, message));
+        let (time_at, time_unit) = place(TIME)?;
         let places = wanted.iter().map(|c| place(c.column)).collect::<Result<Vec<_>, _>>()?;
-        let mut table =
-            Table { time: Vec::new(), columns: vec![Vec::new(); wanted.len()], notes: Vec::new() };
+        let mut table = Table {
+            time: Vec::new(),
+            columns: vec![Vec::new(); wanted.len()],
+            dated: false,
+            notes: Vec::new(),
+        };
+        let has_comma = apart != b',';
+        let (mut repeated, mut midnights, mut before) = (0, 0.0, None);
         for record in reader.records() {
             let record = record.map_err(|e| {
                 let line = e.position().map_or(0, csv::Position::line);
-                at(line, format!("the row does not fit the header: {e}"))
+                let why = if has_comma {
+                    ""
+                } else {
+                    " (a file with decimal commas needs semicolons between columns)"
+                };
+                at(line, format!("the row does not fit the header: {e}{why}"))
             })?;
             let line = record.position().map_or(0, csv::Position::line);
-            let time = number(&record[time_at], "time_s", false).map_err(|m| at(line, m))?;
+            if before.as_ref() == Some(&record) {
+                repeated += 1;
+                continue;
+            }
+            let mut time = match time_of(&record[time_at], has_comma).map_err(|m| at(line, m))? {
+                Stamp::Number(number) => time_unit.map_or(number, |u| u.factor * number),
+                Stamp::Date(seconds) => {
+                    table.dated = true;
+                    seconds
+                }
+                Stamp::Clock(seconds) => seconds + midnights,
+            };
             if let Some(last) = table.time.last().filter(|last| time <= **last) {
-                return Err(at(
-                    line,
-                    format!("time_s = {time} s does not come after {last} s of the row before"),
-                ));
+                // A clock that goes on after 23:59.
+                if record[time_at].contains(':') && !table.dated && last - time > 0.5 * DAY {
+                    midnights += DAY;
+                    time += DAY;
+                } else {
+                    return Err(at(
+                        line,
+                        format!("time_s = {time} s does not come after {last} s of the row before"),
+                    ));
+                }
             }
             table.time.push(time);
-            for ((channel, k), column) in wanted.iter().zip(&places).zip(&mut table.columns) {
-                let value = number(&record[*k], channel.column, true).map_err(|m| at(line, m))?;
-                column.push(value + channel.offset);
+            for ((channel, (k, unit)), column) in wanted.iter().zip(&places).zip(&mut table.columns) {
+                let value = number(&record[*k], channel.column, has_comma).map_err(|m| at(line, m))?;
+                column.push(unit.map_or(value + channel.offset, |u| u.factor * value + u.offset));
             }
+            before = Some(record);
         }
         if table.time.len() < 2 {
             return Err(CalibrateError(format!(
                 "{file}: {} rows are no run; two are the least",
                 table.time.len()
             )));
+        }
+        if repeated > 0 {
+            table.notes.push(format!("{file}: {repeated} rows repeat the row before them and are set aside"));
         }
         table.set_dead_aside(file, wanted);
         table.note_gaps(file);
@@ -152,16 +203,69 @@ fn clipped(column: &[f64], side: f64) -> Option<f64> {
     (next.len() == NEXT && first.len() >= CLIPPED * usual).then_some(side * first[0])
 }
 
-/// The number of a cell; a blank is NaN where it may be. One sentence else.
-fn number(cell: &str, column: &str, may_be_blank: bool) -> Result<f64, String> {
-    if cell.is_empty() {
-        return if may_be_blank {
-            Ok(f64::NAN)
-        } else {
-            Err(format!("{column} is blank; every row needs a time"))
-        };
+/// What separates the cells of a text: the most frequent of semicolon, tabulator and comma in its header, in this order.
+fn separator(text: &str) -> u8 {
+    let header = text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
+    *b";\t,".iter().find(|mark| header.as_bytes().contains(mark)).unwrap_or(&b',')
+}
+
+/// Where a column of the contract stands in a file, and its unit if `[columns]` has it. One sentence else.
+fn source(
+    header: &csv::StringRecord,
+    column: &str,
+    mapped: &[Column],
+) -> Result<(usize, Option<FileUnit>), String> {
+    let at = |name: &str| header.iter().position(|h| h == name);
+    let there: Vec<(usize, &Column)> =
+        mapped.iter().filter(|c| c.column == column).filter_map(|c| Some((at(&c.header)?, c))).collect();
+    match there[..] {
+        [(k, found)] => Ok((k, Some(found.unit))),
+        [(_, a), (_, b), ..] => Err(format!("{} and {} both record {column}", a.header, b.header)),
+        [] => at(column).map(|k| (k, None)).ok_or_else(|| {
+            let headers: Vec<&str> = header.iter().collect();
+            let names: Vec<&str> =
+                mapped.iter().filter(|c| c.column == column).map(|c| c.header.as_str()).collect();
+            let or = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+            format!(
+                "the column {column}{or} is missing; there is {}. [columns] can map another header to it; leave the cells of a \
+                 channel blank that this run did not measure",
+                headers.join(", ")
+            )
+        }),
     }
-    match cell.parse::<f64>() {
+}
+
+/// A cell with a decimal point in place of a decimal comma.
+fn pointed(cell: &str, has_comma: bool) -> std::borrow::Cow<'_, str> {
+    if has_comma && cell.contains(',') && !cell.contains('.') {
+        cell.replace(',', ".").into()
+    } else {
+        cell.into()
+    }
+}
+
+/// The time of a cell. One sentence else.
+fn time_of(cell: &str, has_comma: bool) -> Result<Stamp, String> {
+    if cell.is_empty() {
+        return Err("time_s is blank; every row needs a time".to_string());
+    }
+    match Stamp::of(&pointed(cell, has_comma)) {
+        Some(Stamp::Number(number)) if !number.is_finite() => {
+            Err(format!("time_s = {cell} is not a finite number"))
+        }
+        Some(stamp) => Ok(stamp),
+        None => {
+            Err(format!("time_s = {cell} is not a number, nor a time as 2025-11-19T14:30:00 or 14:30:00"))
+        }
+    }
+}
+
+/// The number of a cell; a blank is NaN. One sentence else.
+fn number(cell: &str, column: &str, has_comma: bool) -> Result<f64, String> {
+    if cell.is_empty() {
+        return Ok(f64::NAN);
+    }
+    match pointed(cell, has_comma).parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(format!("{column} = {cell} is not a finite number; leave blank what was not measured")),
         Err(_) => Err(format!("{column} = {cell} is not a number; leave blank what was not measured")),
@@ -174,7 +278,7 @@ mod tests {
 
     fn read(text: &str) -> Result<Table, CalibrateError> {
         let wanted = ["current_A", "winding_temperature_degC"].map(|c| Channel::of(c).unwrap());
-        Table::parse(text, "run.csv", &wanted)
+        Table::parse(text, "run.csv", &wanted, &[])
     }
 
     const HEADER: &str = "time_s,winding_temperature_degC,current_A\n";

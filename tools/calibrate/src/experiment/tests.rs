@@ -163,3 +163,90 @@ role = "fit"
         "{sentence}"
     );
 }
+
+const MAPPED: &str = r#"
+[columns]
+"Zeit"              = { name = "time" }
+"I [mA]"            = { name = "current", unit = "mA" }
+"n [1/min]"         = { name = "speed", unit = "rpm" }
+"Umgebung [°F]"     = { name = "ambient_temperature_degC", unit = "°F" }
+"Klemmenspannung/V" = { name = "voltage" }
+"T_W [K]"           = { name = "winding_temperature", unit = "K" }
+[[run]]
+file = "a.csv"
+role = "fit"
+"#;
+
+fn read_with(rest: &str, rows: &[u8]) -> Result<Experiment, CalibrateError> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.csv"), rows).unwrap();
+    Experiment::parse(&format!("{HEAD}{rest}"), "e.toml".to_string(), folder.path())
+}
+
+/// A file as a logger writes it: its own headers and units, semicolons, decimal commas, dates, a repeated row, no UTF-8.
+#[test]
+fn a_foreign_file_is_read_through_its_columns() {
+    let rows = "# a logger's own remark\nZeit;I [mA];n [1/min];Umgebung [°F];Klemmenspannung/V;T_W [K]\n\
+                2025-11-19T23:59:59,5;1500;955,5;68;3,25;293,15\n\
+                2025-11-20T00:00:01;1500;955,5;68;;293,65\n2025-11-20T00:00:01;1500;955,5;68;;293,65\n\
+                2025-11-20T00:00:03;-1.5e3;0;68;3;294,15\n";
+    let latin: Vec<u8> = rows.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+    for bytes in [rows.as_bytes(), &latin] {
+        let found = read_with(MAPPED, bytes).unwrap();
+        let table = &found.runs[0].table;
+        assert_eq!(table.time, [86_399.5, 86_401.0, 86_403.0]);
+        let near = |column: usize, row: usize, value: f64| {
+            assert!((table.columns[column][row] - value).abs() < 1e-4, "{column} {row}: {:?}", table.columns);
+        };
+        near(0, 0, 1.5);
+        near(0, 2, -1.5);
+        near(1, 0, 100.059_73);
+        near(2, 0, 293.15);
+        near(3, 0, 3.25);
+        near(4, 1, 293.65);
+        assert!(table.columns[3][1].is_nan());
+        let notes: Vec<&String> = found.notes.iter().filter(|n| n.contains("set aside")).collect();
+        assert!(notes.len() == 1 && notes[0].contains("1 rows repeat"), "{:?}", found.notes);
+    }
+}
+
+/// A clock without dates goes on after midnight, and a column may keep its contract name beside mapped ones.
+#[test]
+fn clocks_and_names_of_the_contract() {
+    let rows =
+        RUN.replace("\n0,", "\n23:59:58,").replace("\n2,", "\n00:00:00.5,").replace("\n4,", "\n0:00:02,");
+    let found = read_with("[[run]]\nfile = \"a.csv\"\nrole = \"fit\"\n", rows.as_bytes()).unwrap();
+    assert_eq!(found.runs[0].table.time, [86_398.0, 86_400.5, 86_402.0]);
+    // Short names among inputs and outputs.
+    let short = format!("{HEAD}{REST}")
+        .replace("\"speed_rad_per_s\"", "\"speed\"")
+        .replace("\"voltage_V\"", "\"voltage\"");
+    assert_eq!(
+        (read(&short).unwrap().inputs[1].column, read(&short).unwrap().outputs[0].column),
+        ("speed_rad_per_s", "voltage_V")
+    );
+}
+
+#[test]
+fn columns_that_cannot_be_are_named_with_line() {
+    for (from, to, parts) in [
+        ("\"current\"", "\"curent\"", ["e.toml:10:", "curent is no quantity"]),
+        ("unit = \"rpm\"", "unit = \"N.m\"", ["e.toml:11:", "N.m is no unit of speed; there is rad/s, rpm"]),
+        ("{ name = \"time\" }", "{ nome = \"time\" }", ["e.toml:9:", "nome"]),
+        ("\"n [1/min]\" ", "\"n (1/min)\" ", ["a.csv:1:", "speed_rad_per_s (n (1/min)) is missing"]),
+        ("\"T_W [K]\" ", "\"Klemmenspannung\" ", ["a.csv:1:", "winding_temperature_degC (Klemmenspannung)"]),
+    ] {
+        let rows =
+            "Zeit;I [mA];n [1/min];Umgebung [°F];Klemmenspannung/V;T_W [K]\n0;1;2;68;3;293\n1;1;2;68;3;293\n";
+        assert!(MAPPED.contains(from), "{from}");
+        let sentence = read_with(&MAPPED.replace(from, to), rows.as_bytes()).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| sentence.contains(part)), "{sentence}");
+    }
+    let twice = MAPPED.replace("\"T_W [K]\" ", "\"I2\" = { name = \"current\" }\n\"T_W [K]\" ");
+    let rows = "Zeit;I [mA];I2;n [1/min];Umgebung [°F];Klemmenspannung/V;T_W [K]\n0;1;1;2;68;3;293\n1;1;1;2;68;3;293\n";
+    let sentence = read_with(&twice, rows.as_bytes()).unwrap_err().to_string();
+    assert!(sentence.contains("I [mA] and I2 both record current_A"), "{sentence}");
+    let without = HEAD.replace(", \"ambient_temperature_degC\"", "");
+    let sentence = read(&format!("{without}{REST}")).unwrap_err().to_string();
+    assert!(sentence.starts_with("e.toml:5: ambient_temperature_degC is not among the inputs"), "{sentence}");
+}

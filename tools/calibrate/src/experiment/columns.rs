@@ -1,0 +1,91 @@
+//! `[columns]`: headers of a file, the quantities that they record and their units.
+
+use super::Place;
+use super::channel::{CHANNELS, Channel};
+use super::units::{self, FileUnit};
+use crate::CalibrateError;
+use physics::declare::Unit;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+/// The column of the time in files, and its quantity.
+pub const TIME: &str = "time_s";
+const TIME_QUANTITY: &str = "time";
+
+/// A header with what it records.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnText {
+    name: Spanned<String>,
+    unit: Option<Spanned<String>>,
+}
+
+/// A header of a file and the column of the contract that it stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// The header in the file.
+    pub header: String,
+    /// The contract's name of the column.
+    pub column: &'static str,
+    /// Its unit in the file.
+    pub unit: FileUnit,
+}
+
+/// The columns of `[columns]`.
+pub fn read(
+    table: &BTreeMap<Spanned<String>, ColumnText>,
+    place: &Place,
+) -> Result<Vec<Column>, CalibrateError> {
+    let one = |(header, text): (&Spanned<String>, &ColumnText)| {
+        let (name, at) = (text.name.get_ref(), text.name.span().start);
+        let (column, si) = quantity(name).ok_or_else(|| {
+            let mut known: Vec<&str> = vec![TIME_QUANTITY];
+            known.extend(CHANNELS.iter().map(Channel::quantity));
+            // A channel of several models stands there for each, one after the other.
+            known.dedup();
+            place.at(at, &format!("{name} is no quantity of a bench; there is {}", known.join(", ")))
+        })?;
+        let unit = match &text.unit {
+            None => &units::units(si)[0],
+            Some(unit) => units::by_name(si, unit.get_ref()).ok_or_else(|| {
+                let known: Vec<&str> = units::units(si).iter().map(|u| u.names[0]).collect();
+                let message =
+                    format!("{} is no unit of {name}; there is {}", unit.get_ref(), known.join(", "));
+                place.at(unit.span().start, &message)
+            })?,
+        };
+        Ok(Column { header: header.get_ref().clone(), column, unit: *unit })
+    };
+    table.iter().map(one).collect()
+}
+
+/// The column of a quantity, or of its own name, and the SI unit.
+fn quantity(name: &str) -> Option<(&'static str, Unit)> {
+    if name == TIME_QUANTITY || name == TIME {
+        return Some((TIME, Unit::Second));
+    }
+    CHANNELS.iter().find(|c| c.is_named(name)).map(|c| (c.column, c.unit))
+}
+
+impl Channel {
+    /// The quantity: the column without its unit.
+    pub fn quantity(&self) -> &'static str {
+        let end = match self.unit {
+            Unit::Kelvin => "_degC",
+            Unit::NewtonMetre => "_Nm",
+            Unit::RadianPerSecond => "_rad_per_s",
+            Unit::Volt => "_V",
+            Unit::Ampere => "_A",
+            Unit::Watt => "_W",
+            Unit::Pascal => "_Pa",
+            _ => "_1",
+        };
+        self.column.strip_suffix(end).unwrap_or(self.column)
+    }
+
+    /// Whether it goes by this name: its column or its quantity.
+    pub fn is_named(&self, name: &str) -> bool {
+        self.column == name || self.quantity() == name
+    }
+}
