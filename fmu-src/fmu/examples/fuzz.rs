@@ -1,6 +1,9 @@
 //! A given number of random calls of each model: `cargo xtask fuzz --calls 1000000`.
 
-#[path = "../tests/common/fuzz.rs"]
+#[path = "../tests/common/mod.rs"]
+#[allow(dead_code)] // the other tests use the rest
+mod common;
+#[path = "../tests/fuzz.rs"]
 mod fuzz;
 
 use std::time::{SystemTime, UNIX_EPOCH};

@@ -1,133 +1,39 @@
 //! A step allocates no memory: in every model, in every combination of its modes, in both standards and both interfaces.
 
+use crate::common::{CS2, How, Importer, KINDS, MODELS, Options, Succeeds, reals};
 use crate::counting::allocations;
-use motor_fmu::fmi2::*;
-use motor_fmu::fmi3::*;
-use motor_fmu::logger::Status;
-use physics::declare::{Causality, Elements, Kind, Variability};
-use physics::model::{Declaration, Element, Entry, ModelType};
-use std::ffi::{CString, c_int, c_void};
-use std::ptr::{null, null_mut};
+use physics::declare::{Causality, Kind};
+use physics::model::{Declaration, Entry, ModelType};
 
 /// Steps of a run: some reversals of every input.
 const STEPS: u32 = 60;
 const STEP: f64 = 1e-3;
 
-/// Standard and interface.
-const KINDS: [(bool, bool); 4] = [(false, false), (false, true), (true, false), (true, true)];
-
 /// An instance that is ready to step or to be integrated.
 struct Running {
-    handle: *mut c_void,
-    three: bool,
+    importer: Importer,
     exchange: bool,
     inputs: Vec<&'static Entry>,
     outputs: Vec<u32>,
-    states: Vec<f64>,
     values: Vec<f64>,
-}
-
-fn ok(status: Status) {
-    assert_eq!(status, Status::Ok);
+    states: Vec<f64>,
+    rates: Vec<f64>,
 }
 
 impl Running {
-    fn new(kind: &ModelType, (three, exchange): (bool, bool), choices: &[(u32, i32)]) -> Running {
-        let declaration: &'static Declaration = (kind.declaration)();
-        let token = CString::new(declaration.token.clone()).unwrap();
-        let handle = unsafe {
-            match (three, exchange) {
-                (false, _) => fmi2Instantiate(
-                    c"a".as_ptr(),
-                    c_int::from(!exchange),
-                    token.as_ptr(),
-                    null(),
-                    null(),
-                    0,
-                    0,
-                ),
-                (true, true) => fmi3InstantiateModelExchange(
-                    c"a".as_ptr(),
-                    token.as_ptr(),
-                    null(),
-                    0,
-                    0,
-                    null_mut(),
-                    None,
-                ),
-                (true, false) => fmi3InstantiateCoSimulation(
-                    c"a".as_ptr(),
-                    token.as_ptr(),
-                    null(),
-                    0,
-                    0,
-                    0,
-                    0,
-                    null(),
-                    0,
-                    null_mut(),
-                    None,
-                    None,
-                ),
-            }
-        };
-        assert!(!handle.is_null());
-        let real = |role: Causality| {
-            let wanted = move |e: &&'static Entry| e.row.causality == role && e.row.kind == Kind::Real;
-            declaration.entries.iter().filter(wanted)
-        };
-        let moves = |e: &&'static Entry| e.row.variability == Variability::Continuous;
-        let outputs: Vec<u32> = real(Causality::Output).map(|e| e.value_reference).collect();
-        let running = Running {
-            handle,
-            three,
-            exchange,
-            inputs: real(Causality::Input).filter(moves).collect(),
+    fn new(kind: &ModelType, how: How, choices: &[(&str, f64)]) -> Running {
+        let importer = Importer::instantiated(kind, how, Options::default()).started(choices);
+        let declaration = importer.declaration;
+        let outputs: Vec<u32> = reals(declaration, Causality::Output).map(|e| e.value_reference).collect();
+        let states = vec![0.0; importer.number_of_states()];
+        Running {
+            importer,
+            exchange: how.1,
+            inputs: reals(declaration, Causality::Input).filter(|e| e.is_continuous_input()).collect(),
             values: vec![0.0; outputs.len()],
             outputs,
-            states: vec![0.0; states(declaration)],
-        };
-        unsafe {
-            for (reference, value) in choices {
-                ok(match three {
-                    true => fmi3SetInt64(handle, reference, 1, &i64::from(*value), 1),
-                    false => fmi2SetInteger(handle, reference, 1, value),
-                });
-            }
-            if three {
-                ok(fmi3EnterInitializationMode(handle, 0, 0.0, 0.0, 0, 0.0));
-                ok(fmi3ExitInitializationMode(handle));
-            } else {
-                ok(fmi2SetupExperiment(handle, 0, 0.0, 0.0, 0, 0.0));
-                ok(fmi2EnterInitializationMode(handle));
-                ok(fmi2ExitInitializationMode(handle));
-            }
-        }
-        if exchange {
-            running.to_continuous_time();
-        }
-        running
-    }
-
-    fn to_continuous_time(&self) {
-        let h = self.handle;
-        unsafe {
-            if self.three {
-                let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
-                ok(fmi3UpdateDiscreteStates(h, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t));
-                ok(fmi3EnterContinuousTimeMode(h));
-            } else {
-                let mut info = EventInfo {
-                    new_discrete_states_needed: 0,
-                    terminate_simulation: 0,
-                    nominals_changed: 0,
-                    values_changed: 0,
-                    next_event_time_defined: 0,
-                    next_event_time: 0.0,
-                };
-                ok(fmi2NewDiscreteStates(h, &mut info));
-                ok(fmi2EnterContinuousTimeMode(h));
-            }
+            rates: states.clone(),
+            states,
         }
     }
 
@@ -135,101 +41,45 @@ impl Running {
     fn run(&mut self, from: u32) {
         for k in from..from + STEPS {
             let t = f64::from(k) * STEP;
-            for n in 0..self.inputs.len() {
-                let row = &self.inputs[n].row;
+            for (n, input) in self.inputs.iter().enumerate() {
                 // Every input reverses, at a frequency of its own, around its start value.
                 let wave = (f64::from(k) * (0.3 + 0.07 * n as f64)).sin();
+                let row = &input.row;
                 let value = (row.start + 0.5 * row.nominal * wave).clamp(row.min, row.max);
-                let reference = self.inputs[n].value_reference;
-                ok(unsafe {
-                    match self.three {
-                        true => fmi3SetFloat64(self.handle, &reference, 1, &value, 1),
-                        false => fmi2SetReal(self.handle, &reference, 1, &value),
-                    }
-                });
+                self.importer.set_reals(&[input.value_reference], &[value]).ok();
             }
-            match self.exchange {
-                true => self.evaluate(t + STEP),
-                false => self.step(t),
+            if self.exchange {
+                self.evaluate(t + STEP);
+            } else {
+                self.importer.step(t, STEP).ok();
             }
-            let (references, count) = (self.outputs.as_ptr(), self.outputs.len());
-            let values = self.values.as_mut_ptr();
-            ok(unsafe {
-                match self.three {
-                    true => fmi3GetFloat64(self.handle, references, count, values, count),
-                    false => fmi2GetReal(self.handle, references, count, values),
-                }
-            });
+            self.importer.get_reals(&self.outputs, &mut self.values).ok();
         }
-    }
-
-    fn step(&self, t: f64) {
-        let (mut a, mut b, mut c, mut last) = (0, 0, 0, 0.0);
-        ok(unsafe {
-            match self.three {
-                true => fmi3DoStep(self.handle, t, STEP, 1, &mut a, &mut b, &mut c, &mut last),
-                false => fmi2DoStep(self.handle, t, STEP, 1),
-            }
-        });
     }
 
     fn evaluate(&mut self, t: f64) {
-        let (h, n, x) = (self.handle, self.states.len(), self.states.as_mut_ptr());
-        let mut rates = [0.0; 128];
-        let mut flags = (0u8, 0u8);
-        let mut whole: (c_int, c_int) = (0, 0);
-        unsafe {
-            if self.three {
-                ok(fmi3SetTime(h, t));
-                ok(fmi3GetContinuousStates(h, x, n));
-                ok(fmi3SetContinuousStates(h, x, n));
-                ok(fmi3GetContinuousStateDerivatives(h, rates.as_mut_ptr(), n));
-                ok(fmi3CompletedIntegratorStep(h, 1, &mut flags.0, &mut flags.1));
-            } else {
-                ok(fmi2SetTime(h, t));
-                ok(fmi2GetContinuousStates(h, x, n));
-                ok(fmi2SetContinuousStates(h, x, n));
-                ok(fmi2GetDerivatives(h, rates.as_mut_ptr(), n));
-                ok(fmi2CompletedIntegratorStep(h, 1, &mut whole.0, &mut whole.1));
-            }
-        }
+        let fmu = *self.importer;
+        fmu.set_time(t).ok();
+        fmu.get_states(&mut self.states).ok();
+        fmu.set_states(&self.states).ok();
+        fmu.get_rates(&mut self.rates).ok();
+        fmu.complete().0.ok();
         // Explicit Euler is enough to move every state.
-        for (x, rate) in self.states.iter_mut().zip(rates) {
+        for (x, rate) in self.states.iter_mut().zip(&self.rates) {
             *x += 1e-2 * STEP * rate;
         }
-        ok(unsafe {
-            match self.three {
-                true => fmi3SetContinuousStates(h, self.states.as_ptr(), n),
-                false => fmi2SetContinuousStates(h, self.states.as_ptr(), n),
-            }
-        });
+        fmu.set_states(&self.states).ok();
     }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        unsafe { if self.three { fmi3FreeInstance(self.handle) } else { fmi2FreeInstance(self.handle) } }
-    }
-}
-
-/// States of the model with the number of elements that it starts with.
-fn states(declaration: &Declaration) -> usize {
-    let shown = |[k, _]: &&[usize; 2]| match declaration.entries[*k].element {
-        Some(Element { index, of: Elements::UpTo(_, parameter), .. }) => {
-            f64::from(index) <= declaration.by_name(parameter).unwrap().row.start
-        }
-        _ => true,
-    };
-    declaration.states.iter().filter(shown).count()
 }
 
 /// Every combination of the choices of a model, effects' own apart.
-fn combinations(declaration: &Declaration) -> Vec<Vec<(u32, i32)>> {
+fn combinations(declaration: &Declaration) -> Vec<Vec<(&str, f64)>> {
     let mut all = vec![Vec::new()];
     for entry in declaration.entries.iter().filter(|e| !e.name.starts_with("effect.") && e.is_settable()) {
         let Kind::Enumeration(of) = entry.row.kind else { continue };
         let with = |item: i32| {
-            all.iter().map(move |one: &Vec<_>| [&one[..], &[(entry.value_reference, item)]].concat())
+            let choice = (entry.name.as_str(), f64::from(item));
+            all.iter().map(move |one: &Vec<_>| [&one[..], &[choice]].concat())
         };
         all = of.items.iter().flat_map(|item| with(item.value)).collect();
     }
@@ -240,7 +90,7 @@ fn combinations(declaration: &Declaration) -> Vec<Vec<(u32, i32)>> {
 fn a_step_allocates_nothing_in_any_mode() {
     assert!(allocations(|| drop(std::hint::black_box(Box::new(1)))) > 0, "the counter counts");
     let mut cases = 0;
-    for kind in physics::models::ALL {
+    for kind in MODELS {
         let declaration = (kind.declaration)();
         for choices in combinations(declaration) {
             for how in KINDS {
@@ -264,13 +114,11 @@ fn a_step_allocates_nothing_in_any_mode() {
 /// A state that is saved again takes the place of the old one.
 #[test]
 fn saving_a_state_again_allocates_nothing() {
-    for kind in physics::models::ALL {
-        let mut running = Running::new(kind, (false, false), &[]);
-        let mut state = null_mut();
-        unsafe { ok(fmi2GetFMUstate(running.handle, &mut state)) };
+    for kind in MODELS {
+        let mut running = Running::new(kind, CS2, &[]);
+        let mut saved = running.importer.save();
         running.run(0);
-        let count = allocations(|| unsafe { ok(fmi2GetFMUstate(running.handle, &mut state)) });
+        let count = allocations(|| running.importer.get_state(&mut saved.state).ok());
         assert_eq!(count, 0, "{}", (kind.declaration)().name);
-        unsafe { ok(fmi2FreeFMUstate(running.handle, &mut state)) };
     }
 }

@@ -2,8 +2,6 @@
 
 mod common;
 mod counting;
-#[path = "common/fuzz.rs"]
-mod fuzzing;
 
 mod allocation;
 mod arrays;
