@@ -96,7 +96,23 @@ def numbers_in(text):
 
 
 def test_input_out_of_range(pair):
-    refused(pair, lambda fmu: fmu.set({"fan_command": 1.5}), "fan_command", "1.5")
+    refused(pair, lambda fmu: fmu.set({"ambient_pressure": 1.5e9}), "ambient_pressure", "1500000000")
+
+
+@pytest.mark.parametrize("name, value, limit", [("fan_command", 1.02, 1.0), ("fan_command", -3.0, 0.0), ("duty", 1.0000001, 1.0)])
+def test_input_that_saturates(make, name, value, limit):
+    """A finite value beyond the limits acts as the limit, with one warning."""
+    drive = dict(drive_mode="pwm", voltage=24.0, duty=0.5)
+    limited, other = make(drive), make(drive)
+    for _ in range(3):
+        limited.set({name: value})
+        other.set({name: limit})
+        for fmu in (limited, other):
+            fmu.step(1e-3)
+    assert outputs(limited) == outputs(other)
+    warnings = [line for line in limited.lines if line.status == 1]
+    assert len(warnings) == 1 and name in warnings[0].text
+    assert not [line for line in other.lines if line.status]
 
 
 @pytest.mark.parametrize("size", [-1e-3, math.nan, math.inf])

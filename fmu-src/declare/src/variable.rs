@@ -124,6 +124,8 @@ pub struct Variable {
     pub scale: Scale,
     /// True for a temperature difference: no offset in degrees Celsius.
     pub relative: bool,
+    /// True for an input that saturates: a finite value beyond the limits acts as the limit.
+    pub saturates: bool,
     /// Description with sign convention.
     pub doc: &'static str,
     /// Where the start value comes from; empty where it is 0, a mode, or computed.
@@ -153,6 +155,7 @@ impl Variable {
             nominal: 1.0,
             scale: Scale::Linear,
             relative: false,
+            saturates: false,
             doc: "",
             source: "",
         }
@@ -246,6 +249,18 @@ impl Variable {
         self
     }
 
+    /// An input that saturates at its limits.
+    pub const fn saturates(mut self) -> Variable {
+        self.saturates = true;
+        self
+    }
+
+    /// The value that the model uses: a finite value of an input that saturates is limited to its range.
+    #[inline]
+    pub fn limited(&self, value: f64) -> f64 {
+        if self.saturates && value.is_finite() { value.clamp(self.min, self.max) } else { value }
+    }
+
     /// Used by [`variables!`](crate::variables): adds name, description and type of the field.
     #[doc(hidden)]
     pub const fn named(mut self, name: &'static str, doc: &'static str, kind: Kind) -> Variable {
@@ -275,6 +290,16 @@ pub trait Group {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_an_input_that_saturates_is_limited() {
+        let fan = Variable::input(1, 0.0, Unit::One, 0.0, 1.0);
+        for (value, limited) in [(1.02, 1.0), (-3.0, 0.0), (0.4, 0.4), (f64::INFINITY, f64::INFINITY)] {
+            assert_eq!(fan.saturates().limited(value), limited);
+            assert_eq!(fan.limited(value), value);
+        }
+        assert!(fan.saturates().limited(f64::NAN).is_nan());
+    }
 
     #[test]
     fn an_integer_accepts_integers_only() {

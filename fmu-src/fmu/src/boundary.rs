@@ -25,7 +25,8 @@ pub unsafe fn enter(
     let instance = unsafe { &mut *handle.cast::<Instance>() };
     // The outcome is converted here, so that the success path only returns the status.
     let judged = catch_unwind(AssertUnwindSafe(|| match operation(&mut *instance) {
-        Ok(()) => Status::Ok,
+        Ok(()) if !instance.has_remarks() => Status::Ok,
+        Ok(()) => remark(instance, name),
         Err(refused) => refuse(instance, name, &refused),
     }));
     judged.unwrap_or_else(|_| fail(instance, name))
@@ -36,6 +37,15 @@ pub unsafe fn enter(
 fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
     instance.log.send(refused.status, &format!("{name}: {}", refused.message));
     refused.status
+}
+
+/// Logs what a call that succeeded has to report.
+#[cold]
+fn remark(instance: &mut Instance, name: &str) -> Status {
+    for message in instance.take_remarks() {
+        instance.log.send(Status::Warning, &format!("{name}: {message}"));
+    }
+    Status::Warning
 }
 
 /// After a panic.

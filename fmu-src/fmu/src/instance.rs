@@ -3,6 +3,7 @@
 mod cache;
 mod exchange;
 mod mode;
+mod saturation;
 mod slopes;
 mod stepping;
 mod values;
@@ -17,6 +18,7 @@ use cache::Cache;
 use mode::LIVING;
 use physics::model::{Fault, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
+use saturation::Saturation;
 use std::ffi::{CStr, CString};
 use std::path::Path;
 
@@ -50,6 +52,9 @@ pub struct Instance {
     read: Cache,
     written: Cache,
     sloped: Cache,
+    saturation: Saturation,
+    /// Messages of the present call, which succeeds with status Warning.
+    remarks: Vec<String>,
     /// Reason of the end of the run at a limit of validity.
     ended: Option<CString>,
     /// Where messages go.
@@ -111,9 +116,22 @@ impl Instance {
             read: Cache::EMPTY,
             written: Cache::EMPTY,
             sloped: Cache::EMPTY,
+            saturation: Saturation::new((kind.declaration)()),
+            remarks: Vec::new(),
             ended: None,
             log,
         })
+    }
+
+    /// Whether the present call has messages although it succeeds.
+    #[inline]
+    pub fn has_remarks(&self) -> bool {
+        !self.remarks.is_empty()
+    }
+
+    /// These messages, which are then gone.
+    pub fn take_remarks(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.remarks)
     }
 
     #[inline]
@@ -243,6 +261,7 @@ impl Instance {
         self.window = (0.0, f64::INFINITY);
         self.unsettled = true;
         self.ended = None;
+        self.saturation.reset();
         Ok(())
     }
 
@@ -260,11 +279,18 @@ impl Instance {
     #[inline]
     pub fn step(&mut self, at: f64, h: f64) -> Outcome {
         self.require_step(at, h)?;
-        self.advance(at, h)
+        self.advance(at, h)?;
+        self.saturation.sloped = false;
+        Ok(())
     }
 
     #[inline]
     fn advance(&mut self, at: f64, h: f64) -> Outcome {
+        if self.saturation.sloped { self.advance_to_limits(at, h) } else { self.take_step(at, h) }
+    }
+
+    #[inline]
+    fn take_step(&mut self, at: f64, h: f64) -> Outcome {
         match self.model.step(at, h) {
             Ok(()) => Ok(()),
             Err(fault) => Err(self.halted(fault)),
@@ -403,6 +429,8 @@ impl Instance {
         }
         (self.mode, self.window, self.unsettled) = (saved.mode, saved.window, true);
         self.ended = None;
+        // The derivatives that were set for the next step are a part of the saved state.
+        self.saturation.sloped = true;
         self.count();
         if saved.discrete_pre.len() == self.discrete_pre.len() {
             self.discrete_pre.clone_from(&saved.discrete_pre);

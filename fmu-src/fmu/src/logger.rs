@@ -4,7 +4,7 @@ use std::ffi::{CString, c_char, c_int, c_void};
 
 /// Severity of a call's outcome, with the numbers of both standards.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {
     /// Success.
     Ok = 0,

@@ -11,5 +11,6 @@ mod fmi3;
 mod fuzz;
 mod memory;
 mod remembered;
+mod saturation;
 mod stepping;
 mod terms;

@@ -85,8 +85,8 @@ fn a_list_that_is_known_is_judged_each_time() {
         set(&motor, SET, values).ok();
         assert_eq!(slope(&motor, SET, [1; 3], slopes), Status::Ok);
     }
-    for (bad, words) in [(f64::NAN, "NaN"), (1.5, "fan_command = 1.5"), (-0.1, "fan_command = -0.1")] {
-        assert_eq!(set(&motor, SET, [1.0, 1.0, bad]), Status::Discard);
+    for (bad, words) in [(f64::NAN, "NaN"), (1e5, "load_torque = 100000"), (-2e4, "load_torque = -20000")] {
+        assert_eq!(set(&motor, SET, [1.0, bad, 0.1]), Status::Discard);
         assert_eq!(SET.map(|name| motor.get(name)), values);
         assert!(motor.said()[0].text.contains(words));
     }

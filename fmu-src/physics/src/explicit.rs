@@ -334,6 +334,10 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         self.slopes.set(slot.row as usize, slope);
     }
 
+    fn slope(&self, slot: Slot) -> f64 {
+        self.slopes.get(slot.row as usize)
+    }
+
     fn start(&mut self, time: f64) -> Result<(), Fault> {
         (self.states, self.opening) = self.law.start(time, &self.inputs)?;
         self.time = time;

@@ -362,6 +362,8 @@ pub trait Model: Exchange + Send + Sync {
     /// The slope of a continuous input over the next step, per second. It holds for that step alone; after it
     /// the input stands where the slope has led it.
     fn set_slope(&mut self, slot: Slot, slope: f64);
+    /// The input derivative that [`set_slope`](Model::set_slope) has set for the next step, per second.
+    fn slope(&self, slot: Slot) -> f64;
     /// Takes terms that are data (`terms.rs`) in place of those it had, before it starts; false, and nothing
     /// taken, where it carries none or not as many.
     fn set_terms(&mut self, _terms: &[GenericTerm]) -> bool {

@@ -1,7 +1,7 @@
 //! The list of a model's variables as Markdown.
 
 use crate::preset::StartValues;
-use crate::xml::description;
+use crate::xml::variable_description;
 use physics::declare::{Causality, Kind};
 use physics::model::{Entry, ModelType, Slot};
 use std::fmt::Write;
@@ -50,7 +50,7 @@ fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
     };
     let unit = if row.kind == Kind::Real { row.unit.name().to_string() } else { String::new() };
     let changes = format!("{:?}", row.variability).to_lowercase();
-    let mut text = description(row.doc);
+    let mut text = variable_description(entry);
     // A preset's value has the preset's source.
     if !row.source.is_empty() && starts.of(entry) == row.start {
         let _ = write!(text, ". Source: {}", row.source);

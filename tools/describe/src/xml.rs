@@ -126,7 +126,7 @@ pub(crate) fn attributes_of(entry: &Entry, name: &str, causality: &str) -> Attri
     let mut attributes = vec![
         ("name", name.to_string()),
         ("valueReference", entry.value_reference.to_string()),
-        ("description", description(entry.row.doc)),
+        ("description", variable_description(entry)),
     ];
     attributes.extend(role_attributes(entry, causality));
     attributes
@@ -260,6 +260,12 @@ fn role_attributes(entry: &Entry, causality: &str) -> Attributes {
         Causality::Input => {}
     }
     attributes
+}
+
+/// The description of a variable, with what the declaration says about its limits.
+pub(crate) fn variable_description(entry: &Entry) -> String {
+    let text = description(entry.row.doc);
+    if entry.row.saturates { format!("{text}; saturates at its limits") } else { text }
 }
 
 /// The description as one line.

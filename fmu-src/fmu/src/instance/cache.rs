@@ -18,6 +18,8 @@ pub(super) struct Place {
     pub(super) slot: Slot,
     min: f64,
     max: f64,
+    /// Whether the variable is an input that saturates.
+    pub(super) saturates: bool,
 }
 
 impl Place {
@@ -36,12 +38,10 @@ struct List {
     places: [Place; ROOM],
 }
 
+const EMPTY: Place = Place { slot: Slot { group: 0, row: 0 }, min: 0.0, max: 0.0, saturates: false };
+
 impl List {
-    const EMPTY: List = List {
-        count: 0,
-        references: [TIME; ROOM],
-        places: [Place { slot: Slot { group: 0, row: 0 }, min: 0.0, max: 0.0 }; ROOM],
-    };
+    const EMPTY: List = List { count: 0, references: [TIME; ROOM], places: [EMPTY; ROOM] };
 }
 
 /// The latest different lists of one function.
@@ -78,7 +78,8 @@ impl Cache {
                 return;
             };
             list.references[k] = reference;
-            list.places[k] = Place { slot: entry.slot, min: entry.row.min, max: entry.row.max };
+            let row = entry.row;
+            list.places[k] = Place { slot: entry.slot, min: row.min, max: row.max, saturates: row.saturates };
         }
         self.lists[self.oldest] = list;
         self.oldest = (self.oldest + 1) % LISTS;

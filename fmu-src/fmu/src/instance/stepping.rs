@@ -299,7 +299,7 @@ impl Instance {
 }
 
 /// A copy of a model, in the place of an older one where there is any.
-fn copy(old: Option<Box<dyn Model>>, model: &dyn Model) -> Box<dyn Model> {
+pub(super) fn copy(old: Option<Box<dyn Model>>, model: &dyn Model) -> Box<dyn Model> {
     if let Some(mut old) = old
         && old.copy_from(model)
     {

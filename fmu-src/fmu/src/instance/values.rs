@@ -213,7 +213,7 @@ impl Instance {
             if n != references.len() && entry.is_settable() {
                 break;
             }
-            let value = if k < n { value(k) } else { f64::NAN };
+            let value = if k < n { entry.row.limited(value(k)) } else { f64::NAN };
             if let Err(refusal) = entry.check(value, running) {
                 let message = entry.explain(value, &refusal);
                 return Err(match refusal {
@@ -221,18 +221,17 @@ impl Instance {
                     _ => Refused::discard(message),
                 });
             }
-            last = Some(entry.slot);
+            last = Some(entry);
         }
         if n != references.len() {
             return Err(wrong_number(references.len(), references.len(), n));
         }
         // All values are valid. A single value, the common case, needs no second look-up.
-        if let (&[_], Some(slot)) = (references, last) {
-            self.model.set(slot, value(0));
+        if let (&[_], Some(entry)) = (references, last) {
+            self.write(entry, value(0));
         } else {
             for (k, &value_reference) in references.iter().enumerate() {
-                let slot = self.entry(value_reference, of)?.slot;
-                self.model.set(slot, value(k));
+                self.write(self.entry(value_reference, of)?, value(k));
             }
         }
         self.unsettled = true;
@@ -240,6 +239,15 @@ impl Instance {
             self.written.store(self.model.declaration(), references);
         }
         Ok(())
+    }
+
+    #[inline]
+    fn write(&mut self, entry: &Entry, value: f64) {
+        let used = entry.row.limited(value);
+        self.model.set(entry.slot, used);
+        if used != value {
+            self.report_saturation(entry, value);
+        }
     }
 
     /// Some variables have a mode of their own.
@@ -274,6 +282,7 @@ impl Instance {
         {
             for (place, &slope) in places.iter().zip(slopes) {
                 self.model.set_slope(place.slot, slope);
+                self.saturation.sloped |= place.saturates && slope != 0.0;
             }
             return Ok(());
         }
@@ -300,8 +309,9 @@ impl Instance {
             }
         }
         for (&value_reference, &slope) in references.iter().zip(slopes) {
-            let slot = self.entry(value_reference, Type::Real)?.slot;
-            self.model.set_slope(slot, slope);
+            let entry = self.entry(value_reference, Type::Real)?;
+            self.model.set_slope(entry.slot, slope);
+            self.saturation.sloped |= entry.row.saturates && slope != 0.0;
         }
         self.sloped.store(self.model.declaration(), references);
         Ok(())

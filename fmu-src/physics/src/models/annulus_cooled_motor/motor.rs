@@ -320,6 +320,10 @@ impl Model for AnnulusCooledMotor {
         self.outdate();
     }
 
+    fn slope(&self, slot: Slot) -> f64 {
+        declare::Group::get(&self.slopes, slot.row as usize)
+    }
+
     fn set_terms(&mut self, terms: &[GenericTerm]) -> bool {
         let taken = self.parameters.effects.take_terms(terms);
         self.follow_parameters();

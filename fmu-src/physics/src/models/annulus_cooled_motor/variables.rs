@@ -68,13 +68,13 @@ variables! {
         /// Imposed current (drive_mode current)
         current_command: f64 = Variable::input(2, 0.0, Unit::Ampere, -1e4, 1e4).nominal(5.0),
         /// Duty cycle: mean terminal voltage over supply voltage, negative for reverse (drive_mode pwm)
-        duty: f64 = Variable::input(3, 0.0, Unit::One, -1.0, 1.0),
+        duty: f64 = Variable::input(3, 0.0, Unit::One, -1.0, 1.0).saturates(),
         /// Load torque on the shaft (mechanical_mode free_shaft)
         load_torque: f64 = Variable::input(4, 0.0, Unit::NewtonMetre, -1e4, 1e4).nominal(0.1),
         /// Imposed speed of the shaft (mechanical_mode imposed_speed)
         imposed_speed: f64 = Variable::input(5, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(1000.0),
         /// Fan command: speed over full speed
-        fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0),
+        fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0).saturates(),
         /// Indicated ambient temperature; initial temperature of all nodes
         ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
             .source("reference temperature of the maxon datasheet"),

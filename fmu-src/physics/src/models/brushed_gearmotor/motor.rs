@@ -233,6 +233,10 @@ impl Model for BrushedGearmotor {
         self.outputs_are_stale = true;
     }
 
+    fn slope(&self, slot: Slot) -> f64 {
+        declare::Group::get(&self.slopes, slot.row as usize)
+    }
+
     fn start(&mut self, time: f64) -> Result<(), Fault> {
         self.time = time;
         let drift = self.parameters.effects.ambient_sensor() * time;

@@ -6,7 +6,7 @@ variables! {
     /// What the importer sets at every communication point.
     pub struct Inputs {
         /// Duty cycle: fraction of each switching period with the supply on, negative for reverse; 0 opens all switches
-        duty: f64 = Variable::input(1, 0.0, Unit::One, -1.0, 1.0),
+        duty: f64 = Variable::input(1, 0.0, Unit::One, -1.0, 1.0).saturates(),
         /// Voltage of the supply in front of the H-bridge
         supply_voltage: f64 = Variable::input(2, 12.0, Unit::Volt, 0.0, 1e4).nominal(12.0)
             .source("paper in seeds (gearmotor 37D), section 2.5"),
