@@ -34,9 +34,6 @@ PATIENCE = 10
 
 # Checks (patterns of their names), finding, and the respects in which the answer is wrong.
 NOT_YET = {
-    "lag:reset-in-setup fmi2 simulate": ("S1: parameters are set before SetupExperiment", {"final"}),
-    "lag:reset-in-setup fmi2 cosim": ("S1: parameters are set before SetupExperiment", {"final"}),
-    "lag:reset-in-setup fmi2 validate": ("new: an input is set in the state instantiated, where only parameters can be", {"says", "unsaid"}),
     "lag:start-rounded * validate": ("S8: start values are compared bit for bit", {"exit", "errors"}),
     "lag:once * validate": ("S8: several instances in one process in spite of the flag", {"exit", "errors"}),
     "lag:terminate-frees * validate": ("S8: instances are freed without Terminate", {"exit", "errors"}),
@@ -48,17 +45,7 @@ NOT_YET = {
         "S4: the logger follows the environment pointer of the FMU, and no rule names the breach",
         {"left behind", "without", "says"},
     ),
-    "lag-ISO-8859-1 * simulate": ("S3: only UTF-8 is read", {"exit"}),
-    "lag-ISO-8859-1 * cosim": ("S3: only UTF-8 is read", {"exit"}),
-    "lag-UTF-16 * simulate": ("S3: only UTF-8 is read", {"exit"}),
-    "lag-UTF-16 * cosim": ("S3: only UTF-8 is read", {"exit"}),
     "lag:segfault-ISO-8859-1 * validate": ("S3: after an error in the XML file the behaviour is not run", {"errors"}),
-    "clock * validate": ("S6: clocks need eventModeUsed = true", {"exit", "errors"}),
-    "clock * simulate": ("S6: clocks need eventModeUsed = true", {"exit"}),
-    "clock * cosim": ("S6: clocks need eventModeUsed = true", {"exit"}),
-    "types * simulate": ("S6: 64-bit integers pass through a double", {"final"}),
-    "types * cosim": ("S6: 64-bit integers pass through a double", {"final"}),
-    "types:other-start * validate": ("S6: start values of 64-bit integers and binary data are not compared", {"exit", "errors", "says"}),
     "lag:many-* validate": ("S2: time that grows with the square of the number of variables", {"time"}),
     "lag:segfault fmi? validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
     "lag:segfault fmi? simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
@@ -82,8 +69,6 @@ NOT_YET = {
     "stair-ModelExchange * simulate": ("F11: no Model Exchange", {"exit"}),
     "ball:reinit-undeclared * validate": ("new: reinit is not compared with what events do", {"exit", "errors", "says"}),
     "lag:nan * validate": ("F8: an error without a sentence of the standard", {"exit", "errors"}),
-    "lag:nan * simulate": ("S7: NaN passes without a word", {"says"}),
-    "lag:nan * cosim": ("S7: NaN passes without a word", {"says"}),
     "interrupt *": ("F12, S10: temporary folders and processes stay after a signal", {"left behind"}),
     "pythonfmu3 * validate": ("S8: the build description is optional", {"errors"}),
 }

@@ -1,6 +1,6 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
-use crate::simulate::{progress_bar, remarks, setting, significant};
+use crate::simulate::{is_a_number, progress_bar, remarks, setting, significant};
 use clap::ValueEnum;
 use cosim::{Algorithm, Log, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
@@ -110,7 +110,7 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         summary(&run)
     };
     crate::say(&text);
-    Ok(crate::outcome(run.recording.ended_early.is_none()))
+    Ok(crate::outcome(run.recording.ended_early.is_none() && is_a_number(&run.recording)))
 }
 
 pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {

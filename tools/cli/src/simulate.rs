@@ -82,7 +82,17 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         summary(&recording)
     };
     crate::say(&text);
-    Ok(crate::outcome(recording.ended_early.is_none()))
+    Ok(crate::outcome(recording.ended_early.is_none() && is_a_number(&recording)))
+}
+
+/// Whether no output is NaN; the first that is goes to stderr.
+pub fn is_a_number(recording: &Recording) -> bool {
+    let nan = recording.first_nan();
+    if let Some((output, time)) = nan {
+        let (name, time) = (&recording.model_name, cosim::number(time));
+        eprintln!("error: {name}: output {output} is NaN (not a number) from t = {time} s on");
+    }
+    nan.is_none()
 }
 
 /// `name=value`; the value may have further equal signs.
@@ -138,7 +148,7 @@ pub fn final_values(recording: &Recording) -> String {
         let value = match column.kind {
             cosim::Kind::Boolean => (value != 0.0).to_string(),
             kind if kind.is_float() => significant(value),
-            _ => value.to_string(),
+            _ => column.last_integer().map_or(value.to_string(), |integer| integer.to_string()),
         };
         let unit = if unit == "1" { "" } else { unit };
         text += format!("  {:width$}  {value:>12} {unit}", column.name).trim_end();
@@ -164,7 +174,11 @@ pub fn last_value(column: &cosim::Column) -> (String, Value) {
     let value = match column.kind {
         cosim::Kind::Boolean => json!(value != 0.0),
         kind if kind.is_float() => json!(value),
-        _ => json!(value as i64),
+        // JSON has no numbers beyond u64, and no integer type of FMI has either.
+        _ => column.last_integer().map_or(Value::Null, |integer| match u64::try_from(integer) {
+            Ok(integer) => json!(integer),
+            Err(_) => json!(i64::try_from(integer).unwrap_or(i64::MIN)),
+        }),
     };
     (column.name.clone(), value)
 }

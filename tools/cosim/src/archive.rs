@@ -34,8 +34,13 @@ impl Archive {
     pub fn open(path: &Path) -> Result<Self, Error> {
         let dir = unpacked(path)?;
         let xml = match fs::read(dir.path().join("modelDescription.xml")) {
-            Ok(bytes) => String::from_utf8(bytes)
-                .map_err(|_| bad(path, "its modelDescription.xml is not UTF-8 text"))?,
+            Ok(bytes) => match crate::xml::decode(&bytes) {
+                Ok((text, _)) => text.into_owned(),
+                Err(line) => {
+                    let what = "is not text of the declared encoding";
+                    return Err(bad(path, format!("its modelDescription.xml, line {line}, {what}")));
+                }
+            },
             Err(e) if e.kind() == io::ErrorKind::NotFound => {
                 return Err(bad(path, "it has no modelDescription.xml"));
             }

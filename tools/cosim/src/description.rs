@@ -320,6 +320,28 @@ words! {
     }
 }
 
+words! {
+    /// `intervalVariability` of a clock (FMI 3)
+    pub enum IntervalVariability {
+        Constant "constant" "constant",
+        Fixed "fixed" "fixed",
+        Calculated "calculated" "calculated",
+        Tunable "tunable" "tunable",
+        Changing "changing" "changing",
+        Countdown "countdown" "countdown",
+        Triggered "triggered" "triggered",
+    }
+}
+
+/// When a clock ticks (FMI 3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockTicks {
+    /// `intervalVariability`
+    pub variability: IntervalVariability,
+    /// The interval that the description gives (s).
+    pub interval: Option<f64>,
+}
+
 /// One dimension of an array (FMI 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
@@ -365,6 +387,8 @@ pub struct Variable {
     pub line: u32,
     /// Dimensions; empty for a scalar.
     pub dimensions: Vec<Dimension>,
+    /// Of a clock: when it ticks.
+    pub clock: Option<ClockTicks>,
 }
 
 impl ModelDescription {

@@ -107,7 +107,7 @@ pub enum Error {
         expected: String,
     },
     /// The value lies outside the declared limits.
-    #[error("{name} = {value}{} is outside its limits {}", spaced(unit), limits(*min, *max))]
+    #[error("{name} = {}{} is outside its limits {}", number(*value), spaced(unit), limits(*min, *max))]
     OutOfRange {
         /// The variable.
         name: String,
@@ -150,7 +150,13 @@ impl Error {
 }
 
 fn at(time: Option<f64>) -> String {
-    time.map(|t| format!(" at t = {t} s")).unwrap_or_default()
+    time.map(|t| format!(" at t = {} s", number(t))).unwrap_or_default()
+}
+
+/// A number for a message, with an exponent where the digits would be many zeros. All its digits are written.
+pub fn number(x: f64) -> String {
+    let plain = x.to_string();
+    if plain.len() <= 20 { plain } else { format!("{x:e}") }
 }
 
 /// The FMU's messages, on one line.
@@ -169,6 +175,21 @@ fn spaced(unit: &Option<String>) -> String {
 }
 
 fn limits(min: Option<f64>, max: Option<f64>) -> String {
-    let text = |x: Option<f64>, none: &str| x.map_or(none.to_owned(), |v| v.to_string());
+    let text = |x: Option<f64>, none: &str| x.map_or(none.to_owned(), number);
     format!("{} ... {}", text(min, "-inf"), text(max, "inf"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_in_messages_have_no_rows_of_zeros() {
+        for (value, text) in
+            [(0.02, "0.02"), (1e300, "1e300"), (-1.5e-9, "-0.0000000015"), (1e-30, "1e-30"), (3.0, "3")]
+        {
+            assert_eq!(number(value), text);
+        }
+        assert_eq!(number(f64::MAX), "1.7976931348623157e308");
+    }
 }

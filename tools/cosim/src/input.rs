@@ -169,7 +169,9 @@ impl InputTable {
                 Value::Real(x) => x,
                 Value::Integer(x) => x as f64,
                 Value::Boolean(x) => f64::from(u8::from(x)),
-                Value::String(_) => return Err(format!("column {} is not a number", column.name)),
+                Value::String(_) | Value::Binary(_) => {
+                    return Err(format!("column {} is not a number", column.name));
+                }
             });
         }
         self.times.push(time);

@@ -1,10 +1,12 @@
 //! One instance of an FMU, the same for FMI 2.0 and 3.0: the raw calls with checks before and errors after.
 use crate::error::because;
-use crate::raw::{Functions, InterfaceType, RawBinary, RawInstance, RawSetup, RawState, names};
-use crate::{Archive, Error, FmiVersion, Log, Status};
+use crate::raw::{Experiment, Functions, InterfaceType, RawBinary, RawInstance, RawSetup, RawState, names};
+use crate::{Archive, Causality, Error, FmiVersion, IntervalVariability, Log, Status};
+use clocks::Events;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 mod access;
+mod clocks;
 mod state;
 pub use state::State;
 
@@ -35,8 +37,16 @@ pub struct Instance {
     states: Vec<RawState>,
     /// Slots of `states` that no [`State`] refers to.
     free_slots: Vec<usize>,
+    /// Event mode at the time of each saved state.
+    saved_events: Vec<Events>,
     /// A state was saved, so a rollback is possible.
     saved: bool,
+    /// FMI 3 event mode.
+    events: Events,
+    /// Input clocks that tick by time, with the intervals that the description gives.
+    declared_clocks: Vec<(u32, IntervalVariability, Option<f64>)>,
+    /// Start time (s).
+    start: f64,
 }
 
 // SAFETY: as for `RawInstance`; saved states are used with this instance alone.
@@ -71,7 +81,9 @@ impl Instance {
             return Err(Error::unsupported(name, format!("does not export {symbol}")));
         }
         let token = &description.token;
-        let setup = RawSetup { interface: InterfaceType::CoSimulation, token, name, event_mode: false };
+        // FMI 3 requires event mode for FMUs with clocks.
+        let event_mode = interface.has_event_mode && description.variables.iter().any(|v| v.clock.is_some());
+        let setup = RawSetup { interface: InterfaceType::CoSimulation, token, name, event_mode };
         let mark = log.mark();
         let Some(raw) = binary.instantiate(&setup, &log) else {
             let words = because(&log.since(mark));
@@ -84,7 +96,17 @@ impl Instance {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             states: Vec::new(),
             free_slots: Vec::new(),
+            saved_events: Vec::new(),
             saved: false,
+            events: Events { used: event_mode, ..Events::default() },
+            declared_clocks: description
+                .variables
+                .iter()
+                .filter(|v| v.causality == Causality::Input)
+                .filter_map(|v| Some((v.value_reference, v.clock?.variability, v.clock?.interval)))
+                .filter(|(_, variability, _)| *variability != IntervalVariability::Triggered)
+                .collect(),
+            start: 0.0,
         })
     }
 
@@ -116,26 +138,36 @@ impl Instance {
         self.call_optional(names, |f| f.exit_configuration.is_some(), RawInstance::exit_configuration)
     }
 
-    /// Enters initialization mode with start time, stop time (s) and relative tolerance.
+    /// FMI 2: `fmi2SetupExperiment`; FMI 3 has no such call. Parameters are set after it: some FMUs reset them here.
     ///
     /// # Errors
     /// [`Error::Call`], as for all calls below.
-    pub fn enter_initialization(
-        &mut self,
-        start: f64,
-        stop: Option<f64>,
-        tolerance: Option<f64>,
-    ) -> Result<(), Error> {
-        let names = [names::enter_initialization2[0], names::enter_initialization3[1]];
-        self.call(names, |raw| raw.enter_initialization(start, stop, tolerance))
+    pub fn setup_experiment(&mut self, experiment: &Experiment) -> Result<(), Error> {
+        self.call(names::setup, |raw| raw.setup_experiment(experiment))
     }
 
-    /// Leaves initialization mode: the FMU is ready to step.
+    /// Enters initialization mode, in FMI 2 after [`Self::setup_experiment`].
     ///
     /// # Errors
     /// [`Error::Call`].
+    pub fn enter_initialization(&mut self, experiment: &Experiment) -> Result<(), Error> {
+        self.start = experiment.start;
+        let names = [names::enter_initialization2[0], names::enter_initialization3[1]];
+        self.call(names, |raw| raw.enter_initialization_mode(experiment))
+    }
+
+    /// Leaves initialization mode, and the event mode that follows it if the FMU has clocks: the FMU is ready to step.
+    ///
+    /// # Errors
+    /// [`Error::Call`]; [`Error::Misuse`] for a clock without a positive interval.
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
-        self.call(names::exit_initialization, RawInstance::exit_initialization)
+        self.call(names::exit_initialization, RawInstance::exit_initialization)?;
+        if self.events.used && self.begin_events()? == Step::Terminated {
+            return Err(
+                self.misuse(names::exit_initialization, "the FMU requests the end at once".to_owned())
+            );
+        }
+        Ok(())
     }
 
     /// FMI 2: the derivatives (per s) of real inputs over the next step.
@@ -156,23 +188,32 @@ impl Instance {
     /// # Errors
     /// [`Error::Call`] with the time.
     pub fn do_step(&mut self, t: f64, h: f64) -> Result<Step, Error> {
+        if self.events.used {
+            return self.step_with_events(t, h);
+        }
+        Ok(self.plain_step(t, h)?.0)
+    }
+
+    /// One call of the step function; then whether the FMU requests event mode.
+    #[inline]
+    fn plain_step(&mut self, t: f64, h: f64) -> Result<(Step, bool), Error> {
         let no_rollback = !self.saved;
-        let (mut terminated, mut early) = (false, false);
+        let (mut terminated, mut early, mut event) = (false, false, false);
         let names = [names::do_step2[0], names::do_step3[1]];
         self.call_at(names, Some(t), |raw| {
             let step = raw.do_step(t, h, no_rollback);
-            (terminated, early) = (step.terminated, step.early);
+            (terminated, early, event) = (step.terminated, step.early, step.event);
             step.status
         })?;
         if terminated {
-            return Ok(Step::Terminated);
+            return Ok((Step::Terminated, false));
         }
         if early {
             return Err(
                 self.misuse(names, format!("it returned early from t = {t} s, which was not allowed"))
             );
         }
-        Ok(Step::Done)
+        Ok((Step::Done, event))
     }
 
     /// Ends the simulation; values can still be read.

@@ -43,13 +43,15 @@ pub mod xml;
 
 pub use archive::Archive;
 pub use description::{
-    BaseUnit, Causality, DefaultExperiment, Dependencies, Dimension, DisplayUnit, Enumeration,
-    EnumerationItem, FmiVersion, Initial, Interface, Kind, ModelDescription, Unit, Variability, Variable,
+    BaseUnit, Causality, ClockTicks, DefaultExperiment, Dependencies, Dimension, DisplayUnit, Enumeration,
+    EnumerationItem, FmiVersion, Initial, Interface, IntervalVariability, Kind, ModelDescription, Unit,
+    Variability, Variable,
 };
-pub use error::Error;
+pub use error::{Error, number};
 pub use input::InputTable;
 pub use instance::{Instance, State, Step};
 pub use log::{Log, LogMessage, Status};
+pub use raw::Experiment;
 pub use recording::{Column, Recording};
 pub use simulate::{Options, simulate};
 pub use system::{Algorithm, PowerBond, System, SystemOptions, SystemRun, cosimulate};

@@ -19,7 +19,7 @@ mod functions;
 mod values;
 
 pub use crate::description::InterfaceType;
-pub use calls::{RawState, RawStep};
+pub use calls::{Experiment, RawState, RawStep};
 pub use continuous::DiscreteUpdate;
 pub(crate) use functions::{Functions, names};
 pub(crate) use values::Number;

@@ -37,9 +37,17 @@ pub struct Column {
     pub display_unit: Option<DisplayUnit>,
     /// One value for each time.
     pub values: Vec<f64>,
+    /// The same values without rounding, for 64-bit integers; empty for all other types.
+    pub exact: Vec<i128>,
 }
 
 impl Column {
+    /// The last value as an integer without rounding; `None` for other types.
+    pub fn last_integer(&self) -> Option<i128> {
+        let rounded = || self.values.last().filter(|_| self.kind.is_integer()).map(|x| *x as i128);
+        self.exact.last().copied().or_else(rounded)
+    }
+
     /// The last value, in the display unit, and that unit's name ("" for none).
     pub fn last_shown(&self) -> Option<(f64, &str)> {
         let value = *self.values.last()?;
@@ -54,6 +62,13 @@ impl Recording {
     /// The column called `name`.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|c| c.name == name)
+    }
+
+    /// The first output that is NaN: its name and the time (s) from which on it is.
+    pub fn first_nan(&self) -> Option<(&str, f64)> {
+        let of = |c: &Column| c.values.iter().position(|x| x.is_nan());
+        let rows = self.columns.iter().filter_map(|c| Some((of(c)?, c.name.as_str())));
+        rows.min_by_key(|(row, _)| *row).map(|(row, name)| (name, self.times[row]))
     }
 
     /// Writes `time,<outputs>` and the rows with 17 significant digits, which a reader turns into the same bits.
@@ -75,7 +90,10 @@ impl Recording {
         for (row, time) in self.times.iter().enumerate() {
             write!(out, "{time:.16e}")?;
             for column in &self.columns {
-                write!(out, ",{:.16e}", column.values[row])?;
+                match column.exact.get(row) {
+                    Some(integer) => write!(out, ",{integer}")?,
+                    None => write!(out, ",{:.16e}", column.values[row])?,
+                }
             }
             writeln!(out)?;
         }

@@ -3,8 +3,8 @@ use crate::grid::Grid;
 use crate::input::InputTable;
 use crate::system::Batch;
 use crate::{
-    Archive, Causality, Column, Error, FmiVersion, Instance, Interface, Log, ModelDescription, Recording,
-    Step, Value, Variable,
+    Archive, Causality, Column, Error, Experiment, FmiVersion, Instance, Interface, Kind, Log,
+    ModelDescription, Recording, Step, Value, Variable,
 };
 use std::time::Instant;
 
@@ -64,7 +64,8 @@ pub fn simulate(
 
     let begun = Instant::now();
     let mut instance = Instance::instantiate(archive, &description.model_name, options.log.clone())?;
-    initialise(&mut instance, &sets, (grid.start, grid.stop), description.default_experiment.tolerance)?;
+    let tolerance = description.default_experiment.tolerance;
+    initialise(&mut instance, &sets, &Experiment { start: grid.start, stop: Some(grid.stop), tolerance })?;
     let slopes =
         options.input_slopes && description.fmi_version == FmiVersion::V2 && interface.can_interpolate_inputs;
     let mut drive = options.input.as_ref().map(|table| Drive::new(table, slopes, grid.slack));
@@ -135,12 +136,11 @@ fn checked_sets<'a>(
     Ok(sets)
 }
 
-/// Sets parameters, structural ones in configuration mode, enters initialization mode and sets inputs; times from and to in s.
+/// Sets parameters, structural ones in configuration mode, enters initialization mode and sets inputs.
 pub(crate) fn initialise(
     instance: &mut Instance,
     sets: &[(&Variable, Value)],
-    (start, stop): (f64, f64),
-    tolerance: Option<f64>,
+    experiment: &Experiment,
 ) -> Result<(), Error> {
     let set = |instance: &mut Instance, role: Causality| {
         let of_role = |(variable, _): &&(&Variable, Value)| variable.causality == role;
@@ -151,8 +151,9 @@ pub(crate) fn initialise(
         set(instance, Causality::StructuralParameter)?;
         instance.exit_configuration_mode()?;
     }
+    instance.setup_experiment(experiment)?;
     set(instance, Causality::Parameter)?;
-    instance.enter_initialization(start, Some(stop), tolerance)?;
+    instance.enter_initialization(experiment)?;
     set(instance, Causality::Input)
 }
 
@@ -210,6 +211,8 @@ pub(crate) struct Recorder {
     pub(crate) times: Vec<f64>,
     pub(crate) columns: Vec<Column>,
     groups: Vec<Batch>,
+    /// A row of 64-bit integers.
+    integers: Vec<i128>,
 }
 
 impl Recorder {
@@ -229,7 +232,8 @@ impl Recorder {
                 _ => None,
             })
         };
-        let mut recorder = Self { times: Vec::new(), columns: Vec::new(), groups: Vec::new() };
+        let mut recorder =
+            Self { times: Vec::new(), columns: Vec::new(), groups: Vec::new(), integers: Vec::new() };
         let mut complete = recorder.times.try_reserve_exact(rows).is_ok();
         for variable in description.outputs().filter(|v| v.kind.is_numeric()) {
             let count = description.element_count(variable, &size_of);
@@ -257,6 +261,7 @@ impl Recorder {
                     unit: variable.unit.clone(),
                     display_unit: description.display_unit(variable),
                     values,
+                    exact: Vec::new(),
                 });
                 if !complete {
                     let reason = format!("cannot be recorded: {rows} rows do not fit into memory");
@@ -270,7 +275,17 @@ impl Recorder {
     pub(crate) fn record(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
         self.times.push(t);
         for group in &mut self.groups {
-            instance.get_number(group.kind, &group.vrs, &mut group.values)?;
+            if matches!(group.kind, Kind::Int64 | Kind::UInt64) {
+                self.integers.resize(group.values.len(), 0);
+                instance.get_integers(group.kind, &group.vrs, &mut self.integers)?;
+                for ((exact, value), column) in self.integers.iter().zip(&mut group.values).zip(&group.slots)
+                {
+                    *value = *exact as f64;
+                    self.columns[*column].exact.push(*exact);
+                }
+            } else {
+                instance.get_number(group.kind, &group.vrs, &mut group.values)?;
+            }
             for (value, column) in group.values.iter().zip(&group.slots) {
                 self.columns[*column].values.push(*value);
             }

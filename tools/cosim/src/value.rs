@@ -7,11 +7,13 @@ pub enum Value {
     /// For `Float64` and `Float32`; in the variable's unit.
     Real(f64),
     /// For all integers and enumerations.
-    Integer(i64),
+    Integer(i128),
     /// For `Boolean`.
     Boolean(bool),
     /// For `String`.
     String(String),
+    /// For `Binary`; as text in hexadecimal digits.
+    Binary(Vec<u8>),
 }
 
 impl ModelDescription {
@@ -63,9 +65,9 @@ impl ModelDescription {
             text: text.to_owned(),
             expected,
         };
-        if !variable.dimensions.is_empty() || matches!(variable.kind, Kind::Binary | Kind::Clock) {
-            let what = if variable.dimensions.is_empty() { "binary or clock" } else { "array" };
-            let reason = format!("cannot be set from text: {what} values have no text form here");
+        if !variable.dimensions.is_empty() || variable.kind == Kind::Clock {
+            let what = if variable.dimensions.is_empty() { "clocks" } else { "arrays" };
+            let reason = format!("cannot be set from text: {what} have no text form here");
             return Err(Error::unsupported(&variable.name, reason));
         }
         match variable.kind {
@@ -75,6 +77,9 @@ impl ModelDescription {
                 _ => Err(bad("true or false".to_owned())),
             },
             Kind::String => Ok(Value::String(text.to_owned())),
+            Kind::Binary => parse_hex(text)
+                .map(Value::Binary)
+                .ok_or_else(|| bad("an even number of hexadecimal digits".to_owned())),
             kind if kind.is_float() => {
                 let value: f64 = text.parse().map_err(|_| bad(finite(variable)))?;
                 // A Float32 must be finite after rounding, too.
@@ -85,18 +90,20 @@ impl ModelDescription {
                 within(variable, value)?;
                 Ok(Value::Real(value))
             }
-            Kind::Enumeration => self.item(variable, text).map(Value::Integer).ok_or_else(|| {
-                let items = self.enumeration(variable).map_or(&[][..], |e| &e.items);
-                let names: Vec<_> = items.iter().map(|i| format!("{} ({})", i.name, i.value)).collect();
-                bad(if names.is_empty() {
-                    "an item of its enumeration".to_owned()
-                } else {
-                    format!("one of {}", names.join(", "))
+            Kind::Enumeration => {
+                self.item(variable, text).map(|i| Value::Integer(i.into())).ok_or_else(|| {
+                    let items = self.enumeration(variable).map_or(&[][..], |e| &e.items);
+                    let names: Vec<_> = items.iter().map(|i| format!("{} ({})", i.name, i.value)).collect();
+                    bad(if names.is_empty() {
+                        "an item of its enumeration".to_owned()
+                    } else {
+                        format!("one of {}", names.join(", "))
+                    })
                 })
-            }),
+            }
             kind => {
                 let (low, high) = integer_limits(kind);
-                let value: i64 = text.parse().map_err(|_| bad("a whole number".to_owned()))?;
+                let value: i128 = text.parse().map_err(|_| bad("a whole number".to_owned()))?;
                 if value < low || value > high {
                     return Err(bad(format!("a whole number from {low} to {high}")));
                 }
@@ -163,8 +170,15 @@ fn within(variable: &Variable, value: f64) -> Result<(), Error> {
     })
 }
 
-/// The range of an integer type, cut to that of `i64`.
-pub(crate) fn integer_limits(kind: Kind) -> (i64, i64) {
+/// The bytes of an xs:hexBinary.
+pub(crate) fn parse_hex(text: &str) -> Option<Vec<u8>> {
+    let digit = |byte: u8| char::from(byte).to_digit(16);
+    let pair = |pair: &[u8]| Some((16 * digit(pair[0])? + digit(*pair.get(1)?)?) as u8);
+    text.as_bytes().chunks(2).map(pair).collect()
+}
+
+/// The range of an integer type.
+pub(crate) fn integer_limits(kind: Kind) -> (i128, i128) {
     match kind {
         Kind::Int8 => (i8::MIN.into(), i8::MAX.into()),
         Kind::UInt8 => (0, u8::MAX.into()),
@@ -172,7 +186,7 @@ pub(crate) fn integer_limits(kind: Kind) -> (i64, i64) {
         Kind::UInt16 => (0, u16::MAX.into()),
         Kind::Int32 => (i32::MIN.into(), i32::MAX.into()),
         Kind::UInt32 => (0, u32::MAX.into()),
-        Kind::UInt64 => (0, i64::MAX),
-        _ => (i64::MIN, i64::MAX),
+        Kind::UInt64 => (0, u64::MAX.into()),
+        _ => (i64::MIN.into(), i64::MAX.into()),
     }
 }

@@ -3,7 +3,48 @@
 //! All XML of FMI and SSP archives is read through here. Errors are [`Fault`]s; the caller adds the name of the file.
 use crate::{BaseUnit, Unit};
 use roxmltree::{Document, Node};
+use std::borrow::Cow;
 use std::str::FromStr;
+
+/// The text of an XML file, and the name of its encoding if that is not UTF-8. The byte order mark decides, then the declaration.
+///
+/// # Errors
+/// The number of the first line that is no text of the encoding; UTF-8 is assumed where an unknown one is declared.
+pub fn decode(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&'static str>), u32> {
+    let marked = encoding_rs::Encoding::for_bom(bytes).map(|(encoding, _)| encoding);
+    let encoding = marked.or_else(|| declared(bytes)).unwrap_or(encoding_rs::UTF_8);
+    if encoding == encoding_rs::UTF_8 {
+        let line = |at: usize| 1 + bytes[..at].iter().filter(|b| **b == b'\n').count() as u32;
+        return match std::str::from_utf8(bytes) {
+            Ok(text) => Ok((Cow::Borrowed(text), None)),
+            Err(e) => Err(line(e.valid_up_to())),
+        };
+    }
+    let (text, _, bad) = encoding.decode(bytes);
+    match text.find('\u{fffd}').filter(|_| bad) {
+        Some(at) => Err(1 + text[..at].matches('\n').count() as u32),
+        None => Ok((text, Some(encoding.name()))),
+    }
+}
+
+/// The encoding that an XML declaration names. Text of two bytes a character shows by the zeros of its first letters.
+fn declared(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
+    match bytes {
+        [b'<', 0, ..] => return Some(encoding_rs::UTF_16LE),
+        [0, b'<', ..] => return Some(encoding_rs::UTF_16BE),
+        _ => {}
+    }
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
+    let (declaration, _) = head.strip_prefix("<?xml")?.split_once("?>")?;
+    encoding_rs::Encoding::for_label(encoding_label(declaration)?.as_bytes())
+}
+
+/// The value of `encoding` in an XML declaration.
+pub fn encoding_label(declaration: &str) -> Option<&str> {
+    let rest = declaration.split_once("encoding")?.1.trim_start().strip_prefix('=')?.trim_start();
+    let quote = rest.chars().next().filter(|c| *c == '"' || *c == '\'')?;
+    rest[1..].split(quote).next()
+}
 
 /// A parsed XML file.
 pub struct Xml<'a> {
@@ -189,6 +230,24 @@ pub fn parse_boolean(text: &str) -> Option<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn declared_encodings_are_read() {
+        let text = |label: &str| format!("<?xml version='1.0' encoding='{label}'?>\n<a>Maß</a>");
+        let latin: Vec<u8> = text("ISO-8859-1").chars().map(|c| c as u8).collect();
+        assert_eq!(decode(&latin).unwrap().0, text("ISO-8859-1"));
+        let wide = text("UTF-16");
+        for bytes in [
+            wide.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
+            [0xfe, 0xff].into_iter().chain(wide.encode_utf16().flat_map(u16::to_be_bytes)).collect(),
+        ] {
+            assert_eq!(decode(&bytes).unwrap().0, wide);
+        }
+        assert_eq!(decode(text("UTF-8").as_bytes()), Ok((text("UTF-8").into(), None)));
+        assert_eq!(decode(b"<a>\n\xff</a>"), Err(2));
+        // Shift JIS has no character 0xff.
+        assert_eq!(decode(b"<?xml encoding='Shift_JIS'?>\n\n\xff"), Err(3));
+    }
 
     #[test]
     fn lines_are_those_of_the_parser() {

@@ -1,7 +1,7 @@
 //! Set, step and get must not allocate.
 use crate::common::*;
 use crate::counting::allocations;
-use cosim::{FmiVersion, Instance, Kind, Log};
+use cosim::{Experiment, FmiVersion, Instance, Kind, Log};
 
 #[test]
 fn hot_calls_do_not_allocate() {
@@ -10,7 +10,8 @@ fn hot_calls_do_not_allocate() {
         let d = archive.description();
         let (n, twice) = (d.variable("n").unwrap().kind, d.variable("twice").unwrap().kind);
         let mut instance = Instance::instantiate(&archive, "lag", Log::new()).unwrap();
-        instance.enter_initialization(0.0, None, None).unwrap();
+        instance.setup_experiment(&Experiment::default()).unwrap();
+        instance.enter_initialization(&Experiment::default()).unwrap();
         instance.exit_initialization().unwrap();
         let before = allocations();
         let (mut x, mut i, mut b) = ([0.0], [0], [false]);

@@ -97,7 +97,7 @@ fn archives_that_cannot_run_say_why() {
         says(Fmu::with(&[("a", b"")]), "lag.fmu is not a usable FMU archive: it has no modelDescription.xml");
         says(
             Fmu::with(&[("modelDescription.xml", b"\xff\xfe<")]),
-            "lag.fmu is not a usable FMU archive: its modelDescription.xml is not UTF-8 text",
+            "lag.fmu is not a usable FMU archive: its modelDescription.xml, line 1, is not text of the declared encoding",
         );
         says(
             Fmu::with(&[("modelDescription.xml", b"<a>")]),

@@ -36,6 +36,7 @@ fn degenerate_recordings_are_drawn_or_refused() {
         unit: None,
         display_unit: None,
         values: vec![value],
+        exact: Vec::new(),
     };
     for value in [0.0, f64::NAN, f64::INFINITY, 1e300, -1e-300] {
         r.columns = vec![column(value)];
@@ -85,6 +86,7 @@ fn a_motor_sized_figure() {
                     if boolean { f64::from(u8::from(*t > 2000.0)) } else { y }
                 })
                 .collect(),
+            exact: Vec::new(),
         }
     });
     let r = Recording {

@@ -1,6 +1,6 @@
 //! The uniform interface over both standards: values, statuses, states.
 use crate::common::*;
-use cosim::{Archive, FmiVersion, Instance, Kind, Log, Status, Step, Value};
+use cosim::{Archive, Experiment, FmiVersion, Instance, Kind, Log, Status, Step, Value};
 
 const U: u32 = 1;
 const X: u32 = 5;
@@ -9,13 +9,17 @@ fn ready(version: FmiVersion) -> (Archive, Instance, Log) {
     let archive = Fmu::good(version).open().unwrap();
     let log = Log::new();
     let mut instance = Instance::instantiate(&archive, "lag", log.clone()).unwrap();
-    instance.enter_initialization(0.0, Some(10.0), None).unwrap();
+    let experiment = Experiment { stop: Some(10.0), ..Default::default() };
+    instance.setup_experiment(&experiment).unwrap();
+    instance.enter_initialization(&experiment).unwrap();
     instance.exit_initialization().unwrap();
     (archive, instance, log)
 }
 
 fn fault(archive: &Archive, instance: &mut Instance, number: i64) {
-    instance.set_value(archive.description().variable("fault").unwrap(), &Value::Integer(number)).unwrap();
+    instance
+        .set_value(archive.description().variable("fault").unwrap(), &Value::Integer(number.into()))
+        .unwrap();
 }
 
 fn x(instance: &mut Instance) -> f64 {

@@ -101,7 +101,11 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
     zip::check_content(&mut archive, &directory, &mut out);
     let entries: HashSet<String> = directory.entries.iter().map(|e| e.text()).collect();
     match description {
-        Some(bytes) => check_description(&bytes, &mut archive, &entries, &mut out),
+        Some(bytes) => {
+            if let Some(text) = xml::decode(MODEL_DESCRIPTION, &bytes, &mut out) {
+                check_description(&text, &mut archive, &entries, &mut out);
+            }
+        }
         None if entries.contains(MODEL_DESCRIPTION) => {
             if !out.any_error() {
                 out.add(MODEL_DESCRIPTION, rules::description_unreadable(MODEL_DESCRIPTION));
@@ -120,14 +124,16 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
 
 /// The version as it appears in the text, before the file is parsed.
 fn guess_version(bytes: &[u8]) -> FmiVersion {
-    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+    // Text of two bytes a character has zeros between the letters.
+    let head: Vec<u8> = bytes.iter().take(8192).copied().filter(|b| *b != 0).collect();
+    let head = String::from_utf8_lossy(&head);
     let version =
         head.split_once("fmiVersion").map_or("", |(_, rest)| rest).trim_start_matches([' ', '=', '"', '\'']);
     if version.starts_with('2') { FmiVersion::V2 } else { FmiVersion::V3 }
 }
 
-fn check_description(bytes: &[u8], archive: &mut Archive, entries: &HashSet<String>, out: &mut Findings) {
-    let Some(xml) = Xml::parse(MODEL_DESCRIPTION, bytes, out) else { return };
+fn check_description(text: &str, archive: &mut Archive, entries: &HashSet<String>, out: &mut Findings) {
+    let Some(xml) = Xml::parse(MODEL_DESCRIPTION, text, out) else { return };
     let root = xml.root();
     let version = match root.attribute("fmiVersion") {
         Some("2.0") => FmiVersion::V2,

@@ -6,7 +6,7 @@ use super::finding::{Findings, short};
 use super::model::{FmiVersion, Model, check_version_of, children};
 use super::rules;
 use super::schema;
-use super::xml::Xml;
+use super::xml::{Xml, decode};
 
 /// Where the file must be.
 pub(crate) const FILE: &str = "sources/buildDescription.xml";
@@ -40,7 +40,8 @@ fn require_source(name: &str, place: &str, entries: &HashSet<String>, out: &mut 
 
 /// Checks the build description against the model description and the entries of the archive.
 pub(crate) fn check_build(bytes: &[u8], model: &Model, entries: &HashSet<String>, out: &mut Findings) {
-    let Some(xml) = Xml::parse(FILE, bytes, out) else { return };
+    let Some(text) = decode(FILE, bytes, out) else { return };
+    let Some(xml) = Xml::parse(FILE, &text, out) else { return };
     if !schema::check(&xml, &schema::FMI3, "fmiBuildDescription", out) {
         return;
     }

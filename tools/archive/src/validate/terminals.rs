@@ -8,7 +8,7 @@ use super::finding::{Findings, short};
 use super::model::{Model, check_version_of, children, double};
 use super::rules::{self, Breach};
 use super::schema;
-use super::xml::Xml;
+use super::xml::{Xml, decode};
 
 /// Where the file must be.
 pub(crate) const FILE: &str = "terminalsAndIcons/terminalsAndIcons.xml";
@@ -24,7 +24,8 @@ struct Check<'a> {
 
 /// Checks the file against the model description and the entries of the archive.
 pub(crate) fn check(bytes: &[u8], model: &Model, entries: &HashSet<String>, out: &mut Findings) {
-    let Some(xml) = Xml::parse(FILE, bytes, out) else { return };
+    let Some(text) = decode(FILE, bytes, out) else { return };
+    let Some(xml) = Xml::parse(FILE, &text, out) else { return };
     if !schema::check(&xml, &schema::FMI3, "fmiTerminalsAndIcons", out) {
         return;
     }

@@ -1,6 +1,8 @@
 //! An XML file of the archive with its name; errors of encoding and form are findings.
 
+use cosim::xml::{decode as decoded, encoding_label};
 use roxmltree::Node;
+use std::borrow::Cow;
 
 use super::finding::Findings;
 use super::rules;
@@ -14,16 +16,9 @@ pub(crate) struct Xml<'a> {
 }
 
 impl<'a> Xml<'a> {
-    /// Parses `bytes`; what is wrong with the encoding or the form goes to `out`, `None` ends the checks of the file.
-    pub(crate) fn parse(file: &'a str, bytes: &'a [u8], out: &mut Findings) -> Option<Xml<'a>> {
-        let text = match std::str::from_utf8(bytes) {
-            Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
-            Err(e) => {
-                let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
-                out.add(format!("{file}:{line}"), rules::xml_not_utf8());
-                return None;
-            }
-        };
+    /// Parses `text`; what is wrong with the form goes to `out`, `None` ends the checks of the file.
+    pub(crate) fn parse(file: &'a str, text: &'a str, out: &mut Findings) -> Option<Xml<'a>> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         check_declaration(file, text, out);
         let xml = match cosim::xml::Xml::parse(text) {
             Ok(xml) => xml,
@@ -59,14 +54,20 @@ impl<'a> Xml<'a> {
     }
 }
 
+/// The text of `bytes` in the encoding that the file declares; one that is not UTF-8 goes to `out`.
+pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8], out: &mut Findings) -> Option<Cow<'a, str>> {
+    match decoded(bytes) {
+        Ok((text, _)) => Some(text),
+        Err(line) => {
+            out.add(format!("{file}:{line}"), rules::xml_not_utf8());
+            None
+        }
+    }
+}
+
 fn check_declaration(file: &str, text: &str, out: &mut Findings) {
     let declaration = text.strip_prefix("<?xml").and_then(|t| t.split_once("?>")).map_or("", |(d, _)| d);
-    let encoding = declaration.split_once("encoding").and_then(|(_, rest)| {
-        let rest = rest.trim_start().strip_prefix('=')?.trim_start();
-        let quote = rest.chars().next().filter(|c| *c == '"' || *c == '\'')?;
-        rest[1..].split(quote).next()
-    });
-    match encoding {
+    match encoding_label(declaration) {
         Some(e) if e.eq_ignore_ascii_case("utf-8") => {}
         Some(e) => out.add(format!("{file}:1"), rules::xml_encoding(super::finding::short(e))),
         None => out.add(format!("{file}:1"), rules::xml_encoding_missing()),

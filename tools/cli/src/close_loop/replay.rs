@@ -143,8 +143,10 @@ fn shown(
     let outputs = references(description, experiment.outputs.iter().filter_map(|c| c.output))?;
     let takes_slopes = description.co_simulation().is_some_and(|i| i.can_interpolate_inputs);
     let mut fmu = Instance::instantiate(archive, &description.model_name, Log::new())?;
+    let from = cosim::Experiment { start: drive.time[0], ..Default::default() };
+    fmu.setup_experiment(&from)?;
     set(&mut fmu, description, starts)?;
-    fmu.enter_initialization(drive.time[0], None, None)?;
+    fmu.enter_initialization(&from)?;
     let row = |k: usize| drive.inputs().iter().map(move |input| input[k]).collect::<Vec<f64>>();
     fmu.set_f64(&inputs, &row(0))?;
     fmu.exit_initialization()?;
@@ -213,7 +215,7 @@ fn set(fmu: &mut Instance, description: &ModelDescription, starts: &[(String, f6
         let value = match variable.kind {
             Kind::Boolean => Value::Boolean(*number != 0.0),
             kind if kind.is_float() => Value::Real(*number),
-            _ => Value::Integer(*number as i64),
+            _ => Value::Integer(*number as i128),
         };
         let of =
             if variable.causality == Causality::StructuralParameter { &mut structural } else { &mut others };

@@ -123,7 +123,7 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
         })
     });
     let start = match model.version {
-        FmiVersion::V3 if v.kind == Kind::String => {
+        FmiVersion::V3 if matches!(v.kind, Kind::String | Kind::Binary) => {
             child(node, "Start").and_then(|start| start.attribute("value"))
         }
         _ => v.typed.attribute("start"),
@@ -145,7 +145,24 @@ fn variable<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<Variabl
         line: xml.line(node),
         dimensions: dimensions.collect::<Result<_, _>>()?,
         declared_type: v.declared_type.map(str::to_owned),
+        clock: if v.kind == Kind::Clock { Some(clock(model, v)?) } else { None },
     })
+}
+
+fn clock<'a>(model: &Model<'a>, v: &elements::Variable<'a>) -> Result<ClockTicks, Fault> {
+    let number = |name| -> Result<Option<f64>, Fault> {
+        match model.attribute(v, name) {
+            Some(text) => text.trim().parse().map(Some).map_err(|_| {
+                model.xml.fault(v.node, format!("{name} = {text:?} is not a number of the right kind"))
+            }),
+            None => Ok(None),
+        }
+    };
+    let word = model.attribute(v, "intervalVariability").unwrap_or("");
+    let variability = IntervalVariability::of(word)
+        .ok_or_else(|| model.xml.fault(v.node, format!("intervalVariability {word:?} does not exist")))?;
+    let fraction = number("intervalCounter")?.zip(number("resolution")?).map(|(n, per)| n / per);
+    Ok(ClockTicks { variability, interval: number("intervalDecimal")?.or(fraction) })
 }
 
 /// Dependencies of an output. Entries that are not variables here (as the independent variable of FMI 2) are omitted.

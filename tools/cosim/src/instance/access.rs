@@ -37,7 +37,32 @@ impl Instance {
     /// [`Error::Call`], [`Error::Misuse`] as for [`Self::get_i64`] and for a value that its type cannot hold.
     pub fn set_i64(&mut self, kind: Kind, vrs: &[u32], values: &[i64]) -> Result<(), Error> {
         let (low, high) = self.integer_limits(kind);
-        self.write(kind, vrs, values, (Kind::is_integer, "integer"), |v| (low..=high).contains(v))
+        let fits = |v: &i64| (low..=high).contains(&(*v).into());
+        self.write(kind, vrs, values, (Kind::is_integer, "integer"), fits)
+    }
+
+    /// Reads integers of any type without loss.
+    ///
+    /// # Errors
+    /// As [`Self::get_i64`].
+    pub fn get_integers(&mut self, kind: Kind, vrs: &[u32], values: &mut [i128]) -> Result<(), Error> {
+        self.read(kind, vrs, values, Kind::is_integer, "integer")
+    }
+
+    /// Reads binary variables.
+    ///
+    /// # Errors
+    /// [`Error::Call`].
+    pub fn get_binary(&mut self, vrs: &[u32]) -> Result<Vec<Vec<u8>>, Error> {
+        let mut read = Vec::new();
+        self.call(names(Verb::Get, Kind::Binary), |raw| match raw.get_binaries(vrs) {
+            Ok(bytes) => {
+                read = bytes;
+                Status::Ok
+            }
+            Err(status) => status,
+        })?;
+        Ok(read)
     }
 
     /// Reads Booleans.
@@ -162,7 +187,14 @@ impl Instance {
         let vr = &[variable.value_reference];
         match (value, variable.kind) {
             (Value::Real(x), kind) if kind.is_float() => self.set_number(kind, vr, &[*x]),
-            (Value::Integer(x), kind) => self.set_i64(kind, vr, &[*x]),
+            (Value::Integer(x), kind) => {
+                let (low, high) = self.integer_limits(kind);
+                let fits = |v: &i128| (low..=high).contains(v);
+                self.write(kind, vr, &[*x], (Kind::is_integer, "integer"), fits)
+            }
+            (Value::Binary(x), Kind::Binary) => {
+                self.call(names(Verb::Set, Kind::Binary), |raw| raw.set_binaries(vr, &[x]))
+            }
             (Value::Boolean(x), Kind::Boolean) => self.set_bool(vr, &[*x]),
             (Value::String(x), Kind::String) => self.set_string(vr, &[x]),
             _ => Err(self.misuse(
@@ -185,7 +217,7 @@ impl Instance {
     }
 
     /// FMI 2 has C `int` alone.
-    fn integer_limits(&self, kind: Kind) -> (i64, i64) {
+    fn integer_limits(&self, kind: Kind) -> (i128, i128) {
         integer_limits(if self.is_fmi2() { Kind::Int32 } else { kind })
     }
 }

@@ -32,6 +32,7 @@ impl Instance {
         self.with(names::get_state, state, |instance, raw_state| {
             instance.call_optional(names::get_state, |f| f.get_state.is_some(), |raw| raw.save(raw_state))
         })?;
+        self.saved_events[state.slot].clone_from(&self.events);
         self.saved = true;
         Ok(())
     }
@@ -43,7 +44,9 @@ impl Instance {
     pub fn set_state(&mut self, state: &State) -> Result<(), Error> {
         self.with(names::set_state, state, |instance, raw_state| {
             instance.call_optional(names::set_state, |f| f.set_state.is_some(), |raw| raw.restore(raw_state))
-        })
+        })?;
+        self.events.clone_from(&self.saved_events[state.slot]);
+        Ok(())
     }
 
     /// Frees a saved state.
@@ -98,6 +101,7 @@ impl Instance {
         let slot = self.free_slots.pop().unwrap_or(self.states.len());
         if slot == self.states.len() {
             self.states.push(state);
+            self.saved_events.push(self.events.clone());
         } else {
             self.states[slot] = state;
         }

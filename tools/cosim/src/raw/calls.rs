@@ -18,6 +18,22 @@ impl RawState {
     }
 }
 
+/// The experiment that an FMU is told of before initialization.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Experiment {
+    /// Start time (s).
+    pub start: f64,
+    /// Stop time (s).
+    pub stop: Option<f64>,
+    /// Relative tolerance.
+    pub tolerance: Option<f64>,
+}
+
+/// An optional number as the standards pass it: a flag and the number.
+fn optional(number: Option<f64>) -> (bool, f64) {
+    (number.is_some(), number.unwrap_or(0.0))
+}
+
 /// How a communication step ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawStep {
@@ -60,6 +76,8 @@ calls! {
     reset() = reset();
     /// FMI 3: `EnterStepMode`
     enter_step_mode() = enter_step_mode();
+    /// FMI 3: the shift of a clock (s).
+    clock_shift(clock: u32, shift: &mut f64) = get_shift(&clock, 1, shift);
     /// `EnterEventMode`
     enter_event_mode() = enter_event();
     /// `EnterContinuousTimeMode`
@@ -95,29 +113,60 @@ calls! {
 // SAFETY, for all unsafe blocks below: the functions belong to the loaded library, the handle is alive, pointers to
 // results live as long as the call, and saved states come from `save` or `deserialize` of the same library.
 impl RawInstance {
-    /// FMI 2 `SetupExperiment`, then (both) `EnterInitializationMode`; times in s.
-    pub fn enter_initialization(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Status {
-        let (has_tolerance, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
-        let (has_stop, stop) = (stop.is_some(), stop.unwrap_or(0.0));
-        match self.version() {
-            FmiVersion::V2 => {
-                let (has_tolerance, has_stop) = (has_tolerance.into(), has_stop.into());
-                let setup = self.status(|f, h| {
-                    // SAFETY: see above.
-                    f.setup.map(|f| unsafe { f(h, has_tolerance, tolerance, start, has_stop, stop) })
-                });
-                if setup > Status::Warning {
-                    return setup;
-                }
-                // SAFETY: see above.
-                setup.max(self.status(|f, h| f.enter_initialization2.map(|f| unsafe { f(h) })))
-            }
-            FmiVersion::V3 => self.status(|f, h| {
+    /// `SetupExperiment` of FMI 2, then `EnterInitializationMode`: for callers that set no parameters in between.
+    pub fn enter_initialization(&mut self, experiment: &Experiment) -> Status {
+        let setup = self.setup_experiment(experiment);
+        if setup > Status::Warning { setup } else { setup.max(self.enter_initialization_mode(experiment)) }
+    }
+
+    /// `fmi2SetupExperiment`; FMI 3 has no such call.
+    pub fn setup_experiment(&mut self, experiment: &Experiment) -> Status {
+        if self.version() == FmiVersion::V3 {
+            return Status::Ok;
+        }
+        let (has_tolerance, tolerance) = optional(experiment.tolerance);
+        let (has_stop, stop) = optional(experiment.stop);
+        let start = experiment.start;
+        self.status(|f, h| {
+            // SAFETY: see above.
+            f.setup.map(|f| unsafe { f(h, has_tolerance.into(), tolerance, start, has_stop.into(), stop) })
+        })
+    }
+
+    /// `EnterInitializationMode`; in FMI 2 after [`Self::setup_experiment`].
+    pub fn enter_initialization_mode(&mut self, experiment: &Experiment) -> Status {
+        let (has_tolerance, tolerance) = optional(experiment.tolerance);
+        let (has_stop, stop) = optional(experiment.stop);
+        let version = self.version();
+        self.status(|f, h| match version {
+            // SAFETY: see above.
+            FmiVersion::V2 => f.enter_initialization2.map(|f| unsafe { f(h) }),
+            FmiVersion::V3 => {
                 let enter = f.enter_initialization3?;
                 // SAFETY: see above.
-                Some(unsafe { enter(h, has_tolerance, tolerance, start, has_stop, stop) })
-            }),
-        }
+                Some(unsafe { enter(h, has_tolerance, tolerance, experiment.start, has_stop, stop) })
+            }
+        })
+    }
+
+    /// FMI 3, event mode: activates clocks.
+    pub fn tick(&mut self, clocks: &[u32]) -> Status {
+        let active = vec![true; clocks.len()];
+        let (v, n, active) = (clocks.as_ptr(), clocks.len(), active.as_ptr());
+        // SAFETY: see above.
+        self.status(|f, h| f.set_clock.map(|f| unsafe { f(h, v, n, active) }))
+    }
+
+    /// FMI 3: the interval of a clock (s); `None` as long as the FMU has not determined it.
+    pub fn clock_interval(&mut self, clock: u32) -> (Status, Option<f64>) {
+        /// `fmi3IntervalChanged`: the interval is new since the last call.
+        const CHANGED: i32 = 2;
+        let (mut interval, mut qualifier) = (0.0, CHANGED);
+        let status = self.status(|f, h| {
+            // SAFETY: see above.
+            f.get_interval.map(|f| unsafe { f(h, &clock, 1, &mut interval, &mut qualifier) })
+        });
+        (status, (qualifier == CHANGED).then_some(interval))
     }
 
     /// `DoStep` from `t` to `t + h` (s); with `no_rollback` the FMU need not support a rollback to a time before `t`.

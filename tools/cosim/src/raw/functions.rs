@@ -159,6 +159,11 @@ functions! {
         output_derivatives2: fn(Handle, *const u32, usize, *const c_int, *mut f64) -> c_int = fmi2GetRealOutputDerivatives, _;
         output_derivatives3: fn(Handle, *const u32, usize, *const i32, *mut f64, usize) -> c_int = _, fmi3GetOutputDerivatives;
         enter_step_mode: fn(Handle) -> c_int = _, fmi3EnterStepMode;
+        get_binary: fn(Handle, *const u32, usize, *mut usize, *mut *const u8, usize) -> c_int = _, fmi3GetBinary;
+        set_binary: fn(Handle, *const u32, usize, *const usize, *const *const u8, usize) -> c_int = _, fmi3SetBinary;
+        set_clock: fn(Handle, *const u32, usize, *const bool) -> c_int = _, fmi3SetClock;
+        get_interval: fn(Handle, *const u32, usize, *mut f64, *mut c_int) -> c_int = _, fmi3GetIntervalDecimal;
+        get_shift: fn(Handle, *const u32, usize, *mut f64) -> c_int = _, fmi3GetShiftDecimal;
         get_boolean_status: fn(Handle, c_int, *mut c_int) -> c_int = fmi2GetBooleanStatus, _;
         activate_partition: fn(Handle, u32, f64) -> c_int = _, fmi3ActivateModelPartition;
     }

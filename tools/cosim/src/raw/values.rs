@@ -10,25 +10,24 @@ use std::ptr;
 /// A number of a C type.
 pub(crate) trait Cell: Copy + Default {
     fn from_f64(value: f64) -> Self;
-    fn from_i64(value: i64) -> Self;
+    fn from_i128(value: i128) -> Self;
     fn f64(self) -> f64;
-    /// Cut to the range of `i64`.
-    fn i64(self) -> i64;
+    fn i128(self) -> i128;
 }
 
 macro_rules! cells {
     ($($float:ty)*; $($integer:ty)*) => {
         $(impl Cell for $float {
             fn from_f64(value: f64) -> Self { value as Self }
-            fn from_i64(value: i64) -> Self { value as Self }
+            fn from_i128(value: i128) -> Self { value as Self }
             fn f64(self) -> f64 { self.into() }
-            fn i64(self) -> i64 { self as i64 }
+            fn i128(self) -> i128 { self as i128 }
         })*
         $(impl Cell for $integer {
             fn from_f64(value: f64) -> Self { value.round() as Self }
-            fn from_i64(value: i64) -> Self { value as Self }
+            fn from_i128(value: i128) -> Self { value as Self }
             fn f64(self) -> f64 { self as f64 }
-            fn i64(self) -> i64 { i64::try_from(self).unwrap_or(i64::MAX) }
+            fn i128(self) -> i128 { self.into() }
         })*
     };
 }
@@ -53,12 +52,26 @@ impl Number for f64 {
     }
 }
 
+/// Cut to the range of `i64`.
 impl Number for i64 {
     fn of<C: Cell>(value: C) -> Self {
-        value.i64()
+        value.i128().clamp(i64::MIN.into(), i64::MAX.into()) as i64
     }
     fn to<C: Cell>(self) -> C {
-        C::from_i64(self)
+        C::from_i128(self.into())
+    }
+    fn is_true(self) -> bool {
+        self != 0
+    }
+}
+
+/// Holds every integer type.
+impl Number for i128 {
+    fn of<C: Cell>(value: C) -> Self {
+        value.i128()
+    }
+    fn to<C: Cell>(self) -> C {
+        C::from_i128(self)
     }
     fn is_true(self) -> bool {
         self != 0
@@ -67,10 +80,10 @@ impl Number for i64 {
 
 impl Number for bool {
     fn of<C: Cell>(value: C) -> Self {
-        value.i64() != 0
+        value.i128() != 0
     }
     fn to<C: Cell>(self) -> C {
-        C::from_i64(self.into())
+        C::from_i128(self.into())
     }
     fn is_true(self) -> bool {
         self
@@ -180,6 +193,11 @@ impl RawInstance {
         if kind == Kind::Float64 { self.set_f64(vrs, values) } else { self.set_as(kind, vrs, values) }
     }
 
+    /// Reads integers of any type without loss.
+    pub fn get_integers(&mut self, kind: Kind, vrs: &[u32], values: &mut [i128]) -> Status {
+        self.get_as(kind, vrs, values)
+    }
+
     /// Reads variables of one numeric kind.
     pub(crate) fn get_as<U: Number>(&mut self, kind: Kind, vrs: &[u32], values: &mut [U]) -> Status {
         let version = self.version();
@@ -225,6 +243,34 @@ impl RawInstance {
         Ok(texts.into_iter().map(|text| unsafe { text_of(text) }).collect())
     }
 
+    /// Reads binary variables.
+    pub fn get_binaries(&mut self, vrs: &[u32]) -> Result<Vec<Vec<u8>>, Status> {
+        let mut sizes = vec![0_usize; vrs.len()];
+        let mut data: Vec<*const u8> = vec![ptr::null(); vrs.len()];
+        let (v, n) = (vrs.as_ptr(), vrs.len());
+        let (sizes_at, data_at) = (sizes.as_mut_ptr(), data.as_mut_ptr());
+        // SAFETY: the function belongs to the loaded library, the handle is alive, all lists have `n` entries.
+        let status = self.status(|f, h| f.get_binary.map(|f| unsafe { f(h, v, n, sizes_at, data_at, n) }));
+        if status > Status::Warning {
+            return Err(status);
+        }
+        // SAFETY: the FMU promises that many bytes behind each pointer until the next call.
+        let copy = |(data, size): (&*const u8, &usize)| unsafe {
+            if data.is_null() { Vec::new() } else { std::slice::from_raw_parts(*data, *size).to_vec() }
+        };
+        Ok(data.iter().zip(&sizes).map(copy).collect())
+    }
+
+    /// Sets binary variables.
+    pub fn set_binaries(&mut self, vrs: &[u32], values: &[&[u8]]) -> Status {
+        let sizes: Vec<usize> = values.iter().map(|v| v.len()).collect();
+        let data: Vec<*const u8> = values.iter().map(|v| v.as_ptr()).collect();
+        let (v, n, m) = (vrs.as_ptr(), vrs.len(), values.len());
+        let (sizes, data) = (sizes.as_ptr(), data.as_ptr());
+        // SAFETY: as in `get_binaries`; the data outlive the call.
+        self.status(|f, h| f.set_binary.map(|f| unsafe { f(h, v, n, sizes, data, m) }))
+    }
+
     /// Sets strings.
     pub fn set_strings(&mut self, vrs: &[u32], values: &[&CStr]) -> Status {
         let texts: Vec<Text> = values.iter().map(|v| v.as_ptr()).collect();
@@ -260,6 +306,8 @@ mod tests {
         assert_eq!(Number::to::<i8>(2.5), 3);
         assert_eq!(Number::to::<u8>(-1.0), 0);
         assert_eq!(<i64 as Number>::of(u64::MAX), i64::MAX);
+        assert_eq!(<i128 as Number>::of(u64::MAX), u64::MAX.into());
+        assert_eq!(Number::to::<i64>(-9_007_199_254_740_993_i128), -9_007_199_254_740_993);
         assert!(<bool as Number>::of(2u8) && (-1_i64).is_true() && !0.0.is_true());
     }
 }

@@ -6,7 +6,7 @@ use super::parts::Parts;
 use super::power_bonds::{PowerBonds, Stepped};
 use super::units::Affine;
 use crate::simulate::initialise;
-use crate::{Error, FmiVersion, Instance, Kind, Log, State, Step, Value, Variability, Variable};
+use crate::{Error, Experiment, FmiVersion, Instance, Kind, Log, State, Step, Value, Variability, Variable};
 
 /// Coupling algorithm during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -128,7 +128,8 @@ impl Master {
             let sets: Vec<(&Variable, Value)> =
                 sets.iter().map(|(v, value)| (&variables[*v], value.clone())).collect();
             let tolerance = plan.tolerance.or(parts.description(index).default_experiment.tolerance);
-            initialise(&mut master.instances[index], &sets, (plan.start, plan.stop), tolerance)?;
+            let experiment = Experiment { start: plan.start, stop: Some(plan.stop), tolerance };
+            initialise(&mut master.instances[index], &sets, &experiment)?;
         }
         master.find_initial_values(parts, connections)?;
         for instance in &mut master.instances {

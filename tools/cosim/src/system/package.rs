@@ -233,6 +233,7 @@ impl Document<'_> {
                 Value::Integer(x) => ("ssv:Integer", x.to_string()),
                 Value::Boolean(x) => ("ssv:Boolean", x.to_string()),
                 Value::String(x) => ("ssv:String", x.clone()),
+                Value::Binary(x) => ("ssv:Binary", x.iter().map(|byte| format!("{byte:02x}")).collect()),
             };
             let name = &variables[*variable].name;
             node("ssv:Parameter", &[("name", name)], vec![leaf(tag, &[("value", &text)])])

@@ -64,7 +64,10 @@ impl Record {
         every_second(&mut self.times);
         for recorder in &mut self.recorders {
             every_second(&mut recorder.times);
-            recorder.columns.iter_mut().for_each(|c| every_second(&mut c.values));
+            for column in &mut recorder.columns {
+                every_second(&mut column.values);
+                every_second(&mut column.exact);
+            }
         }
         self.every *= 2;
     }
@@ -85,19 +88,21 @@ impl Record {
             let Some(column) = columns.iter().find(|c| c.name == source) else { continue };
             let same_unit = column.unit.as_ref() == system_output.unit.as_ref().map(|u| &u.name);
             let values = column.values.iter().map(|x| system_output.convert.of(*x)).collect();
+            let exact = if column.kind.is_integer() { column.exact.clone() } else { Vec::new() };
             columns.push(Column {
                 name: system_output.name.clone(),
                 kind: if column.kind.is_float() { Kind::Float64 } else { column.kind },
                 unit: system_output.unit.as_ref().map(|u| u.name.clone()),
                 display_unit: column.display_unit.clone().filter(|_| same_unit),
                 values,
+                exact,
             });
         }
         (self.times, columns)
     }
 }
 
-fn every_second(values: &mut Vec<f64>) {
+fn every_second<T>(values: &mut Vec<T>) {
     let mut place = 0;
     values.retain(|_| {
         place += 1;

@@ -3,7 +3,7 @@
 use crate::validate::finding::{Findings, short};
 use crate::validate::model::{self, FmiVersion, Model, Unknown, unsigned, unsigned_list};
 use crate::validate::semantics::arrays;
-use crate::validate::xml::Xml;
+use crate::validate::xml::{Xml, decode};
 use cosim::elements::FILE;
 use cosim::raw::InterfaceType;
 use cosim::xml::{parse_boolean, parse_double, parse_integer};
@@ -23,6 +23,9 @@ pub(super) struct Variable {
     pub(super) initial: Option<String>,
     /// Start values as numbers, one for each element; empty without a start value or for a string.
     pub(super) start: Vec<f64>,
+    /// The start values of 64-bit integers without rounding.
+    pub(super) exact: Vec<i128>,
+    /// The start value of a string or of binary data.
     pub(super) text: Option<String>,
     pub(super) min: Option<f64>,
     pub(super) max: Option<f64>,
@@ -120,7 +123,8 @@ impl Facts {
     /// Reads `modelDescription.xml` of an archive, which the static checks have found sound.
     pub(super) fn read(archive: &Archive) -> Option<Facts> {
         let bytes = std::fs::read(archive.dir().join(FILE)).ok()?;
-        let xml = Xml::parse(FILE, &bytes, &mut Findings::new())?;
+        let text = decode(FILE, &bytes, &mut Findings::new())?;
+        let xml = Xml::parse(FILE, &text, &mut Findings::new())?;
         let description = archive.description();
         Some(Facts::of(&Model::read(xml.file(), description.fmi_version), description))
     }
@@ -228,6 +232,12 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
     if let [all] = start[..] {
         start = vec![all; size];
     }
+    let is_long = matches!(kind, Kind::Int64 | Kind::UInt64);
+    let mut exact: Vec<i128> =
+        written.split_ascii_whitespace().filter(|_| is_long).filter_map(parse_integer).collect();
+    if let [all] = exact[..] {
+        exact = vec![all; size];
+    }
     let limit = |name: &str| {
         let text = model.attribute(v, name)?;
         if kind.is_float() { parse_double(text) } else { parse_integer(text).map(|i| i as f64) }
@@ -244,7 +254,8 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
         variability: v.variability.to_owned(),
         initial: v.initial.map(str::to_owned),
         start,
-        text: text.filter(|_| kind == Kind::String).map(str::to_owned),
+        exact,
+        text: text.filter(|_| matches!(kind, Kind::String | Kind::Binary)).map(str::to_owned),
         min: limit("min"),
         max: limit("max"),
         nominal: limit("nominal").filter(|n| *n > 0.0 && n.is_finite()).unwrap_or(1.0),

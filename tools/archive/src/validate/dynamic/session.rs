@@ -1,6 +1,6 @@
 //! A running instance. Each failed call is a fault with function, time and the FMU's messages.
 
-use cosim::raw::{InterfaceType, RawInstance};
+use cosim::raw::{Experiment, InterfaceType, RawInstance};
 use cosim::{Kind, Log, Status};
 
 use super::facts::{Facts, Variable};
@@ -29,6 +29,8 @@ pub(super) struct Session<'a> {
     pub(super) facts: &'a Facts,
     pub(super) interface: &'a Interface,
     pub(super) pulse: &'a dyn Pulse,
+    /// FMI 3 Co-Simulation: event mode is used.
+    pub(super) event_mode: bool,
     /// The time reached, s.
     pub(super) now: f64,
     /// The next time event, s.
@@ -61,24 +63,52 @@ impl<'a> Session<'a> {
 
     /// From instantiated (or reset) to ready to step.
     pub(super) fn start(&mut self, settings: &Settings) -> Result<(), Fault> {
-        self.now = self.facts.start;
-        for (variable, values) in settings {
-            self.set(variable, values)?;
-        }
-        self.initialise(None)
+        self.setup(None)?;
+        self.initialise(None, settings)
     }
 
-    /// Through initialisation mode, and through event mode where that follows.
-    pub(super) fn initialise(&mut self, stop: Option<f64>) -> Result<(), Fault> {
-        self.call("EnterInitializationMode", |raw| {
-            raw.enter_initialization(self.facts.start, stop, self.facts.tolerance)
-        })?;
+    /// From instantiated (or reset) to where parameters are set.
+    pub(super) fn setup(&mut self, stop: Option<f64>) -> Result<(), Fault> {
+        self.now = self.facts.start;
+        let experiment = self.experiment(stop);
+        self.call("SetupExperiment", |raw| raw.setup_experiment(&experiment))
+    }
+
+    /// Sets parameters and start values, then, in initialisation mode, inputs; through event mode where that follows.
+    pub(super) fn initialise(&mut self, stop: Option<f64>, settings: &Settings) -> Result<(), Fault> {
+        self.set_some(settings, false)?;
+        self.enter(stop)?;
+        self.set_some(settings, true)?;
+        self.leave()
+    }
+
+    /// Sets the inputs, or all other variables.
+    pub(super) fn set_some(&mut self, settings: &Settings, inputs: bool) -> Result<(), Fault> {
+        let some = settings.iter().filter(|(v, _)| v.is("input") == inputs);
+        some.into_iter().try_for_each(|(variable, values)| self.set(variable, values))
+    }
+
+    /// Enters initialisation mode.
+    pub(super) fn enter(&mut self, stop: Option<f64>) -> Result<(), Fault> {
+        let experiment = self.experiment(stop);
+        self.call("EnterInitializationMode", |raw| raw.enter_initialization_mode(&experiment))
+    }
+
+    /// Leaves initialisation mode, and the event mode that follows it.
+    pub(super) fn leave(&mut self) -> Result<(), Fault> {
         self.call("ExitInitializationMode", |raw| raw.exit_initialization())?;
         if self.interface.kind == InterfaceType::ModelExchange {
             self.iterate_events()?;
             self.call("EnterContinuousTimeMode", |raw| raw.enter_continuous_time_mode())?;
+        } else if self.event_mode {
+            self.iterate_events()?;
+            self.call("EnterStepMode", |raw| raw.enter_step_mode())?;
         }
         Ok(())
+    }
+
+    fn experiment(&self, stop: Option<f64>) -> Experiment {
+        Experiment { start: self.facts.start, stop, tolerance: self.facts.tolerance }
     }
 
     /// The event iteration, in event mode; whether states have changed.
@@ -107,6 +137,11 @@ impl<'a> Session<'a> {
             return Fault::new(&self.interface.place(), rules::early_return(self.now));
         }
         self.now += h;
+        if step.event && self.event_mode && !step.terminated {
+            self.call("EnterEventMode", |raw| raw.enter_event_mode())?;
+            self.iterate_events()?;
+            self.call("EnterStepMode", |raw| raw.enter_step_mode())?;
+        }
         Ok(!step.terminated)
     }
 
@@ -122,6 +157,20 @@ impl<'a> Session<'a> {
         self.call("Get", |raw| raw.get(variable.kind, &[variable.reference], &mut values))
             .map_err(|f| f.about(variable, &[]))?;
         Ok(values)
+    }
+
+    /// Reads a string, or binary data in hexadecimal digits.
+    pub(super) fn text(&mut self, variable: &Variable) -> Result<String, Fault> {
+        let references = &[variable.reference];
+        let read = match variable.kind {
+            Kind::Binary => self
+                .raw
+                .get_binaries(references)
+                .map(|all| all.concat().iter().map(|byte| format!("{byte:02x}")).collect()),
+            _ => self.raw.get_strings(references).map(|all| all.concat()),
+        };
+        read.or_else(|status| self.ok("Get", status).map(|()| String::new()))
+            .map_err(|f| f.about(variable, &[]))
     }
 
     /// Reads scalar floating point variables in one call.

@@ -11,7 +11,7 @@ use crate::validate::finding::{Findings, short};
 use crate::validate::model::FmiVersion;
 use crate::validate::rules::{self, Rule};
 use cosim::raw::InterfaceType::{self, CoSimulation, ModelExchange, ScheduledExecution};
-use cosim::raw::{RawBinary, RawSetup, RawState};
+use cosim::raw::{Experiment, RawBinary, RawSetup, RawState};
 use cosim::{Kind, Log, Status};
 use setting::others;
 

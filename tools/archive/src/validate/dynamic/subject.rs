@@ -2,8 +2,8 @@
 
 use std::cell::OnceCell;
 
-use cosim::raw::{RawBinary, RawInstance, RawSetup};
-use cosim::{Archive, Log};
+use cosim::raw::{InterfaceType, RawBinary, RawInstance, RawSetup};
+use cosim::{Archive, Kind, Log};
 
 use super::facts::Facts;
 use super::report::{Fault, Pulse};
@@ -35,7 +35,8 @@ impl<'a> Subject<'a> {
 
     /// A new instance, or `None` if the FMU refuses.
     pub(super) fn try_instance(&self, name: &str, token: &str, log: &Log) -> Option<RawInstance> {
-        let setup = RawSetup { interface: self.interface.kind, token, name, event_mode: false };
+        let event_mode = self.event_mode();
+        let setup = RawSetup { interface: self.interface.kind, token, name, event_mode };
         self.binary.instantiate(&setup, log)
     }
 
@@ -47,10 +48,17 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// Whether the FMU has clocks and so must use event mode in Co-Simulation.
+    fn event_mode(&self) -> bool {
+        let has_clocks = || self.facts.variables.iter().any(|v| v.kind == Kind::Clock);
+        self.interface.kind == InterfaceType::CoSimulation && self.interface.has_event_mode && has_clocks()
+    }
+
     /// The session of a new instance.
     pub(super) fn session(&self, raw: RawInstance) -> Session<'a> {
         let Subject { facts, interface, pulse, .. } = *self;
-        Session { raw, facts, interface, pulse, now: facts.start, next: None }
+        let event_mode = self.event_mode();
+        Session { raw, facts, interface, pulse, event_mode, now: facts.start, next: None }
     }
 
     /// A new instance with these settings, initialised and ready to step.

@@ -75,8 +75,8 @@ fn categories(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let Some(mut raw) = subject.try_instance("probe", &subject.facts.token, &log) else {
         return Fault::new(&subject.interface.place(), rules::refused_with_logging());
     };
-    let started = raw.enter_initialization(subject.facts.start, None, subject.facts.tolerance)
-        <= Status::Warning
+    let Facts { start, tolerance, .. } = *subject.facts;
+    let started = raw.enter_initialization(&Experiment { start, stop: None, tolerance }) <= Status::Warning
         && raw.exit_initialization() <= Status::Warning;
     if started && subject.interface.kind == InterfaceType::CoSimulation {
         raw.do_step(subject.facts.start, subject.facts.step(), false);
@@ -105,10 +105,8 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         return Fault::new(&subject.interface.place(), rules::refused_with_event_mode());
     };
     let facts = subject.facts;
-    let mut session = subject.session(raw);
-    session.initialise(None)?;
-    session.iterate_events()?;
-    session.call("EnterStepMode", |raw| raw.enter_step_mode())?;
+    let mut session = Session { event_mode: true, ..subject.session(raw) };
+    session.start(&Vec::new())?;
     for k in 1..=runs::steps(facts) {
         let end = session.now + facts.step();
         let h = session.next.filter(|t| *t > session.now).map_or(end, |t| t.min(end)) - session.now;

@@ -52,10 +52,13 @@ pub(super) fn values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
 fn accepts(subject: &Subject, v: &Variable, bad: f64) -> Result<bool, Fault> {
     let mut session = subject.instance("probe")?;
     let set = |session: &mut Session| session.raw.set(v.kind, &[v.reference], &vec![bad; v.size]);
-    if set(&mut session) > Status::Ok || session.initialise(None).is_err() {
-        return Ok(false);
-    }
-    if v.is("input") && set(&mut session) > Status::Ok {
+    session.setup(None)?;
+    let before = if v.is("input") { Status::Ok } else { set(&mut session) };
+    if before > Status::Ok
+        || session.enter(None).is_err()
+        || v.is("input") && set(&mut session) > Status::Ok
+        || session.leave().is_err()
+    {
         return Ok(false);
     }
     match subject.interface.kind {

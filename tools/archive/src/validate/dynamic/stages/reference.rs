@@ -4,7 +4,7 @@ use super::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::validate::xml::Xml;
+use crate::validate::xml::{Xml, decode};
 use cosim::xml::{parse_boolean, parse_double};
 
 /// Where the files are.
@@ -82,7 +82,8 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let folder = subject.archive.dir().join(FOLDER);
     let place = format!("{FOLDER}/{MANIFEST}");
     let Ok(bytes) = std::fs::read(folder.join(MANIFEST)) else { return Ok(()) };
-    let Some(xml) = Xml::parse(&place, &bytes, &mut Findings::new()) else { return Ok(()) };
+    let Some(text) = decode(&place, &bytes, &mut Findings::new()) else { return Ok(()) };
+    let Some(xml) = Xml::parse(&place, &text, &mut Findings::new()) else { return Ok(()) };
     let (mut results, mut inputs) = (Vec::new(), None);
     for related in xml.root().children().filter(|c| c.has_tag_name("Related")) {
         let Some(source) =
@@ -138,8 +139,10 @@ fn compare(
     let rooms: Vec<f64> = columns.iter().map(|(c, v)| range(*c).max(1e-6 * v.nominal)).collect();
     let started = Instant::now();
     let mut session = subject.instance("probe")?;
+    session.setup(None)?;
+    session.enter(None)?;
     feed(&mut session, inputs)?;
-    session.initialise(None)?;
+    session.leave()?;
     for row in &table.rows {
         if started.elapsed() > PATIENCE || !reach(&mut session, row[0], inputs)? {
             return Ok(());

@@ -5,19 +5,24 @@ use super::*;
 pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.instance("probe")?;
     let facts = subject.facts;
-    session.call("EnterInitializationMode", |raw| {
-        raw.enter_initialization(facts.start, None, facts.tolerance)
-    })?;
+    session.setup(None)?;
+    session.enter(None)?;
     let exact = |v: &Variable| {
         !v.clocked && (v.is("input") || v.initial.as_deref() == Some("exact") || v.variability == "constant")
     };
     for v in facts.select(exact) {
         if let Some(wanted) = &v.text {
-            let texts = session.raw.get_strings(&[v.reference]);
-            let texts = texts.or_else(|status| session.ok("GetString", status).map(|()| Vec::new()))?;
-            let text = texts.concat();
-            if text != *wanted {
+            let text = session.text(v)?;
+            let same =
+                if v.kind == Kind::Binary { text.eq_ignore_ascii_case(wanted) } else { text == *wanted };
+            if !same {
                 seen.add(&v.place, rules::start_text_differs(v, short(&text), short(wanted)));
+            }
+        } else if !v.exact.is_empty() && v.exact.len() == v.size {
+            let mut values = vec![0_i128; v.size];
+            session.call("Get", |raw| raw.get_integers(v.kind, &[v.reference], &mut values))?;
+            if let Some((value, start)) = values.iter().zip(&v.exact).find(|(x, start)| x != start) {
+                seen.add(&v.place, rules::start_differs(v, value, start));
             }
         } else if v.kind.is_numeric() && v.start.len() == v.size {
             let values = session.get(v)?;
@@ -92,12 +97,20 @@ fn run_in<'a>(
     order: Order,
 ) -> Result<(Rows, Lost<'a>), Fault> {
     let mut session = subject.instance("probe")?;
-    match order {
-        Order::Forwards => settings.iter().try_for_each(|(v, x)| session.set(v, x))?,
-        Order::Backwards => settings.iter().rev().try_for_each(|(v, x)| session.set(v, x))?,
-        Order::Together => together(&mut session, settings)?,
+    // Before SetupExperiment, where other runs set after it: no call may lose a parameter.
+    let mut in_order = settings.clone();
+    if order == Order::Backwards {
+        in_order.reverse();
     }
-    session.initialise(None)?;
+    let set = |session: &mut Session, inputs| match order {
+        Order::Together => together(session, settings, inputs),
+        _ => session.set_some(&in_order, inputs),
+    };
+    set(&mut session, false)?;
+    session.setup(None)?;
+    session.enter(None)?;
+    set(&mut session, true)?;
+    session.leave()?;
     let rows = runs::from_here(&mut session)?;
     let mut lost = None;
     let mut at = 0;
@@ -115,12 +128,13 @@ fn run_in<'a>(
     Ok((rows, lost))
 }
 
-fn together(session: &mut Session, settings: &Settings) -> Result<(), Fault> {
-    let mut kinds: Vec<_> = settings.iter().map(|(v, _)| v.kind).collect();
+fn together(session: &mut Session, settings: &Settings, inputs: bool) -> Result<(), Fault> {
+    let some = || settings.iter().filter(|(v, _)| v.is("input") == inputs);
+    let mut kinds: Vec<_> = some().map(|(v, _)| v.kind).collect();
     kinds.sort_unstable();
     kinds.dedup();
     for kind in kinds {
-        let of_kind = || settings.iter().filter(|(v, _)| v.kind == kind);
+        let of_kind = || some().filter(|(v, _)| v.kind == kind);
         let references: Vec<u32> = of_kind().map(|(v, _)| v.reference).collect();
         let values: Vec<f64> = of_kind().flat_map(|(_, x)| x.iter().copied()).collect();
         session.call("Set", |raw| raw.set(kind, &references, &values))?;

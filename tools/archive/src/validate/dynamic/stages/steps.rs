@@ -59,7 +59,8 @@ pub(super) fn stop_time(subject: &Subject, seen: &mut Seen) -> Result<(), Fault>
     let h = subject.facts.step();
     let stop = subject.facts.start + 2.0 * h;
     let mut session = subject.instance("probe")?;
-    session.initialise(Some(stop))?;
+    session.setup(Some(stop))?;
+    session.initialise(Some(stop), &Vec::new())?;
     for _ in 0..2 {
         if !session.step(h)? {
             return Ok(());
