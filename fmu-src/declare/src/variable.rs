@@ -168,6 +168,13 @@ impl Variable {
         row.nominal(if start == 0.0 { 1.0 } else { start.abs() })
     }
 
+    /// A fixed parameter: it can be set before the end of initialization only.
+    pub const fn fixed(value_reference: u32, start: f64, unit: Unit, min: f64, max: f64) -> Variable {
+        let mut row = Variable::tunable(value_reference, start, unit, min, max);
+        row.variability = Variability::Fixed;
+        row
+    }
+
     /// A fixed enumeration; `start` is the FMI value of the item.
     pub const fn choice(value_reference: u32, start: i32) -> Variable {
         Variable::new(

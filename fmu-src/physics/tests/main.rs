@@ -11,6 +11,7 @@ mod brushed_gearmotor;
 mod cooling_values;
 mod effects;
 mod hot_spot;
+mod initial;
 mod limits;
 mod network;
 mod short_cuts;

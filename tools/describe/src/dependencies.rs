@@ -9,7 +9,7 @@
 mod known;
 
 use crate::preset::StartValues;
-use physics::declare::{Causality, Kind, Unit};
+use physics::declare::{Causality, Kind, Unit, Variability};
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
 use rayon::prelude::*;
@@ -58,7 +58,8 @@ pub struct Dependencies {
 /// A point with given modes: factor on the inputs, and whether all effects are active.
 type Point = (f64, bool);
 /// Inputs of nominal size and a thousand times smaller: a quantity that saturates at one changes at the other. Then half
-/// of the effects, because some replace a direct path by a node.
+/// of the effects, because some replace a direct path by a node. The initial state is that of rest at the ambient temperature
+/// at the first point, and another one at the second, there with half of the effects.
 const POINTS: [Point; 3] = [(1.0, true), (1e-3, true), (1.0, false)];
 /// Repetitions of all points for the stored dependencies, so that each point of the fan curve has an influence once.
 const TURNS: usize = 4;
@@ -148,7 +149,9 @@ impl Dependencies {
             // The time of an event keeps its value, so that its consequences are visible at the start.
             let absent = if effects { Vec::new() } else { probe.half_of(&effects_of(declaration)) };
             let there = |entry: &Entry| !absent.iter().any(|prefix| entry.name.starts_with(prefix));
-            for &k in settable.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
+            let (of_start, rest): (Vec<usize>, Vec<usize>) =
+                settable.iter().partition(|&&k| is_initial_value(&declaration.entries[k]));
+            for &k in rest.iter().filter(|&&k| declaration.entries[k].row.unit != Unit::Second) {
                 let entry = &declaration.entries[k];
                 let factor = if entry.row.causality == Causality::Input && entry.row.start == 0.0 {
                     scale
@@ -163,7 +166,23 @@ impl Dependencies {
                 model.set(declaration.entries[k].slot, value);
             }
             if effects {
-                let point = || model.boxed_clone();
+                let mut start = model.boxed_clone();
+                if scale != 1.0 {
+                    for &k in &of_start {
+                        let entry = &declaration.entries[k];
+                        // Temperatures have limits of validity.
+                        let factor = if entry.row.unit == Unit::Kelvin { 1.0 } else { scale };
+                        start.set(entry.slot, factor * probe.generic(entry, starts));
+                    }
+                    // An effect may decide which node an initial value belongs to.
+                    let off = probe.half_of(&effects_of(declaration));
+                    for entry in rest.iter().map(|&k| &declaration.entries[k]) {
+                        if off.iter().any(|prefix| entry.name.starts_with(prefix)) {
+                            start.set(entry.slot, starts.of(entry));
+                        }
+                    }
+                }
+                let point = || start.boxed_clone();
                 let note = Note { declaration, unknowns: &at_start, starts };
                 note.add(&mut initial, &decide, &mut probe, point, |m, time| m.start(time).is_ok(), START);
             }
@@ -202,6 +221,11 @@ fn union(own: Vec<Unknown>, other: Vec<Unknown>) -> Vec<Unknown> {
 
 fn indices(declaration: &Declaration, which: impl Fn(&Entry) -> bool) -> Vec<usize> {
     declaration.entries.iter().enumerate().filter(|(_, e)| which(e)).map(|(k, _)| k).collect()
+}
+
+/// Whether a parameter is a start value of a state: of the real parameters these alone are fixed.
+fn is_initial_value(entry: &Entry) -> bool {
+    entry.row.kind == Kind::Real && entry.row.variability == Variability::Fixed
 }
 
 /// The prefixes of the groups that are effects.

@@ -104,12 +104,17 @@ fn dependencies_are_the_physics() {
     assert_eq!(on(&found.outputs, "shaft_speed"), ["imposed_speed", "state.shaft_speed"]);
     assert!(!on(&found.outputs, "loss_friction").contains(&"fan_command"));
     // The drift of the ambient sensor changes a run that starts late.
-    let start = ["ambient_temperature", "effect.ambient_drift.rate"];
-    assert_eq!(on(&found.initial, "stator_temperature"), start);
-    let shown = [&start[..], &["effect.winding_sensor_offset.offset"]].concat();
-    assert_eq!(on(&found.initial, "winding_temperature"), shown);
-    let limit = ["ambient_temperature", "thermal.T_w_max", "effect.ambient_drift.rate"];
-    assert_eq!(on(&found.initial, "over_temperature"), limit);
+    let (ambient, drift) = ("ambient_temperature", "effect.ambient_drift.rate");
+    let (winding, sensor) = ("initial.winding_temperature", "effect.winding_sensor_");
+    let [offset, loss] = ["offset.offset", "stem_loss.k"].map(|name| format!("{sensor}{name}"));
+    assert_eq!(on(&found.initial, "winding_temperature"), [ambient, winding, drift, &loss, &offset]);
+    assert_eq!(on(&found.initial, "over_temperature"), [ambient, "thermal.T_w_max", winding, drift]);
+    // A node of its own, or the housing where there is none.
+    let stator = on(&found.initial, "stator_temperature");
+    for name in [ambient, "initial.stator_temperature", "initial.housing_temperature", drift] {
+        assert!(stator.contains(&name), "{name}: {stator:?}");
+    }
+    assert_eq!(on(&found.initial, "shaft_angle"), ["initial.shaft_angle"]);
     assert!(on(&found.initial, "loss_friction").contains(&"effect.coulomb_friction.w_small"));
     // Derivatives and indicators, with those of single modes.
     assert_eq!(on(&found.rates, "der(state.shaft_angle)"), ["imposed_speed", "state.shaft_speed"]);

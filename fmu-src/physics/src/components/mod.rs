@@ -10,6 +10,7 @@ pub mod fan;
 pub mod gait;
 pub mod gear;
 pub mod housing;
+pub mod initial;
 pub mod motor;
 pub mod sensor;
 pub mod springs;

@@ -77,6 +77,16 @@ impl Limits {
         Limits { validity, no_torque }
     }
 
+    /// Lowest and highest temperature of the winding, K.
+    pub fn of_winding(&self) -> [f64; 2] {
+        [self.validity.lowest_temperature, self.validity.winding_temperature]
+    }
+
+    /// Lowest and highest temperature of the other nodes, K: the magnets may have the temperature of any of them.
+    pub fn of_other_nodes(&self) -> [f64; 2] {
+        [self.validity.lowest_temperature, self.validity.magnet_temperature.min(self.no_torque)]
+    }
+
     /// How far the worst temperature is outside its limit, K; negative within all limits.
     #[inline]
     pub fn beyond(&self, at: &Extremes) -> f64 {

@@ -77,6 +77,18 @@ pub struct State<const N: usize, const E: usize = 3> {
     pub passed: Passed<N>,
 }
 
+impl<const N: usize, const E: usize> Default for State<N, E> {
+    fn default() -> Self {
+        State {
+            x: Fast::zeros(),
+            angle: 0.0,
+            temperature: SVector::zeros(),
+            energy: [0.0; E],
+            passed: Passed::default(),
+        }
+    }
+}
+
 /// What passed over one call to [`Split::advance`]; no part of what the next one depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passed<const N: usize> {

@@ -6,6 +6,7 @@
 mod equations;
 mod exchange;
 mod held;
+mod initial;
 mod line;
 mod march;
 mod motor;
@@ -18,6 +19,7 @@ mod surroundings;
 mod variables;
 
 pub use equations::{Beyond, Constants, NODES, Point, STATES, Step, Temperatures};
+pub use initial::Initial;
 pub use line::Line;
 pub use motor::AnnulusCooledMotor;
 pub use parameters::Parameters;

@@ -12,7 +12,7 @@ use crate::effects::{Effect, IMMINENT, PerNode};
 use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Node, Slot};
-use crate::solver::split::{Fast, Passed, Split, State};
+use crate::solver::split::{Split, State};
 use crate::terms::{Drivers, GenericTerm};
 
 /// The motor: parameters, inputs, and the state it has reached.
@@ -89,13 +89,7 @@ impl Default for AnnulusCooledMotor {
             fan: (f64::NAN, PerNode::default()),
             slopes: Inputs::ZERO,
             time: 0.0,
-            state: State {
-                x: Fast::zeros(),
-                angle: 0.0,
-                temperature: Temperatures::zeros(),
-                energy: [0.0; 3],
-                passed: Passed::default(),
-            },
+            state: State::default(),
             t_sensor: 0.0,
             t_start: 0.0,
             capacity_factor: 1.0,
@@ -332,18 +326,14 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn start(&mut self, time: f64) -> Result<(), Fault> {
-        if let Some(fault) = Body::fault(&self.parameters) {
+        let parameters = &self.parameters;
+        let fault = Body::fault(parameters).or_else(|| parameters.initial.fault(&parameters.limits()));
+        if let Some(fault) = fault {
             return Err(Fault(fault));
         }
         self.time = time;
         let mut ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
-        self.state = State {
-            x: Fast::zeros(),
-            angle: 0.0,
-            temperature: Temperatures::repeat(ambient),
-            energy: [0.0; 3],
-            passed: Passed::default(),
-        };
+        self.state = State { temperature: Temperatures::repeat(ambient), ..State::default() };
         self.split = Split::default();
         self.phases = Phases::default();
         self.network = None;
@@ -352,10 +342,13 @@ impl Model for AnnulusCooledMotor {
         self.tell_effects(time);
         ambient += self.parameters.effects.ambient_offset();
         self.state.temperature = Temperatures::repeat(ambient);
-        (self.t_sensor, self.t_start) = (ambient, ambient);
+        self.t_start = ambient;
         // Anew, because a network starts at the temperature that the state has.
         self.network = None;
         self.follow_parameters();
+        self.put_initial(ambient);
+        // Terms may follow the initial temperatures.
+        self.tell_effects(time);
         self.stored_at_start = self.stored();
         self.hold_start();
         Ok(())

@@ -28,7 +28,8 @@ use body::FIRST;
 use cooling::Tangent;
 
 const ROTOR: usize = 0;
-const TUBE: usize = 1;
+/// Place of the tube among the temperatures.
+pub const TUBE: usize = 1;
 
 /// Error of a temperature that a piece of a step may have, K.
 const TOLERANCE: f64 = 1e-6;
@@ -117,9 +118,9 @@ impl Network {
         self.tangent = Tangent::NONE;
     }
 
-    /// Puts rotor and housing at these temperatures, K; the tube stays where it is.
-    pub fn put_temperatures(&mut self, rotor: f64, housing: f64) {
-        self.states[ROTOR] = rotor;
+    /// Puts rotor, housing and tube at these temperatures, K.
+    pub fn put_temperatures(&mut self, rotor: f64, housing: f64, tube: f64) {
+        (self.states[ROTOR], self.states[TUBE]) = (rotor, tube);
         self.states[FIRST..FIRST + self.body.segments].fill(housing);
         self.forget();
     }

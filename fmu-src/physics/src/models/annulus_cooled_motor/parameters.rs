@@ -1,5 +1,6 @@
 //! What a motor is made of, and how it is used.
 
+use super::initial::Initial;
 use super::variables::{Choices, CoolingMode};
 use crate::components::annulus::Annulus;
 use crate::components::conductance::Conductance;
@@ -7,7 +8,7 @@ use crate::components::fan::Fan;
 use crate::components::housing::Housing;
 use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
-use crate::components::validity::Validity;
+use crate::components::validity::{Limits, Validity};
 use crate::effects::{Effect, Effects, PerNode};
 use crate::groups;
 
@@ -30,6 +31,8 @@ pub struct Parameters {
     pub annulus: Annulus,
     /// Where the equations end.
     pub validity: Validity,
+    /// The state at the start.
+    pub initial: Initial,
     /// Effects, each off by default.
     pub effects: Effects,
 }
@@ -44,6 +47,7 @@ groups! {
         "fan." @ 500 => fan: Fan,
         "annulus." @ 600 => annulus: Annulus,
         "validity." @ 650 => validity: Validity,
+        "initial." @ 660 => initial: Initial,
     } then effects: Effects
 }
 
@@ -57,6 +61,11 @@ impl Parameters {
                 CoolingMode::FanCrossflow => fan,
                 CoolingMode::AnnulusPush | CoolingMode::AnnulusPull => fan + tube,
             }
+    }
+
+    /// Where the equations end.
+    pub fn limits(&self) -> Limits {
+        Limits::new(self.validity, self.motor.T_ref, self.motor.alpha_mag)
     }
 
     /// Conductances to ambient at the fan command `n`, W/K.

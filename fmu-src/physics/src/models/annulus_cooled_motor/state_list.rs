@@ -10,7 +10,7 @@ states! {
         "state.current" = State::new(701, 801, Unit::Ampere).nominal(5.0),
         /// Speed of the shaft; constant where it is imposed (mechanical_mode imposed_speed)
         "state.shaft_speed" = State::new(702, 802, Unit::RadianPerSecond).nominal(1000.0),
-        /// Angle of the shaft, 0 at the start
+        /// Angle of the shaft, initial.shaft_angle at the start
         "state.shaft_angle" = State::new(703, 803, Unit::Radian).nominal(100.0),
         /// Mean temperature of the winding
         "state.winding_temperature" = State::new(704, 804, Unit::Kelvin).nominal(300.0),

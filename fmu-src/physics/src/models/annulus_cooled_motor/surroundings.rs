@@ -2,7 +2,7 @@
 
 use super::equations::Temperatures;
 use super::motor::AnnulusCooledMotor;
-use super::network::Network;
+use super::network::{Network, TUBE};
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::sensor::lagged;
 use crate::effects::{Effect, PerNode, Port};
@@ -127,7 +127,8 @@ impl AnnulusCooledMotor {
         let core = if self.network.is_some() { stator } else { housing };
         self.state.temperature = Temperatures::new(winding, core);
         if let Some(network) = &mut self.network {
-            network.put_temperatures(magnets, housing);
+            let tube = network.temperatures()[TUBE];
+            network.put_temperatures(magnets, housing, tube);
         }
         self.t_sensor = housing;
         self.tell_effects(self.time);

@@ -75,7 +75,7 @@ variables! {
         imposed_speed: f64 = Variable::input(5, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(1000.0),
         /// Fan command: speed over full speed
         fan_command: f64 = Variable::input(6, 0.0, Unit::One, 0.0, 1.0).saturates(),
-        /// Indicated ambient temperature; initial temperature of all nodes
+        /// Indicated ambient temperature; initial temperature of the nodes for which initial.* gives none
         ambient_temperature: f64 = Variable::input(7, 298.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
             .source("reference temperature of the maxon datasheet"),
         /// Ambient pressure; without effect in cooling_mode conductance
@@ -93,7 +93,7 @@ variables! {
     pub struct Outputs {
         /// Current in the winding
         current: f64 = Variable::output(20, Unit::Ampere).nominal(5.0),
-        /// Angle of the shaft, 0 at the start
+        /// Angle of the shaft, initial.shaft_angle at the start
         shaft_angle: f64 = Variable::output(21, Unit::Radian).nominal(100.0),
         /// Speed of the shaft
         shaft_speed: f64 = Variable::output(22, Unit::RadianPerSecond).nominal(1000.0),

@@ -92,7 +92,7 @@ impl Constants {
             capacity,
             inverse_capacity: capacity.map(|c| 1.0 / c),
             to_box: parameters.effects.ambient_conductance(0.0),
-            limits: Limits::new(parameters.validity.into(), motor.T_ref, motor.alpha_mag),
+            limits: parameters.limits(),
         }
     }
 

@@ -10,7 +10,7 @@ states! {
         "state.current" = declare::State::new(701, 801, Unit::Ampere),
         /// Speed of the output shaft
         "state.shaft_speed" = declare::State::new(702, 802, Unit::RadianPerSecond).nominal(10.0),
-        /// Angle of the output shaft, 0 at the start
+        /// Angle of the output shaft, initial.shaft_angle at the start
         "state.shaft_angle" = declare::State::new(703, 803, Unit::Radian).nominal(100.0),
         /// Temperature of the winding
         "state.winding_temperature" = declare::State::new(704, 804, Unit::Kelvin).nominal(300.0),

@@ -7,6 +7,7 @@
 mod equations;
 mod exchange;
 mod held;
+mod initial;
 mod motor;
 mod opening;
 mod parameters;
@@ -14,6 +15,7 @@ pub mod state_function;
 mod variables;
 
 pub use equations::{Constants, ENERGIES, NODES, Point, STATES, State, Step, Temperatures};
+pub use initial::Initial;
 pub use motor::BrushedGearmotor;
 pub use opening::Opening;
 pub use parameters::Parameters;

@@ -1,6 +1,6 @@
 //! The gearmotor as a model: parameters, inputs, and the state it has reached.
 
-use super::equations::{Constants, ENERGIES, NODES, State, Step, Temperatures};
+use super::equations::{Constants, NODES, State, Step, Temperatures};
 use super::held::{Held, LIST};
 use super::opening::Opening;
 use super::parameters::Parameters;
@@ -10,7 +10,7 @@ use crate::effects::{Effect, IMMINENT};
 use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
-use crate::solver::split::{Fast, Passed, Split};
+use crate::solver::split::Split;
 use crate::terms::Drivers;
 
 /// The gearmotor: parameters, inputs, and the state it has reached.
@@ -52,17 +52,6 @@ const OUTPUTS: usize = 1;
 /// Index of the event indicators in the list of groups; parameters follow.
 const INDICATORS: usize = 2;
 
-/// At rest at one temperature, K.
-fn at_rest(temperature: f64) -> State {
-    State {
-        x: Fast::zeros(),
-        angle: 0.0,
-        temperature: Temperatures::repeat(temperature),
-        energy: [0.0; ENERGIES],
-        passed: Passed::default(),
-    }
-}
-
 impl Default for BrushedGearmotor {
     fn default() -> Self {
         let parameters = Parameters::default();
@@ -74,7 +63,7 @@ impl Default for BrushedGearmotor {
             constants: Constants::of(&parameters),
             slopes: Inputs::ZERO,
             time: 0.0,
-            state: at_rest(0.0),
+            state: State::default(),
             t_start: 0.0,
             opening: Opening::default(),
             split: Split::default(),
@@ -238,12 +227,15 @@ impl Model for BrushedGearmotor {
     }
 
     fn start(&mut self, time: f64) -> Result<(), Fault> {
+        if let Some(fault) = self.parameters.initial.fault(&self.parameters.limits()) {
+            return Err(Fault(fault));
+        }
         self.time = time;
         let drift = self.parameters.effects.ambient_sensor() * time;
         self.t_start = self.inputs.ambient_temperature + drift;
-        self.state = at_rest(self.t_start);
         self.split = Split::default();
         self.constants = Constants::of(&self.parameters);
+        self.state = self.parameters.initial.state(self.t_start);
         self.opening = self.step_equations().opening(&self.state, self.t_start);
         self.outputs_are_stale = true;
         self.hold_start();

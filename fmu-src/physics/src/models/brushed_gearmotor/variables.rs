@@ -12,7 +12,7 @@ variables! {
             .source("paper in seeds (gearmotor 37D), section 2.5"),
         /// Load torque on the output shaft
         load_torque: f64 = Variable::input(3, 0.0, Unit::NewtonMetre, -1e6, 1e6).nominal(0.1),
-        /// Indicated ambient temperature around the box; initial temperature of all nodes
+        /// Indicated ambient temperature around the box; initial temperature of the nodes for which initial.* gives none
         ambient_temperature: f64 = Variable::input(4, 293.15, Unit::Kelvin, 173.15, 473.15).nominal(300.0)
             .source("paper in seeds (gearmotor 37D): 20 degC"),
     }
@@ -25,7 +25,7 @@ variables! {
         voltage: f64 = Variable::output(20, Unit::Volt).nominal(12.0),
         /// Mean current in the winding
         current: f64 = Variable::output(21, Unit::Ampere),
-        /// Angle of the output shaft, 0 at the start
+        /// Angle of the output shaft, initial.shaft_angle at the start
         shaft_angle: f64 = Variable::output(22, Unit::Radian).nominal(100.0),
         /// Speed of the output shaft
         shaft_speed: f64 = Variable::output(23, Unit::RadianPerSecond).nominal(10.0),

@@ -66,7 +66,7 @@ impl Constants {
             has_network: body.is_some(),
             iron_in_core: body.as_ref().is_some_and(|b| b.iron_in_stator),
             acts,
-            limits: Limits::new(parameters.validity, parameters.motor.T_ref, parameters.motor.alpha_mag),
+            limits: parameters.limits(),
         }
     }
 

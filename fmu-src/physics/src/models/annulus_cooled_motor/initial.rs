@@ -1,0 +1,74 @@
+//! The state in which the motor starts.
+
+use super::motor::AnnulusCooledMotor;
+use super::variables::{DriveMode, MechanicalMode};
+use crate::components::initial::{first_outside, temperature};
+use crate::components::validity::Limits;
+use crate::effects::Effect;
+use crate::solver::split::Fast;
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Initial state.
+    pub struct Initial {
+        /// Initial temperature of the winding; 0 K = ambient temperature
+        winding_temperature: f64 = Variable::fixed(0, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        /// Initial temperature of the stator; 0 K = ambient temperature; without effect in cooling_mode conductance
+        /// unless effect.stator_node is on
+        stator_temperature: f64 = Variable::fixed(1, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        /// Initial temperature of the rotor with its magnets; 0 K = ambient temperature; without effect in cooling_mode
+        /// conductance, where it is the housing's
+        magnet_temperature: f64 = Variable::fixed(2, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        /// Initial temperature of the housing, of all its segments; 0 K = ambient temperature
+        housing_temperature: f64 = Variable::fixed(3, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        /// Initial temperature of the tube (cooling_mode annulus_push and annulus_pull); 0 K = ambient temperature
+        tube_temperature: f64 = Variable::fixed(4, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        /// Initial temperature of a lagging housing sensor (effect.housing_sensor_lag); 0 K = initial temperature of the
+        /// housing
+        sensor_temperature: f64 = Variable::fixed(5, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
+        /// Initial current (drive_mode voltage and pwm)
+        current: f64 = Variable::fixed(6, 0.0, Unit::Ampere, -1e4, 1e4).nominal(5.0),
+        /// Initial speed of the shaft (mechanical_mode free_shaft)
+        shaft_speed: f64 = Variable::fixed(7, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(1000.0),
+        /// Initial angle of the shaft
+        shaft_angle: f64 = Variable::fixed(8, 0.0, Unit::Radian, -1e9, 1e9).nominal(100.0),
+    }
+}
+
+impl Initial {
+    /// What is wrong with initial values outside the limits of validity, in one sentence.
+    pub(super) fn fault(&self, limits: &Limits) -> Option<String> {
+        let others = [
+            ("initial.stator_temperature", self.stator_temperature),
+            ("initial.magnet_temperature", self.magnet_temperature),
+            ("initial.housing_temperature", self.housing_temperature),
+            ("initial.tube_temperature", self.tube_temperature),
+            ("initial.sensor_temperature", self.sensor_temperature),
+        ];
+        first_outside(limits, ("initial.winding_temperature", self.winding_temperature), &others)
+    }
+}
+
+impl AnnulusCooledMotor {
+    /// Puts the motor into its initial state; nodes without an initial value are at `ambient`, K.
+    pub(super) fn put_initial(&mut self, ambient: f64) {
+        let i = self.parameters.initial;
+        let choices = &self.parameters.choices;
+        let is_driven = matches!(choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm);
+        let is_free = choices.mechanical_mode == MechanicalMode::FreeShaft;
+        let or_zero = |applies: bool, value: f64| if applies { value } else { 0.0 };
+        self.state.x = Fast::new(or_zero(is_driven, i.current), or_zero(is_free, i.shaft_speed));
+        self.state.angle = i.shaft_angle;
+        let housing = temperature(i.housing_temperature, ambient);
+        // Two nodes alone: the second is the whole housing.
+        let core = if self.network.is_some() { temperature(i.stator_temperature, ambient) } else { housing };
+        self.state.temperature = [temperature(i.winding_temperature, ambient), core].into();
+        if let Some(network) = &mut self.network {
+            let [rotor, tube] = [i.magnet_temperature, i.tube_temperature].map(|t| temperature(t, ambient));
+            network.put_temperatures(rotor, housing, tube);
+        }
+        let lags = self.parameters.effects.housing_sensor_lag() > 0.0;
+        self.t_sensor = if lags { temperature(i.sensor_temperature, housing) } else { housing };
+        self.follow_inputs();
+    }
+}
