@@ -11,6 +11,7 @@ mod importers;
 mod licenses;
 mod mutants;
 mod nightly;
+mod page;
 mod product;
 mod shell;
 mod stages;
@@ -38,7 +39,7 @@ const COMMANDS: &[Command] = &[
     ("test", "runs the everyday tests: sources, Rust, FMUs, Python, mutants of changed files", test::run),
     (
         "nightly",
-        "runs all tests: also removals, all mutants, fuzz, cross, importers, blind, bench",
+        "runs all tests: also removals, all mutants, fuzz, cross, importers, page, blind, bench",
         nightly::run,
     ),
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
@@ -57,6 +58,7 @@ const COMMANDS: &[Command] = &[
         "build one archive for three platforms and run it on each; --toolchain DIR names a Rust with library sources",
         cross::run,
     ),
+    ("page", "compile the models for WebAssembly and write dist/page.html, a page to try motors", page::run),
     (
         "mutants",
         "apply each mutation of the table and expect the tests to fail; arguments name mutants",

@@ -1,7 +1,7 @@
 //! `cargo xtask nightly`: everything of `cargo xtask test`, and what takes too long for every change.
 
 use crate::{
-    Outcome, bench, blind, cross, fuzz, importers, mutants, shell,
+    Outcome, bench, blind, cross, fuzz, importers, mutants, page, shell,
     stages::Stages,
     test::{self, Extent},
     workspace::Workspace,
@@ -11,10 +11,11 @@ use crate::{
 type Command = (&'static str, fn(&Workspace, &[String]) -> Outcome);
 
 /// What `test` leaves out, the quick ones first.
-const LONGER: [Command; 5] = [
+const LONGER: [Command; 6] = [
     ("fuzz", fuzz::run),
     ("cross", cross::run),
     ("importers", importers::run),
+    ("page", page::test),
     ("blind", blind::run),
     ("bench", bench::run),
 ];

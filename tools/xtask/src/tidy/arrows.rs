@@ -21,6 +21,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("archive", &["describe", "cosim", "terms", "present"]),
     ("study", &["physics", "describe", "present", "least-squares"]),
     ("cli", &["calibrate", "cosim", "archive", "study", "describe", "present"]),
+    ("page", &["study", "describe", "present"]),
     // Benches alone: their needs are those of tests.
     ("bench", &[]),
     ("xtask", &["present"]),

@@ -1,0 +1,33 @@
+//! `cargo xtask page`: compiles the native models for WebAssembly and writes `dist/page.html`, which holds everything and needs no network.
+
+use crate::{Outcome, product, shell, venv, workspace::Workspace};
+
+const TARGET: &str = "wasm32-unknown-unknown";
+/// Opens the page in Chromium and compares its values with `motor-fmu`; a stage of `cargo xtask nightly`.
+const TESTS: &str = "tests/python/browser_page.py";
+
+/// Takes no arguments.
+pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
+    crate::no_arguments("page", arguments)?;
+    shell::stage("compiling the models for WebAssembly");
+    let mut build =
+        workspace.cargo(&["build", "--release", "--package", "page", "--lib", "--target", TARGET]);
+    shell::run(&mut build)
+        .map_err(|e| format!("{e}; the target is installed by `rustup target add {TARGET}`"))?;
+    shell::stage("writing the page");
+    let models = workspace.target.join(TARGET).join("release/page.wasm");
+    let page = workspace.dist().join("page.html");
+    let mut write = workspace.cargo(&["run", "--quiet", "--release", "--package", "page", "--"]);
+    shell::run(write.arg(models).arg(&page))?;
+    println!("page: {}", page.display());
+    Ok(())
+}
+
+/// Writes the page and tests it in Chromium.
+pub fn test(workspace: &Workspace, arguments: &[String]) -> Outcome {
+    run(workspace, arguments)?;
+    product::build(workspace)?;
+    product::archives(workspace)?;
+    let mut tests = product::python(workspace, &venv::python(workspace)?);
+    shell::run(tests.args(["-m", "pytest", TESTS]))
+}
