@@ -177,7 +177,7 @@ pub fn current_at_voltage(bench: &mut Bench, voltage: f64) -> Result<f64, StudyE
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A motor in still air at rest.
