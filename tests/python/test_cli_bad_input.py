@@ -1,5 +1,7 @@
 """Bad input through the `motor-fmu` program: exit code 1 = check failed, 2 = could not run."""
 
+import json
+import re
 import shutil
 import zipfile
 
@@ -113,3 +115,24 @@ def test_preset_with_wrong_unit(motor_fmu, preset, tmp_path):
         build(motor_fmu, preset('unit = "Ohm"', 'unit = "V"'), tmp_path), CANNOT, "changed.toml", "motor.R_ref", '"Ohm"', '"V"'
     )
     assert not (tmp_path / "dist").exists()
+
+
+def test_all_errors_of_a_preset_at_once(motor_fmu, preset, tmp_path):
+    done = build(motor_fmu, preset(new='\n"motor.colour" = 3.0\nvoltage = "3 A"\nimposed_speed = "50 Hz"\n'), tmp_path)
+    assert done.returncode == CANNOT, done.stderr
+    lines = done.stderr.splitlines()
+    assert len(lines) == 3, done.stderr
+    for line, words in zip(lines, (["motor.colour"], ["voltage", '"V"', '"A"'], ["imposed_speed", '"rad/s"', '"Hz"']), strict=True):
+        assert re.search(r"changed\.toml:\d+: ", line) and all(word in line for word in words), line
+
+
+def test_set_takes_units_of_the_quantity(motor_fmu):
+    def steady(*sets):
+        settings = [word for value in sets for word in ("--set", value)]
+        done = motor_fmu("steady", "--json", "--preset", "maxon-305015", *settings)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)["steady"]
+
+    si = steady("ambient_temperature=308.15", "imposed_speed=104.71975511965977", "current_command=2.5")
+    assert steady("ambient_temperature=35degC", "imposed_speed=1000 rpm", "current_command=2500 mA") == pytest.approx(si, rel=1e-9, abs=1e-9)
+    one_sentence(motor_fmu("steady", "--set", "current_command=2 V"), CANNOT, "current_command", '"A"', '"V"')

@@ -1,4 +1,4 @@
-//! Presets: start values in a TOML file, each with its unit, checked against the declarations.
+//! Presets: start values in a TOML file, each in any unit of its quantity, checked against the declarations.
 //!
 //! ```toml
 //! name = "maxon-305015"
@@ -6,92 +6,24 @@
 //! description = "..."
 //!
 //! [start]
-//! "motor.R_ref" = { value = 0.386, unit = "Ohm" }
+//! "motor.R_ref" = { value = 386, unit = "mOhm" }
+//! "motor.J" = "33.3 g.cm2"
 //! "drive_mode" = "current"
 //! ```
 
-use physics::declare::{Causality, Elements, Kind};
-use physics::model::{Declaration, Element, Entry, ModelType};
+mod values;
+
+use physics::declare::Causality;
+use physics::model::{Declaration, ModelType};
 use physics::models::series_elastic_actuator::MOTOR_DATA;
 use std::collections::BTreeMap;
 use std::path::Path;
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
+use values::Source;
+pub use values::{StartValues, from_text, unknown};
 
 /// The built-in presets: name and text of every file in `examples/presets`, in the order of the names.
 const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/presets.rs"));
-
-/// Start values that differ from the declared ones, by value reference.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StartValues(BTreeMap<u32, f64>);
-
-impl StartValues {
-    /// The start value of a variable.
-    pub fn of(&self, entry: &Entry) -> f64 {
-        self.0.get(&entry.value_reference).copied().unwrap_or(entry.row.start)
-    }
-
-    /// Whether a model description with these start values contains the variable: elements up to the number that the
-    /// structural parameter gives.
-    pub fn shows(&self, declaration: &Declaration, entry: &Entry) -> bool {
-        match entry.element {
-            Some(Element { index, of: Elements::UpTo(_, parameter), .. }) => {
-                declaration.by_name(parameter).is_some_and(|count| f64::from(index) <= self.of(count))
-            }
-            _ => true,
-        }
-    }
-
-    /// The values of a TOML text with tables for several models, in the order of `tables` (name of the table, declaration
-    /// of the model). A missing table has no values.
-    ///
-    /// # Errors
-    /// One sentence with file and line: invalid TOML, an unknown table, and all errors of a preset.
-    pub fn of_tables(
-        text: &str,
-        file: &str,
-        tables: &[(&str, &'static Declaration)],
-    ) -> Result<Vec<StartValues>, PresetError> {
-        let at = |offset: usize, message: String| located(text, file, offset, message);
-        let mut found = vec![StartValues::default(); tables.len()];
-        for (key, value) in parsed(text, file)?.get_ref() {
-            let place = tables.iter().position(|(name, _)| *name == key.get_ref().as_ref());
-            let (Some(place), DeValue::Table(values)) = (place, value.get_ref()) else {
-                let known: Vec<String> = tables.iter().map(|(name, _)| format!("[{name}]")).collect();
-                let message = format!("{} is not one of the tables {}", key.get_ref(), known.join(", "));
-                return Err(at(key.span().start, message));
-            };
-            found[place] = StartValues::of_table(tables[place].1, values, &at)?;
-        }
-        Ok(found)
-    }
-
-    fn of_table(
-        declaration: &'static Declaration,
-        table: &DeTable<'_>,
-        at: &impl Fn(usize, String) -> PresetError,
-    ) -> Result<StartValues, PresetError> {
-        let mut starts = StartValues::default();
-        for (key, value) in table {
-            let entry = declaration
-                .by_name(key.get_ref())
-                .ok_or_else(|| at(key.span().start, unknown(declaration, key.get_ref())))?;
-            let number = number(entry, value).map_err(|message| at(value.span().start, message))?;
-            starts.0.insert(entry.value_reference, number);
-        }
-        Ok(starts)
-    }
-
-    /// Whether a start value of the variable is given.
-    pub fn names(&self, entry: &Entry) -> bool {
-        self.0.contains_key(&entry.value_reference)
-    }
-
-    /// Value references and values, ascending.
-    pub fn entries(&self) -> Vec<(u32, f64)> {
-        self.0.iter().map(|(k, v)| (*k, *v)).collect()
-    }
-}
 
 /// A checked preset.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,20 +38,10 @@ pub struct Preset {
     pub starts: StartValues,
 }
 
-/// An error in a preset: one sentence with file and line.
+/// The errors in a preset: a sentence with file and line for each, on lines of their own.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct PresetError(String);
-
-fn located(text: &str, file: &str, offset: usize, message: String) -> PresetError {
-    let line = 1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|b| **b == b'\n').count();
-    PresetError(format!("{file}:{line}: {message}"))
-}
-
-fn parsed<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, PresetError> {
-    DeTable::parse(text)
-        .map_err(|e| located(text, file, e.span().map_or(0, |s| s.start), e.message().replace('\n', " ")))
-}
 
 impl Preset {
     /// The built-in presets, in the order of their names.
@@ -169,8 +91,8 @@ impl Preset {
 
     /// The preset of a text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<Preset, PresetError> {
-        let at = |offset: usize, message: String| located(text, file, offset, message);
-        let table = parsed(text, file)?;
+        let mut source = Source::new(text, file);
+        let table = source.table();
         let mut words = BTreeMap::new();
         let mut start = None;
         for (key, value) in table.get_ref() {
@@ -179,33 +101,38 @@ impl Preset {
                     words.insert(known, (word.to_string(), value.span().start));
                 }
                 (known @ ("name" | "model" | "description"), _) => {
-                    return Err(at(value.span().start, format!("{known} must be a string")));
+                    source.error(value.span().start, format!("{known} must be a string"));
                 }
                 ("start", DeValue::Table(values)) => start = Some(values),
                 (other, _) => {
-                    return Err(at(
-                        key.span().start,
-                        format!(
-                            "{other} is not a key of a preset; the keys are name, model, description and [start]"
-                        ),
-                    ));
+                    let keys = "the keys are name, model, description and [start]";
+                    source.error(key.span().start, format!("{other} is not a key of a preset; {keys}"));
                 }
             }
         }
-        let word = |key: &str| {
-            words.get(key).cloned().ok_or_else(|| PresetError(format!("{file}: the key {key} is missing")))
+        let mut word = |key: &str| {
+            let found = words.get(key).cloned();
+            if found.is_none() {
+                source.error(0, format!("the key {key} is missing"));
+            }
+            found.unwrap_or_default()
         };
-        let (model, model_at) = word("model")?;
-        let kind = physics::models::by_name(&model).ok_or_else(|| {
+        let (name, (model, model_at)) = (word("name").0, word("model"));
+        let kind = physics::models::by_name(&model);
+        if kind.is_none() && words.contains_key("model") {
             let known: Vec<&str> = physics::models::ALL.iter().map(|m| (m.declaration)().name).collect();
-            at(model_at, format!("{model} is not a model; the models are {}", known.join(", ")))
-        })?;
-        let starts = match start {
-            Some(table) => StartValues::of_table((kind.declaration)(), table, &at)?,
-            None => StartValues::default(),
+            let hint = nearest(&model, known.iter().copied());
+            source.error(
+                model_at,
+                format!("{model} is not a model; the models are {}{hint}", known.join(", ")),
+            );
+        }
+        let starts = match (kind, start) {
+            (Some(kind), Some(table)) => StartValues::of_table((kind.declaration)(), table, &mut source),
+            _ => StartValues::default(),
         };
         let description = words.get("description").map(|(text, _)| text.clone()).unwrap_or_default();
-        Ok(Preset { name: word("name")?.0, model, description, starts })
+        source.finish(Preset { name, model, description, starts })
     }
 }
 
@@ -227,64 +154,9 @@ pub fn motor_data(declaration: &Declaration, value: impl Fn(&str) -> Option<f64>
 }
 
 /// The question for the most similar of the known names; empty if there is none.
-fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let nearest = known.min_by_key(|candidate| strsim::levenshtein(candidate, name));
     nearest.map(|candidate| format!("; did you mean {candidate}?")).unwrap_or_default()
-}
-
-/// One sentence about an unknown name, with the most similar known one.
-pub fn unknown(declaration: &Declaration, name: &str) -> String {
-    let hint = nearest(name, declaration.entries.iter().map(|e| e.name.as_str()));
-    format!("{} has no variable {name}{hint}", declaration.name)
-}
-
-/// The checked number of a value in a preset.
-fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
-    let name = &entry.name;
-    let unit = entry.row.unit.name();
-    let value = match value.get_ref() {
-        DeValue::Table(table) => {
-            for key in table.keys() {
-                if !matches!(key.get_ref().as_ref(), "value" | "unit") {
-                    return Err(format!(
-                        "{name} has the unknown key {}; the keys are value and unit",
-                        key.get_ref()
-                    ));
-                }
-            }
-            match table.get("unit").map(|u| u.get_ref()) {
-                Some(DeValue::String(given)) if given.as_ref() == unit => {}
-                None => {}
-                Some(given) => {
-                    let given = given.as_str().unwrap_or("not a string");
-                    return Err(format!("{name} has the unit \"{unit}\", not \"{given}\""));
-                }
-            }
-            table.get("value").ok_or_else(|| format!("{name} has no value"))?.get_ref()
-        }
-        plain => plain,
-    };
-    let number = match (value, entry.row.kind) {
-        (DeValue::Float(text), _) => text.as_str().replace('_', "").parse::<f64>().ok(),
-        (DeValue::Integer(text), _) => {
-            i64::from_str_radix(text.as_str(), text.radix()).ok().map(|n| n as f64)
-        }
-        (DeValue::Boolean(flag), Kind::Boolean) => Some(f64::from(u8::from(*flag))),
-        (DeValue::String(item), Kind::Enumeration(t)) => {
-            let found = t.items.iter().find(|i| i.name == item.as_ref());
-            let Some(found) = found else {
-                let names: Vec<&str> = t.items.iter().map(|i| i.name).collect();
-                return Err(format!("{name} = {item} is not one of {}", names.join(", ")));
-            };
-            Some(f64::from(found.value))
-        }
-        _ => None,
-    };
-    let number = number.ok_or_else(|| format!("the value of {name} is not a number in {unit}"))?;
-    entry
-        .check(number, false)
-        .map_err(|refusal| entry.explain(number, &refusal).trim_end_matches('.').to_string())?;
-    Ok(number)
 }
 
 #[cfg(test)]
@@ -356,6 +228,66 @@ mod tests {
         assert_eq!(preset.starts.entries(), [(80, 3.0), (100, 1.0), (103, 1e-4), (107, 7.0)]);
     }
 
+    /// The datasheet of the motor 305015, in its own units, gives the start values of the built-in preset.
+    #[test]
+    fn a_preset_takes_the_units_of_a_datasheet() {
+        let text = r#"
+            name = "x"
+            model = "AnnulusCooledMotor"
+            [start]
+            "motor.R_ref" = "386 mΩ"
+            "motor.T_ref" = { value = 25, unit = "degC" }
+            "motor.alpha" = "0.39 %/K"
+            "motor.L" = { value = 0.0653, unit = "mH" }
+            "motor.k_t" = { value = 27.6, unit = "mNm/A" }
+            "motor.J" = "33.3 gcm²"
+            "motor.mass" = "300 g"
+            "thermal.T_w_max" = "155 °C"
+            "conductance.G_still" = { value = 7.4, unit = "K/W" }
+            "effect.housing_sensor_lag.tau" = "2 min"
+            "effect.winding_sensor_offset.offset" = "3 degC"
+            imposed_speed = "16500 rpm""#;
+        let found = Preset::parse(text, "x.toml").unwrap().starts;
+        let declaration = (physics::models::ALL[0].declaration)();
+        for (name, expected) in [
+            ("motor.R_ref", 0.386),
+            ("motor.T_ref", 298.15),
+            ("motor.alpha", 0.0039),
+            ("motor.L", 65.3e-6),
+            ("motor.k_t", 0.0276),
+            ("motor.J", 33.3e-7),
+            ("motor.mass", 0.3),
+            ("thermal.T_w_max", 428.15),
+            ("conductance.G_still", 1.0 / 7.4),
+            ("effect.housing_sensor_lag.tau", 120.0),
+            ("effect.winding_sensor_offset.offset", 3.0),
+            ("imposed_speed", 16500.0 * std::f64::consts::PI / 30.0),
+        ] {
+            let got = found.of(declaration.by_name(name).unwrap());
+            assert!((got / expected - 1.0).abs() < 1e-14, "{name} = {got}, not {expected}");
+        }
+        let speed =
+            |text: &str, display| from_text(declaration.by_name("imposed_speed").unwrap(), text, display);
+        assert_eq!(speed("60", false), Ok(60.0));
+        assert!((speed("60", true).unwrap() - 2.0 * std::f64::consts::PI).abs() < 1e-12);
+        assert_eq!(speed("60 rad/s", true), Ok(60.0));
+        assert!(speed("60 Hz", false).unwrap_err().contains("not a unit of the same quantity"));
+    }
+
+    /// All errors of a file, in the order of its lines; broken TOML does not hide them.
+    #[test]
+    fn all_errors_are_reported_at_once() {
+        let error = refusal(
+            "\"motor.R_reff\" = 1\n\"motor.R_ref\" = -1\n\"motor.L\" = \"3 Ohm\"\n\"motor.J\" = = 3\ndrive_mode = \"curent\"",
+        );
+        let lines: Vec<&str> = error.lines().collect();
+        assert_eq!(lines.len(), 5, "{error}");
+        for (k, line) in lines.iter().enumerate() {
+            assert!(line.starts_with(&format!("x.toml:{}: ", 5 + k)), "{error}");
+        }
+        assert!(lines[4].contains("did you mean current?"), "{error}");
+    }
+
     #[test]
     fn errors_name_file_line_variable_value_and_limits() {
         for (start, words) in [
@@ -382,6 +314,8 @@ mod tests {
         assert!(other.contains("x.toml:2") && other.contains("AnnulusCooledMotor"), "{other}");
         let key = Preset::parse("nam = \"x\"\n", "x.toml").unwrap_err().to_string();
         assert!(key.contains("x.toml:1: nam is not a key"), "{key}");
+        let missing = Preset::parse("name = \"x\"\n", "x.toml").unwrap_err().to_string();
+        assert!(missing.contains("the key model is missing"), "{missing}");
         let missing = Preset::load("maxon-305016").unwrap_err().to_string();
         assert!(
             missing.contains("maxon-305016") && missing.contains("did you mean maxon-305015?"),

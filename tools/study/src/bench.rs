@@ -41,6 +41,9 @@ impl Bench {
             let known: Vec<&str> = models::ALL.iter().map(|m| (m.declaration)().name).collect();
             StudyError::new(format!("unknown model {model}; models: {}", known.join(", ")))
         })?;
+        if let Some(p) = preset.filter(|p| p.model != model) {
+            return Err(StudyError::new(format!("preset {} is for {} and not for {model}", p.name, p.model)));
+        }
         let declaration = (kind.declaration)();
         let mut bench = Bench { declaration, model: (kind.new)(), time: 0.0, running: false };
         for entry in &declaration.entries {
@@ -48,12 +51,7 @@ impl Bench {
                 bench.assign(entry, preset.map_or(entry.row.start, |p| p.starts.of(entry)))?;
             }
         }
-        match preset {
-            Some(p) if p.model != model => {
-                Err(StudyError::new(format!("preset {} is for {} and not for {model}", p.name, p.model)))
-            }
-            _ => Ok(bench),
-        }
+        Ok(bench)
     }
 
     /// Sets all of these values.
@@ -117,24 +115,13 @@ impl Bench {
         self.assign(entry, value)
     }
 
-    /// Sets from text: a number, an item of an enumeration, or true and false.
+    /// Sets from text: a number in SI units or with its unit, an item of an enumeration, or true and false.
     ///
     /// # Errors
     /// One sentence naming variable, value and limits.
     pub fn set_text(&mut self, name: &str, text: &str) -> Result<(), StudyError> {
         let entry = self.entry(name)?;
-        let value = match (text, entry.row.kind) {
-            ("true", Kind::Boolean) => Some(1.0),
-            ("false", Kind::Boolean) => Some(0.0),
-            (text, Kind::Enumeration(t)) => t
-                .items
-                .iter()
-                .find(|i| i.name == text)
-                .map(|i| f64::from(i.value))
-                .or_else(|| text.parse().ok()),
-            (text, _) => text.parse().ok(),
-        };
-        let value = value.ok_or_else(|| StudyError::new(not_a_value(entry, text)))?;
+        let value = describe::preset::from_text(entry, text, false).map_err(StudyError::new)?;
         self.assign(entry, value)
     }
 
@@ -279,18 +266,6 @@ fn to_come(d1: f64, d2: f64) -> f64 {
         return d2;
     }
     if d2 >= d1 { f64::INFINITY } else { d2 * d2 / (d1 - d2) }
-}
-
-/// One sentence about a text that is not a value of the variable.
-fn not_a_value(entry: &Entry, text: &str) -> String {
-    let expected = match entry.row.kind {
-        Kind::Enumeration(t) => t.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", "),
-        Kind::Boolean => "true, false".to_owned(),
-        _ => {
-            format!("a number in {}, {} ... {}", entry.row.unit.name(), entry.row.min, entry.row.max)
-        }
-    };
-    format!("{} = {text} is not a valid value: {expected}", entry.name)
 }
 
 #[cfg(test)]
