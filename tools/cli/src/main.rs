@@ -3,12 +3,17 @@
 mod build;
 mod close_loop;
 mod cosim;
+mod info;
+mod manual;
+mod pattern;
+mod preset;
 mod presets;
 mod reproduce;
 mod simulate;
 mod study;
 mod unused;
 mod validate;
+mod variables;
 
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -20,7 +25,7 @@ use std::process::ExitCode;
 ///
 /// Exit codes: 0 = success, 1 = check failed, 2 = could not run.
 #[derive(Parser)]
-#[command(name = "motor-fmu", version)]
+#[command(name = "motor-fmu", bin_name = "motor-fmu", display_name = "motor-fmu", version)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -29,7 +34,10 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Build(build::Args),
+    Preset(preset::Args),
     Presets(presets::Args),
+    Info(info::Args),
+    Variables(variables::Args),
     Validate(validate::Args),
     Simulate(simulate::Args),
     Cosim(cosim::Args),
@@ -38,6 +46,8 @@ enum Command {
     Sweep(study::SweepArgs),
     Reproduce(reproduce::Args),
     CloseLoop(close_loop::Args),
+    Completions(manual::CompletionsArgs),
+    Man(manual::ManArgs),
     #[command(hide = true)]
     Probe(validate::ProbeArgs),
 }
@@ -81,6 +91,14 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text).map_err(|e| unwritten(path, &e))
 }
 
+/// Refuses to write over an existing file without `--force`.
+pub fn may_write(path: &Path, force: bool) -> Result<(), Failure> {
+    match path.is_file() && !force {
+        true => Err(Failure::new(format!("{} exists; --force overwrites it", path.display()))),
+        false => Ok(()),
+    }
+}
+
 /// Makes a folder where it is missing.
 pub fn make_folder(path: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(path).map_err(|e| unwritten(path, &e))
@@ -117,7 +135,10 @@ pub fn outcome(yes: bool) -> ExitCode {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Build(args) => build::run(&args),
+        Command::Preset(args) => preset::run(&args),
         Command::Presets(args) => presets::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Variables(args) => variables::run(&args),
         Command::Validate(args) => validate::run(&args),
         Command::Simulate(args) => simulate::run(args),
         Command::Cosim(args) => cosim::run(args),
@@ -126,6 +147,8 @@ fn main() -> ExitCode {
         Command::Sweep(args) => study::run_sweep(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::CloseLoop(args) => close_loop::run(&args),
+        Command::Completions(args) => manual::completions(&args),
+        Command::Man(args) => manual::man(&args),
         Command::Probe(args) => validate::probe(&args),
     };
     outcome.unwrap_or_else(|Failure(sentence)| {

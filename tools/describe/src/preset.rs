@@ -19,8 +19,7 @@ use physics::models::series_elastic_actuator::MOTOR_DATA;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::de::DeValue;
-use values::Source;
-pub use values::{StartValues, from_text, unknown};
+pub use values::{Source, StartValues, from_text, unknown};
 
 /// The built-in presets: name and text of every file in `examples/presets`, in the order of the names.
 const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/presets.rs"));
@@ -50,6 +49,11 @@ impl Preset {
     /// One sentence if a text is not a preset.
     pub fn built_in() -> Result<Vec<Preset>, PresetError> {
         BUILT_IN.iter().map(|(name, _)| Preset::load(name)).collect()
+    }
+
+    /// The text of a built-in preset.
+    pub fn text(name: &str) -> Option<&'static str> {
+        BUILT_IN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
     }
 
     /// The preset of a built-in name or of a file.

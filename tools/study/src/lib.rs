@@ -4,6 +4,7 @@
 //! [`bench`] knows models by name and variables by name; all else here goes through it.
 
 pub mod bench;
+pub mod datasheet;
 pub mod fit;
 pub mod numeric;
 pub mod reproduce;

@@ -91,7 +91,7 @@ impl StartValues {
 }
 
 /// A TOML text with the errors that were found in it so far.
-pub(super) struct Source<'a> {
+pub struct Source<'a> {
     text: &'a str,
     file: &'a str,
     /// Offset and sentence of each error.
@@ -101,6 +101,7 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
+    /// A text of a file.
     pub fn new(text: &'a str, file: &'a str) -> Source<'a> {
         Source { text, file, errors: Vec::new(), broken: Vec::new() }
     }
@@ -114,11 +115,15 @@ impl<'a> Source<'a> {
         table
     }
 
+    /// Notes an error at an offset in the text.
     pub fn error(&mut self, offset: usize, sentence: String) {
         self.errors.push((offset, sentence));
     }
 
     /// What was found, if there was no error; else a line for each, in the order of the file.
+    ///
+    /// # Errors
+    /// The errors that were noted.
     pub fn finish<T>(self, found: T) -> Result<T, PresetError> {
         let line = |offset: usize| {
             1 + self.text.as_bytes()[..offset.min(self.text.len())].iter().filter(|b| **b == b'\n').count()

@@ -1,0 +1,157 @@
+"""From a datasheet to a preset, and what `info` and `variables` say: through the program."""
+
+import json
+import os
+import subprocess
+import time
+import tomllib
+from pathlib import Path
+
+import pytest
+
+NO, CANNOT = 1, 2
+DOC = Path(__file__).resolve().parents[2] / "docs" / "from-a-datasheet.md"
+
+# A made-up brushed motor of 17 W that agrees with itself, in the units of a datasheet in which speeds are min⁻¹.
+SHEET = """
+name = "brushed-17"
+source = "made up for this test"
+[datasheet]
+nominal_voltage = 24
+terminal_resistance = "7.1 Ω"
+no_load_speed = "8640 min⁻¹"
+no_load_current = "0.042 A"
+stall_torque = "88.4 mNm"
+speed_constant = "364 min⁻¹/V"
+torque_constant = "26.2 mNm/A"
+terminal_inductance = "265 µH"
+mechanical_time_constant = "6 ms"
+rotor_inertia = "5.8 gcm²"
+resistance_winding_housing = "2 K/W"
+resistance_housing_ambient = "13 K/W"
+winding_time_constant = "6.8 s"
+motor_time_constant = "455 s"
+max_winding_temperature = "125 °C"
+mass = "88 g"
+"""
+
+
+@pytest.fixture
+def new(motor_fmu, tmp_path):
+    """`preset new` on a datasheet with further options; the answer as JSON."""
+
+    def run(text, *options, code=0):
+        (tmp_path / "sheet.toml").write_text(text)
+        out = tmp_path / "new.toml"
+        done = motor_fmu("preset", "new", "--from", tmp_path / "sheet.toml", "--output", out, "--force", "--json", *options)
+        assert done.returncode == code, done.stdout + done.stderr
+        return json.loads(done.stdout), out
+
+    return run
+
+
+def test_a_datasheet_becomes_a_preset_that_build_takes(new, motor_fmu, tmp_path):
+    answer, preset = new(SHEET)
+    assert answer["consistent"] and answer["contradictions"] == []
+    values = {v["name"]: v for v in answer["preset"]["values"]}
+    expected = {
+        "motor.L": 265e-6,
+        "motor.J": 5.8e-7,
+        "thermal.C_w": 6.8 / 2,
+        "thermal.C_h": 455 / 13 - 6.8 / 2,
+        "conductance.G_still": 1 / 13,
+        "thermal.T_w_max": 398.15,
+        "effect.coulomb_friction.tau_c": 0.0262 * 0.042,
+    }
+    for name, value in expected.items():
+        assert values[name]["value"] == pytest.approx(value, rel=1e-12), name
+        assert values[name]["certainty"] in ("datasheet", "derived") and values[name]["source"]
+    assert values["motor.alpha"]["certainty"] == "default" and "copper" in values["motor.alpha"]["source"]
+    assert tomllib.loads(preset.read_text())["model"] == "AnnulusCooledMotor"
+
+    assert motor_fmu("build", "AnnulusCooledMotor", "--fmi", "3", "--preset", preset, "--out", tmp_path).returncode == 0
+    fmu = tmp_path / "fmi3" / "AnnulusCooledMotor.fmu"
+    info = json.loads(motor_fmu("info", fmu, "--json").stdout)
+    assert info["standard"] == "FMI 3.0" and info["interface_types"] == ["Model Exchange", "Co-Simulation"]
+    starts = {v["name"]: float(v["start"]) for v in info["start_values"]}
+    assert starts["thermal.C_w"] == pytest.approx(3.4) and starts["motor.mass"] == 0.088
+    rows = json.loads(motor_fmu("variables", fmu, "motor.*", "drive_mode", "--json").stdout)
+    by_name = {row["name"]: row for row in rows}
+    assert float(by_name["motor.k_t"]["start"]) == 0.0262 and by_name["motor.k_t"]["unit"] == "N.m/A"
+    assert {i["name"]: i["value"] for i in by_name["drive_mode"]["items"]} == {"voltage": 1, "pwm": 2, "current": 3, "power": 4}
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "size"),
+    [("stall_torque", "110 mNm", 110 / 88.4), ("rotor_inertia", "58 gcm²", 10), ("speed_constant", "38.1 rad/s/V", 1), ("mass", "8.8 kg", None)],
+)
+def test_a_contradiction_is_named_with_its_size(new, key, text, size):
+    lines = [line for line in SHEET.splitlines() if not line.startswith(key)]
+    answer, preset = new("\n".join([*lines, f'{key} = "{text}"', ""]), code=0 if size == 1 else NO)
+    assert preset.is_file()
+    named = [c for group in answer["contradictions"] for c in group if c["quantity"] == key]
+    if size is None:
+        assert any("specific heat" in i["words"] for i in answer["implausible"])
+    elif size == 1:
+        assert named == []
+    else:
+        assert named and named[0]["ratio"] == pytest.approx(size, rel=0.05), answer["contradictions"]
+
+
+def test_files_are_not_overwritten_and_errors_come_with_lines(motor_fmu, tmp_path):
+    sheet, out = tmp_path / "sheet.toml", tmp_path / "out.toml"
+    sheet.write_text(SHEET)
+    arguments = ["preset", "new", "--from", sheet, "--output", out]
+    assert motor_fmu(*arguments).returncode == 0
+    done = motor_fmu(*arguments)
+    assert done.returncode == CANNOT and "--force" in done.stderr and len(done.stderr.splitlines()) == 1
+    sheet.write_text(SHEET + 'torque_konstant = 3\nlength = "4 V"\n')
+    done = motor_fmu(*arguments, "--force")
+    assert done.returncode == CANNOT
+    last = len(SHEET.splitlines())
+    lines = done.stderr.splitlines()
+    assert len(lines) == 2 and f":{last + 1}: torque_konstant" in lines[0] and f":{last + 2}: length" in lines[1], done.stderr
+
+
+def test_the_page_shows_what_the_command_prints(new):
+    text = DOC.read_text().split("```toml\n")[1].split("```")[0]
+    assert new(text)[0]["consistent"]
+    changed = text.replace("= 2560 ", "= 3200 ")
+    assert changed != text
+    (found,) = [c for group in new(changed, code=NO)[0]["contradictions"] for c in group]
+    assert f"{found['printed']:.0f} mN.m, the other values give {found['expected']:.0f} mN.m" in DOC.read_text()
+
+
+def test_it_asks_on_a_terminal(program, tmp_path):
+    pty = pytest.importorskip("pty")
+    primary, secondary = pty.openpty()
+    child = subprocess.Popen([program, "preset", "new"], stdin=secondary, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path)
+    answers = {"name of": "asked", "torque constant": "60,3 mNm/A", "terminal resistance": "1.13", "rotor inertia": "1.37e-5 kg.m2"}
+    question = b""
+    deadline = time.monotonic() + 60
+    while child.poll() is None and time.monotonic() < deadline:
+        byte = os.read(child.stderr.fileno(), 1)
+        question += byte
+        if question.endswith(b": ") and question not in (b"source: ", b"Printed values: "):
+            asked = question.decode()
+            os.write(primary, (next((a for q, a in answers.items() if asked.startswith(q)), "") + "\n").encode())
+            question = b""
+        elif byte == b"\n" or not byte:
+            question = b""
+    assert child.wait(10) == 0
+    start = tomllib.loads((tmp_path / "asked.toml").read_text())["start"]
+    assert start["motor.J"] == {"value": 1.37e-5, "unit": "kg.m2"} and start["motor.k_t"]["value"] == 60.3
+
+
+def test_names_are_hinted_and_manuals_written(motor_fmu, tmp_path):
+    done = motor_fmu("variables", "AnulusCooledMotor")
+    assert done.returncode == CANNOT and "did you mean AnnulusCooledMotor?" in done.stderr
+    done = motor_fmu("variables", "maxon-305015", "motor.R_reff")
+    assert done.returncode == CANNOT and "did you mean motor.R_ref?" in done.stderr
+    info = json.loads(motor_fmu("info", "maxon-305015", "--json").stdout)
+    sources = {v["name"]: v["source"] for v in info["start_values"]}
+    assert info["model"] == "AnnulusCooledMotor" and "k_t I_0" in sources["effect.coulomb_friction.tau_c"]
+    assert motor_fmu("--version").stdout.startswith("motor-fmu ")
+    assert "preset" in motor_fmu("completions", "bash").stdout
+    assert motor_fmu("man", "--out", tmp_path).returncode == 0
+    assert ".TH" in (tmp_path / "motor-fmu-preset-new.1").read_text()

@@ -1,0 +1,95 @@
+//! From a datasheet to a preset: the printed values in the datasheet's units, checked against each other, converted to start values of the
+//! motor.
+//!
+//! | file | content |
+//! |---|---|
+//! | `quantities.rs` | what datasheets print, with units, and what it is in terms of the motor's constants |
+//! | `read.rs` | a datasheet from TOML and from text |
+//! | `consistency.rs` | whether the printed values agree |
+//! | `derive.rs` | start values with their sources, the variables that keep their defaults, and the preset's text |
+
+mod consistency;
+mod derive;
+mod quantities;
+mod read;
+#[cfg(test)]
+mod tests;
+
+pub use consistency::{Contradiction, Implausible, contradictions, implausible};
+pub use derive::{Certainty, Derived, Draft, Given};
+pub use quantities::{QUANTITIES, Quantity, by_key};
+
+use units::{Conversion, conversion};
+
+/// A printed value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Value {
+    /// What it is.
+    pub quantity: &'static Quantity,
+    /// In SI units.
+    pub si: f64,
+    /// Number and unit as given.
+    pub given: (f64, String),
+}
+
+impl PartialEq for Quantity {
+    fn eq(&self, other: &Quantity) -> bool {
+        self.key == other.key
+    }
+}
+
+impl std::fmt::Debug for Quantity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.key)
+    }
+}
+
+impl Value {
+    /// A value of a quantity, from SI, in the datasheet's unit.
+    fn shown(quantity: &Quantity, si: f64) -> f64 {
+        datasheet_unit(quantity).map_or(si, |c| c.back(si))
+    }
+
+    /// As given, with its unit.
+    pub fn text(&self) -> String {
+        let unit = if self.given.1 == "1" { "" } else { &self.given.1 };
+        format!("{} {unit}", self.given.0).trim_end().to_owned()
+    }
+}
+
+/// The conversion from the datasheet's unit to SI.
+fn datasheet_unit(quantity: &Quantity) -> Option<Conversion> {
+    conversion(quantity.unit, quantity.si, false).ok()
+}
+
+/// The printed values of a motor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Datasheet {
+    /// Name of the preset.
+    pub name: String,
+    /// One line about the motor.
+    pub description: String,
+    /// Where the values are printed.
+    pub source: String,
+    /// The values, in the order of [`QUANTITIES`], each quantity once.
+    pub values: Vec<Value>,
+}
+
+impl Datasheet {
+    /// The printed value of a quantity.
+    pub fn value(&self, key: &str) -> Option<&Value> {
+        self.values.iter().find(|v| v.quantity.key == key)
+    }
+
+    /// In SI units.
+    pub fn get(&self, key: &str) -> Option<f64> {
+        self.value(key).map(|v| v.si)
+    }
+
+    /// Adds a value, or replaces that of the same quantity.
+    pub fn put(&mut self, value: Value) {
+        self.values.retain(|v| v.quantity != value.quantity);
+        self.values.push(value);
+        self.values.sort_by_key(|v| QUANTITIES.iter().position(|q| q == v.quantity));
+    }
+}
