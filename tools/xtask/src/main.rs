@@ -18,6 +18,7 @@ mod stages;
 mod test;
 mod tidy;
 mod venv;
+mod wheel;
 mod workspace;
 
 use std::process::ExitCode;
@@ -39,7 +40,7 @@ const COMMANDS: &[Command] = &[
     ("test", "runs the everyday tests: sources, Rust, FMUs, Python, mutants of changed files", test::run),
     (
         "nightly",
-        "runs all tests: also removals, all mutants, fuzz, cross, importers, page, blind, bench",
+        "runs all tests: also removals, all mutants, fuzz, cross, importers, page, wheel, blind, bench",
         nightly::run,
     ),
     ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
@@ -59,6 +60,11 @@ const COMMANDS: &[Command] = &[
         cross::run,
     ),
     ("page", "compile the models for WebAssembly and write dist/page.html, a page to try motors", page::run),
+    (
+        "wheel",
+        "pack a Python wheel with the program, the FMUs and the package motor_fmu into dist/",
+        wheel::run,
+    ),
     (
         "mutants",
         "apply each mutation of the table and expect the tests to fail; arguments name mutants",

@@ -4,6 +4,7 @@ use crate::{
     Outcome, bench, blind, cross, fuzz, importers, mutants, page, shell,
     stages::Stages,
     test::{self, Extent},
+    wheel,
     workspace::Workspace,
 };
 
@@ -11,11 +12,12 @@ use crate::{
 type Command = (&'static str, fn(&Workspace, &[String]) -> Outcome);
 
 /// What `test` leaves out, the quick ones first.
-const LONGER: [Command; 6] = [
+const LONGER: [Command; 7] = [
     ("fuzz", fuzz::run),
     ("cross", cross::run),
     ("importers", importers::run),
     ("page", page::test),
+    ("wheel", wheel::test),
     ("blind", blind::run),
     ("bench", bench::run),
 ];
