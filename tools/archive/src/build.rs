@@ -66,22 +66,11 @@ pub fn build(
     library: &Path,
     out: &Path,
 ) -> Result<PathBuf, BuildError> {
-    build_all(kind, &[standard], contents, library, out).map(|mut paths| paths.remove(0))
+    build_all(kind, &[standard], contents, &[Library::here(library)], out).map(|mut paths| paths.remove(0))
 }
 
-/// The same for several standards, in their order; what both need is found once.
+/// The same for several standards, in their order, with a library for each of several platforms; what all need is found once.
 pub fn build_all(
-    kind: &ModelType,
-    standards: &[Standard],
-    contents: Contents<'_>,
-    library: &Path,
-    out: &Path,
-) -> Result<Vec<PathBuf>, BuildError> {
-    build_for(kind, standards, contents, &[Library::here(library)], out)
-}
-
-/// The same with a library for each of several platforms.
-pub fn build_for(
     kind: &ModelType,
     standards: &[Standard],
     contents: Contents<'_>,
@@ -90,16 +79,13 @@ pub fn build_for(
 ) -> Result<Vec<PathBuf>, BuildError> {
     let name = (kind.declaration)().name;
     if let Some(preset) = contents.preset.filter(|p| p.model != name) {
-        return Err(BuildError::Preset {
-            preset: preset.name.clone(),
-            of: preset.model.clone(),
-            model: name,
-        });
+        return Err(BuildError(format!("preset {} is for {} and not for {name}", preset.name, preset.model)));
     }
     let starts = contents.preset.map(|p| p.starts.clone()).unwrap_or_default();
     let terms = contents.effects.map_or(Ok(Vec::new()), TermsFile::terms)?;
     if !terms.is_empty() && !(kind.new)().set_terms(&terms) {
-        return Err(BuildError::NoTerms { model: name });
+        let file = terms::FILE_NAME;
+        return Err(BuildError(format!("{name} carries no terms, so it has no use for {file}")));
     }
     let binaries = libraries.iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
     let (found, common) = rayon::join(
@@ -113,26 +99,28 @@ pub fn build_for(
             fs::create_dir_all(path.parent().unwrap_or(out))?;
             fs::write(&path, bytes)
         });
-        written.map_err(|source| BuildError::Write { path: path.clone(), source })?;
-        Ok(path)
+        match written {
+            Ok(()) => Ok(path),
+            Err(error) => Err(BuildError(format!("{} cannot be written: {error}", path.display()))),
+        }
     };
     standards.par_iter().map(write).collect()
 }
 
 /// A library with the start values in it, for its platform and no other.
 fn binary(library: &Library, starts: &StartValues) -> Result<(Platform, Vec<u8>), BuildError> {
-    let path = || library.path.clone();
-    let read = fs::read(&library.path);
-    let mut binary = read.map_err(|source| BuildError::Library { path: path(), source })?;
-    if let Some(found) = object_file::platform(&binary).filter(|found| found != library.platform.tuple) {
-        return Err(BuildError::WrongPlatform { path: path(), found, platform: library.platform.tuple });
+    let (path, platform) = (library.path.display(), library.platform.tuple);
+    let mut binary = fs::read(&library.path).map_err(|error| BuildError::library(&library.path, &error))?;
+    if let Some(found) = object_file::platform(&binary).filter(|found| found != platform) {
+        return Err(BuildError(format!("the library {path} is for {found} and not for {platform}")));
     }
+    // Further exports may meet other libraries' names in an importer.
     let names = object_file::foreign_exports(&binary).join(", ");
     if !names.is_empty() {
-        return Err(BuildError::Exports { path: path(), names });
+        return Err(BuildError(format!("the library {path} exports {names} beside the functions of FMI")));
     }
     start_values::patch(&mut binary, &starts.entries())
-        .map_err(|source| BuildError::Patch { path: path(), source })?;
+        .map_err(|error| BuildError(format!("the FMU library {path} does not fit this tool: {error}")))?;
     Ok((library.platform, binary))
 }
 

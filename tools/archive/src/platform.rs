@@ -73,18 +73,15 @@ impl Library {
 
 /// The platform with this name.
 pub fn by_name(name: &str) -> Result<Platform, BuildError> {
-    ALL.into_iter().find(|p| p.tuple == name).ok_or_else(|| BuildError::Platform {
-        name: name.to_string(),
-        known: ALL.map(|p| p.tuple).join(", "),
-    })
+    let known = || ALL.map(|p| p.tuple).join(", ");
+    let found = ALL.into_iter().find(|p| p.tuple == name);
+    found.ok_or_else(|| BuildError(format!("{name} is no platform; there is {}", known())))
 }
 
 /// The FMU library in the folder of the running program.
 pub fn library_path() -> Result<PathBuf, BuildError> {
-    match std::env::current_exe() {
-        Ok(program) => Ok(program.with_file_name(HERE.file)),
-        Err(source) => Err(BuildError::Library { path: PathBuf::from(HERE.file), source }),
-    }
+    let program = std::env::current_exe().map_err(|error| BuildError::library(HERE.file.as_ref(), &error))?;
+    Ok(program.with_file_name(HERE.file))
 }
 
 /// The library for a platform among those that `cargo xtask cross` has put beside the running program; that of the
@@ -101,7 +98,12 @@ fn among(platform: Platform, own: &Path) -> Result<Library, BuildError> {
     } else if platform == HERE {
         Ok(Library::here(own))
     } else {
-        Err(BuildError::NoLibrary { platform: platform.tuple, path: made })
+        Err(BuildError(format!(
+            "there is no library for {} at {}; `cargo xtask cross` makes it, on any platform with its compiler \
+             `cargo build --release`",
+            platform.tuple,
+            made.display()
+        )))
     }
 }
 

@@ -1,7 +1,7 @@
 //! `motor-fmu build`: archives of the models.
 
 use crate::Failure;
-use archive::build::{Contents, Library, Standard, TermsFile, build_for, library_path};
+use archive::build::{Contents, Library, Standard, TermsFile, build_all, library_path};
 use archive::platform;
 use clap::ValueEnum;
 use describe::{ModelType, Preset, models, usage};
@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         {
             crate::say(&derived(kind, own));
         }
-        paths.extend(build_for(kind, standards, contents, &libraries, &args.out)?);
+        paths.extend(build_all(kind, standards, contents, &libraries, &args.out)?);
         if let Some(preset) = contents.preset {
             let from = format!("preset {}", preset.name);
             crate::remark(usage::sentence(&usage::preset_values(preset), |_| from.clone()).as_slice());

@@ -10,52 +10,24 @@ use std::process::Command;
 
 /// The page in the documentation.
 const PAGE: &str = "docs/blind-suite.md";
-const HELP: &str =
-    "usage: cargo xtask blind [--seed N] [--count K] [--jobs J] [--program FILE] [--page FILE]";
-
 /// Sets, number of parallel processes, program, output page.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Options {
+#[derive(clap::Args, Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Any seed; a constant one makes two tables comparable.
+    #[arg(long, default_value_t = 2026)]
     seed: u32,
+    #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..))]
     count: u32,
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..))]
     jobs: u32,
     /// A program to use instead of building `motor-fmu`.
+    #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", default_value = PAGE)]
     page: PathBuf,
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        // Any seed; a constant one makes two tables comparable.
-        Options { seed: 2026, count: 120, jobs: 2, program: None, page: PAGE.into() }
-    }
-}
-
 impl Options {
-    fn parse(arguments: &[String]) -> Outcome<Self> {
-        let mut options = Self::default();
-        let mut rest = arguments.iter();
-        while let Some(name) = rest.next() {
-            if !["--seed", "--count", "--jobs", "--program", "--page"].contains(&name.as_str()) {
-                return Err(format!("`blind` has no argument {name:?}\n{HELP}"));
-            }
-            let value = rest.next().ok_or_else(|| format!("{name} needs a value\n{HELP}"))?;
-            let number = |least: u32| {
-                value.parse().ok().filter(|n| *n >= least).ok_or_else(|| {
-                    format!("{name} is {value:?}; it must be an integer from {least} to {}", u32::MAX)
-                })
-            };
-            match name.as_str() {
-                "--seed" => options.seed = number(0)?,
-                "--count" => options.count = number(1)?,
-                "--jobs" => options.jobs = number(1)?,
-                "--program" => options.program = Some(value.into()),
-                _ => options.page = value.into(),
-            }
-        }
-        Ok(options)
-    }
-
     /// The command that repeats this run, for the page. With parallel processes each takes longer.
     fn spelled(&self) -> String {
         format!("cargo xtask blind --seed {} --count {} --jobs {}", self.seed, self.count, self.jobs)
@@ -63,8 +35,7 @@ impl Options {
 }
 
 /// Generates the sets, runs the program on each and evaluates the reports; an error if a criterion is not met.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    let options = Options::parse(arguments)?;
+pub fn run(workspace: &Workspace, options: &Options) -> Outcome {
     // First: a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace)?;
     let program = match &options.program {
@@ -77,7 +48,7 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
         }
     };
     let sets = workspace.target.join("blind").join(options.seed.to_string());
-    for (what, mut command) in steps(workspace, &python, &program, &sets, &options)? {
+    for (what, mut command) in steps(workspace, &python, &program, &sets, options)? {
         shell::stage(&what);
         shell::run(&mut command)?;
     }
@@ -118,44 +89,27 @@ fn steps(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::Parser;
 
-    fn parsed(text: &str) -> Outcome<Options> {
-        Options::parse(&text.split_whitespace().map(String::from).collect::<Vec<_>>())
-    }
-
-    #[test]
-    fn arguments_replace_defaults() {
-        assert_eq!(parsed("").unwrap(), Options::default());
-        let options = parsed("--seed 7 --count 3 --jobs 1 --program p --page q.md").unwrap();
-        assert_eq!((options.seed, options.count, options.jobs), (7, 3, 1));
-        assert_eq!((options.program, options.page), (Some("p".into()), "q.md".into()));
-    }
-
-    #[test]
-    fn an_unknown_argument_is_named() {
-        for (text, part) in [
-            ("--sets 3", "\"--sets\""),
-            ("--seed", "--seed needs a value"),
-            ("--count 0", "from 1"),
-            ("--jobs many", "--jobs is \"many\""),
-        ] {
-            let error = parsed(text).unwrap_err();
-            assert!(error.contains(part), "{error}");
+    fn parsed(text: &str) -> Options {
+        match crate::Command::parse_from(text.split_whitespace()) {
+            crate::Command::Blind(options) => options,
+            _ => panic!("{text}"),
         }
     }
 
     #[test]
     fn the_command_on_the_page_gives_the_same_options() {
-        let options = parsed("--seed 7 --count 3 --jobs 1").unwrap();
-        let again = options.spelled();
-        assert_eq!(parsed(again.trim_start_matches("cargo xtask blind")).unwrap(), options);
+        let options = parsed("xtask blind --seed 7 --count 3 --jobs 1");
+        assert_eq!((options.seed, options.count, options.jobs), (7, 3, 1));
+        assert_eq!(parsed(options.spelled().trim_start_matches("cargo ")), options);
     }
 
     #[test]
     fn every_step_is_a_module_of_the_bench_and_works_on_the_same_sets() {
         let workspace = Workspace::find().unwrap();
         let (python, program, sets) = (Path::new("python"), Path::new("motor-fmu"), Path::new("sets"));
-        let steps = steps(&workspace, python, program, sets, &parsed("--count 3").unwrap()).unwrap();
+        let steps = steps(&workspace, python, program, sets, &parsed("xtask blind --count 3")).unwrap();
         assert_eq!(steps.len(), 3);
         for (_, command) in steps {
             let arguments: Vec<_> = command.get_args().map(|a| a.to_str().unwrap()).collect();

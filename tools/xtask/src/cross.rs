@@ -73,19 +73,14 @@ const SETTINGS: [(&str, &[&str]); 4] = [
     ("GaitLoad", &["gait.variation=0.03", "joint_torque=20"]),
 ];
 
-/// Takes `--toolchain DIR`.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    let other = match arguments {
-        [] => None,
-        [flag, folder] if flag == "--toolchain" => Some(PathBuf::from(folder)),
-        _ => return Err("`cross` takes --toolchain DIR or nothing".into()),
-    };
+/// Builds and runs on every platform; `other` is the root of another Rust.
+pub fn run(workspace: &Workspace, other: Option<&Path>) -> Outcome {
     product::build(workspace)?;
     let python = venv::cross(workspace)?;
     let target = workspace.target.join("cross");
     for one in &TARGETS {
         shell::stage(&format!("building for {}", one.platform));
-        build(workspace, one, other.as_deref(), &python, &target)?;
+        build(workspace, one, other, &python, &target)?;
     }
     shell::stage("packing one archive for all of them");
     let dist = workspace.dist().join("cross");

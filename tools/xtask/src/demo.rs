@@ -16,9 +16,8 @@ const SYSTEM: &str = "examples/systems/actuator-gait.toml";
 /// The measured motor of the bench.
 const BENCH: &str = "examples/04_close_the_loop_bench.py";
 
-/// Takes no arguments.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    crate::no_arguments("demo", arguments)?;
+///
+pub fn run(workspace: &Workspace) -> Outcome {
     // First, so that a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace)?;
     shell::stage("building everything");

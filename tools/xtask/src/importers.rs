@@ -7,9 +7,8 @@ use std::path::Path;
 const MANIFEST: &str = "tests/importers/Cargo.toml";
 const TESTS: &str = "tests/python/rust_importers.py";
 
-/// Takes no arguments.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    crate::no_arguments("importers", arguments)?;
+///
+pub fn run(workspace: &Workspace) -> Outcome {
     let (python, tools) = (venv::python(workspace)?, venv::importers(workspace)?);
     shell::stage("building the archives");
     product::build(workspace)?;

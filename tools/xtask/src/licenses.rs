@@ -12,13 +12,9 @@ const FILE: &str = "tools/archive/assets/third-party.txt";
 /// Licences that need no text of their own where the choice is ours, best first.
 const PREFERRED: [&str; 4] = ["MIT", "Apache-2.0", "Zlib", "Unicode-3.0"];
 
-/// Writes the file; with `--check`, compares only.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    match arguments {
-        [] => files::write(&workspace.root.join(FILE), &text(workspace)?),
-        [flag] if flag == "--check" => check(workspace),
-        _ => Err("`licenses` takes --check or nothing".into()),
-    }
+/// Writes the file.
+pub fn write(workspace: &Workspace) -> Outcome {
+    files::write(&workspace.root.join(FILE), &text(workspace)?)
 }
 
 /// Compares the file with `cargo metadata`.

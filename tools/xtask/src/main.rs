@@ -21,61 +21,72 @@ mod venv;
 mod wheel;
 mod workspace;
 
+use clap::Parser;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use workspace::Workspace;
 
 /// A failure as one sentence.
 type Outcome<T = ()> = Result<T, String>;
 
-/// A command: name, description, and the function that takes the arguments.
-type Command = (&'static str, &'static str, fn(&Workspace, &[String]) -> Outcome);
-
-/// In the order in which a new user needs them.
-const COMMANDS: &[Command] = &[
-    (
-        "demo",
-        "build and validate the FMUs, walk for 20 minutes, close the loop on bench data, write dist/index.html",
-        demo::run,
-    ),
-    ("test", "runs the everyday tests: sources, Rust, FMUs, Python, mutants of changed files", test::run),
-    (
-        "nightly",
-        "runs all tests: also removals, all mutants, fuzz, cross, importers, page, wheel, blind, bench",
-        nightly::run,
-    ),
-    ("tidy", "format, lints, dependency arrows, file lengths, generated files", tidy::run),
-    ("describe", "write model-description/ (with --check: compare only)", describe::run),
-    ("licenses", "write the list of licences for the archives (with --check: compare only)", licenses::run),
-    ("bench", "run the benchmarks; further arguments go to criterion", bench::run),
-    ("blind", "run close-loop on 120 synthetic benches and write docs/blind-suite.md", blind::run),
-    (
-        "fuzz",
-        "random calls of both C interfaces, --calls 2000000 of each model; --valgrind checks memory",
-        fuzz::run,
-    ),
-    ("importers", "run the archives in third-party Rust importers", importers::run),
-    (
-        "cross",
-        "build one archive for three platforms and run it on each; --toolchain DIR names a Rust with library sources",
-        cross::run,
-    ),
-    ("page", "compile the models for WebAssembly and write dist/page.html, a page to try motors", page::run),
-    (
-        "wheel",
-        "pack a Python wheel with the program, the FMUs and the package motor_fmu into dist/",
-        wheel::run,
-    ),
-    (
-        "mutants",
-        "apply each mutation of the table and expect the tests to fail; arguments name mutants",
-        mutants::run,
-    ),
-    ("removals", "remove each effect in turn and compile the physics", mutants::removal::run),
-];
+/// Commands in the order in which a new user needs them.
+#[derive(Parser)]
+#[command(name = "cargo xtask", about)]
+enum Command {
+    /// Build and validate the FMUs, walk for 20 minutes, close the loop on bench data, write dist/index.html.
+    Demo,
+    /// Run the everyday tests: sources, Rust, FMUs, Python, mutants of changed files.
+    Test,
+    /// Run all tests: also removals, all mutants, fuzz, cross, importers, page, wheel, blind, bench.
+    Nightly,
+    /// Format, lints, dependency arrows, file lengths, generated files.
+    Tidy,
+    /// Write model-description/.
+    Describe {
+        /// Compare only.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Write the list of licences for the archives.
+    Licenses {
+        /// Compare only.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Run the benchmarks.
+    Bench {
+        /// Go to criterion: a name filter, `--save-baseline` ...
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+    /// Run close-loop on 120 synthetic benches and write docs/blind-suite.md.
+    Blind(blind::Options),
+    /// Random calls of both C interfaces, with each model in turn.
+    Fuzz(fuzz::Options),
+    /// Run the archives in third-party Rust importers.
+    Importers,
+    /// Build one archive for three platforms and run it on each.
+    Cross {
+        /// A Rust with library sources.
+        #[arg(long, value_name = "DIR")]
+        toolchain: Option<PathBuf>,
+    },
+    /// Compile the models for WebAssembly and write dist/page.html, a page to try motors.
+    Page,
+    /// Pack a Python wheel with the program, the FMUs and the package motor_fmu into dist/.
+    Wheel,
+    /// Apply each mutation of the table and expect the tests to fail.
+    Mutants {
+        /// Mutants, by default all.
+        names: Vec<String>,
+    },
+    /// Remove each effect in turn and compile the physics.
+    Removals,
+}
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match dispatch(&arguments) {
+    let command = Command::parse();
+    match Workspace::find().and_then(|workspace| run(&workspace, &command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(sentence) => {
             eprintln!("error: {sentence}");
@@ -84,51 +95,32 @@ fn main() -> ExitCode {
     }
 }
 
-fn dispatch(arguments: &[String]) -> Outcome {
-    let (name, rest) = match arguments.split_first() {
-        None => return Err(format!("no command given\n{}", usage())),
-        Some((name, _)) if ["help", "-h", "--help"].contains(&name.as_str()) => {
-            println!("{}", usage());
-            return Ok(());
-        }
-        Some(split) => split,
-    };
-    match COMMANDS.iter().find(|(known, ..)| known == name) {
-        Some((.., run)) => run(&Workspace::find()?, rest),
-        None => Err(format!("there is no command {name:?}\n{}", usage())),
+fn run(workspace: &Workspace, command: &Command) -> Outcome {
+    match command {
+        Command::Demo => demo::run(workspace),
+        Command::Test => test::run(workspace),
+        Command::Nightly => nightly::run(workspace),
+        Command::Tidy => tidy::run(workspace),
+        Command::Describe { check: true } => describe::check(workspace),
+        Command::Describe { check: false } => describe::run(workspace, &[]),
+        Command::Licenses { check: true } => licenses::check(workspace),
+        Command::Licenses { check: false } => licenses::write(workspace),
+        Command::Bench { arguments } => bench::run(workspace, arguments),
+        Command::Blind(options) => blind::run(workspace, options),
+        Command::Fuzz(options) => fuzz::run(workspace, options),
+        Command::Importers => importers::run(workspace),
+        Command::Cross { toolchain } => cross::run(workspace, toolchain.as_deref()),
+        Command::Page => page::run(workspace),
+        Command::Wheel => wheel::run(workspace),
+        Command::Mutants { names } => mutants::run(workspace, names),
+        Command::Removals => mutants::removal::summary(workspace).1,
     }
-}
-
-/// An error where a command that takes no arguments is given one.
-fn no_arguments(name: &str, arguments: &[String]) -> Outcome {
-    match arguments.first() {
-        Some(extra) => Err(format!("`{name}` takes no arguments, got {extra:?}")),
-        None => Ok(()),
-    }
-}
-
-fn usage() -> String {
-    let mut text = String::from("usage: cargo xtask <command>");
-    for (name, what, _) in COMMANDS {
-        text += &format!("\n  {name:<9} {what}");
-    }
-    text
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
-    fn every_command_is_in_the_usage_once() {
-        for (name, ..) in COMMANDS {
-            assert_eq!(usage().matches(&format!("\n  {name} ")).count(), 1, "{name}");
-        }
-    }
-
-    #[test]
-    fn an_unknown_command_is_named() {
-        let error = dispatch(&["frobnicate".into()]).unwrap_err();
-        assert!(error.contains("\"frobnicate\"") && error.contains("usage"), "{error}");
+    fn the_commands_are_consistent() {
+        <super::Command as clap::CommandFactory>::command().debug_assert();
     }
 }

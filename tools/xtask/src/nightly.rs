@@ -1,30 +1,19 @@
 //! `cargo xtask nightly`: everything of `cargo xtask test`, and what takes too long for every change.
 
 use crate::{
-    Outcome, bench, blind, cross, fuzz, importers, mutants, page, shell,
+    Command, Outcome, mutants, page, shell,
     stages::Stages,
     test::{self, Extent},
     wheel,
     workspace::Workspace,
 };
+use clap::Parser;
 
-/// A stage that is a command of its own.
-type Command = (&'static str, fn(&Workspace, &[String]) -> Outcome);
+/// What `test` leaves out, the quick ones first; each is a command of its own.
+const LONGER: [&str; 7] = ["fuzz", "cross", "importers", "page", "wheel", "blind", "bench"];
 
-/// What `test` leaves out, the quick ones first.
-const LONGER: [Command; 7] = [
-    ("fuzz", fuzz::run),
-    ("cross", cross::run),
-    ("importers", importers::run),
-    ("page", page::test),
-    ("wheel", wheel::test),
-    ("blind", blind::run),
-    ("bench", bench::run),
-];
-
-/// Runs all stages. Takes no arguments.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    crate::no_arguments("nightly", arguments)?;
+/// Runs all stages.
+pub fn run(workspace: &Workspace) -> Outcome {
     let mut stages = Stages::default();
     test::common(workspace, Extent::Full, &mut stages);
     stages.run("physics against diffsol", || {
@@ -34,8 +23,12 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
     });
     stages.keeping("removals", || mutants::removal::summary(workspace));
     stages.keeping("mutants", || mutants::all(workspace));
-    for (name, command) in LONGER {
-        stages.run(name, || command(workspace, &[]));
+    for name in LONGER {
+        stages.run(name, || match name {
+            "page" => page::test(workspace),
+            "wheel" => wheel::test(workspace),
+            _ => crate::run(workspace, &Command::parse_from(["xtask", name])),
+        });
     }
     stages.finish()
 }

@@ -6,9 +6,8 @@ const TARGET: &str = "wasm32-unknown-unknown";
 /// Opens the page in Chromium and compares its values with `motor-fmu`; a stage of `cargo xtask nightly`.
 const TESTS: &str = "tests/python/browser_page.py";
 
-/// Takes no arguments.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    crate::no_arguments("page", arguments)?;
+/// Compiles the models and writes the page.
+pub fn run(workspace: &Workspace) -> Outcome {
     shell::stage("compiling the models for WebAssembly");
     let mut build =
         workspace.cargo(&["build", "--release", "--package", "page", "--lib", "--target", TARGET]);
@@ -24,8 +23,8 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
 }
 
 /// Writes the page and tests it in Chromium.
-pub fn test(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    run(workspace, arguments)?;
+pub fn test(workspace: &Workspace) -> Outcome {
+    run(workspace)?;
     product::build(workspace)?;
     product::archives(workspace)?;
     let mut tests = product::python(workspace, &venv::python(workspace)?);

@@ -17,9 +17,8 @@ pub enum Extent {
     Full,
 }
 
-/// Runs the everyday stages. Takes no arguments.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    crate::no_arguments("test", arguments)?;
+/// Runs the everyday stages.
+pub fn run(workspace: &Workspace) -> Outcome {
     let mut stages = Stages::default();
     common(workspace, Extent::Everyday, &mut stages);
     stages.keeping("mutants of changed files", || mutants::changed(workspace));
@@ -34,7 +33,7 @@ pub fn common(workspace: &Workspace, extent: Extent, stages: &mut Stages) {
         let compiled = stages.run("compile", || shell::run(workspace.cargo(&["build"]).args(TARGETS)));
         stages.run("tidy", || match extent {
             Extent::Everyday => tidy::sources(workspace),
-            Extent::Full => tidy::run(workspace, &[]),
+            Extent::Full => tidy::run(workspace),
         });
         stages.keeping("cargo test", || {
             let mut command = workspace.cargo(&["test", "--no-fail-fast"]);

@@ -14,9 +14,8 @@ const SOURCES: [&str; 5] =
 const LICENCES: [(&str, &str); 2] =
     [("LICENSE", "LICENSE"), ("tools/archive/assets/third-party.txt", "THIRD-PARTY.txt")];
 
-/// Takes no arguments.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    crate::no_arguments("wheel", arguments)?;
+/// Builds the program and packs the wheel.
+pub fn run(workspace: &Workspace) -> Outcome {
     let python = venv::python(workspace)?;
     shell::stage("building the program and the archives");
     product::build(workspace)?;
@@ -53,8 +52,8 @@ fn copy(from: &Path, to: &Path) -> Outcome {
 }
 
 /// Packs the wheel and tests it.
-pub fn test(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    run(workspace, arguments)?;
+pub fn test(workspace: &Workspace) -> Outcome {
+    run(workspace)?;
     let mut tests = product::python(workspace, &venv::python(workspace)?);
     shell::run(tests.args(["-m", "pytest", TESTS]))
 }

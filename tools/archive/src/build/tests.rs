@@ -86,7 +86,7 @@ fn a_library_for_another_platform_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let platform = crate::platform::ALL.into_iter().find(|p| *p != HERE).unwrap();
     let library = Library { platform, path: std::env::current_exe().unwrap() };
-    let error = build_for(&models::ALL[0], &Standard::ALL, Contents::default(), &[library], folder.path())
+    let error = build_all(&models::ALL[0], &Standard::ALL, Contents::default(), &[library], folder.path())
         .unwrap_err();
     let sentence = error.to_string();
     assert!(sentence.contains(HERE.tuple) && sentence.contains(platform.tuple), "{sentence}");
@@ -99,7 +99,7 @@ fn every_platform_has_its_own_folder() {
     let libraries = crate::platform::ALL.map(|platform| Library { platform, path: library.clone() });
     for standard in Standard::ALL {
         let out =
-            build_for(&models::ALL[0], &[standard], Contents::default(), &libraries, folder.path()).unwrap();
+            build_all(&models::ALL[0], &[standard], Contents::default(), &libraries, folder.path()).unwrap();
         let zip = zip::ZipArchive::new(fs::File::open(&out[0]).unwrap()).unwrap();
         let names = zip.file_names().map(|name| name.unwrap().into_owned());
         let mut found: Vec<String> = names.filter(|n| n.starts_with("binaries/")).collect();

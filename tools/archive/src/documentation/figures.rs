@@ -32,8 +32,9 @@ impl Captioned {
     }
 }
 
-/// A line: its label and its points.
-type Line = (String, Vec<(f64, f64)>);
+type Points = Vec<(f64, f64)>;
+/// A line: its label, and its points where the model can compute them.
+type Line = (String, Option<Points>);
 
 /// The figures and first script of one model.
 pub struct Own {
@@ -90,17 +91,29 @@ fn celsius(kelvin: f64) -> f64 {
 }
 
 fn figure(title: &str, x: &str, y: &str, lines: Vec<Line>, caption: String) -> Option<Captioned> {
-    let lines: Vec<Line> = lines.into_iter().filter(|(_, points)| points.len() > 1).collect();
-    if lines.is_empty() {
-        return None;
+    let mut figure = Figure::new(title, Axis::new(x), Axis::new(y));
+    for (label, points) in lines {
+        if let Some(points) = points.filter(|points| points.len() > 1) {
+            figure = figure.line(&label, points);
+        }
     }
-    let empty = Figure::new(title, Axis::new(x), Axis::new(y));
-    let figure = lines.into_iter().fold(empty, |figure, (label, points)| figure.line(&label, points));
-    Some(Captioned { figure, caption })
+    let is_empty = figure.series().next().is_none();
+    (!is_empty).then_some(Captioned { figure, caption })
+}
+
+/// A characteristic from 0 to `most`.
+fn characteristic(most: f64, at: impl Fn(f64) -> Option<f64>) -> Option<Points> {
+    let places = (0..=POINTS).map(|k| most * f64::from(k) / f64::from(POINTS));
+    places.map(|x| Some((x, at(x)?))).collect()
+}
+
+/// The same up to the place where the value would be negative.
+fn driven(most: f64, at: impl Fn(f64) -> Option<f64>) -> Option<Points> {
+    Some(characteristic(most, at)?.into_iter().filter(|p| p.1 >= 0.0).collect())
 }
 
 /// An hour of a model; what is to be drawn, over minutes.
-fn hour(run: &mut Run<'_>, name: &str) -> Option<Vec<(f64, f64)>> {
+fn hour(run: &mut Run<'_>, name: &str) -> Option<Points> {
     let mut points = vec![(0.0, celsius(run.get(name)?))];
     for k in 1..=(HOUR / HOUR_STEP) as u32 {
         run.step(HOUR_STEP)?;
@@ -109,14 +122,20 @@ fn hour(run: &mut Run<'_>, name: &str) -> Option<Vec<(f64, f64)>> {
     Some(points)
 }
 
-/// The value of something at which the winding, after an hour, is just below its limit.
-fn bearable(from: f64, most: f64, margin: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+/// The value of an input at which the winding, after an hour, is just below its limit.
+fn bearable<'a>(native: &Native<'a>, input: &str, at: impl Fn(f64) -> Option<Run<'a>>) -> Option<f64> {
+    let row = native.entry(input)?.row;
+    let margin = |value: f64| {
+        let mut run = at(value)?;
+        hour(&mut run, "winding_temperature")?;
+        run.get("winding_margin")
+    };
     // A run that ends at a limit of validity has passed the limit of the winding before.
     let bears = |value: f64| margin(value).is_some_and(|margin| margin > 0.0);
-    let mut high = from;
+    let mut high = row.nominal;
     while bears(high) {
         high *= 2.0;
-        if high > most {
+        if high > row.max {
             return None;
         }
     }
@@ -141,17 +160,10 @@ fn held_torque(native: &Native<'_>) -> Option<Captioned> {
             [("drive_mode", "current"), ("mechanical_mode", "imposed_speed"), ("cooling_mode", cooling)];
         native.start(&[("current_command", current), ("imposed_speed", 0.0), ("fan_command", 1.0)], &modes)
     };
-    let margin = |current: f64| {
-        let mut run = at("bare", current)?;
-        hour(&mut run, "winding_temperature")?;
-        run.get("winding_margin")
-    };
-    let nominal = native.entry("current_command")?.row.nominal;
-    let current = bearable(nominal, native.entry("current_command")?.row.max, margin)?;
+    let current = bearable(native, "current_command", |current| at("bare", current))?;
     let ways = [("bare", "still air"), ("fan_crossflow", "fan"), ("annulus_push", "fan and annulus")];
     let line = |(mode, label): (&str, &str)| {
-        let points = at(mode, current).and_then(|mut run| hour(&mut run, "winding_temperature"));
-        (label.to_string(), points.unwrap_or_default())
+        (label.to_string(), at(mode, current).and_then(|mut run| hour(&mut run, "winding_temperature")))
     };
     let torque = at("bare", current).and_then(|mut run| {
         run.step(HOUR_STEP)?;
@@ -192,20 +204,13 @@ fn torque_and_speed(native: &Native<'_>) -> Option<Captioned> {
         run.get("shaft_torque")
     };
     let cold = native.starts.of(native.entry("ambient_temperature")?);
-    let line = |ambient: f64| {
+    let points = |ambient: f64| -> Option<Points> {
         let constant = native.start(&[("ambient_temperature", ambient)], &[])?.get("torque_constant")?;
-        let fastest = voltage / constant;
-        let points = (0..=POINTS).map(|k| {
-            let speed = fastest * f64::from(k) / f64::from(POINTS);
-            torque(ambient, speed).map(|t| (t, speed))
-        });
-        let points: Option<Vec<_>> = points.collect();
-        Some((
-            format!("all nodes at {:.0} °C", celsius(ambient)),
-            points?.into_iter().filter(|p| p.0 >= 0.0).collect(),
-        ))
+        let points = driven(voltage / constant, |speed| torque(ambient, speed))?;
+        Some(points.into_iter().map(|(speed, torque)| (torque, speed)).collect())
     };
-    let lines = [cold, limit].into_iter().filter_map(line).collect();
+    let line = |ambient: f64| (format!("all nodes at {:.0} °C", celsius(ambient)), points(ambient));
+    let lines = [cold, limit].map(line).to_vec();
     let caption = format!(
         "Voltage drive at {voltage} V, the nominal value of the input; imposed speed. A hot winding has more resistance, hot \
          magnets less torque per ampere."
@@ -216,17 +221,10 @@ fn torque_and_speed(native: &Native<'_>) -> Option<Captioned> {
 /// The greatest load of the gearmotor for an hour, and its temperatures.
 fn held_load(native: &Native<'_>) -> Option<Captioned> {
     let at = |load: f64| native.start(&[("duty", 1.0), ("load_torque", load)], &[]);
-    let margin = |load: f64| {
-        let mut run = at(load)?;
-        hour(&mut run, "winding_temperature")?;
-        run.get("winding_margin")
-    };
-    let nominal = native.entry("load_torque")?.row.nominal;
-    let load = bearable(nominal, native.entry("load_torque")?.row.max, margin)?;
+    let load = bearable(native, "load_torque", at)?;
     let names = ["winding_temperature", "housing_temperature", "box_temperature"];
     let line = |name: &str| {
-        let points = at(load).and_then(|mut run| hour(&mut run, name));
-        (name.trim_end_matches("_temperature").to_string(), points.unwrap_or_default())
+        (name.trim_end_matches("_temperature").to_string(), at(load).and_then(|mut run| hour(&mut run, name)))
     };
     let title = format!("Temperatures at a load of {load:.2} N·m");
     let caption =
@@ -246,13 +244,8 @@ fn duties(native: &Native<'_>) -> Option<Captioned> {
         }
         run.get("shaft_speed")
     };
-    let line = |duty: f64| {
-        let points = (0..=POINTS).map(|k| most * f64::from(k) / f64::from(POINTS));
-        let points = points.map(|load| speed(duty, load).map(|w| (load, w))).collect::<Option<Vec<_>>>();
-        let driven = |p: &(f64, f64)| p.1 >= 0.0;
-        Some((format!("duty {duty}"), points?.into_iter().filter(driven).collect()))
-    };
-    let lines = [1.0, 0.75, 0.5, 0.25].into_iter().filter_map(line).collect();
+    let line = |duty: f64| (format!("duty {duty}"), driven(most, |load| speed(duty, load)));
+    let lines = [1.0, 0.75, 0.5, 0.25].map(line).to_vec();
     let caption = format!(
         "Three seconds after the start, supply voltage {} V. Each line ends where the load would reverse the motor.",
         native.starts.of(native.entry("supply_voltage")?)
@@ -279,7 +272,7 @@ fn reference_run(native: &Native<'_>) -> Option<Captioned> {
         reference::FOLDER
     );
     let label = format!("{} in {}", name.replace('_', " "), unit.replace('.', "·"));
-    figure("Reference simulation", "time in s", &label, vec![(String::new(), points)], caption)
+    figure("Reference simulation", "time in s", &label, vec![(String::new(), Some(points))], caption)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Export: the calibrated preset, the terms, and the FMUs of both standards with them.
 
 use crate::{Failure, write};
-use archive::build::{Contents, Standard, TermText, TermsFile, build_all, library_path};
+use archive::build::{Contents, Library, Standard, TermText, TermsFile, build_all, library_path};
 use archive::validate::{Severity, validate};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Outcome, Setting};
@@ -57,7 +57,7 @@ pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<
     }
     let library = library_path()?;
     let contents = Contents { preset: Some(&preset), effects: effects.as_ref() };
-    let paths = build_all(kind, &Standard::ALL, contents, &library, out)?;
+    let paths = build_all(kind, &Standard::ALL, contents, &[Library::here(&library)], out)?;
     let archives: Vec<(Standard, PathBuf)> = Standard::ALL.into_iter().zip(paths).collect();
     let name = |(standard, _): &(Standard, _)| format!("{}/{}.fmu", standard.folder(), outcome.model);
     let names: Vec<String> = archives.iter().map(name).collect();

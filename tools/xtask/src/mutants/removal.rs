@@ -11,13 +11,7 @@ use std::path::Path;
 /// The list of effects, from the root of the workspace.
 const LIST: &str = "fmu-src/physics/src/effects.rs";
 
-/// Removes every effect in turn.
-pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    crate::no_arguments("removals", arguments)?;
-    summary(workspace).1
-}
-
-/// The same, with the closing line for a summary.
+/// Removes every effect in turn; with the closing line for a summary.
 pub fn summary(workspace: &Workspace) -> (Vec<String>, Outcome) {
     match try_all(workspace) {
         Ok(tried) => (vec![format!("{tried} effects removed one by one")], Ok(())),

@@ -1,6 +1,6 @@
 //! Figures of the series elastic actuator.
 
-use super::{Captioned, POINTS, figure};
+use super::{Captioned, characteristic, driven, figure};
 use crate::native::Native;
 
 /// Load torque of the motor over joint torque, driving and driven.
@@ -12,11 +12,8 @@ pub fn both_ways(native: &Native<'_>) -> Option<Captioned> {
         let mut run = native.start(&[("torque_demand", torque), ("motor_speed", speed)], &[])?;
         run.get("load_torque")
     };
-    let line = |(speed, label): (f64, &str)| {
-        let points = (0..=POINTS).map(|k| most * f64::from(k) / f64::from(POINTS));
-        let points: Option<Vec<_>> = points.map(|torque| load(torque, speed).map(|t| (torque, t))).collect();
-        (label.to_string(), points.unwrap_or_default())
-    };
+    let line =
+        |(speed, label): (f64, &str)| (label.to_string(), characteristic(most, |torque| load(torque, speed)));
     let ways = [(speed, "the motor drives"), (0.0, "at rest"), (-speed, "the joint drives")];
     let caption = format!(
         "Motor speed {speed} rad/s, joint angle 0. Friction of the transmission increases the load torque of a driving motor and \
@@ -46,12 +43,7 @@ pub fn current_limits(native: &Native<'_>) -> Option<Captioned> {
     };
     let line = |fraction: f64| {
         let supply = fraction * nominal;
-        let points = (0..=POINTS).map(|k| fastest * f64::from(k) / f64::from(POINTS));
-        let points = points.map(|w| current(supply, w).map(|i| (w, i))).collect::<Option<Vec<_>>>();
-        (
-            format!("supply {supply} V"),
-            points.unwrap_or_default().into_iter().filter(|p| p.1 >= 0.0).collect(),
-        )
+        (format!("supply {supply} V"), driven(fastest, |speed| current(supply, speed)))
     };
     let caption = format!(
         "Torque constant of the control {constant} N·m/A. The drive limits the current at low speed, the supply voltage at high \

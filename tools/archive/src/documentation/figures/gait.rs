@@ -27,8 +27,8 @@ fn choices(native: &Native<'_>, name: &str) -> Vec<&'static str> {
 pub fn torques(native: &Native<'_>) -> Option<Captioned> {
     let joints = choices(native, "gait.joint");
     let line = |joint: &&str| {
-        let points = stride(native, "torque_demand", &[("gait.joint", joint), ("gait.activity", "walk")]);
-        (joint.to_string(), points.unwrap_or_default())
+        let walk = [("gait.joint", *joint), ("gait.activity", "walk")];
+        (joint.to_string(), stride(native, "torque_demand", &walk))
     };
     let caption = format!(
         "{}. Body mass {} kg, support {}. Positive is extension, plantarflexion at the ankle; the stride begins \
@@ -51,11 +51,11 @@ fn source(native: &Native<'_>, activity: &str) -> Option<&'static str> {
 /// The power of the ankle in several activities.
 pub fn powers(native: &Native<'_>) -> Option<Captioned> {
     let activities = ["walk", "stairs_up", "stairs_down", "child_walk"];
-    let line = |activity: &&str| {
-        let points = stride(native, "power_demand", &[("gait.joint", "ankle"), ("gait.activity", activity)]);
-        (activity.replace('_', " "), points.unwrap_or_default())
-    };
     let label = |a: &str| a.replace('_', " ");
+    let line = |activity: &&str| {
+        let ankle = [("gait.joint", "ankle"), ("gait.activity", *activity)];
+        (label(activity), stride(native, "power_demand", &ankle))
+    };
     let sources: Option<Vec<String>> =
         activities.iter().map(|a| source(native, a).map(|text| format!("{}: {text}", label(a)))).collect();
     let caption = format!("Positive is power into the leg. {}.", sources?.join(". "));
