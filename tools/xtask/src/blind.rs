@@ -37,7 +37,7 @@ impl Options {
 /// Generates the sets, runs the program on each and evaluates the reports; an error if a criterion is not met.
 pub fn run(workspace: &Workspace, options: &Options) -> Outcome {
     // First: a missing Python is reported before minutes of compiling.
-    let python = venv::python(workspace)?;
+    let python = venv::python(workspace, venv::TESTS)?;
     let program = match &options.program {
         Some(program) => std::path::absolute(program)
             .map_err(|e| format!("--program {} is no path: {e}", program.display()))?,

@@ -6,7 +6,6 @@ mod compiler;
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use compiler::Compiler;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// A platform to build for, and how its programs are run here.
 struct Target {
@@ -76,7 +75,7 @@ const SETTINGS: [(&str, &[&str]); 4] = [
 /// Builds and runs on every platform; `other` is the root of another Rust.
 pub fn run(workspace: &Workspace, other: Option<&Path>) -> Outcome {
     product::build(workspace)?;
-    let python = venv::cross(workspace)?;
+    let python = venv::python(workspace, venv::CROSS)?;
     let target = workspace.target.join("cross");
     for one in &TARGETS {
         shell::stage(&format!("building for {}", one.platform));
@@ -103,7 +102,7 @@ pub fn run(workspace: &Workspace, other: Option<&Path>) -> Outcome {
 /// Builds library and master, and puts the library where `motor-fmu build --platform` looks for it.
 fn build(workspace: &Workspace, one: &Target, other: Option<&Path>, python: &Path, target: &Path) -> Outcome {
     let compiler = Compiler::find(workspace, one.triple, other)?;
-    if let Some(linker) = one.linker.filter(|linker| !is_program(linker)) {
+    if let Some(linker) = one.linker.filter(|linker| !shell::is_program(linker)) {
         return Err(format!(
             "{linker}, which links for {}, is not on the path; on Debian and Ubuntu it is in \
              gcc-mingw-w64-x86-64-win32",
@@ -175,7 +174,7 @@ fn runner(one: &Target) -> Outcome<Vec<String>> {
     if one.runner.0.is_empty() {
         return Ok(Vec::new());
     }
-    let Some(program) = one.runner.0.iter().find(|p| is_program(p)) else {
+    let Some(program) = one.runner.0.iter().find(|p| shell::is_program(p)) else {
         return Err(format!(
             "none of {} is there, so the library for {} was built but not run",
             one.runner.0.join(", "),
@@ -183,10 +182,6 @@ fn runner(one: &Target) -> Outcome<Vec<String>> {
         ));
     };
     Ok(std::iter::once(program).chain(one.runner.1).map(|w| (*w).to_string()).collect())
-}
-
-fn is_program(name: &str) -> bool {
-    Command::new(name).arg("--version").output().is_ok()
 }
 
 #[cfg(test)]

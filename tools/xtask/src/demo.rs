@@ -16,10 +16,10 @@ const SYSTEM: &str = "examples/systems/actuator-gait.toml";
 /// The measured motor of the bench.
 const BENCH: &str = "examples/04_close_the_loop_bench.py";
 
-///
+/// Builds all that the page shows, and the page.
 pub fn run(workspace: &Workspace) -> Outcome {
     // First, so that a missing Python is reported before minutes of compiling.
-    let python = venv::python(workspace)?;
+    let python = venv::python(workspace, venv::TESTS)?;
     shell::stage("building everything");
     product::build(workspace)?;
     shell::stage("packing the FMUs");

@@ -1,7 +1,7 @@
 //! `cargo xtask fuzz`: random calls of both C interfaces, with each model in turn.
 
 use crate::{Outcome, shell, workspace::Workspace};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// The program that checks every access to memory.
 const VALGRIND: &str = "valgrind";
@@ -19,7 +19,7 @@ pub struct Options {
 
 /// Makes so many calls of each model; a crash or an internal failure is reported with the seed that leads there.
 pub fn run(workspace: &Workspace, options: &Options) -> Outcome {
-    if options.valgrind && !is_there(VALGRIND) {
+    if options.valgrind && !shell::is_program(VALGRIND) {
         return Err("valgrind is not on the path; install it (Debian: apt-get install valgrind)".to_string());
     }
     shell::stage("random calls");
@@ -40,8 +40,4 @@ pub fn run(workspace: &Workspace, options: &Options) -> Outcome {
         Command::new(program)
     };
     shell::run(command.arg(options.calls.to_string()))
-}
-
-fn is_there(program: &str) -> bool {
-    Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }

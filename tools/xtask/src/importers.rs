@@ -7,9 +7,9 @@ use std::path::Path;
 const MANIFEST: &str = "tests/importers/Cargo.toml";
 const TESTS: &str = "tests/python/rust_importers.py";
 
-///
+/// Builds archives and importers, and runs the tests of these.
 pub fn run(workspace: &Workspace) -> Outcome {
-    let (python, tools) = (venv::python(workspace)?, venv::importers(workspace)?);
+    let (python, tools) = (venv::python(workspace, venv::TESTS)?, venv::python(workspace, venv::IMPORTERS)?);
     shell::stage("building the archives");
     product::build(workspace)?;
     product::archives(workspace)?;

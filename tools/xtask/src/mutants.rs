@@ -62,8 +62,9 @@ struct Program {
 
 /// Runs the mutants named, or all.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Outcome {
-    let chosen = choose(arguments)?;
-    report(summary(workspace, &chosen))
+    let (closing, outcome) = summary(workspace, &choose(arguments)?);
+    closing.iter().for_each(|line| println!("{line}"));
+    outcome
 }
 
 /// All mutants, with the closing line.
@@ -101,34 +102,23 @@ fn changed_files(workspace: &Workspace) -> Outcome<BTreeSet<String>> {
     Ok(text.lines().map(String::from).collect())
 }
 
-fn report((closing, outcome): (Vec<String>, Outcome)) -> Outcome {
-    closing.iter().for_each(|line| println!("{line}"));
-    outcome
-}
-
 fn summary(workspace: &Workspace, chosen: &[&Mutant]) -> (Vec<String>, Outcome) {
-    match judge(workspace, chosen) {
-        Err(sentence) => (Vec::new(), Err(sentence)),
-        Ok(verdicts) => {
-            let of = |wanted: Verdict| -> Vec<&str> {
-                chosen
-                    .iter()
-                    .zip(&verdicts)
-                    .filter(|(_, v)| **v == wanted)
-                    .map(|(m, _)| m.name.as_str())
-                    .collect()
-            };
-            let closing = format!("{} of {} mutants noticed", of(Verdict::Noticed).len(), chosen.len());
-            let mut wrong = Vec::new();
-            for (verdict, what) in [(Verdict::Survived, "survived"), (Verdict::TimedOut, "timed out")] {
-                let names = of(verdict);
-                if !names.is_empty() {
-                    wrong.push(format!("{what}: {}", names.join(", ")));
-                }
-            }
-            (vec![closing], if wrong.is_empty() { Ok(()) } else { Err(wrong.join("; ")) })
-        }
-    }
+    let verdicts = match judge(workspace, chosen) {
+        Ok(verdicts) => verdicts,
+        Err(sentence) => return (Vec::new(), Err(sentence)),
+    };
+    let of = |wanted: Verdict| {
+        let found = chosen.iter().zip(&verdicts).filter(move |(_, verdict)| **verdict == wanted);
+        found.map(|(mutant, _)| mutant.name.as_str()).collect::<Vec<_>>()
+    };
+    let closing = format!("{} of {} mutants noticed", of(Verdict::Noticed).len(), chosen.len());
+    let wrong: Vec<String> = [(Verdict::Survived, "survived"), (Verdict::TimedOut, "timed out")]
+        .map(|(verdict, what)| (of(verdict), what))
+        .iter()
+        .filter(|(names, _)| !names.is_empty())
+        .map(|(names, what)| format!("{what}: {}", names.join(", ")))
+        .collect();
+    (vec![closing], if wrong.is_empty() { Ok(()) } else { Err(wrong.join("; ")) })
 }
 
 fn judge(workspace: &Workspace, chosen: &[&Mutant]) -> Outcome<Vec<Verdict>> {

@@ -35,6 +35,11 @@ fn finish(mut child: Child, name: &str) -> Outcome {
     }
 }
 
+/// Whether a program is on the path.
+pub fn is_program(name: &str) -> bool {
+    Command::new(name).arg("--version").output().is_ok()
+}
+
 /// Runs a command with its output on ours.
 pub fn run(command: &mut Command) -> Outcome {
     finish(start(command)?, &spelled(command))

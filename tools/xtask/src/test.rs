@@ -29,7 +29,7 @@ pub fn run(workspace: &Workspace) -> Outcome {
 pub fn common(workspace: &Workspace, extent: Extent, stages: &mut Stages) {
     std::thread::scope(|scope| {
         // Packages come from the network while the compiler has the processors.
-        let python = scope.spawn(|| venv::python(workspace));
+        let python = scope.spawn(|| venv::python(workspace, venv::TESTS));
         let compiled = stages.run("compile", || shell::run(workspace.cargo(&["build"]).args(TARGETS)));
         stages.run("tidy", || match extent {
             Extent::Everyday => tidy::sources(workspace),

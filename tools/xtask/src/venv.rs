@@ -5,32 +5,20 @@ use crate::{Outcome, files, shell, workspace::Workspace};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Name of an environment, and the file of its requirements.
+pub type Environment = (&'static str, &'static str);
 /// Of tests and examples.
-const TESTS: &str = "tests/python/requirements.txt";
+pub const TESTS: Environment = ("venv", "tests/python/requirements.txt");
 /// Of `cargo xtask cross`: a linker for other platforms.
-const CROSS: &str = "tools/xtask/cross-requirements.txt";
+pub const CROSS: Environment = ("venv-cross", "tools/xtask/cross-requirements.txt");
 /// Of `cargo xtask importers`: what bindings to C are made with.
-const IMPORTERS: &str = "tests/importers/requirements.txt";
+pub const IMPORTERS: Environment = ("venv-importers", "tests/importers/requirements.txt");
 const OLDEST: (u32, u32) = (3, 11);
 /// The requirements of the venv; it is made again when they change.
 const STAMP: &str = "requirements.stamp";
 
-/// The Python of tests and examples, made first if it is not there or has other packages.
-pub fn python(workspace: &Workspace) -> Outcome<PathBuf> {
-    made(workspace, "venv", TESTS)
-}
-
-/// The Python with the linker.
-pub fn cross(workspace: &Workspace) -> Outcome<PathBuf> {
-    made(workspace, "venv-cross", CROSS)
-}
-
-/// The Python with libclang.
-pub fn importers(workspace: &Workspace) -> Outcome<PathBuf> {
-    made(workspace, "venv-importers", IMPORTERS)
-}
-
-fn made(workspace: &Workspace, name: &str, requirements: &str) -> Outcome<PathBuf> {
+/// The Python of an environment, which is made first if it is not there or has other packages.
+pub fn python(workspace: &Workspace, (name, requirements): Environment) -> Outcome<PathBuf> {
     let file = workspace.root.join(requirements);
     let wanted = files::read(&file)?;
     let folder = workspace.target.join(name);
@@ -106,7 +94,7 @@ mod tests {
 
     #[test]
     fn every_requirement_is_pinned() {
-        for file in [TESTS, CROSS, IMPORTERS] {
+        for (_, file) in [TESTS, CROSS, IMPORTERS] {
             let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
             let text = std::fs::read_to_string(file).unwrap();
             let lines: Vec<&str> = text.lines().filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
