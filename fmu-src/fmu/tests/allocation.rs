@@ -1,76 +1,10 @@
 //! A step allocates no memory: in every model, in every combination of its modes, in both standards and both interfaces.
 
-use crate::common::{CS2, How, Importer, KINDS, MODELS, Options, Succeeds, reals};
+use crate::common::running::{Running, STEPS};
+use crate::common::{CS2, KINDS, MODELS, Succeeds};
 use crate::counting::allocations;
-use physics::declare::{Causality, Kind};
-use physics::model::{Declaration, Entry, ModelType};
-
-/// Steps of a run: some reversals of every input.
-const STEPS: u32 = 60;
-const STEP: f64 = 1e-3;
-
-/// An instance that is ready to step or to be integrated.
-struct Running {
-    importer: Importer,
-    exchange: bool,
-    inputs: Vec<&'static Entry>,
-    outputs: Vec<u32>,
-    values: Vec<f64>,
-    states: Vec<f64>,
-    rates: Vec<f64>,
-}
-
-impl Running {
-    fn new(kind: &ModelType, how: How, choices: &[(&str, f64)]) -> Running {
-        let importer = Importer::instantiated(kind, how, Options::default()).started(choices);
-        let declaration = importer.declaration;
-        let outputs: Vec<u32> = reals(declaration, Causality::Output).map(|e| e.value_reference).collect();
-        let states = vec![0.0; importer.number_of_states()];
-        Running {
-            importer,
-            exchange: how.1,
-            inputs: reals(declaration, Causality::Input).filter(|e| e.is_continuous_input()).collect(),
-            values: vec![0.0; outputs.len()],
-            outputs,
-            rates: states.clone(),
-            states,
-        }
-    }
-
-    /// Sets inputs, steps (or evaluates the equations, as an integrator does), reads outputs.
-    fn run(&mut self, from: u32) {
-        for k in from..from + STEPS {
-            let t = f64::from(k) * STEP;
-            for (n, input) in self.inputs.iter().enumerate() {
-                // Every input reverses, at a frequency of its own, around its start value.
-                let wave = (f64::from(k) * (0.3 + 0.07 * n as f64)).sin();
-                let row = &input.row;
-                let value = (row.start + 0.5 * row.nominal * wave).clamp(row.min, row.max);
-                self.importer.set_reals(&[input.value_reference], &[value]).ok();
-            }
-            if self.exchange {
-                self.evaluate(t + STEP);
-            } else {
-                self.importer.step(t, STEP).ok();
-            }
-            self.importer.get_reals(&self.outputs, &mut self.values).ok();
-        }
-    }
-
-    fn evaluate(&mut self, t: f64) {
-        let fmu = *self.importer;
-        fmu.set_time(t).ok();
-        fmu.get_states(&mut self.states).ok();
-        fmu.set_states(&self.states).ok();
-        fmu.get_rates(&mut self.rates).ok();
-        fmu.complete().0.ok();
-        // Explicit Euler is enough to move every state.
-        for (x, rate) in self.states.iter_mut().zip(&self.rates) {
-            *x += 1e-2 * STEP * rate;
-        }
-        fmu.set_states(&self.states).ok();
-    }
-}
+use physics::declare::Kind;
+use physics::model::Declaration;
 
 /// Every combination of the choices of a model, effects' own apart.
 fn combinations(declaration: &Declaration) -> Vec<Vec<(&str, f64)>> {

@@ -1,16 +1,12 @@
 //! FMI 3 arrays: the segments of the housing, whose number is a structural parameter.
 
-use crate::common::{CS3, How, Importer, ME3, MOTOR, Options, Succeeds, filled, vr};
+use crate::common::{CS3, Importer, ME3, Succeeds, filled, vr};
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
 
 /// A motor in a tube, whose segments grow warm one after the other.
 const PUSHED: &[(&str, f64)] =
     &[("cooling_mode", 4.0), ("drive_mode", 4.0), ("electrical_power", 20.0), ("fan_command", 0.8)];
-
-fn motor(how: How) -> Importer {
-    Importer::instantiated(MOTOR, how, Options::default())
-}
 
 /// The temperatures of the housing's segments.
 fn housing(motor: &Importer, count: usize) -> Vec<f64> {
@@ -24,7 +20,7 @@ fn refusal(motor: &Importer, name: &str, count: usize) {
 #[test]
 fn an_array_has_as_many_values_as_the_parameter_says() {
     for count in [1, 5, 8, 13, 64] {
-        let motor = motor(CS3).segments(count).started(PUSHED);
+        let motor = Importer::motor(CS3).segments(count).started(PUSHED);
         motor.ended(0.0, 60.0);
         let n = count as usize;
         let warm = housing(&motor, n);
@@ -46,7 +42,7 @@ fn an_array_has_as_many_values_as_the_parameter_says() {
 
 #[test]
 fn the_parameter_has_a_mode_and_a_type_of_its_own() {
-    let motor = motor(CS3);
+    let motor = Importer::motor(CS3);
     let size = vr("air_segments");
     let set = |count: u64| unsafe { fmi3SetUInt64(motor.handle, &size, 1, &count, 1) };
     unsafe {
@@ -78,10 +74,10 @@ fn the_parameter_has_a_mode_and_a_type_of_its_own() {
 #[test]
 fn states_of_any_number_are_saved_through_bytes() {
     for count in [1, 13, 64] {
-        let pushed = motor(CS3).segments(count).started(PUSHED);
+        let pushed = Importer::motor(CS3).segments(count).started(PUSHED);
         pushed.ended(0.0, 5.0);
         // One that was made with eight.
-        let other = motor(CS3);
+        let other = Importer::motor(CS3);
         other.take_over(*pushed);
         let [one, two] = [&pushed, &other].map(|motor| {
             motor.ended(5.0, 5.0);
@@ -94,7 +90,7 @@ fn states_of_any_number_are_saved_through_bytes() {
 /// The number of continuous states follows the array size, and derivatives of arrays are given element by element.
 #[test]
 fn states_and_derivatives_follow_the_number() {
-    let motor = motor(ME3).segments(3).initialized(PUSHED);
+    let motor = Importer::motor(ME3).segments(3).initialized(PUSHED);
     let mut n = 0;
     unsafe { fmi3GetNumberOfContinuousStates(motor.handle, &mut n) }.ok();
     assert_eq!((n, motor.states().len()), (14 + 3, n));

@@ -29,7 +29,7 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 /// Allocations of this thread during `work`.
-pub fn allocations(work: impl FnOnce()) -> usize {
+pub fn allocations<T>(work: impl FnOnce() -> T) -> usize {
     let before = ALLOCATIONS.get();
     work();
     ALLOCATIONS.get() - before

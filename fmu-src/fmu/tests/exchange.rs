@@ -1,6 +1,7 @@
 //! Model Exchange through the C functions: the life cycle, what a state is, and that what is read depends on what was put alone.
 
-use crate::common::{CS2, CS3, Importer, ME2, ME3, MODELS, MOTOR, Options, Succeeds, vr};
+use crate::common::running::busy;
+use crate::common::{CS3, Importer, ME2, ME3, MODELS, MOTOR, Options, Succeeds, vr};
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::{fmi3GetNumberOfContinuousStates, fmi3GetNumberOfEventIndicators};
 use motor_fmu::logger::Status;
@@ -61,30 +62,6 @@ fn continuous(kind: &ModelType, start: &[(&str, f64)]) -> Importer {
 fn all(me: &Importer) -> Vec<u64> {
     let read = [me.states(), me.rates(), me.indicators()].concat();
     read.into_iter().map(f64::to_bits).chain(me.outputs()).collect()
-}
-
-/// Values that move a model of any kind.
-fn busy(kind: &ModelType) -> Vec<(&'static str, f64)> {
-    match name(kind) {
-        "AnnulusCooledMotor" => vec![
-            ("voltage", 20.0),
-            ("load_torque", 0.03),
-            ("fan_command", 0.7),
-            ("cooling_mode", 4.0),
-            ("commutation", 3.0),
-            ("effect.housing_sensor_lag.tau", 7.0),
-            ("effect.coulomb_friction.tau_c", 0.01),
-        ],
-        "BrushedGearmotor" => vec![("duty", 0.6), ("load_torque", 0.2), ("effect.contact_drop.V_b", 0.3)],
-        "SeriesElasticActuator" => vec![
-            ("torque_demand", 20.0),
-            ("motor_speed", 30.0),
-            ("motor_current", 2.0),
-            ("joint_speed", 0.2),
-            ("transmission.coupling", 2.0),
-        ],
-        _ => vec![("joint_torque", 20.0), ("gait.variation", 0.03)],
-    }
 }
 
 /// States away from where a run starts.
@@ -149,40 +126,6 @@ fn readings_have_no_history() {
         other.get(known(kind).output);
         assert_eq!(all(&one), all(&other), "{}", name(kind));
         assert_eq!(other.states(), elsewhere(&x, 1.0), "states that were put are those that are read");
-    }
-}
-
-#[test]
-fn rollback_is_bitwise_in_memory_and_through_bytes() {
-    for kind in MODELS {
-        let me = continuous(kind, &busy(kind));
-        let x = me.states();
-        me.put(0.2, &elsewhere(&x, 2.0));
-        let before = all(&me);
-        let saved = me.save();
-        let bytes = saved.bytes();
-        let copy = me.read(&bytes).unwrap();
-        for state in [&saved, &copy] {
-            me.put(0.9, &elsewhere(&x, -1.0));
-            me.set(known(kind).input, 0.2);
-            me.enter_event().ok();
-            me.update();
-            assert_ne!(all(&me), before);
-            me.restore(state).ok();
-            assert_eq!(all(&me), before);
-        }
-        // A new instance continues from the serialized state as this one does.
-        let fresh = instantiated(kind);
-        fresh.restore(&copy).ok();
-        for me in [&me, &fresh] {
-            me.put(0.25, &elsewhere(&x, 2.0));
-        }
-        assert_eq!(all(&fresh), all(&me));
-        // Who steps by himself does not take it.
-        let stepping = Importer::instantiated(kind, CS2, Options::default());
-        assert_eq!(stepping.restore(&saved), Status::Error);
-        assert_eq!(stepping.read(&bytes).err(), Some(Status::Error));
-        assert_eq!(stepping.get_rates(&mut []), Status::Error, "the other interface");
     }
 }
 

@@ -1,18 +1,10 @@
 //! FMI 2.0 through the C functions: life cycle, values, refusals, saved states.
 
-use crate::common::{CS2, Importer, MOTOR, Options, Succeeds, filled, token, vr};
+use crate::common::{CS2, Importer, MOTOR, Succeeds, filled, token, vr};
 use motor_fmu::fmi2::*;
 use motor_fmu::logger::Status;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
-
-fn instantiated() -> Importer {
-    Importer::instantiated(MOTOR, CS2, Options::default())
-}
-
-fn initialized() -> Importer {
-    instantiated().started(&[])
-}
 
 /// A drive with reversals, loads and a running fan; the same at every call.
 fn drive(motor: &Importer, from: u32, to: u32) {
@@ -27,12 +19,12 @@ fn drive(motor: &Importer, from: u32, to: u32) {
 
 /// Lets the voltage run along a slope.
 fn slope(motor: &Importer, order: i32, value: f64) -> Status {
-    unsafe { fmi2SetRealInputDerivatives(motor.handle, &vr("voltage"), 1, &order, &value) }
+    motor.set_slopes(&[vr("voltage")], &[order], &[value])
 }
 
 /// What must not change when a call is refused.
 fn unchanged_by(name: &str, call: impl FnOnce(&Importer) -> Status, expected: Status, words: &[&str]) {
-    let (motor, twin) = (initialized(), initialized());
+    let (motor, twin) = (Importer::motor(CS2).started(&[]), Importer::motor(CS2).started(&[]));
     drive(&motor, 0, 5);
     drive(&twin, 0, 5);
     let before = motor.outputs();
@@ -99,21 +91,10 @@ fn refused_calls_say_why_and_change_nothing() {
     }
 }
 
-/// A tunable whole number goes through Integer, also as part of a serialized state.
-#[test]
-fn a_whole_number_is_set_read_and_serialized() {
-    let (motor, other) = (initialized(), initialized());
-    assert_eq!(motor.get_whole("motor.pole_pairs"), 2);
-    motor.set("motor.pole_pairs", 11.0).ok();
-    assert_eq!(motor.get_whole("motor.pole_pairs"), 11);
-    other.take_over(*motor);
-    assert_eq!(other.get_whole("motor.pole_pairs"), 11);
-}
-
 /// One bad value in a list refuses the whole list.
 #[test]
 fn a_list_of_values_is_taken_whole_or_not_at_all() {
-    let motor = initialized();
+    let motor = Importer::motor(CS2).started(&[]);
     let values = [("voltage", 12.0), ("load_torque", 0.1), ("imposed_speed", 7e9)];
     assert_eq!(motor.set_all(&values), Status::Discard);
     assert_eq!((motor.get("voltage"), motor.get("load_torque")), (0.0, 0.0));
@@ -121,7 +102,7 @@ fn a_list_of_values_is_taken_whole_or_not_at_all() {
 
 #[test]
 fn the_life_cycle_is_enforced() {
-    let motor = instantiated();
+    let motor = Importer::motor(CS2);
     let h = motor.handle;
     assert_eq!(motor.step(0.0, 1e-3), Status::Error, "before initialization");
     assert_eq!(motor.exit_initialization(), Status::Error);
@@ -158,11 +139,11 @@ fn the_life_cycle_is_enforced() {
 /// A reset instance, a second instance and a fresh one are the same, bit for bit, and do not touch each other.
 #[test]
 fn instances_are_independent_and_reset_is_complete() {
-    let (a, b) = (initialized(), initialized());
+    let (a, b) = (Importer::motor(CS2).started(&[]), Importer::motor(CS2).started(&[]));
     drive(&a, 0, 50);
     b.set("motor.R_ref", 0.5);
     drive(&b, 0, 20);
-    let lone = initialized();
+    let lone = Importer::motor(CS2).started(&[]);
     drive(&lone, 0, 50);
     assert_eq!(a.outputs(), lone.outputs());
     assert_ne!(a.outputs(), b.outputs());
@@ -172,49 +153,10 @@ fn instances_are_independent_and_reset_is_complete() {
     assert_eq!(a.outputs(), b.outputs());
 }
 
-#[test]
-fn rollback_is_bitwise_in_memory_and_through_bytes() {
-    let motor = initialized();
-    drive(&motor, 0, 30);
-    let mut saved = motor.save();
-    let first = saved.state;
-    drive(&motor, 30, 60);
-    let there = motor.outputs();
-
-    motor.restore(&saved).ok();
-    drive(&motor, 30, 60);
-    assert_eq!(motor.outputs(), there, "from memory");
-
-    let other = initialized();
-    other.restore(&other.read(&saved.bytes()).unwrap()).ok();
-    drive(&other, 30, 60);
-    assert_eq!(other.outputs(), there, "from bytes, in another instance");
-
-    motor.get_state(&mut saved.state).ok();
-    assert_eq!(saved.state, first, "a handle is used again");
-    motor.free_state(&mut saved.state).ok();
-    assert!(saved.state.is_null(), "and freed, here and again at the end");
-    assert_eq!(motor.set_state(null_mut()), Status::Error);
-}
-
-#[test]
-fn damaged_bytes_are_refused() {
-    let motor = initialized();
-    let saved = motor.save();
-    let mut bytes = saved.bytes();
-    let size = bytes.len();
-    assert_eq!(motor.serialize(saved.state, &mut vec![0; size - 1]), Status::Error);
-    for n in 0..size {
-        assert_eq!(motor.read(&bytes[..n]).err(), Some(Status::Error), "{n} bytes");
-    }
-    bytes[0] ^= 1;
-    assert_eq!(motor.read(&bytes).err(), Some(Status::Error));
-}
-
 /// An input derivative applies to one step; afterwards the input keeps its end value.
 #[test]
 fn slopes_hold_for_one_step() {
-    let motor = initialized();
+    let motor = Importer::motor(CS2).started(&[]);
     motor.set("voltage", 1.0).ok();
     slope(&motor, 1, 2000.0).ok();
     motor.step(0.0, 1e-3).ok();
@@ -225,7 +167,7 @@ fn slopes_hold_for_one_step() {
 
 #[test]
 fn choices_and_flags() {
-    let motor = instantiated();
+    let motor = Importer::motor(CS2);
     motor.set("drive_mode", 3.0).ok();
     assert_eq!(motor.set("drive_mode", 9.0), Status::Discard);
     motor.initialize();
@@ -244,7 +186,7 @@ fn choices_and_flags() {
 /// A thermal runaway to values beyond the range of a double is reported for every step size.
 #[test]
 fn a_step_without_solution_is_discarded_and_changes_nothing() {
-    let motor = instantiated().started(&[("drive_mode", 3.0)]);
+    let motor = Importer::motor(CS2).started(&[("drive_mode", 3.0)]);
     motor.set("current_command", 1e4);
     let before = motor.outputs();
     assert_eq!(motor.step(0.0, 1e7), Status::Discard);
@@ -281,7 +223,7 @@ fn null_handles_and_wrong_tokens() {
 /// The C interface does not change values: the native model gives the same bits.
 #[test]
 fn the_native_model_gives_the_same_bits() {
-    let motor = initialized();
+    let motor = Importer::motor(CS2).started(&[]);
     let mut native = (physics::models::ALL[0].new)();
     let slot = |name: &str| motor.declaration.by_name(name).unwrap().slot;
     native.start(0.0).unwrap();
@@ -302,7 +244,7 @@ fn the_native_model_gives_the_same_bits() {
 /// A panic becomes status Error; afterwards the instance accepts reset and free only.
 #[test]
 fn a_panic_does_not_cross_the_interface() {
-    let motor = initialized();
+    let motor = Importer::motor(CS2).started(&[]);
     let status = unsafe { motor_fmu::boundary::enter(motor.handle, "test", |_| panic!("on purpose")) };
     assert_eq!(status, Status::Error);
     assert_eq!(motor.step(0.0, 1e-3), Status::Error);
@@ -315,7 +257,7 @@ fn a_panic_does_not_cross_the_interface() {
 /// During initialization the states follow the start values, so an output has derivatives with respect to them.
 #[test]
 fn derivatives_of_initialization_move_the_states() {
-    let motor = instantiated();
+    let motor = Importer::motor(CS2);
     let known = [vr("ambient_temperature")];
     let slope = |unknown| filled(1, |out| motor.directional(&[vr(unknown)], &known, &[1.0], out))[0];
     motor.enter(None, 0.0).ok();

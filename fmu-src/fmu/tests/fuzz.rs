@@ -166,15 +166,11 @@ impl TestInstance {
             }
             22 => self.through_bytes(rng),
             23 => fmu.get_slopes(&vr, &orders, &mut values),
-            24 => unsafe {
-                let mut out = values.clone();
-                let (vr, seed, out) = (vr.as_ptr(), values.as_ptr(), out.as_mut_ptr());
-                if three {
-                    fmi3GetAdjointDerivative(h, vr, n, vr, n, seed, n, out, n)
-                } else {
-                    fmi2SetRealInputDerivatives(h, vr, n, orders.as_ptr(), seed)
-                }
+            24 if three => unsafe {
+                let (vr, seed, out) = (vr.as_ptr(), values.clone(), values.as_mut_ptr());
+                fmi3GetAdjointDerivative(h, vr, n, vr, n, seed.as_ptr(), n, out, n)
             },
+            24 => fmu.set_slopes(&vr, &orders, &values),
             25 if rng.below(20) == 0 => {
                 self.time = 0.0;
                 fmu.reset()

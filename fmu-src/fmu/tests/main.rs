@@ -12,5 +12,6 @@ mod fuzz;
 mod memory;
 mod remembered;
 mod saturation;
+mod saved;
 mod stepping;
 mod terms;

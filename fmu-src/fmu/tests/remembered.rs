@@ -1,24 +1,18 @@
 //! Cached data of an instance do not change values: lists of value references, and the accepted step size.
 
-use crate::common::{CS2, Importer, MOTOR, Options, Succeeds, vr};
-use motor_fmu::fmi2::fmi2SetRealInputDerivatives;
+use crate::common::{CS2, Importer, Succeeds, vr};
 use motor_fmu::logger::Status;
 
 /// What a master sets, reads and lets run along slopes at every step.
 const SET: [&str; 3] = ["voltage", "load_torque", "fan_command"];
 const READ: [&str; 4] = ["shaft_speed", "current", "power_balance_error", "winding_temperature"];
 
-fn initialized() -> Importer {
-    Importer::instantiated(MOTOR, CS2, Options::default()).started(&[])
-}
-
 fn set<const N: usize>(motor: &Importer, names: [&str; N], values: [f64; N]) -> Status {
     motor.set_reals(&names.map(vr), &values)
 }
 
 fn slope<const N: usize>(motor: &Importer, names: [&str; N], orders: [i32; N], slopes: [f64; N]) -> Status {
-    let (vr, orders, slopes) = (names.map(vr), orders.as_ptr(), slopes.as_ptr());
-    unsafe { fmi2SetRealInputDerivatives(motor.handle, vr.as_ptr(), N, orders, slopes) }
+    motor.set_slopes(&names.map(vr), &orders, &slopes)
 }
 
 fn get<const N: usize>(motor: &Importer, names: [&str; N]) -> [u64; N] {
@@ -43,7 +37,7 @@ fn step(motor: &Importer, k: u32) {
 /// Setting variables in lists gives the same result as setting them one by one, also with other lists in between.
 #[test]
 fn a_list_that_is_known_is_that_of_its_variables() {
-    let (lists, single) = (initialized(), initialized());
+    let (lists, single) = (Importer::motor(CS2).started(&[]), Importer::motor(CS2).started(&[]));
     for k in 0..40 {
         if k == 20 {
             for motor in [&lists, &single] {
@@ -79,7 +73,7 @@ fn a_list_that_is_known_is_that_of_its_variables() {
 /// A list that was good is refused whole when one of its values is not.
 #[test]
 fn a_list_that_is_known_is_judged_each_time() {
-    let motor = initialized();
+    let motor = Importer::motor(CS2).started(&[]);
     let (values, slopes) = inputs(3);
     for _ in 0..2 {
         set(&motor, SET, values).ok();
@@ -117,7 +111,7 @@ fn the_accepted_step_size_is_restored_to_the_bit() {
         }
         seen
     };
-    let motor = initialized();
+    let motor = Importer::motor(CS2).started(&[]);
     reversed(&motor, 0, 7);
     let saved = motor.save();
     let there = reversed(&motor, 7, 12);
@@ -125,7 +119,7 @@ fn the_accepted_step_size_is_restored_to_the_bit() {
     motor.restore(&saved).ok();
     assert_eq!(reversed(&motor, 7, 12), there, "from memory");
 
-    let other = initialized();
+    let other = Importer::motor(CS2).started(&[]);
     other.restore(&other.read(&saved.bytes()).unwrap()).ok();
     assert_eq!(reversed(&other, 7, 12), there, "from bytes, in another instance");
 }

@@ -1,7 +1,6 @@
 //! Inputs that saturate: in every model, both standards and both interface types.
 
-use crate::common::{CS2, Importer, KINDS, MODELS, MOTOR, Options, Succeeds};
-use motor_fmu::fmi2::fmi2SetRealInputDerivatives;
+use crate::common::{CS2, Importer, KINDS, MODELS, MOTOR, Options, Succeeds, vr};
 use motor_fmu::logger::Status;
 use physics::declare::{Causality, Variability};
 use physics::model::{Entry, ModelType};
@@ -122,13 +121,8 @@ fn an_input_derivative_ends_at_the_limit() {
     let kind = MOTOR;
     let start = [("drive_mode", 2.0), ("voltage", 24.0), ("duty", 0.9), ("fan_command", 0.2)];
     let make = || Importer::instantiated(kind, CS2, LOGGED).started(&start);
-    let slopes = |one: &Importer, values: [f64; 3]| {
-        let references = ["voltage", "duty", "fan_command"].map(|name| one.reference(name));
-        let orders = [1; 3];
-        unsafe {
-            fmi2SetRealInputDerivatives(one.handle, references.as_ptr(), 3, orders.as_ptr(), values.as_ptr())
-        }
-    };
+    let references = ["voltage", "duty", "fan_command"].map(vr);
+    let slopes = |one: &Importer, values: [f64; 3]| one.set_slopes(&references, &[1; 3], &values);
     let (one, two) = (make(), make());
     // Duty reaches 1 after 1 ms, the fan command 0 after 2 ms; the step takes 4 ms.
     slopes(&one, [500.0, 100.0, -100.0]).ok();

@@ -1,6 +1,6 @@
 //! FMI 3 Co-Simulation where the importer takes part: events, early return, looks into steps.
 
-use crate::common::{CS2, CS3, Fmu, Importer, Look, MOTOR, Options, Succeeds, vr};
+use crate::common::{CS3, Fmu, Importer, Look, MOTOR, Options, Succeeds, vr};
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
 use std::cell::RefCell;
@@ -91,24 +91,6 @@ fn events_by_time_are_announced_and_stop_a_step() {
     assert_eq!(plain.ended(0.0, 1.0), (false, false, 1.0));
     assert_eq!(late.get("shaft_speed").to_bits(), plain.get("shaft_speed").to_bits());
     assert!((motor.get("shaft_speed") / plain.get("shaft_speed") - 1.0).abs() < 1e-9);
-}
-
-/// Who has event mode and meets no event reads what everybody reads.
-#[test]
-fn where_nothing_happens_event_mode_changes_no_bit() {
-    let two = Importer::instantiated(MOTOR, CS2, Options::default()).started(&[]);
-    let three = three(true, true).started(&[]);
-    three.handle_event();
-    for k in 0..300 {
-        let t = f64::from(k) * 1e-3;
-        let volts = 15.0 * (9.0 * t).sin();
-        assert_eq!((two.set("voltage", volts), three.set("voltage", volts)), (Status::Ok, Status::Ok));
-        two.step(t, 1e-3).ok();
-        assert_eq!(three.ended(t, 1e-3), (false, false, t + 1e-3));
-        for name in ["current", "shaft_speed", "winding_temperature", "energy_electrical"] {
-            assert_eq!(two.get(name).to_bits(), three.get(name).to_bits(), "{name} at {t} s");
-        }
-    }
 }
 
 #[test]

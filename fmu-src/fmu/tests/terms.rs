@@ -1,33 +1,18 @@
 //! Terms that are data, from the archive's resources to the motor, through the C functions of both standards.
 
 use crate::common::{CS2, CS3, How, Importer, MOTOR, Message, Options, Succeeds};
-use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 
-/// A folder of resources that holds a file of this text; gone at the end.
-struct Resources(PathBuf);
-
-impl Resources {
-    fn with(name: &str, text: &str) -> Resources {
-        let folder = std::env::temp_dir().join(format!("motor-fmu {name} {}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(folder.join(terms::FILE_NAME), text).unwrap();
-        Resources(folder)
-    }
-
-    /// As a URI: the space in its name is encoded.
-    fn uri(&self) -> String {
-        format!("file://{}", path(&self.0).replace(' ', "%20"))
-    }
+/// A folder of resources, with a space in its name, that holds a file of this text.
+fn resources(text: &str) -> TempDir {
+    let folder = tempfile::Builder::new().prefix("motor fmu").tempdir().unwrap();
+    std::fs::write(folder.path().join(terms::FILE_NAME), text).unwrap();
+    folder
 }
 
-impl Drop for Resources {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn path(folder: &Path) -> String {
-    folder.to_str().unwrap().to_string()
+/// As a URI: the space in its name is encoded.
+fn uri(folder: &TempDir) -> String {
+    format!("file://{}", folder.path().to_str().unwrap().replace(' ', "%20"))
 }
 
 /// A constant drop of 2 V.
@@ -50,9 +35,9 @@ fn current(motor: &Importer) -> f64 {
 
 #[test]
 fn a_term_reaches_the_motor_and_survives_reset_and_serialization() {
-    let resources = Resources::with("drop", DROP);
-    let plain = Importer::instantiated(MOTOR, CS2, Options::default());
-    let [braked, other] = [(); 2].map(|()| located(CS2, &resources.uri()).unwrap());
+    let resources = resources(DROP);
+    let plain = Importer::motor(CS2);
+    let [braked, other] = [(); 2].map(|()| located(CS2, &uri(&resources)).unwrap());
     let (free, held) = (current(&plain), current(&braked));
     assert!(held < 0.7 * free && held > 0.5 * free, "{held} A of {free} A: about 4 of 6 V are left");
     braked.reset().ok();
@@ -75,8 +60,8 @@ fn resources_without_terms_are_fine_and_broken_terms_are_not() {
     for nowhere in ["", "file:///no/such/folder", "http://elsewhere/resources"] {
         assert!(located(CS2, nowhere).is_ok(), "{nowhere}");
     }
-    let broken = Resources::with("broken", &DROP.replace("2.0", "2e9"));
-    let messages = located(CS2, &broken.uri()).err().unwrap();
+    let broken = resources(&DROP.replace("2.0", "2e9"));
+    let messages = located(CS2, &uri(&broken)).err().unwrap();
     assert_eq!(messages.len(), 1, "{messages:?}");
     for word in
         ["fmi2Instantiate", "effects.json", "\"brush\"", "coefficient = 2000000000", "-1000000 ... 1000000"]
@@ -87,7 +72,7 @@ fn resources_without_terms_are_fine_and_broken_terms_are_not() {
 
 #[test]
 fn fmi_3_takes_a_path() {
-    let made = |folder: &Resources| located(CS3, &format!("{}/", path(&folder.0)));
-    assert!(made(&Resources::with("broken 3", "{")).is_err());
-    assert!(made(&Resources::with("good 3", DROP)).is_ok());
+    let made = |folder: &TempDir| located(CS3, &format!("{}/", folder.path().display()));
+    assert!(made(&resources("{")).is_err());
+    assert!(made(&resources(DROP)).is_ok());
 }

@@ -1,6 +1,6 @@
 //! The native model of an archive, accessed by names; figures and reference results of the archive are computed with it.
 
-use describe::{Entry, GenericTerm, Kind, Model, ModelType, StartValues};
+use describe::{Entry, GenericTerm, Kind, Model, ModelType, StartValues, usage};
 
 /// A model with the archive's start values and terms.
 #[derive(Clone, Copy, Debug)]
@@ -28,15 +28,8 @@ impl<'a> Native<'a> {
 
     /// An instance with these values instead of the start values; enumerations by the name of an item.
     pub fn start(&self, values: &[(&str, f64)], choices: &[(&str, &str)]) -> Option<Run<'a>> {
-        let mut run = Run { native: *self, model: (self.kind.new)(), steps: 0 };
-        if !self.terms.is_empty() && !run.model.set_terms(self.terms) {
-            return None;
-        }
-        for entry in &(self.kind.declaration)().entries {
-            if entry.is_settable() {
-                run.model.set(entry.slot, self.starts.of(entry));
-            }
-        }
+        let model = usage::with_starts(self.kind, self.starts, self.terms);
+        let mut run = Run { native: *self, model, steps: 0 };
         for (name, choice) in choices {
             let Kind::Enumeration(t) = self.entry(name)?.row.kind else { return None };
             let item = t.items.iter().find(|i| i.name == *choice)?;

@@ -70,7 +70,7 @@ pub fn unused(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) ->
 }
 
 /// A model with these start values and terms, which has not started.
-fn with_starts(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Box<dyn Model> {
+pub fn with_starts(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Box<dyn Model> {
     let (mut model, declaration) = ((kind.new)(), (kind.declaration)());
     for (reference, value) in starts.entries() {
         if let Some(entry) = declaration.by_reference(reference) {

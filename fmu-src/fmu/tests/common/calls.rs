@@ -182,6 +182,12 @@ impl Fmu {
         (status, flags, last)
     }
 
+    /// Lets inputs run along slopes, in FMI 2.0.
+    pub fn set_slopes(self, vr: &[u32], orders: &[i32], slopes: &[f64]) -> Status {
+        let n = same(vr, slopes);
+        unsafe { fmi2SetRealInputDerivatives(self.handle, vr.as_ptr(), n, orders.as_ptr(), slopes.as_ptr()) }
+    }
+
     /// The number of continuous states that the instance has.
     pub fn number_of_states(self) -> usize {
         let mut number = 0;

@@ -1,6 +1,7 @@
 //! An importer of every model in both standards and both interface types, with the messages of its instance.
 
 mod calls;
+pub mod running;
 
 pub use calls::{Fmu, Saved, Succeeds};
 
@@ -128,7 +129,7 @@ pub struct Options<'a> {
 /// An instance with its importer.
 pub struct Importer {
     fmu: Fmu,
-    exchange: bool,
+    pub exchange: bool,
     pub declaration: &'static Declaration,
     environment: Box<Environment>,
 }
@@ -136,6 +137,11 @@ pub struct Importer {
 impl Importer {
     pub fn instantiated(kind: &ModelType, how: How, options: Options) -> Importer {
         Importer::tried(kind, how, options, None).unwrap_or_else(|messages| panic!("{messages:?}"))
+    }
+
+    /// An instance of the motor.
+    pub fn motor(how: How) -> Importer {
+        Importer::instantiated(MOTOR, how, Options::default())
     }
 
     /// An instance that looks into steps at these variables; the messages where the library makes none.
