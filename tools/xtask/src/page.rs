@@ -27,6 +27,6 @@ pub fn test(workspace: &Workspace) -> Outcome {
     run(workspace)?;
     product::build(workspace)?;
     product::archives(workspace)?;
-    let mut tests = product::python(workspace, &venv::python(workspace)?);
+    let mut tests = product::python(workspace, &venv::python(workspace, venv::TESTS)?);
     shell::run(tests.args(["-m", "pytest", TESTS]))
 }
