@@ -3,7 +3,7 @@
 mod compare;
 mod compiler;
 
-use crate::{Outcome, product, shell, venv, workspace::Workspace};
+use crate::{Outcome, files, product, shell, venv, workspace::Workspace};
 use compiler::Compiler;
 use std::path::{Path, PathBuf};
 
@@ -122,10 +122,7 @@ fn build(workspace: &Workspace, one: &Target, other: Option<&Path>, python: &Pat
         shell::run(command.env("CARGO_TARGET_DIR", target))?;
     }
     let folder = workspace.program("motor-fmu").with_file_name("platforms").join(one.platform);
-    let (from, to) = (built(one, target).join(one.library), folder.join(one.library));
-    std::fs::create_dir_all(&folder)
-        .and_then(|()| std::fs::copy(&from, &to).map(drop))
-        .map_err(|e| format!("{} cannot be copied to {}: {e}", from.display(), to.display()))
+    files::copy(&built(one, target).join(one.library), &folder.join(one.library))
 }
 
 /// The folder that the compiler writes to.

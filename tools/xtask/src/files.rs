@@ -41,6 +41,14 @@ pub fn rust(folder: &Path) -> Outcome<Vec<PathBuf>> {
     Ok(files)
 }
 
+/// Copies a file, into a folder that is made where it is missing.
+pub fn copy(from: &Path, to: &Path) -> Outcome {
+    let folder = to.parent().ok_or_else(|| format!("{} has no folder", to.display()))?;
+    std::fs::create_dir_all(folder)
+        .and_then(|()| std::fs::copy(from, to).map(drop))
+        .map_err(|e| format!("{} cannot be copied to {}: {e}", from.display(), to.display()))
+}
+
 /// Removes a folder, where it is there, with all that it holds.
 pub fn remove(folder: &Path) -> Outcome {
     if !folder.exists() {

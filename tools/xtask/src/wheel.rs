@@ -3,7 +3,6 @@
 //! setuptools and not maturin, which puts a program into the folder of scripts, apart from the library that belongs beside it.
 
 use crate::{Outcome, files, product, shell, venv, workspace::Workspace};
-use std::path::Path;
 use std::process::Command;
 
 /// Installs the wheel into a fresh environment and uses it; a stage of `cargo xtask nightly`.
@@ -16,23 +15,23 @@ const LICENCES: [(&str, &str); 2] =
 
 /// Builds the program and packs the wheel.
 pub fn run(workspace: &Workspace) -> Outcome {
-    let python = venv::python(workspace)?;
+    let python = venv::python(workspace, venv::TESTS)?;
     shell::stage("building the program and the archives");
     product::build(workspace)?;
     let stage = workspace.target.join("wheel");
     files::remove(&stage)?;
     let package = stage.join("motor_fmu");
     for name in SOURCES {
-        copy(&workspace.root.join("python").join(name), &stage.join(name))?;
+        files::copy(&workspace.root.join("python").join(name), &stage.join(name))?;
     }
     for (file, name) in LICENCES {
-        copy(&workspace.root.join(file), &stage.join(name))?;
+        files::copy(&workspace.root.join(file), &stage.join(name))?;
     }
     files::write(&stage.join("VERSION"), env!("CARGO_PKG_VERSION"))?;
     let program = workspace.program("motor-fmu");
     let library = format!("{}motor_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     for file in [program.as_path(), &program.with_file_name(library)] {
-        copy(file, &package.join("bin").join(file.file_name().unwrap_or_default()))?;
+        files::copy(file, &package.join("bin").join(file.file_name().unwrap_or_default()))?;
     }
     shell::run(product::motor_fmu(workspace).args(["build", "--out"]).arg(package.join("archives")))?;
     shell::stage("packing the wheel");
@@ -44,16 +43,9 @@ pub fn run(workspace: &Workspace) -> Outcome {
     Ok(())
 }
 
-fn copy(from: &Path, to: &Path) -> Outcome {
-    let folder = to.parent().ok_or_else(|| format!("{} has no folder", to.display()))?;
-    std::fs::create_dir_all(folder)
-        .and_then(|()| std::fs::copy(from, to).map(drop))
-        .map_err(|e| format!("{} cannot be copied to {}: {e}", from.display(), to.display()))
-}
-
 /// Packs the wheel and tests it.
 pub fn test(workspace: &Workspace) -> Outcome {
     run(workspace)?;
-    let mut tests = product::python(workspace, &venv::python(workspace)?);
+    let mut tests = product::python(workspace, &venv::python(workspace, venv::TESTS)?);
     shell::run(tests.args(["-m", "pytest", TESTS]))
 }
