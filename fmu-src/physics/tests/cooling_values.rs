@@ -6,7 +6,7 @@
 //! of the entrance, von Mises (1917) for the contraction of a plane jet, Kays (1950) for contraction and expansion, Churchill and Usagi for mixing.
 
 use crate::common::motor;
-use physics::models::annulus_cooled_motor::network::{Conditions, Cooling};
+use physics::models::annulus_cooled_motor::cooling::{Conditions, Cooling};
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
 use std::f64::consts::PI;
 
@@ -50,7 +50,15 @@ fn cooled(mode: CoolingMode, change: impl Fn(&mut AnnulusCooledMotor)) -> Annulu
 }
 
 fn conditions(command: f64) -> Conditions {
-    Conditions { surface: SURFACE, tube: TUBE, ambient: AMBIENT, pressure: 1e5, command }
+    Conditions {
+        surface: SURFACE,
+        tube: TUBE,
+        ambient: AMBIENT,
+        pressure: 1e5,
+        command,
+        coolant_inlet: AMBIENT,
+        coolant_flow: 0.0,
+    }
 }
 
 #[track_caller]

@@ -7,12 +7,13 @@ use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
 use physics::models::brushed_gearmotor::BrushedGearmotor;
 
-const COOLING: [CoolingMode; 5] = [
+const COOLING: [CoolingMode; 6] = [
     CoolingMode::Conductance,
     CoolingMode::Bare,
     CoolingMode::FanCrossflow,
     CoolingMode::AnnulusPush,
     CoolingMode::AnnulusPull,
+    CoolingMode::WaterJacket,
 ];
 
 fn slot(m: &dyn Model, name: &str) -> Slot {
@@ -70,6 +71,7 @@ fn busy(
     m.inputs.imposed_speed = 300.0;
     m.inputs.load_torque = 0.02;
     m.inputs.fan_command = 0.7;
+    m.inputs.coolant_flow_rate = 1e-5;
     m.inputs.ambient_temperature = 291.0;
     m
 }
@@ -236,6 +238,7 @@ fn a_hot_motor_cools_down_to_the_ambient_temperature() {
         let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
         m.parameters.choices.cooling_mode = cooling;
         m.inputs.fan_command = 1.0;
+        (m.inputs.coolant_inlet_temperature, m.inputs.coolant_flow_rate) = (295.0, 1e-5);
         m.inputs.ambient_temperature = 295.0;
         for name in ["winding", "stator", "magnet", "housing"] {
             set(&mut m, &format!("initial.{name}_temperature"), 400.0);

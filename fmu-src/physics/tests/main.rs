@@ -19,3 +19,4 @@ mod states;
 mod terms;
 mod validity;
 mod warm_start;
+mod water_jacket;

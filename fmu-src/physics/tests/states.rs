@@ -38,6 +38,7 @@ fn rates_are_what_steps_do() {
                 CoolingMode::FanCrossflow,
                 CoolingMode::AnnulusPush,
                 CoolingMode::AnnulusPull,
+                CoolingMode::WaterJacket,
             ] {
                 for effects in [Effects::default(), all_effects()] {
                     let mut m = motor(drive, coupling);
@@ -53,6 +54,7 @@ fn rates_are_what_steps_do() {
                     m.inputs.imposed_speed = 300.0;
                     m.inputs.load_torque = 0.02;
                     m.inputs.fan_command = 0.7;
+                    m.inputs.coolant_flow_rate = 1e-5;
                     m.start(0.0).unwrap();
                     m.step(0.0, 30.0).unwrap();
                     let what = format!("{drive:?} {coupling:?} {cooling:?}");
@@ -71,7 +73,7 @@ fn rates_are_what_steps_do() {
             }
         }
     }
-    assert_eq!(cases, 80);
+    assert_eq!(cases, 96);
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn overloaded(cooling: CoolingMode, drive: DriveMode, mechanical: MechanicalMode
 #[test]
 fn a_runaway_ends_in_every_mode() {
     use CoolingMode::*;
-    for cooling in [Conductance, Bare, FanCrossflow, AnnulusPush, AnnulusPull] {
+    for cooling in [Conductance, Bare, FanCrossflow, AnnulusPush, AnnulusPull, WaterJacket] {
         for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
             for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
                 // Voltage on a free shaft under a load that it cannot hold would turn it backwards for ever.

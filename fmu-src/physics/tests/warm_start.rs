@@ -6,12 +6,13 @@ use physics::models::annulus_cooled_motor::{CoolingMode, DriveMode, MechanicalMo
 use physics::models::brushed_gearmotor::BrushedGearmotor;
 use physics::terms::{Driver, Factor, GenericTerm, Law, Port, Product};
 
-const MODES: [CoolingMode; 5] = [
+const MODES: [CoolingMode; 6] = [
     CoolingMode::Conductance,
     CoolingMode::Bare,
     CoolingMode::FanCrossflow,
     CoolingMode::AnnulusPush,
     CoolingMode::AnnulusPull,
+    CoolingMode::WaterJacket,
 ];
 
 fn get(m: &mut dyn Model, name: &str) -> f64 {

@@ -17,6 +17,8 @@ use crate::media::air::Air;
 use declare::{Unit, Variable, enumeration, variables};
 use std::f64::consts::PI;
 
+/// Most segments of the housing along its axis.
+pub const SEGMENTS: usize = 64;
 /// Standard gravity, m/s2.
 pub const GRAVITY: f64 = 9.80665;
 

@@ -11,6 +11,7 @@ pub mod gait;
 pub mod gear;
 pub mod housing;
 pub mod initial;
+pub mod jacket;
 pub mod motor;
 pub mod sensor;
 pub mod springs;

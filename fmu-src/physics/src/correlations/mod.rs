@@ -11,6 +11,7 @@ pub mod fan_curve;
 pub mod jet;
 pub mod natural_convection;
 pub mod radiation;
+pub mod tube_flow;
 
 /// Reynolds number up to which the flow in a duct counts as laminar.
 pub const RE_LAMINAR: f64 = 2300.0;

@@ -103,6 +103,8 @@ impl Profile {
             ambient_pressure: base.ambient_pressure,
             electrical_power: base.electrical_power * (1.0 + 0.5 * (0.8 * x).sin()),
             heat_power: 2.0 * (0.2 * x).sin(),
+            coolant_inlet_temperature: 290.0 + 2.0 * (0.1 * x).sin(),
+            coolant_flow_rate: 1e-5 * (1.0 + 0.5 * (0.3 * x).sin()),
         }
     }
 

@@ -1,11 +1,7 @@
 //! The state in which the motor starts.
 
-use super::motor::AnnulusCooledMotor;
-use super::variables::{DriveMode, MechanicalMode};
-use crate::components::initial::{first_outside, temperature};
+use crate::components::initial::first_outside;
 use crate::components::validity::Limits;
-use crate::effects::Effect;
-use crate::solver::split::Fast;
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -46,29 +42,5 @@ impl Initial {
             ("initial.sensor_temperature", self.sensor_temperature),
         ];
         first_outside(limits, ("initial.winding_temperature", self.winding_temperature), &others)
-    }
-}
-
-impl AnnulusCooledMotor {
-    /// Puts the motor into its initial state; nodes without an initial value are at `ambient`, K.
-    pub(super) fn put_initial(&mut self, ambient: f64) {
-        let i = self.parameters.initial;
-        let choices = &self.parameters.choices;
-        let is_driven = matches!(choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm);
-        let is_free = choices.mechanical_mode == MechanicalMode::FreeShaft;
-        let or_zero = |applies: bool, value: f64| if applies { value } else { 0.0 };
-        self.state.x = Fast::new(or_zero(is_driven, i.current), or_zero(is_free, i.shaft_speed));
-        self.state.angle = i.shaft_angle;
-        let housing = temperature(i.housing_temperature, ambient);
-        // Two nodes alone: the second is the whole housing.
-        let core = if self.network.is_some() { temperature(i.stator_temperature, ambient) } else { housing };
-        self.state.temperature = [temperature(i.winding_temperature, ambient), core].into();
-        if let Some(network) = &mut self.network {
-            let [rotor, tube] = [i.magnet_temperature, i.tube_temperature].map(|t| temperature(t, ambient));
-            network.put_temperatures(rotor, housing, tube);
-        }
-        let lags = self.parameters.effects.housing_sensor_lag() > 0.0;
-        self.t_sensor = if lags { temperature(i.sensor_temperature, housing) } else { housing };
-        self.follow_inputs();
     }
 }

@@ -21,8 +21,10 @@ use crate::solver::stabilized::States;
 
 /// A piece shorter than this share of the caller's step is a failure, not an accuracy.
 const LEAST_SHARE: f64 = 1e-9;
-/// How far inputs that the cooling follows in steps may move within a piece: command 1, ambient K, pressure Pa.
-const MOVE: [f64; 3] = [0.02, 0.25, 500.0];
+/// How far inputs that the cooling follows in steps may move within a piece: command 1, ambient K, pressure Pa, coolant K.
+const MOVE: [f64; 4] = [0.02, 0.25, 500.0, 0.25];
+/// The same for the flow of the coolant, as a share of it, with a least, m3/s.
+const MOVE_FLOW: (f64, f64) = (0.02, 1e-8);
 
 impl AnnulusCooledMotor {
     /// A step without an event in it.
@@ -138,8 +140,10 @@ impl AnnulusCooledMotor {
     /// The longest piece over which the inputs that the cooling follows may be taken at their middle, s.
     fn longest_piece(&self) -> f64 {
         let s = &self.slopes;
-        let slopes = [s.fan_command, s.ambient_temperature, s.ambient_pressure];
-        let times = slopes.iter().zip(MOVE).map(|(slope, way)| way / slope.abs());
+        let slopes = [s.fan_command, s.ambient_temperature, s.ambient_pressure, s.coolant_inlet_temperature];
+        let flow = MOVE_FLOW.0 * self.inputs.coolant_flow_rate + MOVE_FLOW.1;
+        let all = slopes.into_iter().zip(MOVE).chain([(s.coolant_flow_rate, flow)]);
+        let times = all.map(|(slope, way)| way / slope.abs());
         times.fold(f64::INFINITY, f64::min)
     }
 

@@ -3,6 +3,7 @@
 //! `variables.rs` says what goes in and out, `parameters.rs` what the motor is made of, `equations.rs` what holds between them,
 //! `motor.rs` how the model runs: it owns parameters, inputs and state, and hands the equations to the integrator.
 
+pub mod cooling;
 mod equations;
 mod exchange;
 mod held;

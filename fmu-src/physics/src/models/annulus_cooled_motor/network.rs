@@ -6,7 +6,7 @@
 //!               - direct_i (T_i - T_a) - q_air,i - G_tube (T_i - T_t)                      (2)
 //! C_t dT_t/dt = sum_i [G_tube (T_i - T_t) - q_air,t,i] - G_out (T_t - T_a)                 (3)
 //! ```
-//! T_w and T_s are winding and stator, the two nodes of `equations.rs`; q_air as `network/cooling.rs` says, with
+//! T_w and T_s are winding and stator, the two nodes of `equations.rs`; q_air as `cooling/coefficients.rs` says, with
 //! the air of one segment passing to the next. Each stands still as a node where its mode has no use for it.
 //!
 //! The two nodes see rotor and housing run along a line through a piece of a step, and the network takes the
@@ -14,18 +14,16 @@
 //! is good enough ([`Network::miss`]). The network itself is solved by `solver/stabilized.rs`.
 
 mod body;
-mod cooling;
 
 pub use body::{Body, SEGMENTS};
-pub use cooling::{Coefficients, Conditions, Cooling};
 
+use super::cooling::{Coefficients, Conditions, Cooling, Tangent};
 use super::line::Line;
 use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::effects::Effect;
 use crate::solver::stabilized::{MOST, Stabilized, States, error};
 use body::FIRST;
-use cooling::Tangent;
 
 const ROTOR: usize = 0;
 /// Place of the tube among the temperatures.
@@ -48,7 +46,7 @@ pub struct Flows {
     pub rotor_to_housing: f64,
     /// From the housing to the room.
     pub housing_to_room: f64,
-    /// From the housing to the passing air.
+    /// From the housing to the passing air or coolant.
     pub housing_to_air: f64,
     /// From the housing to the tube, by radiation.
     pub housing_to_tube: f64,
@@ -58,9 +56,9 @@ pub struct Flows {
     pub tube_to_room: f64,
     /// From the fan to the passing air.
     pub fan_to_air: f64,
-    /// What the air carries away.
+    /// What the air or the coolant carries away.
     pub air_to_room: f64,
-    /// Temperature at which the air leaves, K.
+    /// Temperature at which the air or the coolant leaves, K.
     pub outlet: f64,
 }
 
@@ -164,9 +162,8 @@ impl Network {
 
     /// Temperatures and what the next step depends on.
     pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
-        let at = self.tangent.at;
-        let conditions = [at.surface, at.tube, at.ambient, at.pressure, at.command, self.piece];
-        self.states[..FIRST + self.body.segments].iter().copied().chain(conditions)
+        let housing = self.states[..FIRST + self.body.segments].iter().copied();
+        housing.chain(self.tangent.at.to_numbers()).chain([self.piece])
     }
 
     /// Takes back what [`to_numbers`](Self::to_numbers) gave; `None` where the numbers run out.
@@ -178,13 +175,7 @@ impl Network {
         for state in &mut self.states[..FIRST + self.body.segments] {
             *state = next()?;
         }
-        let at = Conditions {
-            surface: next()?,
-            tube: next()?,
-            ambient: next()?,
-            pressure: next()?,
-            command: next()?,
-        };
+        let at = Conditions::from_numbers(next)?;
         self.piece = next()?;
         if at.surface.is_nan() {
             self.forget();
@@ -202,13 +193,7 @@ impl Network {
     }
 
     fn conditions(&self, inputs: &Inputs, ambient: f64, ahead: f64) -> Conditions {
-        Conditions {
-            surface: self.housing_temperature() + ahead,
-            tube: self.states[TUBE],
-            ambient,
-            pressure: inputs.ambient_pressure,
-            command: inputs.fan_command,
-        }
+        Conditions::of(inputs, self.housing_temperature() + ahead, self.states[TUBE], ambient)
     }
 
     /// Brings the coefficients to the inputs, with the housing `ahead` kelvin warmer than it is.
@@ -281,10 +266,11 @@ impl Network {
         let n = body.segments;
         let (rotor, tube) = (y[ROTOR], y[TUBE]);
         let [per_rotor, per_tube, per_joule] = body.per_joule;
-        let mut air = ambient + c.inlet_rise;
+        let inlet = c.inlet(ambient);
+        let mut air = inlet;
         let from_outside = self.from_outside / n as f64;
         let (mut from_rotor, mut to_tube) = (0.0, 0.0);
-        let mut leaving = -c.inlet_rise * c.stream - self.from_outside;
+        let mut leaving = -self.from_outside;
         let mut before = y[FIRST];
         for k in 0..n {
             let t = y[FIRST + k];
@@ -305,7 +291,7 @@ impl Network {
         let outside = c.tube_to_room * (tube - ambient);
         out[ROTOR] = (inflow.rotor - from_rotor) * per_rotor;
         out[TUBE] = (to_tube - outside) * per_tube;
-        out[FIRST + n] = leaving + outside + c.stream * (air - ambient);
+        out[FIRST + n] = leaving + outside + c.stream * (air - inlet);
     }
 
     /// Derivatives at the present temperatures, K/s.
@@ -434,7 +420,8 @@ impl Network {
             housing_to_room: -self.from_outside,
             ..Flows::default()
         };
-        let mut air = ambient + c.inlet_rise;
+        let inlet = c.inlet(ambient);
+        let mut air = inlet;
         for (k, &t) in self.housing().iter().enumerate() {
             flows.rotor_to_housing += body.from_rotor * (rotor - t);
             flows.housing_to_room += c.direct[k] * (t - ambient);
@@ -444,7 +431,7 @@ impl Network {
             flows.tube_to_air += p.tube;
             air = p.air;
         }
-        flows.air_to_room = c.stream * (air - ambient);
+        flows.air_to_room = c.stream * (air - inlet) + flows.fan_to_air;
         flows.outlet = air;
         flows
     }
@@ -479,7 +466,7 @@ struct Passing {
     air: f64,
 }
 
-/// Eq. (2) of `network/cooling.rs`.
+/// Eq. (2) of `cooling/coefficients.rs`.
 #[inline]
 fn passing(c: &Coefficients, k: usize, t: f64, tube: f64, air: f64) -> Passing {
     let (share, films) = (c.share[k], c.films[k]);

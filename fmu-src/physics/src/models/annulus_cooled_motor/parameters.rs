@@ -1,11 +1,12 @@
 //! What a motor is made of, and how it is used.
 
 use super::initial::Initial;
-use super::variables::{Choices, CoolingMode};
+use super::variables::Choices;
 use crate::components::annulus::Annulus;
 use crate::components::conductance::Conductance;
 use crate::components::fan::Fan;
 use crate::components::housing::Housing;
+use crate::components::jacket::Jacket;
 use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
 use crate::components::validity::{Limits, Validity};
@@ -29,6 +30,8 @@ pub struct Parameters {
     pub fan: Fan,
     /// The tube around the motor.
     pub annulus: Annulus,
+    /// The water jacket.
+    pub jacket: Jacket,
     /// Where the equations end.
     pub validity: Validity,
     /// The state at the start.
@@ -46,23 +49,13 @@ groups! {
         "housing." @ 400 => housing: Housing,
         "fan." @ 500 => fan: Fan,
         "annulus." @ 600 => annulus: Annulus,
+        "jacket." @ 670 => jacket: Jacket,
         "validity." @ 650 => validity: Validity,
         "initial." @ 660 => initial: Initial,
     } then effects: Effects
 }
 
 impl Parameters {
-    /// Mass of the motor, with the fan and the tube where the mode of cooling has them, kg.
-    pub fn mass(&self) -> f64 {
-        let (fan, tube) = (self.fan.mass, self.annulus.mass);
-        self.motor.mass
-            + match self.choices.cooling_mode {
-                CoolingMode::Conductance | CoolingMode::Bare => 0.0,
-                CoolingMode::FanCrossflow => fan,
-                CoolingMode::AnnulusPush | CoolingMode::AnnulusPull => fan + tube,
-            }
-    }
-
     /// Where the equations end.
     pub fn limits(&self) -> Limits {
         Limits::new(self.validity, self.motor.T_ref, self.motor.alpha_mag)

@@ -1,6 +1,6 @@
 //! The list of the continuous states, and their places in it.
 
-use super::network::SEGMENTS;
+use crate::components::housing::SEGMENTS;
 use declare::{Elements, State, Unit, states};
 
 states! {
@@ -28,7 +28,7 @@ states! {
         "state.energy_electrical" = State::new(714, 814, Unit::Joule).nominal(1000.0),
         /// Mechanical energy to the load since the start
         "state.energy_mechanical" = State::new(715, 815, Unit::Joule).nominal(1000.0),
-        /// Heat to ambient since the start, fan power excluded
+        /// Heat to ambient and coolant since the start, fan power excluded
         "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).nominal(1000.0),
         /// Temperature of each segment of the housing, from the air inlet on; constant in cooling_mode
         /// conductance, except the first with effect.stator_node, which is then the whole housing

@@ -40,6 +40,8 @@ enumeration! {
         AnnulusPush = 4, "annulus_push";
         /// Annulus: a fan pulls air through a tube around the motor.
         AnnulusPull = 5, "annulus_pull";
+        /// Water jacket: water flows through channels along the housing.
+        WaterJacket = 6, "water_jacket";
     }
 }
 
@@ -85,6 +87,11 @@ variables! {
         electrical_power: f64 = Variable::input(9, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
         /// Additional heat flow into the winding
         heat_power: f64 = Variable::input(10, 0.0, Unit::Watt, -1e6, 1e6).nominal(10.0),
+        /// Temperature of the coolant at the inlet of the jacket (cooling_mode water_jacket)
+        coolant_inlet_temperature: f64 = Variable::input(11, 298.15, Unit::Kelvin, 273.16, 373.15).nominal(300.0)
+            .source("as the ambient temperature"),
+        /// Volume flow rate of the coolant at the inlet of the jacket (cooling_mode water_jacket)
+        coolant_flow_rate: f64 = Variable::input(12, 0.0, Unit::CubicMetrePerSecond, 0.0, 0.1).nominal(1e-5),
     }
 }
 
@@ -133,7 +140,7 @@ variables! {
     /// What the model shows of its flows of power, and the check of its books. It costs as much as a step, so that
     /// it is computed only where it is read.
     pub struct Books {
-        /// Temperature of the air behind the motor; ambient temperature in cooling_mode conductance and bare
+        /// Temperature of the air behind the motor; ambient temperature in cooling_mode conductance, bare and water_jacket
         air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
         /// Electrical power at the terminals (drive_mode pwm: at the supply of the drive, with its losses)
         power_electrical: f64 = Variable::output(33, Unit::Watt).nominal(10.0),
@@ -147,7 +154,7 @@ variables! {
         loss_friction: f64 = Variable::output(37, Unit::Watt).nominal(10.0),
         /// Losses of the drive, which go to ambient (drive_mode power or pwm)
         loss_drive: f64 = Variable::output(38, Unit::Watt).nominal(10.0),
-        /// Heat flow to ambient, losses of the drive included, fan power excluded
+        /// Heat flow to ambient and coolant, losses of the drive included, fan power excluded
         heat_to_ambient: f64 = Variable::output(39, Unit::Watt).nominal(10.0),
         /// Power balance residual
         power_balance_error: f64 = Variable::output(40, Unit::Watt),
@@ -155,10 +162,18 @@ variables! {
         energy_electrical: f64 = Variable::output(45, Unit::Joule).nominal(1000.0),
         /// Mechanical energy to the load since the start
         energy_mechanical: f64 = Variable::output(46, Unit::Joule).nominal(1000.0),
-        /// Heat to ambient since the start, fan power excluded
+        /// Heat to ambient and coolant since the start, fan power excluded
         energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
         /// Energy balance residual since the start
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
+        /// Temperature of the coolant at the outlet of the jacket; inlet temperature unless cooling_mode is water_jacket
+        coolant_outlet_temperature: f64 = Variable::output(50, Unit::Kelvin).nominal(300.0),
+        /// Pressure drop of the coolant in the jacket
+        coolant_pressure_drop: f64 = Variable::output(51, Unit::Pascal).nominal(1000.0),
+        /// Hydraulic power of the coolant's pump: pressure drop times volume flow rate
+        pump_power: f64 = Variable::output(52, Unit::Watt).nominal(0.01),
+        /// Heat flow from the housing to the coolant; part of heat_to_ambient
+        heat_to_coolant: f64 = Variable::output(53, Unit::Watt).nominal(10.0),
     }
 }
 
@@ -187,6 +202,8 @@ impl Inputs {
         ambient_pressure: 0.0,
         electrical_power: 0.0,
         heat_power: 0.0,
+        coolant_inlet_temperature: 0.0,
+        coolant_flow_rate: 0.0,
     };
 
     /// The inputs after `t` seconds on these slopes.

@@ -1,9 +1,8 @@
 //! The state in which the gearmotor starts.
 
-use super::equations::{State, Temperatures};
 use crate::components::initial::{first_outside, temperature};
 use crate::components::validity::Limits;
-use crate::solver::split::Fast;
+use crate::solver::split::{Fast, State};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -35,12 +34,12 @@ impl Initial {
     }
 
     /// The initial state; nodes without an initial value are at `ambient`, K.
-    pub(super) fn state(&self, ambient: f64) -> State {
+    pub(super) fn state<const E: usize>(&self, ambient: f64) -> State<3, E> {
         let nodes = [self.winding_temperature, self.housing_temperature, self.box_temperature];
         State {
             x: Fast::new(self.current, self.shaft_speed),
             angle: self.shaft_angle,
-            temperature: Temperatures::from(nodes.map(|node| temperature(node, ambient))),
+            temperature: nodes.map(|node| temperature(node, ambient)).into(),
             ..State::default()
         }
     }

@@ -5,6 +5,7 @@ use crate::components::commutation::Phases;
 use crate::effects::Effect;
 use crate::ledger::{Account, Ledger};
 use crate::model::HousingHeat;
+use crate::models::annulus_cooled_motor::cooling::mass;
 use crate::models::annulus_cooled_motor::network::Network;
 use crate::models::annulus_cooled_motor::variables::{Books, DriveMode, Outputs};
 use crate::solver::split::{State, System};
@@ -14,7 +15,11 @@ struct Outside {
     /// Heat flow to the surroundings, W.
     to_ambient: f64,
     /// Temperature at which the air leaves the motor, K.
-    outlet: f64,
+    air_outlet: f64,
+    /// Temperature at which the coolant leaves the jacket, K.
+    coolant_outlet: f64,
+    /// Heat flow to the coolant, W.
+    to_coolant: f64,
     /// Power that the books of the network miss, W.
     error: f64,
 }
@@ -49,7 +54,7 @@ impl Step<'_> {
             torque_constant: k,
             winding_margin: model.thermal.T_w_max - hottest,
             over_temperature: hottest > model.thermal.T_w_max,
-            torque_density: shaft_torque / model.mass(),
+            torque_density: shaft_torque / mass(model),
             terminal_voltage: voltage,
             winding_hot_spot_temperature: hottest,
         }
@@ -98,7 +103,9 @@ impl Step<'_> {
             Some(network) => self.network_books(state, network, p.drive, &mut p.ledger),
             None => Outside {
                 to_ambient: p.to_ambient,
-                outlet: self.ambient.start,
+                air_outlet: self.ambient.start,
+                coolant_outlet: self.inputs.coolant_inlet_temperature,
+                to_coolant: 0.0,
                 error: p.ledger.error(&[(Ambient, p.to_ambient)]),
             },
         };
@@ -119,7 +126,7 @@ impl Step<'_> {
         };
         let stored = self.stored(state, origin) + network.map_or(0.0, |n| n.stored(origin));
         Books {
-            air_outlet_temperature: outside.outlet,
+            air_outlet_temperature: outside.air_outlet,
             power_electrical: p.power_in - self.inputs.heat_power - model.effects.winding_heat(),
             power_mechanical: p.shaft_torque * w,
             loss_copper: copper,
@@ -132,6 +139,10 @@ impl Step<'_> {
             energy_mechanical: energy_out,
             energy_heat_to_ambient: energy_heat,
             energy_balance_error: energy_in - energy_out - energy_heat - (stored - stored_at_start),
+            coolant_outlet_temperature: outside.coolant_outlet,
+            coolant_pressure_drop: network.map_or(0.0, |n| n.coefficients().coolant_pressure_drop),
+            pump_power: network.map_or(0.0, |n| n.coefficients().pump_power),
+            heat_to_coolant: outside.to_coolant,
         }
     }
 
@@ -178,6 +189,10 @@ impl Step<'_> {
             (Fan, -network.coefficients().fan_power),
             (Ambient, to_ambient + network.coefficients().fan_power),
         ]);
-        Outside { to_ambient, outlet: flows.outlet, error }
+        let (air_outlet, coolant_outlet, to_coolant) = match network.coefficients().coolant_inlet {
+            None => (flows.outlet, self.inputs.coolant_inlet_temperature, 0.0),
+            Some(_) => (ambient, flows.outlet, flows.housing_to_air),
+        };
+        Outside { to_ambient, air_outlet, coolant_outlet, to_coolant, error }
     }
 }

@@ -1,11 +1,10 @@
 //! What the network beyond winding and stator is made of.
 
+pub use crate::components::housing::SEGMENTS;
 use crate::effects::Effect;
+use crate::models::annulus_cooled_motor::cooling::method;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
-use crate::models::annulus_cooled_motor::variables::CoolingMode;
 
-/// Most segments of the housing.
-pub const SEGMENTS: usize = 64;
 /// Place of the first segment among the temperatures, behind rotor and tube.
 pub(super) const FIRST: usize = 2;
 
@@ -40,7 +39,8 @@ impl Body {
     /// The network that these parameters ask for; `None` for two nodes alone.
     pub fn of(parameters: &Parameters) -> Option<Body> {
         let (thermal, (resistance, capacity)) = (&parameters.thermal, parameters.effects.stator());
-        if parameters.choices.cooling_mode == CoolingMode::Conductance {
+        let method = method(parameters.choices.cooling_mode);
+        if !method.has_network() {
             // Winding and stator, with the housing as the one segment beyond.
             return (capacity > 0.0).then(|| Body {
                 segments: 1,
@@ -57,10 +57,8 @@ impl Body {
             });
         }
         let n = f64::from(parameters.choices.air_segments.clamp(1, SEGMENTS as i32));
-        let has_tube =
-            matches!(parameters.choices.cooling_mode, CoolingMode::AnnulusPush | CoolingMode::AnnulusPull);
         let rest = thermal.C_h - thermal.C_r;
-        let tube = if has_tube { parameters.annulus.capacity() } else { 0.0 };
+        let tube = method.tube_capacity(parameters);
         let capacity_of_nodes = [thermal.C_r, tube, rest * (1.0 - thermal.stator_share) / n];
         Some(Body {
             segments: n as usize,
@@ -79,8 +77,8 @@ impl Body {
 
     /// What is wrong with the parameters taken together, in one sentence.
     pub fn fault(parameters: &Parameters) -> Option<String> {
-        let (p, mode) = (parameters, parameters.choices.cooling_mode);
-        if mode == CoolingMode::Conductance {
+        let (p, method) = (parameters, method(parameters.choices.cooling_mode));
+        if !method.has_network() {
             return None;
         }
         if p.thermal.C_r >= p.thermal.C_h {
@@ -89,11 +87,7 @@ impl Body {
                 p.thermal.C_r, p.thermal.C_h
             ));
         }
-        if mode == CoolingMode::Bare {
-            return None;
-        }
-        let tube = || p.annulus.fault(&p.housing);
-        p.fan.fault().or_else(|| if mode == CoolingMode::FanCrossflow { None } else { tube() })
+        method.fault(p)
     }
 
     /// Temperatures and the energy given to ambient, as many as are in use.

@@ -1,0 +1,92 @@
+//! A fan that pushes or pulls air through the gap between the motor and a tube; segment 1 lies where the air enters.
+
+use super::{Coefficients, Method, Site};
+use crate::components::annulus::{FlowDirection, Gap};
+use crate::components::fan::Fan;
+use crate::correlations::radiation;
+use crate::media::air::{Air, density};
+use crate::models::annulus_cooled_motor::parameters::Parameters;
+
+/// The modes `annulus_push` and `annulus_pull`.
+#[derive(Debug)]
+pub struct Annulus(pub FlowDirection);
+
+impl Method for Annulus {
+    fn mass(&self, parameters: &Parameters) -> f64 {
+        parameters.fan.mass + parameters.annulus.mass
+    }
+
+    fn tube_capacity(&self, parameters: &Parameters) -> f64 {
+        parameters.annulus.capacity()
+    }
+
+    fn gap(&self, parameters: &Parameters) -> Option<Gap> {
+        Some(Gap::new(&parameters.annulus, &parameters.housing, parameters.fan.opening(), self.0))
+    }
+
+    fn fault(&self, parameters: &Parameters) -> Option<String> {
+        parameters.fan.fault().or_else(|| parameters.annulus.fault(&parameters.housing))
+    }
+
+    fn add(&self, site: &Site, c: &mut Coefficients) {
+        let Some(gap) = site.gap else { return };
+        let Site { parameters: p, at, command, .. } = *site;
+        let free = site.free();
+        let (housing, annulus, fan) = (&p.housing, &p.annulus, &p.fan);
+        let factor = annulus.factor(self.0);
+        let (n, rho) = (site.segments, density(at.ambient, at.pressure));
+        let (inner, outer) = (housing.lateral_area() * gap.length / housing.length, gap.wall_area);
+        // The air's properties hold at its mean temperature, which follows from the flow: twice is enough.
+        let (mut mean, mut air) =
+            (at.ambient + 0.2 * (at.surface - at.ambient), Air::at(at.ambient, at.pressure));
+        let mut mass_flow = 0.0;
+        for _ in 0..2 {
+            air = Air::at(mean, at.pressure);
+            let system = |q: f64| {
+                let drop = gap.pressure(rho * q, &air);
+                (drop, gap.leak(drop, rho))
+            };
+            let table = fan.table();
+            let flow = table
+                .curve()
+                .map_or(0.0, |curve| curve.operating_flow_with_leak(command, rho / fan.density_ref, system));
+            (c.flow, mass_flow) = (flow, rho * flow);
+            c.stream = mass_flow * air.c_p;
+            let nu = gap.heated.mean(gap.reynolds(mass_flow, &air), air.pr, gap.length / gap.d_h);
+            let g = factor * nu * air.k / gap.d_h * inner;
+            let ntu = g / c.stream.max(1e-12);
+            mean = at.ambient + (at.surface - at.ambient) * (1.0 - (1.0 - (-ntu).exp()) / ntu);
+        }
+        c.pressure_drop = gap.pressure(mass_flow, &air);
+        if self.0 == FlowDirection::Push && c.stream > 0.0 {
+            c.fan_power = warming(fan, command, rho, c, gap);
+            c.inlet_rise = c.fan_power / c.stream;
+        }
+        let re = gap.reynolds(mass_flow, &air);
+        let dx = housing.length / n as f64;
+        for (k, share) in site.covered(0.0, gap.length) {
+            c.direct[k] = (1.0 - share) * free;
+            if share <= 0.0 {
+                continue;
+            }
+            let (from, to) = (dx * k as f64, dx * (k as f64 + share));
+            let h = factor * gap.heated.between(re, air.pr, from / gap.d_h, to / gap.d_h) * air.k / gap.d_h;
+            let part = (to - from) / gap.length;
+            c.films[k] = h * (inner + outer) * part;
+            c.share[k] = inner / (inner + outer);
+            c.take[k] = -(-c.films[k] / c.stream.max(1e-12)).exp_m1();
+        }
+        // Long concentric cylinders, Incropera, 7th ed., eq. 13.20.
+        let resistance =
+            1.0 / housing.emissivity.max(1e-9) + inner / outer * (1.0 / annulus.emissivity.max(1e-9) - 1.0);
+        let black = radiation::coefficient(1.0, at.surface, at.tube);
+        c.to_tube = black / resistance * inner / n as f64;
+        c.tube_to_room = annulus.U_outside * outer;
+    }
+}
+
+/// Power of the fan that warms the air of the gap, W: the gap's share of the fan's flow carries its share.
+fn warming(fan: &Fan, command: f64, rho: f64, c: &Coefficients, gap: &Gap) -> f64 {
+    let through = c.flow / (c.flow + gap.leak(c.pressure_drop, rho)).max(1e-12);
+    fan.power_at(command.clamp(0.0, 1.0), rho) * through
+}

@@ -1,0 +1,13 @@
+//! Natural convection and radiation in still air (`components/housing.rs`).
+
+use super::{Coefficients, Method, Site};
+
+/// The mode `bare`.
+#[derive(Debug)]
+pub struct Bare;
+
+impl Method for Bare {
+    fn add(&self, site: &Site, c: &mut Coefficients) {
+        c.direct[..site.segments].fill(site.free());
+    }
+}

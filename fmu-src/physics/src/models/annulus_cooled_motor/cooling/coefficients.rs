@@ -1,0 +1,159 @@
+//! What the passing air or coolant takes from each segment of the housing, as coefficients for one set of conditions.
+//!
+//! segment to room:  q = direct (T - T_a)                                                   (1)
+//! passing stream:   s = T_t + w (T - T_t),  q_air = take C (s - air),  air' = air + take (s - air)   (2)
+//!                   q_segment = w [G (T - s) + take C (s - air)],  q_tube the like with 1 - w
+//!
+//! (2) is exact for a segment of motor and tube at one temperature each: C the heat capacity of the flow in W/K,
+//! G = h A of both walls, w the motor's share of it, take = 1 - exp(-G/C). Without a tube w = 1.
+//! *Assumes* that tube and motor have the same coefficient; the correlations at the mean surface temperature,
+//! air properties at its mean temperature in the gap.
+//! *Source*: (2) Incropera, 7th ed., eq. 8.41; the correlations in `correlations/`.
+
+use crate::components::housing::SEGMENTS;
+use crate::models::annulus_cooled_motor::variables::Inputs;
+
+/// On what the coefficients depend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// Mean temperature of the housing, K.
+    pub surface: f64,
+    /// Temperature of the tube, K.
+    pub tube: f64,
+    /// Temperature of the surroundings, K.
+    pub ambient: f64,
+    /// Pressure of the air, Pa.
+    pub pressure: f64,
+    /// Command to the fan, 0 to 1.
+    pub command: f64,
+    /// Temperature of the coolant at its inlet, K.
+    pub coolant_inlet: f64,
+    /// Volume flow rate of the coolant, m3/s.
+    pub coolant_flow: f64,
+}
+
+impl Conditions {
+    /// Conditions of no evaluation: they differ from all others.
+    pub const NONE: Conditions = Conditions {
+        surface: f64::NAN,
+        tube: f64::NAN,
+        ambient: f64::NAN,
+        pressure: f64::NAN,
+        command: f64::NAN,
+        coolant_inlet: f64::NAN,
+        coolant_flow: f64::NAN,
+    };
+
+    /// Those of these inputs, with the housing at `surface`, the tube and the true ambient temperature, K.
+    pub fn of(inputs: &Inputs, surface: f64, tube: f64, ambient: f64) -> Conditions {
+        Conditions {
+            surface,
+            tube,
+            ambient,
+            pressure: inputs.ambient_pressure,
+            command: inputs.fan_command,
+            coolant_inlet: inputs.coolant_inlet_temperature,
+            coolant_flow: inputs.coolant_flow_rate,
+        }
+    }
+
+    /// All of them, for a saved instance.
+    pub fn to_numbers(self) -> [f64; 7] {
+        let Conditions { surface, tube, ambient, pressure, command, coolant_inlet, coolant_flow } = self;
+        [surface, tube, ambient, pressure, command, coolant_inlet, coolant_flow]
+    }
+
+    /// Takes back what [`to_numbers`](Self::to_numbers) gave; `None` where the numbers run out.
+    pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Conditions> {
+        Some(Conditions {
+            surface: next()?,
+            tube: next()?,
+            ambient: next()?,
+            pressure: next()?,
+            command: next()?,
+            coolant_inlet: next()?,
+            coolant_flow: next()?,
+        })
+    }
+}
+
+/// Coefficients of the air and the coolant, linear in all temperatures.
+#[derive(Clone, Copy, Debug)]
+pub struct Coefficients {
+    /// Conductance from each segment to the room, W/K.
+    pub direct: [f64; SEGMENTS],
+    /// Conductance of both walls of the gap along each segment, W/K.
+    pub films: [f64; SEGMENTS],
+    /// The segment's share of it.
+    pub share: [f64; SEGMENTS],
+    /// How far the passing air comes to the walls' temperature.
+    pub take: [f64; SEGMENTS],
+    /// Heat capacity of the flow, W/K.
+    pub stream: f64,
+    /// What the fan's power warms the air by before the gap, K.
+    pub inlet_rise: f64,
+    /// Radiation from each segment to the tube, W/K.
+    pub to_tube: f64,
+    /// Conductance from the tube to the room, W/K.
+    pub tube_to_room: f64,
+    /// Flow over the motor, m3/s.
+    pub flow: f64,
+    /// Pressure that the fan gives, Pa.
+    pub pressure_drop: f64,
+    /// Power that the fan gives to the air of the gap, W.
+    pub fan_power: f64,
+    /// Temperature at which the stream enters where it is a coolant, K; else it is ambient air.
+    pub coolant_inlet: Option<f64>,
+    /// Pressure drop of the coolant, Pa.
+    pub coolant_pressure_drop: f64,
+    /// Hydraulic power of the coolant's pump, W.
+    pub pump_power: f64,
+}
+
+impl Coefficients {
+    /// No exchange at all.
+    pub const NONE: Coefficients = Coefficients {
+        direct: [0.0; SEGMENTS],
+        films: [0.0; SEGMENTS],
+        share: [1.0; SEGMENTS],
+        take: [0.0; SEGMENTS],
+        stream: 0.0,
+        inlet_rise: 0.0,
+        to_tube: 0.0,
+        tube_to_room: 0.0,
+        flow: 0.0,
+        pressure_drop: 0.0,
+        fan_power: 0.0,
+        coolant_inlet: None,
+        coolant_pressure_drop: 0.0,
+        pump_power: 0.0,
+    };
+
+    /// Temperature at which the stream enters, K.
+    #[inline]
+    pub fn inlet(&self, ambient: f64) -> f64 {
+        self.coolant_inlet.unwrap_or(ambient + self.inlet_rise)
+    }
+
+    /// `self + z slope` on the first `n` segments.
+    #[inline]
+    pub(super) fn along(&self, slope: &Coefficients, z: f64, n: usize, out: &mut Coefficients) {
+        for k in 0..n {
+            out.direct[k] = self.direct[k] + z * slope.direct[k];
+            out.films[k] = self.films[k] + z * slope.films[k];
+            out.share[k] = self.share[k] + z * slope.share[k];
+            out.take[k] = self.take[k] + z * slope.take[k];
+        }
+        out.stream = self.stream + z * slope.stream;
+        out.to_tube = self.to_tube + z * slope.to_tube;
+        out.tube_to_room = self.tube_to_room + z * slope.tube_to_room;
+        out.flow = self.flow + z * slope.flow;
+        out.pressure_drop = self.pressure_drop + z * slope.pressure_drop;
+        out.fan_power = self.fan_power + z * slope.fan_power;
+        out.coolant_pressure_drop = self.coolant_pressure_drop + z * slope.coolant_pressure_drop;
+        out.pump_power = self.pump_power + z * slope.pump_power;
+        out.coolant_inlet = self.coolant_inlet;
+        // The rise follows from what it is made of, so that the fan's watts stay the fan's watts.
+        out.inlet_rise = if out.stream > 0.0 { out.fan_power / out.stream } else { 0.0 };
+    }
+}

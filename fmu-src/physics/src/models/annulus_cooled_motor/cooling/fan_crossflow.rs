@@ -1,0 +1,39 @@
+//! A fan whose jet blows across the middle of the motor, still air beyond the jet's edge.
+
+use super::{Coefficients, Method, Site};
+use crate::correlations::crossflow;
+use crate::media::air::Air;
+use crate::models::annulus_cooled_motor::parameters::Parameters;
+
+/// The mode `fan_crossflow`.
+#[derive(Debug)]
+pub struct FanCrossflow;
+
+impl Method for FanCrossflow {
+    fn mass(&self, parameters: &Parameters) -> f64 {
+        parameters.fan.mass
+    }
+
+    fn fault(&self, parameters: &Parameters) -> Option<String> {
+        parameters.fan.fault()
+    }
+
+    fn add(&self, site: &Site, c: &mut Coefficients) {
+        let Site { parameters: p, at, still, command, .. } = *site;
+        let (housing, fan) = (&p.housing, &p.fan);
+        let film = Air::at(0.5 * (at.surface + at.ambient), at.pressure);
+        let (jet, flow) = (fan.jet(), fan.flow_max * command.max(0.0));
+        let d = housing.diameter;
+        let re = film.reynolds(jet.speed(flow, fan.distance), d);
+        let forced = (crossflow::cylinder(re, film.pr) - crossflow::NU_AT_REST) * fan.turbulence_factor;
+        let mixing = crossflow::Mixing::HorizontalCylinder;
+        let blown = crossflow::mixed(forced, still.lateral * d / film.k, mixing) * film.k / d;
+        let covered = jet.covered_length(housing.length, fan.distance);
+        let (from, to) = (0.5 * (housing.length - covered), 0.5 * (housing.length + covered));
+        for (k, share) in site.covered(from, to) {
+            let convection = share * blown + (1.0 - share) * still.lateral;
+            c.direct[k] = housing.lateral_area() / site.segments as f64 * (convection + still.radiation);
+        }
+        c.flow = flow;
+    }
+}

@@ -1,0 +1,157 @@
+//! The modes of cooling, one file each. [`method`] is the only place that lists them.
+//!
+//! A mode is a [`Method`]: the parts that it adds to the motor, and the heat paths that it gives to the segments of the housing as
+//! [`Coefficients`]. `docs/extending.md` shows how to add one.
+
+mod annulus;
+mod bare;
+mod coefficients;
+mod conductance;
+mod fan_crossflow;
+mod tangent;
+mod water_jacket;
+
+pub use coefficients::{Coefficients, Conditions};
+pub use tangent::Tangent;
+
+use super::parameters::Parameters;
+use super::variables::CoolingMode;
+use crate::components::annulus::{FlowDirection, Gap};
+use crate::components::conductance::Conductance;
+use crate::components::housing::StillAir;
+use crate::effects::Effect;
+use std::fmt::Debug;
+
+/// A mode of cooling.
+pub trait Method: Debug + Sync {
+    /// Whether rotor, stator and segments of the housing are nodes, and ends and mount give off heat; else the whole housing is one
+    /// node.
+    fn has_network(&self) -> bool {
+        true
+    }
+    /// Mass of the parts that the mode adds to the motor, kg.
+    fn mass(&self, _parameters: &Parameters) -> f64 {
+        0.0
+    }
+    /// Heat capacity of the tube, J/K; 0 where there is none.
+    fn tube_capacity(&self, _parameters: &Parameters) -> f64 {
+        0.0
+    }
+    /// The gap between motor and tube.
+    fn gap(&self, _parameters: &Parameters) -> Option<Gap> {
+        None
+    }
+    /// What is wrong with the parameters of the mode, in one sentence.
+    fn fault(&self, _parameters: &Parameters) -> Option<String> {
+        None
+    }
+    /// Adds the heat paths of the lateral surface to coefficients without any.
+    fn add(&self, site: &Site, c: &mut Coefficients);
+}
+
+/// The method of a mode.
+pub fn method(mode: CoolingMode) -> &'static dyn Method {
+    match mode {
+        CoolingMode::Conductance => &conductance::GivenConductance,
+        CoolingMode::Bare => &bare::Bare,
+        CoolingMode::FanCrossflow => &fan_crossflow::FanCrossflow,
+        CoolingMode::AnnulusPush => &annulus::Annulus(FlowDirection::Push),
+        CoolingMode::AnnulusPull => &annulus::Annulus(FlowDirection::Pull),
+        CoolingMode::WaterJacket => &water_jacket::WaterJacket,
+    }
+}
+
+/// Mass of the motor with the parts that its mode of cooling adds, kg.
+pub fn mass(parameters: &Parameters) -> f64 {
+    parameters.motor.mass + method(parameters.choices.cooling_mode).mass(parameters)
+}
+
+/// A motor under one set of conditions.
+#[derive(Debug)]
+pub struct Site<'a> {
+    /// The motor.
+    pub parameters: &'a Parameters,
+    /// The conditions.
+    pub at: &'a Conditions,
+    /// Command to the fan after the effects at the port fan_flow.
+    pub command: f64,
+    /// Coefficients in still air.
+    pub still: StillAir,
+    /// Segments of the housing.
+    pub segments: usize,
+    /// The gap between motor and tube.
+    pub gap: Option<&'a Gap>,
+}
+
+impl Site<'_> {
+    /// Conductance of one segment in still air, W/K.
+    pub fn free(&self) -> f64 {
+        let lateral = self.parameters.housing.lateral_area() / self.segments as f64;
+        lateral * (self.still.lateral + self.still.radiation)
+    }
+
+    /// Each segment with the share of its length between two places.
+    pub fn covered(&self, from: f64, to: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let n = self.segments;
+        let dx = self.parameters.housing.length / n as f64;
+        (0..n).map(move |k| {
+            let x = dx * k as f64;
+            (k, ((to.min(x + dx) - from.max(x)) / dx).clamp(0.0, 1.0))
+        })
+    }
+
+    /// Conductance that effects add to the housing, W/K.
+    fn by_effects(&self) -> f64 {
+        let (at, effects) = (self.at, &self.parameters.effects);
+        let rise = at.surface - at.ambient;
+        let curved = if rise.abs() > 1e-3 {
+            effects.housing_to_ambient(at.surface, at.ambient) / rise
+        } else {
+            effects.housing_to_ambient_slope(at.surface, at.ambient)
+        };
+        effects.ambient_conductance(Conductance::share(self.command)).housing + curved
+    }
+}
+
+/// The cooling of one motor: what follows from its parameters alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Cooling {
+    /// Segments of the housing.
+    pub segments: usize,
+    method: &'static dyn Method,
+    gap: Option<Gap>,
+}
+
+impl Cooling {
+    /// The cooling of a motor with a housing of `segments` segments.
+    pub fn new(parameters: &Parameters, segments: usize) -> Cooling {
+        let method = method(parameters.choices.cooling_mode);
+        Cooling { segments, method, gap: method.gap(parameters) }
+    }
+
+    /// The coefficients at one set of conditions: those of the method, of effects, and of ends and mount.
+    pub fn coefficients(&self, parameters: &Parameters, at: &Conditions) -> Coefficients {
+        let p = parameters;
+        let site = Site {
+            parameters,
+            at,
+            command: p.effects.fan_flow(at.command),
+            still: p.housing.still_air(at.surface, at.ambient, at.pressure),
+            segments: self.segments,
+            gap: self.gap.as_ref(),
+        };
+        let mut c = Coefficients::NONE;
+        self.method.add(&site, &mut c);
+        let has_network = self.method.has_network();
+        let everywhere = site.by_effects() + if has_network { p.thermal.G_mount } else { 0.0 };
+        for direct in &mut c.direct[..self.segments] {
+            *direct += everywhere / self.segments as f64;
+        }
+        if has_network {
+            let ends = p.housing.end_area() * (site.still.end + site.still.radiation);
+            c.direct[0] += ends;
+            c.direct[self.segments - 1] += ends;
+        }
+        c
+    }
+}
