@@ -10,8 +10,9 @@ use differential_equations::prelude::*;
 
 /// First step, s: a fraction of L/R. The library's own guess may leave the limits within which a model has derivatives.
 const FIRST: f64 = 1e-6;
-/// Steps of one interval: so many, and so many for each second. A solution that needs more diverges.
-const MOST: (usize, f64) = (1_000, 1e6);
+/// Steps of one interval: so many, and so many for each second, twenty times what L/R of a tenth of a millisecond needs. A solution that
+/// needs more diverges.
+const MOST: (usize, f64) = (1_000, 1e5);
 
 struct System<F>(F);
 
