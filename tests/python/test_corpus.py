@@ -34,43 +34,8 @@ PATIENCE = 10
 
 # Checks (patterns of their names), finding, and the respects in which the answer is wrong.
 NOT_YET = {
-    "lag:start-rounded * validate": ("S8: start values are compared bit for bit", {"exit", "errors"}),
-    "lag:once * validate": ("S8: several instances in one process in spite of the flag", {"exit", "errors"}),
-    "lag:terminate-frees * validate": ("S8: instances are freed without Terminate", {"exit", "errors"}),
-    "lag:log-printf fmi2 simulate": ("S7: the arguments of the logger are not formatted", {"says"}),
-    "lag:log-printf fmi2 cosim": ("S7: the arguments of the logger are not formatted", {"says"}),
-    "lag:log-environment * simulate": ("S4: the logger follows the environment pointer of the FMU", {"exit"}),
-    "lag:log-environment * cosim": ("S4: the logger follows the environment pointer of the FMU", {"exit"}),
-    "lag:log-environment * validate": (
-        "S4: the logger follows the environment pointer of the FMU, and no rule names the breach",
-        {"left behind", "without", "says"},
-    ),
-    "lag:segfault-ISO-8859-1 * validate": ("S3: after an error in the XML file the behaviour is not run", {"errors"}),
-    "lag:many-* validate": ("S2: time that grows with the square of the number of variables", {"time"}),
-    "lag:segfault fmi? validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:segfault fmi? simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:segfault fmi? cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:exit * validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:exit * simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:exit * cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:raise * validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:raise * simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:raise * cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:hang * validate": ("S8, S10: the call is not named; temporary folders", {"left behind", "says"}),
-    "lag:hang * simulate": ("S4: no --patience", {"sentence", "says"}),
-    "lag:hang * cosim": ("S4: no --patience", {"sentence", "says"}),
-    "lag:print * simulate": ("S5: the FMU writes into the program's output", {"output"}),
-    "lag:print * cosim": ("S5: the FMU writes into the program's output", {"output"}),
-    "lag:print-end * validate": ("S5, S10: the child's verdict goes over its standard output", {"exit", "left behind", "errors", "says"}),
-    "lag:print-end * simulate": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:print-end * cosim": ("S4: the FMU runs in the program's own process", {"exit"}),
-    "lag:signal-parent * *": ("S5: the FMU's parent process is the program, or who called it", {"exit"}),
     "ball-ModelExchange * simulate": ("F11: no Model Exchange", {"exit"}),
     "stair-ModelExchange * simulate": ("F11: no Model Exchange", {"exit"}),
-    "ball:reinit-undeclared * validate": ("new: reinit is not compared with what events do", {"exit", "errors", "says"}),
-    "lag:nan * validate": ("F8: an error without a sentence of the standard", {"exit", "errors"}),
-    "interrupt *": ("F12, S10: temporary folders and processes stay after a signal", {"left behind"}),
-    "pythonfmu3 * validate": ("S8: the build description is optional", {"errors"}),
 }
 
 CASES = tomllib.loads((corpus.FOLDER / "expected.toml").read_text(encoding="utf-8"))["case"]

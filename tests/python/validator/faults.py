@@ -1,6 +1,8 @@
 """The seeded faults: expected finding code, archive, change."""
 
+import random
 import re
+import struct
 import zipfile
 from dataclasses import dataclass
 from typing import Callable
@@ -123,6 +125,29 @@ def bomb(files, path):
     return path
 
 
+def small_bombs(files, path):
+    """None of the entries is large."""
+    return files.write(path, [(f"resources/zeros-{k}", bytes(10 << 20)) for k in range(40)])
+
+
+def shared_bytes(files, path):
+    """Entries of the directory that all point to the largest one: the archive is smaller than the sum of its entries."""
+    files.write(path, [(f"resources/copy-{k}", bytes(range(256)) * 8) for k in range(3)] + [("resources/noise", random.Random(1).randbytes(1 << 20))])
+    content = bytearray(path.read_bytes())
+    with zipfile.ZipFile(path) as archive:
+        large = archive.getinfo("resources/noise")
+    at = content.index(b"PK\1\2")
+    for _ in range(len(zipfile.ZipFile(path).namelist())):
+        name_length, extra, comment = struct.unpack_from("<HHH", content, at + 28)
+        if content[at + 46 : at + 46 + name_length].startswith(b"resources/copy"):
+            struct.pack_into("<LLL", content, at + 16, large.CRC, large.compress_size, large.file_size)
+            struct.pack_into("<L", content, at + 42, large.header_offset)
+            struct.pack_into("<H", content, at + 10, large.compress_type)
+        at += 46 + name_length + extra + comment
+    path.write_bytes(content)
+    return path
+
+
 def into_subfolder(files, path):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
         for name, content in files.entries.items():
@@ -163,6 +188,8 @@ ARCHIVE = [
     Fault("entry-method", "an entry is compressed with bzip2", FOREIGN[2], write=special("resources/x", compress_type=zipfile.ZIP_BZIP2)),
     Fault("entry-damaged", "an entry declares a wrong size", FOREIGN[3], write=lambda files, path: lie_about_size(files.write(path))),
     Fault("archive-bomb", "150 MB of zeros", FOREIGN[2], write=bomb),
+    Fault("archive-bomb", "forty entries of 10 MB of zeros each", OURS[3], write=small_bombs),
+    Fault("archive-bomb", "three entries share their bytes", FOREIGN[3], write=shared_bytes),
     Fault("model-description-missing", "everything is in a subfolder", OURS[3], write=into_subfolder),
 ]
 XML = [
@@ -174,6 +201,7 @@ XML = [
     Fault("xsd-attribute-unknown", "an attribute that is not in the schema", OURS[2], attribute("duty", "colour", "red")),
     Fault("xsd-attribute-missing", "a variable without value reference", OURS[3], attribute("duty", "valueReference", None)),
     Fault("xsd-attribute-value", "a start value that is not a number", OURS[2], attribute("thermal.C_h", "start", "many")),
+    Fault("attribute-huge", "a description of a million characters", FOREIGN[3], edit(r'modelName="', f'description="{"x" * 10**6}" modelName="')),
     Fault(
         "xsd-element-order",
         "log categories before the units",
@@ -190,6 +218,18 @@ MEANING = [
     Fault("unit-undefined", "a unit that is not defined", OURS[2], attribute("duty", "unit", "percent")),
     Fault("display-unit-undefined", "a display unit that belongs to another unit", OURS[3], attribute("duty", "displayUnit", "degC")),
     Fault("unit-factor", "a unit with the factor 0", FOREIGN[2], edit(r'factor="1000"', 'factor="0"')),
+    Fault("unit-contradiction", "degrees Celsius without offset", OURS[2], edit(r'(<DisplayUnit name="degC"[^>]*) offset="[^"]*"', r"\1")),
+    Fault("unit-contradiction", "degrees Celsius with the wrong sign", OURS[3], edit(r'offset="-273.15"', 'offset="273.15"')),
+    Fault(
+        "unit-contradiction",
+        "degrees Fahrenheit with the factor of degrees Celsius",
+        FOREIGN[2],
+        edit(r"  </UnitDefinitions>", r'    <Unit name="degF"><BaseUnit K="1" offset="255.37"/></Unit>\n  </UnitDefinitions>'),
+    ),
+    Fault("display-unit-ignored", "a display unit that is not defined", OURS[2], attribute("duty", "displayUnit", "%")),
+    Fault("nominal-doubtful", "a parameter with the nominal value 0", FOREIGN[2], attribute("damping", "nominal", "0")),
+    Fault("nominal-state", "a state with the nominal value 0", FOREIGN[3], attribute("v", "nominal", "0")),
+    Fault("initial-not-allowed", "an input with initial = calculated", OURS[3], attribute("duty", "initial", "calculated")),
     Fault("unit-repeated", "a unit defined twice", FOREIGN[3], edit(r'<Unit name="m/s">', '<Unit name="m">')),
     Fault(
         "item-repeated",
@@ -280,6 +320,7 @@ FILES = [
         in_library(b"fmi3GetAdjointDerivative\0", b"fmi3GetAdjointDerivatibe\0"),
     ),
     Fault("platform-of-fmi2", "the FMI 2 name of a platform in FMI 3", FOREIGN[3], move_library("binaries/linux64/oscillator.so")),
+    Fault("platform-unknown", "a platform that no standard names", FOREIGN[2], add("binaries/solaris/oscillator.so", "x")),
     Fault("no-implementation", "neither binaries nor sources", FOREIGN[2], lambda files: files.entries.pop(library(files))),
     Fault(
         "terminal-variable",
@@ -320,6 +361,12 @@ TOGETHER = [
         OURS[2],
         edit(r'(<Outputs>\s*<Unknown index="\d+" dependencies=")[^"]*"', r'\1"'),
     ),
+    Fault(
+        "dependency-undeclared",
+        "an input is left out of the dependencies of a derivative",
+        FOREIGN[2],
+        edit(r'index="5" dependencies="2 3 6"', 'index="5" dependencies="2 3"'),
+    ),
     Fault("value-outside", "an output outside its declared limits", OURS[3], attribute("winding_temperature", "max", "200")),
     Fault("reference-file", "listed reference results are missing", FOREIGN[2], lambda files: files.entries.pop(REFERENCE)),
     Fault(
@@ -351,6 +398,7 @@ BEHAVIOUR = [
     seeded("hang", "a step never returns", "hang", 2),
     seeded("instantiate", "instantiation returns NULL", "instantiate", 3),
     seeded("version-string", "fmi2GetVersion returns 1.0", "version", 2),
+    seeded("version-release", "fmi2GetVersion returns 2.0.5", "version_release", 2),
     seeded("version-string", "another types platform than default", "platform", 2),
     seeded("token-unchecked", "any token is accepted", "token", 3),
     seeded("life-cycle", "the fourth step fails", "step_error", 2),
@@ -360,6 +408,7 @@ BEHAVIOUR = [
     seeded("life-cycle", "a step returns early although this is not allowed", "early_return", 3),
     seeded("output-not-finite", "an output is NaN", "output_nan", 2),
     seeded("value-outside", "an output is below its min", "value_outside", 3),
+    seeded("logger-environment", "the logger gets another environment pointer", "environment", 2),
     seeded("log-category-undeclared", "messages in an undeclared category", "log_category", 2),
     seeded("start-differs", "a parameter starts at another value", "start", 3),
     seeded("start-differs", "a string starts at another value", "start_text", 2),
@@ -395,6 +444,7 @@ BEHAVIOUR = [
     seeded("states-number", "more states than in the model structure", "states_number", 3),
     seeded("nominal-value", "nominal values of states are 0", "nominal", 2),
     seeded("evaluation-memory", "derivatives change from call to call", "evaluation_memory", 3),
+    seeded("reinit", "an event changes a state without reinit", "reinit", 2),
     seeded("indicator-jumps", "an event indicator is +1 or -1", "indicator_jumps", 2),
     seeded("event-iteration", "the event iteration never ends", "events_forever", 3),
     seeded("event-iteration", "the next time event is one second in the past", "event_past", 2),

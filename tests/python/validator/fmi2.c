@@ -22,7 +22,7 @@ static int say(Instance *c, int status, const char *text) {
 }
 
 const char *fmi2GetTypesPlatform(void) { return fault("platform") ? "standard32" : "default"; }
-const char *fmi2GetVersion(void) { return fault("version") ? "1.0" : "2.0"; }
+const char *fmi2GetVersion(void) { return fault("version_release") ? "2.0.5" : fault("version") ? "1.0" : "2.0"; }
 int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const names[]) { ((Instance *)c)->logging = on; return OK; }
 
 void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks, int visible, int logging) {
@@ -144,6 +144,7 @@ int fmi2NewDiscreteStates(void *p, EventInfo *info) {
     Instance *c = p;
     memset(info, 0, sizeof *info);
     c->now.beyond = c->now.x > c->now.limit;
+    if (fault("reinit")) info->values = 1, ((Instance *)p)->now.v *= -0.9;
     info->again = fault("events_forever");
     info->defined = fault("event_past");
     info->next = c->now.time - 1.0;
@@ -189,6 +190,7 @@ int fmi2GetRealOutputDerivatives(void *p, const unsigned vr[], size_t n, const i
 int fmi2DoStep(void *p, double t, double h, int no_set) {
     Instance *c = p;
     if (mishap(c)) return say(c, ERROR, "the step went wrong");
+    if (fault("environment")) ((Logger)c->logger)(c, "oscillator", 1, "logEvents", "%s", "a step");
     if (c->now.has_stop && t + h > c->now.stop * (1 + 1e-9) && !fault("stop_time")) return say(c, ERROR, "past the stop time");
     integrate(c, h);
     c->now.slope = 0;

@@ -3,7 +3,6 @@
 //! It is its own child, as `motor-fmu` is: `validate probe FILE STAGE`. The tests of the rules run FMUs through it.
 
 use archive::validate::{Severity, dynamic, validate};
-use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -13,12 +12,11 @@ fn main() -> ExitCode {
         && word == "probe"
     {
         let stage = stage.parse().unwrap_or(0);
+        let Ok(channel) = cosim::child::enter() else { return ExitCode::from(2) };
         dynamic::probe(Path::new(file), stage, &mut |event| {
-            let line = serde_json::to_string(&event).unwrap_or_default();
-            println!("\n{line}");
-            let _ = std::io::stdout().flush();
+            channel.send(&serde_json::to_string(&event).unwrap_or_default());
         });
-        return ExitCode::SUCCESS;
+        channel.end();
     }
     let Ok(program) = std::env::current_exe() else { return ExitCode::from(2) };
     let mut code = 0;

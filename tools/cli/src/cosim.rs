@@ -1,6 +1,7 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
-use crate::simulate::{is_a_number, progress_bar, remarks, setting, significant};
+use crate::simulate::{is_a_number, remarks, setting, significant};
+use crate::supervised;
 use clap::ValueEnum;
 use cosim::{Algorithm, Log, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
@@ -11,7 +12,7 @@ use std::process::ExitCode;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The system: SYSTEM.ssp or SYSTEM.toml
-    system: PathBuf,
+    pub system: PathBuf,
     /// Start time in s [default: that of the system, else 0]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     start: Option<f64>,
@@ -45,6 +46,9 @@ pub struct Args {
     /// Print final values and the energy balances of the connections as JSON
     #[arg(long)]
     json: bool,
+    /// Time limit of one call of an FMU
+    #[arg(long, value_name = "SECONDS", default_value = supervised::PATIENCE, value_parser = crate::validate::seconds)]
+    pub patience: f64,
 }
 
 /// Write a system that is described in a small TOML file as an SSP 1.0 archive, with its FMUs.
@@ -78,7 +82,8 @@ impl From<Scheme> for Algorithm {
     }
 }
 
-pub fn run(args: Args) -> Result<ExitCode, Failure> {
+/// Runs the command in this process.
+pub fn run(args: Args) -> Result<u8, Failure> {
     let system = System::open(&args.system)?;
     let options = SystemOptions {
         start: args.start,
@@ -91,10 +96,7 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         every: args.every,
         log: Log::new(),
     };
-    let bar = progress_bar();
-    let result = cosimulate(&system, &options, &mut |share| bar.set_position((share * 100.0) as u64));
-    bar.finish_and_clear();
-    let run = result?;
+    let run = cosimulate(&system, &options, &mut supervised::progress)?;
     if let Some(path) = &args.output {
         run.recording.write_csv(path)?;
     }
@@ -110,7 +112,7 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         summary(&run)
     };
     crate::say(&text);
-    Ok(crate::outcome(run.recording.ended_early.is_none() && is_a_number(&run.recording)))
+    Ok(crate::code(run.recording.ended_early.is_none() && is_a_number(&run.recording)))
 }
 
 pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {

@@ -11,6 +11,7 @@ mod presets;
 mod reproduce;
 mod simulate;
 mod study;
+mod supervised;
 mod unused;
 mod validate;
 mod variables;
@@ -50,6 +51,8 @@ enum Command {
     Man(manual::ManArgs),
     #[command(hide = true)]
     Probe(validate::ProbeArgs),
+    #[command(hide = true)]
+    Work(supervised::WorkArgs),
 }
 
 /// Why a command could not run: one sentence.
@@ -70,13 +73,16 @@ impl<E: std::error::Error> From<E> for Failure {
 
 /// Prints to stdout. A closed pipe is no failure; `print!` would panic.
 pub fn say(text: &str) {
+    if supervised::say(text) {
+        return;
+    }
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// Prints notes to stderr, a line each.
 pub fn remark(notes: &[String]) {
     for note in notes {
-        eprintln!("note: {note}");
+        supervised::complain(&format!("note: {note}"));
     }
 }
 
@@ -129,7 +135,12 @@ pub fn progress_bar(parts: u64, template: &str) -> ProgressBar {
 
 /// 0, or 1 where the command was carried out and a check failed, or a simulation ended before its stop time.
 pub fn outcome(yes: bool) -> ExitCode {
-    ExitCode::from(u8::from(!yes))
+    ExitCode::from(code(yes))
+}
+
+/// The number of [`outcome`].
+pub fn code(yes: bool) -> u8 {
+    u8::from(!yes)
 }
 
 fn main() -> ExitCode {
@@ -140,8 +151,8 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Variables(args) => variables::run(&args),
         Command::Validate(args) => validate::run(&args),
-        Command::Simulate(args) => simulate::run(args),
-        Command::Cosim(args) => cosim::run(args),
+        Command::Simulate(args) => supervised::run(&args.file, args.patience),
+        Command::Cosim(args) => supervised::run(&args.system, args.patience),
         Command::Ssp(args) => cosim::run_ssp(&args),
         Command::Steady(args) => study::run_steady(&args),
         Command::Sweep(args) => study::run_sweep(&args),
@@ -150,6 +161,7 @@ fn main() -> ExitCode {
         Command::Completions(args) => manual::completions(&args),
         Command::Man(args) => manual::man(&args),
         Command::Probe(args) => validate::probe(&args),
+        Command::Work(args) => supervised::work(&args),
     };
     outcome.unwrap_or_else(|Failure(sentence)| {
         eprintln!("error: {sentence}");

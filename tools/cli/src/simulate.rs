@@ -1,10 +1,10 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
+use crate::supervised::{self, complain};
 use cosim::{Archive, InputTable, Log, Options, Recording, Status};
 use indicatif::ProgressBar;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Messages of the FMU that are printed at most.
 const MAX_MESSAGES: usize = 5;
@@ -15,7 +15,7 @@ const MAX_MESSAGES: usize = 5;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The FMU
-    file: PathBuf,
+    pub file: PathBuf,
     /// Start time in s [default: that of the FMU, else 0]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     start: Option<f64>,
@@ -43,9 +43,13 @@ pub struct Args {
     /// Print the final values as JSON
     #[arg(long)]
     json: bool,
+    /// Time limit of one call of the FMU
+    #[arg(long, value_name = "SECONDS", default_value = supervised::PATIENCE, value_parser = crate::validate::seconds)]
+    pub patience: f64,
 }
 
-pub fn run(args: Args) -> Result<ExitCode, Failure> {
+/// Runs the command in this process.
+pub fn run(args: Args) -> Result<u8, Failure> {
     let archive = Archive::open(&args.file)?;
     let input =
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
@@ -60,10 +64,7 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         input_slopes: !args.held_inputs,
         log: Log::new(),
     };
-    let bar = progress_bar();
-    let result = cosim::simulate(&archive, &options, &mut |share| bar.set_position((share * 100.0) as u64));
-    bar.finish_and_clear();
-    let recording = result?;
+    let recording = cosim::simulate(&archive, &options, &mut supervised::progress)?;
 
     if let Some(path) = &args.output {
         recording.write_csv(path)?;
@@ -82,7 +83,7 @@ pub fn run(args: Args) -> Result<ExitCode, Failure> {
         summary(&recording)
     };
     crate::say(&text);
-    Ok(crate::outcome(recording.ended_early.is_none() && is_a_number(&recording)))
+    Ok(crate::code(recording.ended_early.is_none() && is_a_number(&recording)))
 }
 
 /// Whether no output is NaN; the first that is goes to stderr.
@@ -90,7 +91,7 @@ pub fn is_a_number(recording: &Recording) -> bool {
     let nan = recording.first_nan();
     if let Some((output, time)) = nan {
         let (name, time) = (&recording.model_name, cosim::number(time));
-        eprintln!("error: {name}: output {output} is NaN (not a number) from t = {time} s on");
+        complain(&format!("error: {name}: output {output} is NaN (not a number) from t = {time} s on"));
     }
     nan.is_none()
 }
@@ -116,14 +117,16 @@ pub fn remarks(recording: &Recording, prefix: &str, who: &str, ending: &str) {
     let mut complaints: Vec<_> = recording.messages.iter().filter(|m| m.status != Status::Ok).collect();
     let reason = recording.ended_early.and_then(|_| complaints.pop());
     for message in complaints.iter().take(MAX_MESSAGES) {
-        eprintln!("{prefix}{}: {}", message.status, message.text);
+        complain(&format!("{prefix}{}: {}", message.status, message.text));
     }
     if complaints.len() > MAX_MESSAGES {
-        eprintln!("{prefix}{} more messages", complaints.len() - MAX_MESSAGES);
+        complain(&format!("{prefix}{} more messages", complaints.len() - MAX_MESSAGES));
     }
     match (recording.ended_early, reason) {
-        (Some(_), Some(reason)) => eprintln!("error: {who}: {}", reason.text),
-        (Some(time), None) => eprintln!("error: {ending} ended the simulation in the step from t = {time} s"),
+        (Some(_), Some(reason)) => complain(&format!("error: {who}: {}", reason.text)),
+        (Some(time), None) => {
+            complain(&format!("error: {ending} ended the simulation in the step from t = {time} s"));
+        }
         (None, _) => {}
     }
 }

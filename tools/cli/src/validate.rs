@@ -3,7 +3,6 @@
 use crate::Failure;
 use archive::validate::{Finding, PATIENCE, Severity, dynamic, validate_within};
 use serde_json::json;
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -24,7 +23,8 @@ pub struct Args {
     patience: f64,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// A time limit.
+pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(s) if s > 0.0 && s <= 86_400.0 => Ok(s),
         _ => Err("it must be a number of seconds above 0, at most 86400".to_owned()),
@@ -81,11 +81,9 @@ pub struct ProbeArgs {
 }
 
 pub fn probe(args: &ProbeArgs) -> Result<ExitCode, Failure> {
+    let channel = cosim::child::enter()?;
     dynamic::probe(&args.file, args.from, &mut |event| {
-        // The line before ours may be one that the FMU has begun.
-        let line = serde_json::to_string(&event).unwrap_or_default();
-        crate::say(&format!("\n{line}\n"));
-        let _ = std::io::stdout().flush();
+        channel.send(&serde_json::to_string(&event).unwrap_or_default());
     });
-    Ok(ExitCode::SUCCESS)
+    channel.end()
 }

@@ -248,6 +248,25 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// All kinds, in the order of their declaration.
+    pub(crate) const ALL: [Self; 15] = [
+        Self::Float64,
+        Self::Float32,
+        Self::Int8,
+        Self::UInt8,
+        Self::Int16,
+        Self::UInt16,
+        Self::Int32,
+        Self::UInt32,
+        Self::Int64,
+        Self::UInt64,
+        Self::Boolean,
+        Self::String,
+        Self::Binary,
+        Self::Enumeration,
+        Self::Clock,
+    ];
+
     /// The type behind the name of an element; FMI 2 `Real` and `Integer` are `Float64` and `Int32`.
     pub fn of(version: FmiVersion, element: &str) -> Option<Self> {
         Some(match (version, element) {

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 mod access;
 mod clocks;
 mod state;
+pub(crate) use access::value_names;
 pub use state::State;
 
 /// The names of one function in both standards, for messages.

@@ -12,6 +12,7 @@
 //! | call the binary | [`Instance`], [`State`], [`Log`] |
 //! | time tables for the inputs | [`InputTable`] |
 //! | call any function, valid or not, to test an FMU | [`raw`] |
+//! | FMUs in a child process that may crash or hang | [`child`] |
 //! | systems of FMUs: SSP and TOML, the master | [`System`], [`cosimulate`], [`SystemRun`] |
 //! | the whole run | [`simulate`](fn@simulate), [`Options`], [`Recording`] |
 //!
@@ -26,6 +27,7 @@
 //! ```
 
 mod archive;
+pub mod child;
 mod description;
 pub mod elements;
 mod error;

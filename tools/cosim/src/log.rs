@@ -2,8 +2,8 @@
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fmt;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 /// Messages kept by a [`Log`]; older ones are dropped, so that the memory is bounded.
 const CAPACITY: usize = 1000;
@@ -70,7 +70,12 @@ pub(crate) struct Sink {
     kept: Mutex<VecDeque<LogMessage>>,
     /// Messages ever logged, also those that made room; atomic, as each FMI call reads it.
     total: AtomicU64,
+    /// A message came with an environment pointer that is not the importer's.
+    foreign: AtomicBool,
 }
+
+/// The sinks whose address FMUs have got. What an FMU hands back is looked up here and never followed.
+static SINKS: Mutex<Vec<(usize, Weak<Sink>)>> = Mutex::new(Vec::new());
 
 impl Log {
     /// A sink for warnings and errors.
@@ -105,13 +110,34 @@ impl Log {
         messages.iter().skip(skip).cloned().collect()
     }
 
-    /// The pointer that the FMU hands back with each message; valid as long as a clone of `self` lives.
+    /// Whether a message came with an environment pointer that is not the importer's; the standards require that one.
+    pub fn has_foreign_environment(&self) -> bool {
+        self.sink.foreign.load(Ordering::Relaxed)
+    }
+
+    /// The pointer that the FMU hands back with each message; known as long as a clone of `self` lives.
     pub(crate) fn environment(&self) -> *mut c_void {
-        Arc::as_ptr(&self.sink).cast_mut().cast()
+        let address = Arc::as_ptr(&self.sink);
+        let mut sinks = SINKS.lock().unwrap_or_else(PoisonError::into_inner);
+        sinks.retain(|(known, sink)| sink.strong_count() > 0 && *known != address as usize);
+        sinks.push((address as usize, Arc::downgrade(&self.sink)));
+        address.cast_mut().cast()
     }
 }
 
 impl Sink {
+    /// The sink that an FMU means; the latest one if it means none.
+    fn of(environment: *mut c_void) -> Option<Arc<Self>> {
+        let sinks = SINKS.lock().unwrap_or_else(PoisonError::into_inner);
+        let meant = sinks.iter().find(|(known, _)| *known == environment as usize);
+        if let Some(sink) = meant.and_then(|(_, sink)| sink.upgrade()) {
+            return Some(sink);
+        }
+        let latest = sinks.iter().rev().find_map(|(_, sink)| sink.upgrade())?;
+        latest.foreign.store(true, Ordering::Relaxed);
+        Some(latest)
+    }
+
     fn lock(&self) -> MutexGuard<'_, VecDeque<LogMessage>> {
         // A poisoned lock does not invalidate the list of messages.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
@@ -149,45 +175,45 @@ pub(crate) unsafe extern "C" fn log_message(
     category: *const c_char,
     message: *const c_char,
 ) {
-    if environment.is_null() {
-        return;
+    // SAFETY: C strings or NULL, by the standards.
+    let (category, text) = unsafe { (text_of(category), text_of(message)) };
+    if let Some(sink) = Sink::of(environment) {
+        sink.push(LogMessage { status: Status::from_c(status), category, text });
     }
-    // SAFETY: the FMU gives back `Log::environment`, alive as long as the instance, and C strings.
-    let (sink, category, text) =
-        unsafe { (&*environment.cast::<Sink>(), text_of(category), text_of(message)) };
-    sink.push(LogMessage { status: Status::from_c(status), category, text });
 }
 
-/// The fixed arguments of the C-variadic `fmi2CallbackLogger`, and the first of the variable ones.
-///
-/// Stable Rust cannot define a variadic function, so this plain one replaces it. That works where a
-/// variadic call passes its first pointers as a plain call would: the System V ABI of x86-64, AAPCS64
-/// and the Windows x64 ABI. `argument` sits in the sixth pointer register (or stack slot); if the FMU passed
-/// no sixth argument, its value is undefined; it is dereferenced only if `message` is exactly "%s", and then the FMU must have
-/// passed a string.
-/// Any other format is logged unchanged, because the remaining arguments are not accessible.
-/// Apple's AArch64 ABI passes variable arguments on the stack, so "%s" is logged unchanged there, too.
-pub(crate) unsafe extern "C" fn log_fmi2(
+/// What `logger.c` makes of a message of FMI 2.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn cosim_deliver(
     environment: *mut c_void,
-    _instance: *const c_char,
     status: c_int,
     category: *const c_char,
-    message: *const c_char,
-    argument: *const c_char,
+    text: *const c_char,
 ) {
-    let follow = !cfg!(all(target_vendor = "apple", target_arch = "aarch64"));
-    // SAFETY: `message` is NULL or a C string.
-    let is_plain_string = !message.is_null() && unsafe { CStr::from_ptr(message) } == c"%s";
-    let text = if follow && is_plain_string { argument } else { message };
-    // SAFETY: the format "%s" promises a C string in `argument`; the rest as in `log_message`.
+    // SAFETY: as for FMI 3.
     unsafe { log_message(environment, status, category, text) }
 }
 
-/// `fmi2CallbackFunctions`. The logger is variadic in C, see [`log_fmi2`].
+// SAFETY: `logger.c` defines it; the address alone is used here.
+unsafe extern "C" {
+    /// `fmi2CallbackLogger`, with the arguments of printf.
+    fn cosim_log_fmi2(
+        environment: *mut c_void,
+        instance: *const c_char,
+        status: c_int,
+        category: *const c_char,
+        message: *const c_char,
+        ...
+    );
+}
+
+/// `fmi2CallbackLogger`
+type Logger2 = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
+
+/// `fmi2CallbackFunctions`
 #[repr(C)]
 pub(crate) struct Callbacks {
-    logger:
-        unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, *const c_char),
+    logger: Logger2,
     allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
     free: unsafe extern "C" fn(*mut c_void),
     step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
@@ -204,6 +230,6 @@ impl Callbacks {
     /// The FMU keeps a pointer to them, hence the box.
     pub(crate) fn new(log: &Log) -> Box<Self> {
         let environment = log.environment();
-        Box::new(Self { logger: log_fmi2, allocate: calloc, free, step_finished: None, environment })
+        Box::new(Self { logger: cosim_log_fmi2, allocate: calloc, free, step_finished: None, environment })
     }
 }

@@ -3,6 +3,8 @@
 //! [`Instance`](crate::Instance) keeps its caller from mistakes; here a wrong token, a call out of order or a NaN reaches
 //! the FMU, each call gives the bare [`Status`], and all interface types can be instantiated. The one promise kept for
 //! the caller: after Fatal nothing is called any more.
+use crate::child::announce;
+use crate::child::page::{self, Function, Page};
 use crate::log::{Callbacks, log_message};
 use crate::{Archive, Error, FmiVersion, Log, Status};
 use accessor::{Handle, Text};
@@ -21,13 +23,15 @@ mod values;
 pub use crate::description::InterfaceType;
 pub use calls::{Experiment, RawState, RawStep};
 pub use continuous::DiscreteUpdate;
-pub(crate) use functions::{Functions, names};
+use functions::ids;
+pub(crate) use functions::{Functions, function_name, names};
 pub(crate) use values::Number;
 
 /// A loaded library of an FMU. It stays loaded for as long as an instance of it lives.
 #[derive(Clone)]
 pub struct RawBinary {
     loaded: Arc<Loaded>,
+    archive: PathBuf,
     resources: PathBuf,
     files: Arc<tempfile::TempDir>,
 }
@@ -57,6 +61,11 @@ pub struct RawInstance {
     handle: Handle,
     log: Log,
     dead: bool,
+    /// Initialized, and neither terminated nor reset.
+    runs: bool,
+    page: &'static Page,
+    /// Its number on the page.
+    number: u16,
     /// The FMU keeps a pointer to it, hence the box.
     callbacks: Option<Box<Callbacks>>,
     _files: Arc<tempfile::TempDir>,
@@ -74,16 +83,17 @@ impl RawBinary {
         let interface =
             crate::Interface { model_identifier: model_identifier.to_owned(), ..Default::default() };
         let binary = archive.binary_of(&interface)?;
-        let library = load(&binary).map_err(|e| Error::Library {
+        let version = archive.description().fmi_version;
+        let library = during(version, 0, Function::LOAD, || load(&binary)).map_err(|e| Error::Library {
             path: archive.path().to_owned(),
             binary: binary.strip_prefix(archive.dir()).unwrap_or(&binary).to_owned(),
             // The loader's own words, which the error keeps one level down.
             reason: std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string),
         })?;
-        let version = archive.description().fmi_version;
         let functions = Functions::load(&library, version);
         Ok(Self {
             loaded: Arc::new(Loaded { functions, version, _library: library }),
+            archive: archive.path().to_owned(),
             resources: archive.dir().join("resources"),
             files: archive.keep(),
         })
@@ -97,27 +107,40 @@ impl RawBinary {
     /// Result of `fmiXGetVersion`; `None` without that function.
     pub fn version(&self) -> Option<String> {
         // SAFETY: it takes nothing and gives a static C string or NULL.
-        self.loaded.functions.version.map(|f| unsafe { crate::log::text_of(f()) })
+        let call = |f: unsafe extern "C" fn() -> Text| unsafe { crate::log::text_of(f()) };
+        during(self.loaded.version, 0, ids::version, || self.loaded.functions.version.map(call))
     }
 
     /// Result of `fmi2GetTypesPlatform`; `None` without that function, as in FMI 3.
     pub fn types_platform(&self) -> Option<String> {
         // SAFETY: as for `version`.
-        self.loaded.functions.types_platform.map(|f| unsafe { crate::log::text_of(f()) })
+        let call = |f: unsafe extern "C" fn() -> Text| unsafe { crate::log::text_of(f()) };
+        during(self.loaded.version, 0, ids::types_platform, || self.loaded.functions.types_platform.map(call))
     }
 
     /// Makes an instance; `None` if the FMU refuses or lacks the function.
     pub fn instantiate(&self, setup: &RawSetup, log: &Log) -> Option<RawInstance> {
         let mut callbacks = None;
-        let handle = match self.loaded.version {
-            FmiVersion::V2 => self.instantiate2(setup, log, callbacks.insert(Callbacks::new(log)))?,
-            FmiVersion::V3 => self.instantiate3(setup, log)?,
+        let (version, number) = (self.loaded.version, page::next_instance());
+        announce(number, setup.name, &self.archive);
+        let function = match (version, setup.interface) {
+            (FmiVersion::V2, _) => ids::instantiate,
+            (_, InterfaceType::CoSimulation) => ids::co_simulation,
+            (_, InterfaceType::ModelExchange) => ids::model_exchange,
+            (_, InterfaceType::ScheduledExecution) => ids::scheduled,
         };
+        let handle = during(version, number, function, || match version {
+            FmiVersion::V2 => self.instantiate2(setup, log, callbacks.insert(Callbacks::new(log))),
+            FmiVersion::V3 => self.instantiate3(setup, log),
+        })?;
         (!handle.is_null()).then(|| RawInstance {
             loaded: Arc::clone(&self.loaded),
             handle,
             log: log.clone(),
             dead: false,
+            runs: false,
+            page: page::current(),
+            number,
             callbacks,
             _files: Arc::clone(&self.files),
         })
@@ -184,7 +207,7 @@ impl RawBinary {
     pub fn free_null(&self) {
         if let Some(free) = self.loaded.functions.free_instance {
             // SAFETY: NULL is allowed.
-            unsafe { free(ptr::null_mut()) }
+            during(self.loaded.version, 0, ids::free_instance, || unsafe { free(ptr::null_mut()) });
         }
     }
 }
@@ -218,29 +241,54 @@ impl RawInstance {
 
     /// All calls use this function: `None` means that the binary lacks the function, which counts as Error.
     #[inline]
-    fn status(&mut self, call: impl FnOnce(&Functions, Handle) -> Option<c_int>) -> Status {
+    fn status(
+        &mut self,
+        function: Function,
+        call: impl FnOnce(&Functions, Handle) -> Option<c_int>,
+    ) -> Status {
         if self.dead {
             return Status::Fatal;
         }
+        self.page.enter(self.loaded.version, self.number, function);
         let status = call(&self.loaded.functions, self.handle).map_or(Status::Error, Status::from_c);
+        self.page.leave();
         // A pending step still uses the instance in another thread: as untouchable as after Fatal.
         self.dead = status >= Status::Fatal;
+        if function == ids::exit_initialization {
+            self.runs = status <= Status::Warning;
+        } else if function == ids::terminate || function == ids::reset || status >= Status::Error {
+            self.runs = false;
+        }
         status
     }
 }
 
 impl Drop for RawInstance {
     fn drop(&mut self) {
+        // Some FMUs free in Terminate what they have allocated.
+        if self.runs {
+            self.terminate();
+        }
         if self.dead {
             // The library stays loaded, and what it may still call or write to stays valid: its threads may run on.
             std::mem::forget(self.log.clone());
             std::mem::forget(self.callbacks.take());
             std::mem::forget(Arc::clone(&self.loaded));
         } else if let Some(free) = self.loaded.functions.free_instance {
+            let handle = self.handle;
             // SAFETY: the handle came from this binary and is not used afterwards.
-            unsafe { free(self.handle) }
+            during(self.loaded.version, self.number, ids::free_instance, || unsafe { free(handle) });
         }
     }
+}
+
+/// A call that is not one of an instance's own.
+fn during<T>(version: FmiVersion, number: u16, function: Function, call: impl FnOnce() -> T) -> T {
+    let page = page::current();
+    page.enter(version, number, function);
+    let result = call();
+    page.leave();
+    result
 }
 
 /// Opens the binary with all symbols resolved at once, so that a missing one is an error here and no crash later.

@@ -40,6 +40,8 @@ impl RawEntry {
 
 pub(crate) struct Directory {
     pub(crate) entries: Vec<RawEntry>,
+    /// Bytes of the file.
+    pub(crate) length: u64,
     /// More than one disk: a split or spanned archive.
     pub(crate) spanned: bool,
 }
@@ -118,7 +120,7 @@ pub(crate) fn read(file: &mut File) -> io::Result<Option<Directory>> {
         entries.push(entry);
         at += 46 + name + extra + comment;
     }
-    Ok(Some(Directory { entries, spanned }))
+    Ok(Some(Directory { entries, length, spanned }))
 }
 
 /// Takes the 64-bit sizes from the zip64 extra field, where the 32-bit fields are saturated (APPNOTE 4.5.3).

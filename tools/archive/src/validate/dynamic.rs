@@ -6,13 +6,11 @@
 
 use super::finding::{Finding, Findings};
 use super::rules;
-use cosim::{Archive, FmiVersion};
+use cosim::FmiVersion;
+use cosim::child::{Ending, Work, supervise};
 use std::collections::HashSet;
-use std::io::{BufRead, BufReader};
+use std::ffi::OsString;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::thread;
 use std::time::Duration;
 
 mod facts;
@@ -30,11 +28,11 @@ pub use report::{Event, Observation};
 /// Child processes that may crash before the validator gives up on an FMU.
 const MOST_CHILDREN: usize = 6;
 
-/// Runs the dynamic checks of an FMU through `program probe FILE STAGE`, which must print the events of [`probe`],
-/// one JSON text a line. A call may take `patience`.
-pub fn run(program: &Path, file: &Path, patience: Duration) -> Vec<Finding> {
+/// Runs the dynamic checks of an FMU of this standard through `program probe FILE STAGE`, a child of
+/// [`cosim::child`] that sends the events of [`probe`] as JSON. A call may take `patience`.
+pub fn run(program: &Path, file: &Path, version: FmiVersion, patience: Duration) -> Vec<Finding> {
     let mut out = Findings::new();
-    out.version = version_of(file);
+    out.version = version;
     let mut reported = HashSet::new();
     let mut from = 0;
     for _ in 0..MOST_CHILDREN {
@@ -59,94 +57,42 @@ fn follow(
     reported: &mut HashSet<(String, String)>,
     out: &mut Findings,
 ) -> std::io::Result<Option<usize>> {
-    let mut child = Command::new(program)
-        .arg("probe")
-        .arg(file)
-        .arg(from.to_string())
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()?;
-    let events = listen(&mut child);
     let (mut stage, mut doing) = (from, "loading the library".to_owned());
-    let hung = loop {
-        match events.recv_timeout(patience) {
-            Ok(Event::Begin(number, words)) => (stage, doing) = (number, words),
-            Ok(Event::Seen(o)) => {
-                // A later child may find again what an earlier one has reported.
-                if reported.insert((o.code.clone(), o.place.clone())) {
-                    let rule = rules::ALL.iter().find(|r| r.code == o.code);
-                    out.add(o.place, rule.copied().unwrap_or(&rules::LIFE_CYCLE).says(o.message));
-                }
+    let mut next = None;
+    let arguments: [OsString; 3] = ["probe".into(), file.into(), from.to_string().into()];
+    let work = Work { program, arguments: &arguments, patience, shows_errors: false };
+    let ending = supervise(&work, &mut |text| match serde_json::from_str(text) {
+        Ok(Event::Begin(number, words)) => (stage, doing) = (number, words),
+        Ok(Event::Seen(o)) => {
+            // A later child may find again what an earlier one has reported.
+            if reported.insert((o.code.clone(), o.place.clone())) {
+                let rule = rules::ALL.iter().find(|r| r.code == o.code);
+                out.add(o.place, rule.copied().unwrap_or(&rules::LIFE_CYCLE).says(o.message));
             }
-            Ok(Event::Alive) => {}
-            Ok(Event::End) => {
-                let _ = child.wait();
-                return Ok(None);
-            }
-            Err(RecvTimeoutError::Disconnected) => break false,
-            Err(RecvTimeoutError::Timeout) => break true,
         }
-    };
-    if hung {
-        let _ = child.kill();
-    }
-    let status = child.wait()?;
+        Ok(Event::Next(number)) => next = Some(number),
+        Err(_) => {}
+    })?;
     let of_all = stage % stages::ALL.len();
     let is_misuse = stages::ALL[of_all].is_misuse;
-    if hung {
-        let message =
-            format!("A call did not return within {} s (stage \"{doing}\")", patience.as_secs_f64());
-        let rule = if is_misuse { &rules::HANG_ON_MISUSE } else { &rules::HANG };
-        out.add("binaries", rule.says(message));
-    } else {
-        let message = format!("The FMU ended the process that ran it: {} (stage \"{doing}\")", cause(status));
-        let rule = if is_misuse { &rules::CRASH_ON_MISUSE } else { &rules::CRASH };
-        out.add("binaries", rule.says(message));
-    }
+    let breach = match ending {
+        Ending::Done => return Ok(next),
+        Ending::Hung(call) => {
+            let rule = if is_misuse { &rules::HANG_ON_MISUSE } else { &rules::HANG };
+            let seconds = patience.as_secs_f64();
+            let call = call.text;
+            rule.says(format!("A call did not return within {seconds} s: {call} (stage \"{doing}\")"))
+        }
+        Ending::Died { cause, call } => {
+            let rule = if is_misuse { &rules::CRASH_ON_MISUSE } else { &rules::CRASH };
+            let call = call.text;
+            rule.says(format!("The FMU ended the process that ran it, {call}: {cause} (stage \"{doing}\")"))
+        }
+    };
+    out.add("binaries", breach);
     // Without a basis the other stages of the same interface type would crash in the same way.
     let rest = if stages::ALL[of_all].is_basis { stages::ALL.len() - of_all } else { 1 };
     Ok(Some(stage + rest))
-}
-
-/// The child's lines; what the FMU itself prints is passed over.
-fn listen(child: &mut Child) -> Receiver<Event> {
-    let (sender, receiver) = channel();
-    if let Some(pipe) = child.stdout.take() {
-        thread::spawn(move || {
-            for line in BufReader::new(pipe).split(b'\n').map_while(Result::ok) {
-                if let Ok(event) = serde_json::from_slice(&line)
-                    && sender.send(event).is_err()
-                {
-                    break;
-                }
-            }
-        });
-    }
-    receiver
-}
-
-fn cause(status: ExitStatus) -> String {
-    #[cfg(unix)]
-    {
-        use std::os::unix::process::ExitStatusExt;
-        let names = [(4, "illegal instruction"), (6, "abort"), (7, "bus error"), (8, "arithmetic exception")];
-        if let Some(signal) = status.signal() {
-            let name =
-                names.iter().find(|(n, _)| *n == signal).map_or("segmentation fault", |(_, name)| name);
-            return if signal == 11 || names.iter().any(|(n, _)| *n == signal) {
-                format!("{name} (signal {signal})")
-            } else {
-                format!("signal {signal}")
-            };
-        }
-    }
-    status.to_string()
-}
-
-/// The version whose sections findings cite.
-fn version_of(file: &Path) -> FmiVersion {
-    Archive::open(file).map_or(FmiVersion::V3, |archive| archive.description().fmi_version)
 }
 
 #[cfg(all(test, unix))]
@@ -158,12 +104,15 @@ mod tests {
     fn codes(script: &str) -> Vec<&'static str> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("child");
-        std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+        std::fs::write(&path, format!("#!/bin/sh\nread n\n{script}\n")).unwrap();
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
-        run(&path, Path::new("x.fmu"), Duration::from_secs(1)).iter().map(|f| f.code).collect()
+        run(&path, Path::new("x.fmu"), FmiVersion::V2, Duration::from_secs(1))
+            .iter()
+            .map(|f| f.code)
+            .collect()
     }
 
-    const END: &str = r#"echo '"end"'"#;
+    const END: &str = r#"echo "${n}e""#;
 
     #[test]
     fn a_crash_is_a_finding_and_the_next_child_goes_on() {
@@ -176,7 +125,7 @@ mod tests {
     fn a_crash_on_misuse_has_its_own_code() {
         let last = stages::ALL.len() - 1;
         assert!(stages::ALL[last].is_misuse);
-        let begin = format!(r#"echo '{{"begin":[{last},"x"]}}'"#);
+        let begin = format!(r#"echo "$n"'t{{"begin":[{last},"x"]}}'"#);
         assert_eq!(
             codes(&format!("[ $3 = 0 ] && {{ {begin}; kill -SEGV $$; }}; {END}")),
             ["crash-on-misuse"]
@@ -191,14 +140,18 @@ mod tests {
 
     #[test]
     fn a_slow_child_that_shows_life_is_not_hung() {
-        let alive = r#"for i in 1 2 3 4 5; do echo '"alive"'; sleep 0.4; done"#;
+        let alive = r#"for i in 1 2 3 4 5; do echo "${n}tx"; sleep 0.4; done"#;
         assert!(codes(&format!("{alive}; {END}")).is_empty());
     }
 
     #[test]
     fn findings_are_reported_once_and_other_output_is_ignored() {
         let seen = r#"{"seen":{"code":"reset","place":"a","message":"x"}}"#;
-        assert_eq!(codes(&format!("echo '{seen}'; echo 'hello'; echo '{seen}'; {END}")), ["reset"]);
+        let seen = format!(r#"echo "$n"'t{seen}'"#);
+        assert_eq!(codes(&format!("{seen}; echo 'hello'; {seen}; {END}")), ["reset"]);
         assert!(codes(END).is_empty());
+        // What an FMU prints ends nothing, whatever it prints.
+        let printed = r#"echo '"end"'; echo e; echo "$n"; echo "x${n}e""#;
+        assert_eq!(codes(&format!("{printed}; [ $3 = 0 ] && kill -SEGV $$; {END}")), ["crash"]);
     }
 }

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use cosim::FmiVersion;
 pub(crate) use cosim::xml::short;
+use cosim::{FmiVersion, number};
 use serde::Serialize;
 
-use super::rules::{Breach, Severity};
+use super::rules::{Basis, Breach, Phase, Severity};
 
 /// One thing the validator noticed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -18,8 +18,31 @@ pub struct Finding {
     /// Where: `modelDescription.xml:12` or the name of an archive entry.
     #[serde(rename = "where")]
     pub place: String,
+    /// What was checked.
+    pub phase: Phase,
+    /// Why the rule holds.
+    pub basis: Basis,
     /// One sentence with variable, value, rule and the standard's section.
     pub message: String,
+}
+
+/// A message in which numbers with rows of zeros have an exponent.
+fn readable(message: &str) -> String {
+    let is_digit = |c: char| c.is_ascii_digit() || "+-.".contains(c);
+    let mut out = String::new();
+    let mut rest = message;
+    while let Some(start) = rest.find(is_digit) {
+        let length = rest[start..].find(|c| !is_digit(c)).unwrap_or(rest.len() - start);
+        let text = &rest[start..start + length];
+        out += &rest[..start];
+        match text.parse::<f64>() {
+            // Digits of integers and of binary data stay as they are.
+            Ok(x) if length > 20 && (text.contains('.') || text.ends_with("0000")) => out += &number(x),
+            _ => out += text,
+        }
+        rest = &rest[start + length..];
+    }
+    out + rest
 }
 
 /// A file with one systematic fault in ten thousand variables is described well enough by this many lines.
@@ -53,7 +76,9 @@ impl Findings {
             severity: rule.severity,
             code: rule.code,
             place: place.into(),
-            message: format!("{message}{reference}."),
+            phase: rule.phase(),
+            basis: rule.basis(),
+            message: format!("{}{reference}.", readable(&message)),
         });
     }
 
@@ -67,13 +92,9 @@ impl Findings {
         let mut cut: Vec<_> = self.counts.into_iter().filter(|(_, n)| *n > MOST_PER_RULE).collect();
         cut.sort_unstable();
         for (code, count) in cut {
-            let severity = self.list.iter().find(|f| f.code == code).map_or(Severity::Note, |f| f.severity);
-            self.list.push(Finding {
-                severity,
-                code,
-                place: String::new(),
-                message: format!("{} more findings of this kind are not listed.", count - MOST_PER_RULE),
-            });
+            let Some(first) = self.list.iter().find(|f| f.code == code).cloned() else { continue };
+            let message = format!("{} more findings of this kind are not listed.", count - MOST_PER_RULE);
+            self.list.push(Finding { place: String::new(), message, ..first });
         }
         self.list
     }

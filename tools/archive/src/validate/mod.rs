@@ -23,12 +23,14 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use std::sync::mpsc::channel;
+use std::thread;
 use std::time::Duration;
 
 pub use self::finding::Finding;
 use self::finding::{Findings, short};
 use self::model::{FmiVersion, Model};
-pub use self::rules::Severity;
+pub use self::rules::{Basis, Phase, Severity};
 use self::xml::Xml;
 use self::zip::Archive;
 
@@ -46,8 +48,8 @@ const LARGEST_XML: u64 = 512 << 20;
 pub const PATIENCE: Duration = Duration::from_secs(60);
 const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
-/// Runs every check. What needs the FMU to run is left out where archive, XML or schema are broken, since no master
-/// would get that far; it runs through `program` (see [`dynamic::run`]).
+/// Runs every check. The FMU runs through `program` (see [`dynamic::run`]) wherever an importer could run it; otherwise the finding
+/// `not-run` says why not.
 ///
 /// # Errors
 /// As [`validate_static`].
@@ -55,14 +57,30 @@ pub fn validate(path: &Path, program: &Path) -> Result<Vec<Finding>, Unreadable>
     validate_within(path, program, PATIENCE)
 }
 
-/// As [`validate`], with another patience than [`PATIENCE`] for each call.
+/// As [`validate`], with another patience than [`PATIENCE`] for each call, and for the static checks.
 ///
 /// # Errors
 /// As [`validate_static`].
 pub fn validate_within(path: &Path, program: &Path, patience: Duration) -> Result<Vec<Finding>, Unreadable> {
-    let mut findings = validate_static(path)?;
-    if findings.iter().all(|f| f.severity != Severity::Error || rules::leaves_readable(f.code)) {
-        findings.extend(dynamic::run(program, path, patience));
+    let (sender, receiver) = channel();
+    let file = path.to_owned();
+    // A thread that is late is left alone; this process ends soon.
+    thread::spawn(move || sender.send(check_static(&file)));
+    let Ok(checked) = receiver.recv_timeout(patience) else {
+        let mut out = Findings::new();
+        out.add("archive", rules::time_limit(patience.as_secs_f64()));
+        out.add("archive", rules::cannot_run("its files take too long to read"));
+        return Ok(out.into_list());
+    };
+    let (mut findings, version) = checked?;
+    let danger = findings.iter().find(|f| f.severity == Severity::Error && f.phase == Phase::Archive);
+    if let Some(danger) = danger {
+        let mut out = Findings::new();
+        out.version = version;
+        out.add("archive", rules::cannot_run(format!("the archive breaks the rule {}", danger.code)));
+        findings.extend(out.into_list());
+    } else {
+        findings.extend(dynamic::run(program, path, version, patience));
     }
     Ok(findings)
 }
@@ -72,6 +90,11 @@ pub fn validate_within(path: &Path, program: &Path, patience: Duration) -> Resul
 /// # Errors
 /// [`Unreadable`] when the file cannot be opened or is no zip archive.
 pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
+    check_static(path).map(|(findings, _)| findings)
+}
+
+/// The findings of the static checks, and the standard.
+fn check_static(path: &Path) -> Result<(Vec<Finding>, FmiVersion), Unreadable> {
     let unreadable = |reason: String| Unreadable { path: path.display().to_string(), reason };
     let open = |e: std::io::Error| unreadable(format!("cannot be read: {e}"));
     if path.is_dir() {
@@ -83,7 +106,7 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
     if directory.spanned {
         let mut out = Findings::new();
         zip::check(&directory, &mut out);
-        return Ok(out.into_list());
+        return Ok((out.into_list(), FmiVersion::V3));
     }
     let mut archive = Archive::new(BufReader::new(file))
         .map_err(|e| unreadable(format!("is not a readable zip archive: {e}")))?;
@@ -119,7 +142,8 @@ pub fn validate_static(path: &Path) -> Result<Vec<Finding>, Unreadable> {
             out.add("archive", rules::description_missing(MODEL_DESCRIPTION, hint));
         }
     }
-    Ok(out.into_list())
+    let version = out.version;
+    Ok((out.into_list(), version))
 }
 
 /// The version as it appears in the text, before the file is parsed.

@@ -22,6 +22,38 @@ pub enum Severity {
     Note,
 }
 
+/// What is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// The zip archive.
+    Archive,
+    /// The XML files and their schemas.
+    Xml,
+    /// What the model description means.
+    Semantics,
+    /// Other files and libraries.
+    Files,
+    /// The running FMU.
+    Behaviour,
+    /// Answers to calls that importers must not make.
+    Misuse,
+}
+
+/// Why a rule holds. Only breaches of the first three are errors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// The text of the standard, in the section that is named.
+    Standard,
+    /// The FMU's own declarations: it contradicts what it says itself.
+    Declaration,
+    /// Reading the archive or running the FMU is dangerous.
+    Safety,
+    /// Experience of this project; the standard does not require it.
+    Practice,
+}
+
 /// A rule.
 #[derive(Debug)]
 pub struct Rule {
@@ -44,7 +76,50 @@ pub(crate) struct Breach {
     pub(crate) message: String,
 }
 
+/// Rules without a section whose breach is an error nevertheless.
+const BY_DECLARATION: [&str; 2] = ["reference-differs", "unit-contradiction"];
+const FOR_SAFETY: [&str; 8] = [
+    "archive-bomb",
+    "entry-duplicate",
+    "entry-outside",
+    "entry-header",
+    "entry-damaged",
+    "xml-doctype",
+    "xml-depth",
+    "time-limit",
+];
+
 impl Rule {
+    /// Why the rule holds.
+    pub fn basis(&self) -> Basis {
+        match self.code {
+            code if BY_DECLARATION.contains(&code) => Basis::Declaration,
+            code if FOR_SAFETY.contains(&code) => Basis::Safety,
+            _ if self.fmi2.is_empty() && self.fmi3.is_empty() => Basis::Practice,
+            _ => Basis::Standard,
+        }
+    }
+
+    /// What it checks: the table is in the order of the phases.
+    pub fn phase(&self) -> Phase {
+        let place = |code: &str| ALL.iter().position(|r| r.code == code);
+        let at = place(self.code);
+        let begins = |rule: &Rule| at >= place(rule.code);
+        if begins(&TOKEN_UNCHECKED) {
+            Phase::Misuse
+        } else if begins(&NOT_RUN) {
+            Phase::Behaviour
+        } else if begins(&NO_IMPLEMENTATION) {
+            Phase::Files
+        } else if begins(&INTERFACE_MISSING) {
+            Phase::Semantics
+        } else if begins(&XML_NOT_UTF8) {
+            Phase::Xml
+        } else {
+            Phase::Archive
+        }
+    }
+
     pub(crate) fn says(&'static self, message: impl Into<String>) -> Breach {
         Breach { rule: self, message: message.into() }
     }
@@ -79,8 +154,25 @@ use rules;
 /// All rules, in the order in which they are checked.
 pub static ALL: LazyLock<Vec<&Rule>> = LazyLock::new(|| [fmu::ALL, behaviour::ALL].concat());
 
-/// Whether an FMU that breaks this rule can still be read: all but the rules on archive, XML and schemas.
-pub(super) fn leaves_readable(code: &str) -> bool {
-    let place = |code: &str| ALL.iter().position(|r| r.code == code);
-    place(code) >= place(INTERFACE_MISSING.code)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_have_a_basis_beyond_practice() {
+        for rule in ALL.iter() {
+            assert!(rule.severity != Severity::Error || rule.basis() != Basis::Practice, "{}", rule.code);
+        }
+        for code in BY_DECLARATION.iter().chain(&FOR_SAFETY) {
+            assert!(ALL.iter().any(|r| r.code == *code), "{code}");
+        }
+    }
+
+    #[test]
+    fn phases_follow_each_other() {
+        let phases: Vec<Phase> = ALL.iter().map(|r| r.phase()).collect();
+        let changes = phases.windows(2).filter(|two| two[0] != two[1]).count();
+        assert_eq!((phases[0], changes, phases[phases.len() - 1]), (Phase::Archive, 5, Phase::Misuse));
+        assert_eq!((CRASH.phase(), ENTRY_LINK.phase()), (Phase::Behaviour, Phase::Archive));
+    }
 }

@@ -36,6 +36,7 @@ impl<'a> Xml<'a> {
             out.add(file, rules::xml_depth(DEEPEST));
             return None;
         }
+        check_lengths(file, &xml, out);
         Some(Xml { file, xml })
     }
 
@@ -51,6 +52,22 @@ impl<'a> Xml<'a> {
     /// `file:line` of a node.
     pub(crate) fn place(&self, node: Node) -> String {
         format!("{}:{}", self.file, self.xml.line(node))
+    }
+}
+
+/// No text of one attribute is longer ...
+const LONGEST: usize = 1 << 16;
+/// ... but those that list something.
+const LISTS: [&str; 5] = ["start", "dependencies", "dependenciesKind", "clocks", "value"];
+
+fn check_lengths(file: &str, xml: &cosim::xml::Xml, out: &mut Findings) {
+    for node in xml.document().descendants() {
+        let long = node.attributes().filter(|a| a.value().len() > LONGEST && !LISTS.contains(&a.name()));
+        for attribute in long {
+            let (name, length) = (attribute.name(), attribute.value().chars().count());
+            let breach = rules::attribute_huge(name, node.tag_name().name(), length, LONGEST);
+            out.add(format!("{file}:{}", xml.line(node)), breach);
+        }
     }
 }
 

@@ -13,8 +13,22 @@ pub(crate) type Archive = ::zip::ZipArchive<std::io::BufReader<std::fs::File>>;
 /// An entry both this large and this compressible serves no FMU.
 const BOMB_SIZE: u64 = 128 << 20;
 const BOMB_RATIO: u64 = 200;
-/// All entries together.
-const BOMB_TOTAL: u64 = 8 << 30;
+/// All entries together: never more than this, nor more than this times the size of the archive above that size. The same limits as
+/// those of the importer in `cosim`.
+const BOMB_TOTAL: u64 = 4 << 30;
+const TOTAL_RATIO: u64 = 100;
+const TOTAL_ALLOWED: u64 = 256 << 20;
+
+/// Whether so many bytes are too many for an archive with these entries.
+fn is_bomb(directory: &Directory) -> Option<u64> {
+    let sum =
+        |of: fn(&RawEntry) -> u64| directory.entries.iter().fold(0_u64, |sum, e| sum.saturating_add(of(e)));
+    let (total, compressed) = (sum(|e| e.size), sum(|e| e.compressed));
+    // Entries that share their bytes are counted once in the file and often here.
+    let size = compressed.min(directory.length);
+    let most = size.saturating_mul(TOTAL_RATIO).clamp(TOTAL_ALLOWED, BOMB_TOTAL);
+    (total > most || compressed > directory.length).then_some(total)
+}
 
 /// Checks every entry of the directory.
 pub(crate) fn check(directory: &Directory, out: &mut Findings) {
@@ -23,20 +37,18 @@ pub(crate) fn check(directory: &Directory, out: &mut Findings) {
     }
     let mut seen = HashSet::new();
     let mut folded: HashMap<String, String> = HashMap::new();
-    let mut total = 0_u64;
     for entry in &directory.entries {
         let name = entry.text();
         check_name(&name, out);
         check_storage(entry, &name, out);
-        total = total.saturating_add(entry.size);
         if !seen.insert(entry.name.clone()) {
             out.add(&name, rules::entry_duplicate(short(&name)));
         } else if let Some(other) = folded.insert(name.to_lowercase(), name.clone()) {
             out.add(&name, rules::entry_case(short(&other), short(&name)));
         }
     }
-    if total > BOMB_TOTAL {
-        out.add("archive", rules::archive_bomb(total, BOMB_TOTAL));
+    if let Some(total) = is_bomb(directory) {
+        out.add("archive", rules::archive_bomb(total, directory.length));
     }
 }
 
@@ -90,15 +102,15 @@ fn check_storage(entry: &RawEntry, name: &str, out: &mut Findings) {
 ///
 /// Entries that cannot be read for a reason already reported (method, encryption) are passed over.
 pub(crate) fn check_content(archive: &mut Archive, directory: &Directory, out: &mut Findings) {
-    if directory.entries.iter().fold(0_u64, |sum, e| sum.saturating_add(e.size)) > BOMB_TOTAL {
+    if is_bomb(directory).is_some() {
         return;
     }
+    let unreadable = |e: &&RawEntry| e.is_encrypted() || ![0, 8].contains(&e.method);
+    let reported: HashSet<String> = directory.entries.iter().filter(unreadable).map(RawEntry::text).collect();
     for index in 0..archive.len() {
         let name =
             archive.name_for_index(index).and_then(Result::ok).map(|n| n.into_owned()).unwrap_or_default();
-        let is_reported =
-            |e: &RawEntry| e.text() == name && (e.is_encrypted() || ![0, 8].contains(&e.method));
-        if directory.entries.iter().any(is_reported) {
+        if reported.contains(&name) {
             continue;
         }
         let Ok(mut entry) = archive.by_index(index) else {

@@ -233,6 +233,11 @@ enum Verb {
 const GET_REAL: [&str; 2] = names(Verb::Get, Kind::Float64);
 const SET_REAL: [&str; 2] = names(Verb::Set, Kind::Float64);
 
+/// The names of the get or set function of a kind.
+pub(crate) const fn value_names(is_set: bool, kind: Kind) -> Names {
+    names(if is_set { Verb::Set } else { Verb::Get }, kind)
+}
+
 /// The names of the get or set function of a kind, for messages.
 const fn names(verb: Verb, kind: Kind) -> Names {
     macro_rules! both {

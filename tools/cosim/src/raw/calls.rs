@@ -1,5 +1,6 @@
 //! The life cycle, steps, and saved states.
 use super::RawInstance;
+use super::functions::ids;
 use crate::{FmiVersion, Status};
 use std::ffi::c_void;
 use std::ptr;
@@ -57,7 +58,7 @@ macro_rules! calls {
             pub fn $name(&mut self $(, $argument: $type)*) -> Status {
                 // SAFETY: the function belongs to the loaded library, the handle is alive, pointers to arrays and results are
                 // valid during the call, and saved states come from `save` or `deserialize` of the same library.
-                self.status(|f, h| f.$field.map(|f| unsafe { f(h $(, $passed)*) }))
+                self.status(ids::$field, |f, h| f.$field.map(|f| unsafe { f(h $(, $passed)*) }))
             })*
         }
     };
@@ -127,7 +128,7 @@ impl RawInstance {
         let (has_tolerance, tolerance) = optional(experiment.tolerance);
         let (has_stop, stop) = optional(experiment.stop);
         let start = experiment.start;
-        self.status(|f, h| {
+        self.status(ids::setup, |f, h| {
             // SAFETY: see above.
             f.setup.map(|f| unsafe { f(h, has_tolerance.into(), tolerance, start, has_stop.into(), stop) })
         })
@@ -138,7 +139,11 @@ impl RawInstance {
         let (has_tolerance, tolerance) = optional(experiment.tolerance);
         let (has_stop, stop) = optional(experiment.stop);
         let version = self.version();
-        self.status(|f, h| match version {
+        let function = match version {
+            FmiVersion::V2 => ids::enter_initialization2,
+            FmiVersion::V3 => ids::enter_initialization3,
+        };
+        self.status(function, |f, h| match version {
             // SAFETY: see above.
             FmiVersion::V2 => f.enter_initialization2.map(|f| unsafe { f(h) }),
             FmiVersion::V3 => {
@@ -154,7 +159,7 @@ impl RawInstance {
         let active = vec![true; clocks.len()];
         let (v, n, active) = (clocks.as_ptr(), clocks.len(), active.as_ptr());
         // SAFETY: see above.
-        self.status(|f, h| f.set_clock.map(|f| unsafe { f(h, v, n, active) }))
+        self.status(ids::set_clock, |f, h| f.set_clock.map(|f| unsafe { f(h, v, n, active) }))
     }
 
     /// FMI 3: the interval of a clock (s); `None` as long as the FMU has not determined it.
@@ -162,7 +167,7 @@ impl RawInstance {
         /// `fmi3IntervalChanged`: the interval is new since the last call.
         const CHANGED: i32 = 2;
         let (mut interval, mut qualifier) = (0.0, CHANGED);
-        let status = self.status(|f, h| {
+        let status = self.status(ids::get_interval, |f, h| {
             // SAFETY: see above.
             f.get_interval.map(|f| unsafe { f(h, &clock, 1, &mut interval, &mut qualifier) })
         });
@@ -172,9 +177,10 @@ impl RawInstance {
     /// `DoStep` from `t` to `t + h` (s); with `no_rollback` the FMU need not support a rollback to a time before `t`.
     #[inline]
     pub fn do_step(&mut self, t: f64, h: f64, no_rollback: bool) -> RawStep {
+        self.page.at(t);
         match self.version() {
             FmiVersion::V2 => {
-                let status = self.status(|f, instance| {
+                let status = self.status(ids::do_step2, |f, instance| {
                     // SAFETY: see above.
                     f.do_step2.map(|step| unsafe { step(instance, t, h, no_rollback.into()) })
                 });
@@ -185,7 +191,7 @@ impl RawInstance {
             }
             FmiVersion::V3 => {
                 let (mut event, mut terminated, mut early, mut reached) = (0, 0, 0, t + h);
-                let status = self.status(|f, instance| {
+                let status = self.status(ids::do_step3, |f, instance| {
                     let step = f.do_step3?;
                     let (event, terminated) = (&mut event, &mut terminated);
                     // SAFETY: see above.
@@ -204,9 +210,10 @@ impl RawInstance {
     fn wants_to_end(&mut self) -> bool {
         const TERMINATED: i32 = 3;
         let mut value = 0;
-        let functions = &self.loaded.functions;
-        // SAFETY: see above.
-        let query = functions.get_boolean_status.map(|f| unsafe { f(self.handle, TERMINATED, &mut value) });
-        query.is_some_and(|status| status <= 1) && value != 0
+        let query = self.status(ids::get_boolean_status, |f, h| {
+            // SAFETY: see above.
+            f.get_boolean_status.map(|f| unsafe { f(h, TERMINATED, &mut value) })
+        });
+        query <= Status::Warning && value != 0
     }
 }

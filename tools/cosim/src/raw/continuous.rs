@@ -1,6 +1,6 @@
 //! Model Exchange: modes, states, derivatives and event indicators; and partial derivatives of either interface type.
 use super::RawInstance;
-use super::functions::{EventInfo, Functions};
+use super::functions::{EventInfo, Functions, ids};
 use crate::{FmiVersion, Status};
 use std::ffi::c_int;
 
@@ -26,11 +26,13 @@ impl RawInstance {
     pub fn update_discrete_states(&mut self) -> (Status, DiscreteUpdate) {
         let mut info = EventInfo::default();
         let status = match self.version() {
-            // SAFETY: see above.
-            FmiVersion::V2 => self.status(|f, h| f.new_discrete_states.map(|f| unsafe { f(h, &mut info) })),
+            FmiVersion::V2 => self.status(ids::new_discrete_states, |f, h| {
+                // SAFETY: see above.
+                f.new_discrete_states.map(|f| unsafe { f(h, &mut info) })
+            }),
             FmiVersion::V3 => {
                 let [mut again, mut terminate, mut nominals, mut values, mut defined] = [0; 5];
-                let status = self.status(|f, h| {
+                let status = self.status(ids::update_discrete_states, |f, h| {
                     let update = f.update_discrete_states?;
                     let (a, t, n, v) = (&mut again, &mut terminate, &mut nominals, &mut values);
                     // SAFETY: see above.
@@ -62,7 +64,11 @@ impl RawInstance {
     pub fn completed_integrator_step(&mut self) -> (Status, bool, bool) {
         let (mut event2, mut end2, mut event3, mut end3) = (0, 0, 0, 0);
         let version = self.version();
-        let status = self.status(|f, h| match version {
+        let function = match version {
+            FmiVersion::V2 => ids::completed_step2,
+            FmiVersion::V3 => ids::completed_step3,
+        };
+        let status = self.status(function, |f, h| match version {
             // SAFETY: see above.
             FmiVersion::V2 => f.completed_step2.map(|f| unsafe { f(h, 1, &mut event2, &mut end2) }),
             // SAFETY: see above.
@@ -74,11 +80,14 @@ impl RawInstance {
     /// FMI 3: the numbers of continuous states and of event indicators.
     pub fn numbers(&mut self) -> Result<(usize, usize), Status> {
         let (mut states, mut indicators) = (0, 0);
-        // SAFETY: see above.
-        let mut status = self.status(|f, h| f.number_of_states.map(|f| unsafe { f(h, &mut states) }));
-        if status <= Status::Warning {
+        let mut status = self
             // SAFETY: see above.
-            status = self.status(|f, h| f.number_of_indicators.map(|f| unsafe { f(h, &mut indicators) }));
+            .status(ids::number_of_states, |f, h| f.number_of_states.map(|f| unsafe { f(h, &mut states) }));
+        if status <= Status::Warning {
+            status = self.status(ids::number_of_indicators, |f, h| {
+                // SAFETY: see above.
+                f.number_of_indicators.map(|f| unsafe { f(h, &mut indicators) })
+            });
         }
         if status <= Status::Warning { Ok((states, indicators)) } else { Err(status) }
     }
@@ -97,12 +106,16 @@ impl RawInstance {
             // FMI 2 has scalars alone, so references and values are as many.
             FmiVersion::V2 if nu != outs || nk != seeds => Status::Error,
             FmiVersion::V2 => {
-                // SAFETY: see above.
-                self.status(|f, h| f.directional2.map(|f| unsafe { f(h, u, nu, k, nk, s, o) }))
+                self.status(ids::directional2, |f, h| {
+                    // SAFETY: see above.
+                    f.directional2.map(|f| unsafe { f(h, u, nu, k, nk, s, o) })
+                })
             }
             FmiVersion::V3 => {
-                // SAFETY: see above.
-                self.status(|f, h| f.directional3.map(|f| unsafe { f(h, u, nu, k, nk, s, seeds, o, outs) }))
+                self.status(ids::directional3, |f, h| {
+                    // SAFETY: see above.
+                    f.directional3.map(|f| unsafe { f(h, u, nu, k, nk, s, seeds, o, outs) })
+                })
             }
         }
     }
@@ -118,7 +131,7 @@ impl RawInstance {
         let (u, nu, k, nk) = (unknowns.as_ptr(), unknowns.len(), knowns.as_ptr(), knowns.len());
         let (s, o, seeds, outs) = (seed.as_ptr(), out.as_mut_ptr(), seed.len(), out.len());
         // SAFETY: see above.
-        self.status(|f, h| f.adjoint.map(|f| unsafe { f(h, u, nu, k, nk, s, seeds, o, outs) }))
+        self.status(ids::adjoint, |f, h| f.adjoint.map(|f| unsafe { f(h, u, nu, k, nk, s, seeds, o, outs) }))
     }
 
     /// FMI 2: the first derivatives (per s) of real inputs.
@@ -130,10 +143,10 @@ impl RawInstance {
         let mut worst = Status::Ok;
         for (v, s) in vrs.chunks(FIRST.len()).zip(slopes.chunks(FIRST.len())) {
             let (n, v, s) = (v.len(), v.as_ptr(), s.as_ptr());
-            // SAFETY: see above.
             let call =
+                // SAFETY: see above.
                 |f: &Functions, h| f.set_input_derivatives.map(|f| unsafe { f(h, v, n, FIRST.as_ptr(), s) });
-            worst = worst.max(self.status(call));
+            worst = worst.max(self.status(ids::set_input_derivatives, call));
         }
         worst
     }
@@ -146,7 +159,11 @@ impl RawInstance {
             return Status::Error;
         }
         let version = self.version();
-        self.status(|f, h| match version {
+        let function = match version {
+            FmiVersion::V2 => ids::output_derivatives2,
+            FmiVersion::V3 => ids::output_derivatives3,
+        };
+        self.status(function, |f, h| match version {
             // SAFETY: see above.
             FmiVersion::V2 => f.output_derivatives2.map(|f| unsafe { f(h, v, n, k, o) }),
             // SAFETY: see above.

@@ -2,8 +2,9 @@
 //!
 //! All are optional here: which ones an FMU must have depends on its interface types.
 use super::accessor::{Accessor, Handle, Text};
-use crate::FmiVersion;
+use crate::child::page::Function;
 use crate::log::{Callbacks, LogCallback};
+use crate::{FmiVersion, Kind};
 use libloading::Library;
 use std::ffi::{c_int, c_void};
 
@@ -88,7 +89,37 @@ macro_rules! functions {
             $(pub(crate) const $must: [&str; 2] = [stringify!($must_two), stringify!($must_three)];)*
             $(pub(crate) const $may: [&str; 2] = [stringify!($may_two), stringify!($may_three)];)*
         }
+
+        /// The places of the fields; values have theirs behind them, two for each kind.
+        #[allow(non_camel_case_types, dead_code)]
+        enum Place { $($must,)* $($may,)* Values }
+
+        /// The numbers of the functions for the page that parent and child share.
+        #[allow(non_upper_case_globals, dead_code)]
+        pub(crate) mod ids {
+            use super::{Function, Place};
+            $(pub(crate) const $must: Function = Function(Function::FIRST + Place::$must as u16);)*
+            $(pub(crate) const $may: Function = Function(Function::FIRST + Place::$may as u16);)*
+        }
+
+        const NAMES: &[[&str; 2]] = &[$(names::$must,)* $(names::$may,)*];
     };
+}
+
+/// The number of the get or set function of a kind.
+pub(crate) const fn value_id(is_set: bool, kind: Kind) -> Function {
+    Function(Function::FIRST + Place::Values as u16 + 2 * kind as u16 + is_set as u16)
+}
+
+/// The name of the function at a place, counted from [`Function::FIRST`].
+pub(crate) fn function_name(place: u16, version: FmiVersion) -> &'static str {
+    let of_value = || {
+        let place = place.checked_sub(Place::Values as u16)?;
+        let kind = Kind::ALL.get(usize::from(place / 2))?;
+        Some(crate::instance::value_names(place % 2 == 1, *kind))
+    };
+    let names = NAMES.get(usize::from(place)).copied().or_else(of_value);
+    names.map_or("a function", |names| names[usize::from(version == FmiVersion::V3)])
 }
 
 /// A symbol of the binary.

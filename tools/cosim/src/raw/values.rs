@@ -1,7 +1,7 @@
 //! Reading and setting variables. Numbers of all C types are converted to and from the type that the caller has.
 use super::RawInstance;
 use super::accessor::Text;
-use super::functions::Functions;
+use super::functions::{Functions, value_id};
 use crate::log::text_of;
 use crate::{FmiVersion, Kind, Status};
 use std::ffi::{CStr, c_int};
@@ -174,13 +174,13 @@ impl RawInstance {
     /// Reads `Float64` variables (FMI 2: `Real`) without any conversion.
     #[inline]
     pub(crate) fn get_f64(&mut self, vrs: &[u32], values: &mut [f64]) -> Status {
-        self.status(|f, h| f.float64.get(h, vrs, values))
+        self.status(value_id(false, Kind::Float64), |f, h| f.float64.get(h, vrs, values))
     }
 
     /// Sets `Float64` variables (FMI 2: `Real`) without any conversion.
     #[inline]
     pub(crate) fn set_f64(&mut self, vrs: &[u32], values: &[f64]) -> Status {
-        self.status(|f, h| f.float64.set(h, vrs, values))
+        self.status(value_id(true, Kind::Float64), |f, h| f.float64.set(h, vrs, values))
     }
 
     /// Reads variables of one numeric kind; for FMI 3 arrays the values of all elements follow each other.
@@ -201,7 +201,7 @@ impl RawInstance {
     /// Reads variables of one numeric kind.
     pub(crate) fn get_as<U: Number>(&mut self, kind: Kind, vrs: &[u32], values: &mut [U]) -> Status {
         let version = self.version();
-        self.status(|f, h| {
+        self.status(value_id(false, kind), |f, h| {
             // A Boolean may be any byte or number but 0.
             let boolean = |is_true: bool| U::of(u8::from(is_true));
             match (version, kind) {
@@ -219,7 +219,7 @@ impl RawInstance {
     /// Sets variables of one numeric kind.
     pub(crate) fn set_as<U: Number>(&mut self, kind: Kind, vrs: &[u32], values: &[U]) -> Status {
         let version = self.version();
-        self.status(|f, h| match (version, kind) {
+        self.status(value_id(true, kind), |f, h| match (version, kind) {
             (FmiVersion::V2, Kind::Boolean) => {
                 convert_set(vrs, values, |v, x| f.boolean2.set(h, v, x), |u| u.is_true().into())
             }
@@ -235,7 +235,7 @@ impl RawInstance {
     /// Reads scalar strings.
     pub fn get_strings(&mut self, vrs: &[u32]) -> Result<Vec<String>, Status> {
         let mut texts: Vec<Text> = vec![ptr::null(); vrs.len()];
-        let status = self.status(|f, h| f.string.get(h, vrs, &mut texts));
+        let status = self.status(value_id(false, Kind::String), |f, h| f.string.get(h, vrs, &mut texts));
         if status > Status::Warning {
             return Err(status);
         }
@@ -250,7 +250,10 @@ impl RawInstance {
         let (v, n) = (vrs.as_ptr(), vrs.len());
         let (sizes_at, data_at) = (sizes.as_mut_ptr(), data.as_mut_ptr());
         // SAFETY: the function belongs to the loaded library, the handle is alive, all lists have `n` entries.
-        let status = self.status(|f, h| f.get_binary.map(|f| unsafe { f(h, v, n, sizes_at, data_at, n) }));
+        let status = self.status(value_id(false, Kind::Binary), |f, h| {
+            // SAFETY: see above.
+            f.get_binary.map(|f| unsafe { f(h, v, n, sizes_at, data_at, n) })
+        });
         if status > Status::Warning {
             return Err(status);
         }
@@ -268,13 +271,16 @@ impl RawInstance {
         let (v, n, m) = (vrs.as_ptr(), vrs.len(), values.len());
         let (sizes, data) = (sizes.as_ptr(), data.as_ptr());
         // SAFETY: as in `get_binaries`; the data outlive the call.
-        self.status(|f, h| f.set_binary.map(|f| unsafe { f(h, v, n, sizes, data, m) }))
+        self.status(value_id(true, Kind::Binary), |f, h| {
+            // SAFETY: see above.
+            f.set_binary.map(|f| unsafe { f(h, v, n, sizes, data, m) })
+        })
     }
 
     /// Sets strings.
     pub fn set_strings(&mut self, vrs: &[u32], values: &[&CStr]) -> Status {
         let texts: Vec<Text> = values.iter().map(|v| v.as_ptr()).collect();
-        self.status(|f, h| f.string.set(h, vrs, &texts))
+        self.status(value_id(true, Kind::String), |f, h| f.string.set(h, vrs, &texts))
     }
 }
 

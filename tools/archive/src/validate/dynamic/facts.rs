@@ -1,5 +1,6 @@
 //! What the model description declares about the running FMU, as owned data.
 
+use super::session::observed;
 use crate::validate::finding::{Findings, short};
 use crate::validate::model::{self, FmiVersion, Model, Unknown, unsigned, unsigned_list};
 use crate::validate::semantics::arrays;
@@ -33,6 +34,8 @@ pub(super) struct Variable {
     /// Number of elements, 1 for a scalar.
     pub(super) size: usize,
     pub(super) clocked: bool,
+    /// An event may change this state.
+    pub(super) reinit: bool,
     /// `modelDescription.xml:12`
     pub(super) place: String,
 }
@@ -99,6 +102,33 @@ pub(super) struct Entry {
     pub(super) dependencies: Option<Vec<usize>>,
 }
 
+/// Observed variables of one kind.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    pub(super) kind: Kind,
+    pub(super) references: Vec<u32>,
+    /// The places of the values in the row of everything that is observed.
+    pub(super) places: Vec<usize>,
+}
+
+fn groups(variables: &[Variable]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut at = 0;
+    for v in variables.iter().filter(|v| observed(v)) {
+        let group = match groups.iter().position(|g| g.kind == v.kind) {
+            Some(index) => &mut groups[index],
+            None => {
+                groups.push(Group { kind: v.kind, references: Vec::new(), places: Vec::new() });
+                groups.last_mut().expect("it has just been pushed")
+            }
+        };
+        group.references.push(v.reference);
+        group.places.extend(at..at + v.size);
+        at += v.size;
+    }
+    groups
+}
+
 #[derive(Clone, Debug)]
 pub(super) struct Facts {
     pub(super) version: FmiVersion,
@@ -106,6 +136,8 @@ pub(super) struct Facts {
     pub(super) categories: Vec<String>,
     pub(super) interfaces: Vec<Interface>,
     pub(super) variables: Vec<Variable>,
+    /// What [`Session::observe`](super::session::Session::observe) reads in one call each.
+    pub(super) groups: Vec<Group>,
     pub(super) outputs: Vec<Entry>,
     pub(super) derivatives: Vec<Entry>,
     /// The state of each entry of `derivatives`.
@@ -168,6 +200,7 @@ impl Facts {
             stop: finite(experiment.stop),
             step: positive(experiment.step),
             tolerance: positive(experiment.tolerance),
+            groups: groups(&variables),
             variables,
         }
     }
@@ -261,6 +294,7 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
         nominal: limit("nominal").filter(|n| *n > 0.0 && n.is_finite()).unwrap_or(1.0),
         size,
         clocked: v.clocked,
+        reinit: model.attribute(v, "reinit").and_then(parse_boolean).unwrap_or(false),
         place: model.place(v.typed),
     }
 }

@@ -15,15 +15,22 @@ use crate::validate::rules;
 pub fn probe(file: &Path, from: usize, send: &mut dyn FnMut(Event)) {
     let channel = Channel::new(send);
     run(file, from, &mut Seen::new(&channel));
-    channel.send(Event::End);
 }
 
 fn run(file: &Path, from: usize, seen: &mut Seen) {
     let archive = match Archive::open(file) {
         Ok(archive) => archive,
-        Err(error) => return seen.add("archive", rules::NOT_RUN.says(sentence(&error))),
+        Err(error) => return seen.add("archive", rules::cannot_run(sentence(&error))),
     };
-    let Some(facts) = Facts::read(&archive) else { return };
+    let Some(facts) = Facts::read(&archive) else {
+        return seen.add(
+            "archive",
+            rules::NOT_RUN.says("The FMU was not run: its model description cannot be read"),
+        );
+    };
+    if facts.interfaces.is_empty() {
+        return seen.add("archive", rules::NOT_RUN.says("The FMU was not run: it has no interface"));
+    }
     let mut number = 0;
     for interface in &facts.interfaces {
         let first = number;
@@ -56,7 +63,7 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
             binary,
             place,
             base: Default::default(),
-            pulse: seen.channel,
+            pool: Default::default(),
         };
         for (i, stage) in stages::ALL.iter().enumerate().filter(|(i, _)| first + i >= from) {
             let before = std::mem::take(&mut seen.failed);
@@ -66,6 +73,11 @@ fn run(file: &Path, from: usize, seen: &mut Seen) {
             if stage.is_basis && failed && !ended {
                 break;
             }
+        }
+        // Another interface type is another instance.
+        if interface.only_once_per_process && number < stages::ALL.len() * facts.interfaces.len() {
+            seen.channel.send(Event::Next(number));
+            return;
         }
     }
 }

@@ -1,7 +1,6 @@
 //! What the child process reports to the parent: events, and findings of the stages.
 
-use std::cell::{Cell, RefCell};
-use std::time::{Duration, Instant};
+use std::cell::RefCell;
 
 use serde::{Deserialize, Serialize};
 
@@ -14,12 +13,10 @@ use crate::validate::rules::Breach;
 pub enum Event {
     /// A stage begins: its number and its description.
     Begin(usize, String),
-    /// Heartbeat while calls return, so that a slow FMU does not count as hung.
-    Alive,
     /// Something was found.
     Seen(Observation),
-    /// All stages are complete.
-    End,
+    /// The stages from this one on need another process.
+    Next(usize),
 }
 
 /// A finding before the parent adds severity and section.
@@ -56,37 +53,16 @@ impl Fault {
     }
 }
 
-/// Shortest interval between two heartbeats.
-const PULSE: Duration = Duration::from_secs(1);
-
 /// The channel to the parent process.
-pub(super) struct Channel<'a> {
-    send: RefCell<&'a mut dyn FnMut(Event)>,
-    last: Cell<Instant>,
-}
+pub(super) struct Channel<'a>(RefCell<&'a mut dyn FnMut(Event)>);
 
 impl<'a> Channel<'a> {
     pub(super) fn new(send: &'a mut dyn FnMut(Event)) -> Self {
-        Channel { send: RefCell::new(send), last: Cell::new(Instant::now()) }
+        Channel(RefCell::new(send))
     }
 
     pub(super) fn send(&self, event: Event) {
-        self.last.set(Instant::now());
-        (self.send.borrow_mut())(event);
-    }
-}
-
-/// Receives a heartbeat whenever a call returns.
-pub(super) trait Pulse {
-    /// A call has returned.
-    fn alive(&self);
-}
-
-impl Pulse for Channel<'_> {
-    fn alive(&self) {
-        if self.last.get().elapsed() > PULSE {
-            self.send(Event::Alive);
-        }
+        (self.0.borrow_mut())(event);
     }
 }
 

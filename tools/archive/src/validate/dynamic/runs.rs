@@ -4,7 +4,7 @@ use cosim::raw::InterfaceType;
 
 use super::facts::{Facts, Variable};
 use super::report::{Fault, Seen};
-use super::session::{Session, column};
+use super::session::{Session, column, observed};
 use super::solver::{Reached, Solver};
 use crate::validate::rules::Rule;
 
@@ -92,6 +92,14 @@ pub(super) fn stepped(
     Ok(rows)
 }
 
+/// Relative differences below this are rounding.
+pub(super) const ROUNDING: f64 = 1e-9;
+
+/// The relative difference that a solver may cause that starts again: a few tolerances of the default experiment.
+pub(super) fn solver_error(facts: &Facts) -> f64 {
+    10.0 * facts.tolerance.unwrap_or(1e-4).min(1e-2)
+}
+
 pub(super) fn same(a: f64, b: f64) -> bool {
     a == b || a.is_nan() && b.is_nan()
 }
@@ -126,27 +134,35 @@ impl Seen<'_> {
         difference: Option<Difference>,
         is: impl Fn(f64, f64) -> String,
     ) -> bool {
-        let Some(d) = difference else { return false };
+        let Some(d) = difference.filter(|d| d.relative > ROUNDING) else { return false };
         let message = format!("Variable \"{}\" {} ({})", d.name, is(d.first, d.second), d.when());
         self.add(&d.variable.place, rule.says(message));
         true
     }
 }
 
-/// Where two runs differ most, among the steady columns.
+/// What differences of a variable are related to at least: its nominal value.
+fn floor(v: &Variable) -> f64 {
+    if v.kind.is_float() { v.nominal } else { 0.0 }
+}
+
+/// Where two runs differ most, among the steady columns. Differences of floating point numbers are relative to the values,
+/// at least to the nominal one.
 pub(super) fn difference<'a>(
     facts: &'a Facts,
     steady: &[bool],
     a: &Rows,
     b: &Rows,
 ) -> Option<Difference<'a>> {
+    let floors: Vec<f64> =
+        facts.variables.iter().filter(|v| observed(v)).flat_map(|v| vec![floor(v); v.size]).collect();
     let mut worst: Option<(f64, usize, usize)> = None;
     for (row, (x, y)) in a.iter().zip(b).enumerate() {
         for index in 0..x.len().min(y.len()) {
             if !steady.get(index).copied().unwrap_or(true) || same(x[index], y[index]) {
                 continue;
             }
-            let size = a.iter().chain(b).map(|r| r[index].abs()).fold(0.0, f64::max);
+            let size = a.iter().chain(b).map(|r| r[index].abs()).fold(floors[index], f64::max);
             let relative = (x[index] - y[index]).abs() / size;
             let relative = if relative.is_finite() { relative } else { f64::INFINITY };
             if worst.is_none_or(|w| relative > w.0) {

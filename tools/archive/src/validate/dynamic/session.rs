@@ -4,7 +4,8 @@ use cosim::raw::{Experiment, InterfaceType, RawInstance};
 use cosim::{Kind, Log, Status};
 
 use super::facts::{Facts, Variable};
-use super::report::{Fault, Pulse};
+use super::report::Fault;
+use super::subject::Held;
 use crate::validate::finding::short;
 use crate::validate::rules;
 use cosim::Interface;
@@ -25,10 +26,9 @@ pub(super) fn words(log: &Log) -> String {
 }
 
 pub(super) struct Session<'a> {
-    pub(super) raw: RawInstance,
+    pub(super) raw: Held,
     pub(super) facts: &'a Facts,
     pub(super) interface: &'a Interface,
-    pub(super) pulse: &'a dyn Pulse,
     /// FMI 3 Co-Simulation: event mode is used.
     pub(super) event_mode: bool,
     /// The time reached, s.
@@ -40,7 +40,6 @@ pub(super) struct Session<'a> {
 impl<'a> Session<'a> {
     /// A fault unless the status is OK or Warning; `function` is without the prefix of its standard.
     pub(super) fn ok(&self, function: &str, status: Status) -> Result<(), Fault> {
-        self.pulse.alive();
         if status <= Status::Warning {
             return Ok(());
         }
@@ -185,10 +184,16 @@ impl<'a> Session<'a> {
 
     /// Everything that has a number, in the order of [`observed`].
     pub(super) fn observe(&mut self) -> Result<Vec<f64>, Fault> {
-        let mut row = Vec::new();
         let facts = self.facts;
-        for v in facts.variables.iter().filter(|v| observed(v)) {
-            row.extend(self.get(v)?);
+        let mut row = vec![0.0; facts.groups.iter().map(|g| g.places.len()).sum()];
+        for group in &facts.groups {
+            let mut values = vec![0.0; group.places.len()];
+            if self.raw.get(group.kind, &group.references, &mut values) > Status::Warning {
+                // One by one, so that the fault names the variable.
+                let of_kind = facts.variables.iter().filter(|v| observed(v) && v.kind == group.kind);
+                values = of_kind.map(|v| self.get(v)).collect::<Result<Vec<_>, _>>()?.concat();
+            }
+            group.places.iter().zip(values).for_each(|(place, value)| row[*place] = value);
         }
         Ok(row)
     }

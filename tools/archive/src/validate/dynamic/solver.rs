@@ -109,7 +109,7 @@ impl Solver {
         Ok(Reached::End)
     }
 
-    fn handle_event(&mut self, session: &mut Session) -> Result<(), Fault> {
+    pub(super) fn handle_event(&mut self, session: &mut Session) -> Result<(), Fault> {
         session.call("EnterEventMode", |raw| raw.enter_event_mode())?;
         session.iterate_events()?;
         session.call("EnterContinuousTimeMode", |raw| raw.enter_continuous_time_mode())?;

@@ -3,7 +3,7 @@
 
 use super::facts::{Entry, Facts, Variable};
 use super::report::{Fault, Seen};
-use super::runs::{self, Drive, Rows, difference, steps};
+use super::runs::{self, Drive, ROUNDING, Rows, difference, solver_error, steps};
 use super::session::{Session, Settings, column, observed};
 use super::solver::{Reached, Solver, indicators};
 use super::subject::{Subject, fresh};
@@ -46,6 +46,11 @@ const fn stage(
     Stage { what, is_basis: false, is_misuse: false, applies, run }
 }
 
+/// Several instances may exist in this process.
+fn is_repeatable(s: &Subject) -> bool {
+    !s.interface.only_once_per_process
+}
+
 fn moves(s: &Subject) -> bool {
     s.interface.kind != ScheduledExecution
 }
@@ -64,14 +69,14 @@ pub(super) static ALL: &[Stage] = &[
     stage("start values after instantiation", |_| true, setting::start_values),
     stage(
         "event mode in Co-Simulation",
-        |s| steps_itself(s) && s.interface.has_event_mode,
+        |s| steps_itself(s) && s.interface.has_event_mode && is_repeatable(s),
         life::with_events,
     ),
     stage("a second run, and runs after a reset", moves, repeat::reset),
     stage("saved states", |s| moves(s) && s.interface.can_get_and_set_state, state::run),
     stage("values in another order", moves, setting::order),
-    stage("two instances at a time", |s| moves(s) && !s.interface.only_once_per_process, repeat::instances),
-    stage("many instances, many steps", moves, repeat::memory),
+    stage("two instances at a time", |s| moves(s) && is_repeatable(s), repeat::instances),
+    stage("many instances, many steps", |s| moves(s) && is_repeatable(s), repeat::memory),
     stage("steps of another size", |s| steps_itself(s) && s.interface.can_handle_variable_step, steps::size),
     stage("steps past the stop time", steps_itself, steps::stop_time),
     stage("declared derivatives against differences", moves, derivatives::declared),
@@ -87,14 +92,14 @@ pub(super) static ALL: &[Stage] = &[
     ),
     stage("states, derivatives and event indicators", is_integrated, exchange::run),
     stage("partial derivatives and dependencies", moves, jacobian::run),
-    stage("Model Exchange against Co-Simulation", is_integrated, compare::run),
+    stage("Model Exchange against Co-Simulation", |s| is_integrated(s) && is_repeatable(s), compare::run),
     stage(
         "reference results that the FMU carries",
         |s| steps_itself(s) && reference::is_there(s),
         reference::run,
     ),
     stage("freeing an instance that is NULL", |_| true, life::free_nothing),
-    Stage { is_misuse: true, ..stage("a wrong guid or token", |_| true, misuse::token) },
+    Stage { is_misuse: true, ..stage("a wrong guid or token", is_repeatable, misuse::token) },
     Stage { is_misuse: true, ..stage("NaN and values outside the limits", moves, misuse::values) },
     Stage { is_misuse: true, ..stage("value references that do not exist", moves, misuse::references) },
 ];

@@ -1,16 +1,49 @@
 //! The FMU under test, and the run that others are compared with.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
+use std::ops::{Deref, DerefMut};
+use std::rc::Rc;
 
 use cosim::raw::{InterfaceType, RawBinary, RawInstance, RawSetup};
-use cosim::{Archive, Kind, Log};
+use cosim::{Archive, Kind, Log, Status};
 
 use super::facts::Facts;
-use super::report::{Fault, Pulse};
+use super::report::Fault;
 use super::runs::{Rows, from_here, same};
 use super::session::{Session, Settings, words};
 use crate::validate::rules;
 use cosim::Interface;
+
+/// The only instance of a process whose FMU allows no second one.
+pub(super) type Pool = Rc<Cell<Option<RawInstance>>>;
+
+/// An instance of a session; one that must be the only one goes back to the pool.
+pub(super) struct Held {
+    raw: Option<RawInstance>,
+    pool: Option<Pool>,
+}
+
+impl Deref for Held {
+    type Target = RawInstance;
+
+    fn deref(&self) -> &RawInstance {
+        self.raw.as_ref().expect("it is taken in drop alone")
+    }
+}
+
+impl DerefMut for Held {
+    fn deref_mut(&mut self) -> &mut RawInstance {
+        self.raw.as_mut().expect("it is taken in drop alone")
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        if let Some(pool) = &self.pool {
+            pool.set(self.raw.take());
+        }
+    }
+}
 
 /// What all stages share: the FMU and its declarations.
 pub(super) struct Subject<'a> {
@@ -21,7 +54,8 @@ pub(super) struct Subject<'a> {
     /// The archive's name of the library.
     pub(super) place: String,
     pub(super) base: BaseCell<'a>,
-    pub(super) pulse: &'a dyn Pulse,
+    /// The only instance of this process, while nobody uses it.
+    pub(super) pool: Pool,
 }
 
 impl<'a> Subject<'a> {
@@ -35,6 +69,12 @@ impl<'a> Subject<'a> {
 
     /// A new instance, or `None` if the FMU refuses.
     pub(super) fn try_instance(&self, name: &str, token: &str, log: &Log) -> Option<RawInstance> {
+        // The only instance of a process is used again.
+        if let Some(mut raw) = self.pool.take()
+            && raw.reset() <= Status::Warning
+        {
+            return Some(raw);
+        }
         let event_mode = self.event_mode();
         let setup = RawSetup { interface: self.interface.kind, token, name, event_mode };
         self.binary.instantiate(&setup, log)
@@ -56,9 +96,11 @@ impl<'a> Subject<'a> {
 
     /// The session of a new instance.
     pub(super) fn session(&self, raw: RawInstance) -> Session<'a> {
-        let Subject { facts, interface, pulse, .. } = *self;
+        let Subject { facts, interface, .. } = *self;
         let event_mode = self.event_mode();
-        Session { raw, facts, interface, pulse, event_mode, now: facts.start, next: None }
+        let pool = interface.only_once_per_process.then(|| Rc::clone(&self.pool));
+        let raw = Held { raw: Some(raw), pool };
+        Session { raw, facts, interface, event_mode, now: facts.start, next: None }
     }
 
     /// A new instance with these settings, initialised and ready to step.

@@ -13,6 +13,8 @@ rules! {
         refused_with_logging() "The FMU refused to be instantiated with loggingOn = true"
         refused_with_event_mode() "The FMU refused to be instantiated with eventModeUsed = true although hasEventMode is true"
         refused_instance(kind, words) "The FMU refused to be instantiated for {kind}{words}";
+    VERSION_RELEASE "version-release" Warning "the library returns the version without its release" "2.1.4" "2.2.5"
+        version_release(function, version, wanted) "{function} returns \"{version}\" instead of \"{wanted}\"";
     VERSION_STRING "version-string" Error "the library returns the version of the standard" "2.1.4" "2.2.5"
         version_string(function, version, wanted) "{function} returns \"{version}\" instead of \"{wanted}\""
         types_platform(types) "fmi2GetTypesPlatform returns \"{types}\" instead of \"default\"";
@@ -22,7 +24,7 @@ rules! {
     EVENT_ITERATION "event-iteration" Error "the event iteration ends, and time events are not in the past" "3.2.2" "2.3.5"
         time_event_in_the_past(next, now) "The next time event is at {next} s, before the present time {now} s"
         event_iteration_diverges(now, most_iterations) "The event iteration at t = {now} s does not converge in {most_iterations} iterations";
-    OUTPUT_NOT_FINITE "output-not-finite" Error "outputs are finite at the start values" "" ""
+    OUTPUT_NOT_FINITE "output-not-finite" Warning "outputs are finite at the start values" "" ""
         indicator_not_finite(number, count, value, now) "Event indicator {number} of {count} is {value} at t = {now} s"
         output_not_finite(v, value, when) "Output {v} is {value} {when} with all variables at their start values";
     VALUE_OUTSIDE "value-outside" Error "variables stay within their declared limits" "2.2.3" "2.2.7.3"
@@ -30,8 +32,10 @@ rules! {
     LOG_CATEGORY_UNDECLARED "log-category-undeclared" Warning "messages come in declared categories" "2.1.5" "2.3.1"
         log_category_undeclared(category, text)
             "The FMU logs in the category \"{category}\", which <LogCategories> does not define (message \"{text}\")";
+    LOGGER_ENVIRONMENT "logger-environment" Error "messages come with the environment pointer of the importer" "2.1.5" "2.3.1"
+        logger_environment(call) "The FMU calls {call} with another environment pointer than the importer's, which it must pass";
     CRASH "crash" Error "no call ends the process" "2.1.3" "2.2.4";
-    HANG "hang" Error "every call returns" "" "";
+    HANG "hang" Error "every call returns" "4.2.2" "4.2.1";
     // Behaviour: values.
     START_DIFFERS "start-differs" Error "variables start at their start values" "2.2.7" "2.4.7.5"
         start_text_differs(v, text, wanted) "Variable {v} starts at \"{text}\" instead of its start value \"{wanted}\""
@@ -54,7 +58,7 @@ rules! {
         leak_of_state(bytes) "Each saved state leaks {bytes:.0} bytes after it has been freed"
         leak_of_step(bytes) "Each step leaks {bytes:.0} bytes";
     ROLLBACK "rollback" Error "a saved state restores all values" "2.1.8" "2.2.7.4";
-    ROLLBACK_INEXACT "rollback-inexact" Warning "a saved state restores all values bit for bit" "" "";
+    ROLLBACK_INEXACT "rollback-inexact" Note "a saved state restores all values bit for bit" "" "";
     SERIALIZE "serialize" Error "serialization does not change a state" "2.1.8" "2.2.7.4";
     STATE_POINTER "state-pointer" Error "freeing a state sets its pointer to NULL" "2.1.8" "2.2.7.4"
         state_pointer(name) "{name} does not set the pointer to the freed state to NULL";
@@ -87,6 +91,9 @@ rules! {
     EVALUATION_MEMORY "evaluation-memory" Error "derivatives depend on time, states and inputs only" "3.1" "3.1"
         evaluation_memory(number, count, first, second)
             "Derivative {number} of {count} is {first} and, evaluated again at the same time and states, {second}";
+    REINIT "reinit" Error "only states with reinit change at events" "2.2.7" "2.4.7.5"
+        reinit_undeclared(v, before, after, t)
+            "The state {v} changes from {before} to {after} in the event at t = {t} s, but its attribute reinit is not true";
     INDICATOR_JUMPS "indicator-jumps" Warning "event indicators are continuous at their zero crossings" "3.1" "3.1.1"
         indicator_jumps(number, indicators, low, high, t)
             "Event indicator {number} of {indicators} jumps from {low} to {high} at t = {t} s; importers search for its zero crossing";
@@ -95,7 +102,7 @@ rules! {
     DEPENDENCY_UNDECLARED "dependency-undeclared" Error "unknowns depend on declared dependencies alone" "2.2.8" "2.4.8"
         dependency_undeclared(unknown, known, derivative)
             "Variable {unknown} depends on \"{known}\" (derivative {derivative}), which is missing in its list of dependencies";
-    EXCHANGE_DIFFERS "exchange-differs" Error "Model Exchange and Co-Simulation agree" "" ""
+    EXCHANGE_DIFFERS "exchange-differs" Warning "Model Exchange and Co-Simulation agree" "" ""
         exchange_differs(v, exchange, t, cosimulation)
             "Variable {v} is {exchange} at t = {t} s in Model Exchange and {cosimulation} in Co-Simulation, and the difference does not decrease with the step size";
     // Behaviour: reference results in extra/org.fmi-standard.fmi-ls-ref.
@@ -110,9 +117,9 @@ rules! {
         nan_accepted(v, bad) "Variable {v} accepts the value {bad}, and the FMU steps with status OK";
     RANGE_UNCHECKED "range-unchecked" Note "values outside the limits are rejected or reported by a warning" "2.2.3" "2.2.7.3"
         range_unchecked(v, bad, limits) "Variable {v} accepts {bad}, which is outside its limits ({limits}), with status OK";
-    REFERENCE_UNCHECKED "reference-unchecked" Error "unknown value references are errors" "2.1.2" "2.2.4"
+    REFERENCE_UNCHECKED "reference-unchecked" Warning "unknown value references are errors" "2.1.2" "2.2.4"
         reference_unchecked(reference, value) "Reading value reference {reference}, which no variable has, gives {value} and no error";
-    CONSTANT_SETTABLE "constant-settable" Error "constants cannot be set" "2.1.2" "2.2.4"
+    CONSTANT_SETTABLE "constant-settable" Warning "constants cannot be set" "2.1.2" "2.2.4"
         constant_settable(v) "The constant {v} can be set without an error";
     CRASH_ON_MISUSE "crash-on-misuse" Warning "no wrong call ends the process" "2.1.3" "2.2.4";
     HANG_ON_MISUSE "hang-on-misuse" Warning "every wrong call returns" "" "";

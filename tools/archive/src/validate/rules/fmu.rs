@@ -9,8 +9,10 @@ rules! {
     ARCHIVE_SPANNED "archive-spanned" Error "the archive is one file" "2.3" "2.5"
         archive_spanned() "The archive is split over several disks";
     ARCHIVE_BOMB "archive-bomb" Error "the archive unpacks to a sensible size" "" ""
-        archive_bomb(total, bomb_total) "The archive unpacks to {total} bytes, more than the {bomb_total} allowed here"
+        archive_bomb(total, length) "The archive of {length} bytes unpacks to {total} bytes"
         entry_bomb(shown, compressed, size) "The entry \"{shown}\" of {compressed} bytes unpacks to {size} bytes";
+    TIME_LIMIT "time-limit" Error "the files can be checked in time" "" ""
+        time_limit(seconds) "The static checks of the files take longer than {seconds} s";
     ENTRY_DUPLICATE "entry-duplicate" Error "an entry name occurs once" "" ""
         entry_duplicate(name) "The entry \"{name}\" occurs more than once in the archive";
     ENTRY_CASE "entry-case" Warning "entry names differ in more than case" "" ""
@@ -66,6 +68,9 @@ rules! {
         xsd_element_repeated(name, element, most) "The element <{name}> occurs too often in <{element}>: at most {most} allowed";
     XSD_ELEMENT_MISSING "xsd-element-missing" Error "required elements are present" "2.2" "2.4"
         xsd_element_missing(element, join) "<{element}> must contain {join}";
+    ATTRIBUTE_HUGE "attribute-huge" Warning "texts have a sensible length" "" ""
+        attribute_huge(name, element, length, most)
+            "The attribute \"{name}\" in <{element}> has {length} characters; more than {most} are too many for tools that copy it";
     XSD_TEXT "xsd-text" Error "no text between elements" "2.2" "2.4"
         xsd_text(element, trim) "<{element}> contains the text \"{trim}\", but only elements are allowed";
     XSD_ATTRIBUTE_UNKNOWN "xsd-attribute-unknown" Error "only attributes of the schema" "2.2" "2.4"
@@ -125,6 +130,9 @@ rules! {
         unit_repeated(name) "The unit \"{name}\" is defined more than once";
     UNIT_FACTOR "unit-factor" Error "factors are not zero, factors and offsets are finite" "2.2.2" "2.4.3"
         unit_factor(name, what, x) "The {name} of the {what} is {x}; no value can be converted with it";
+    UNIT_CONTRADICTION "unit-contradiction" Error "a unit with a common name means what the name says" "" ""
+        unit_contradiction(what, factor, offset, wanted_factor, wanted_offset)
+            "{what} has the factor {factor} and the offset {offset}, but the name says {wanted_factor} and {wanted_offset}";
     DISPLAY_UNIT_REPEATED "display-unit-repeated" Error "display units of a unit have unique names" "2.2.2" "2.4.3"
         display_unit_repeated(display_name, name) "The display unit \"{display_name}\" is defined more than once for the unit \"{name}\"";
     DISPLAY_UNIT_INVERSE "display-unit-inverse" Error "inverse display units have no offset" "" "2.4.3"
@@ -318,8 +326,8 @@ rules! {
     LICENSE_ENTRY "license-entry" Error "the licence folder has an entry point" "" "2.5.1.1.1";
     TOOL_UNDOCUMENTED "tool-undocumented" Error "a needed tool is documented" "" "2.5.1.1"
         tool_undocumented() "needsExecutionTool is true, but documentation/externalDependencies.{{txt|html}} does not say which tool";
-    BUILD_DESCRIPTION_MISSING "build-description-missing" Error "sources come with a build description" "" "2.5.1.3"
-        build_description_missing(file) "The archive has source files but no {file}";
+    BUILD_DESCRIPTION_MISSING "build-description-missing" Note "sources come with a build description" "" "2.4.10"
+        build_description_missing(file) "The archive has source files but no {file}, so importers cannot compile them";
     SOURCE_FILE_MISSING "source-file-missing" Error "listed source files are present" "2.3" "2.4.10"
         source_file_missing(name) "The source file \"{name}\" is listed but not in the archive";
     VERSION_MISMATCH "version-mismatch" Error "all XML files have the same fmiVersion" "" "2.4.9"
@@ -352,7 +360,7 @@ rules! {
         platform_of_fmi2(folder) "The folder \"{folder}\" is named as in FMI 2; importers of FMI 3 look for a platform tuple such as x86_64-linux";
     PLATFORM_OF_FMI3 "platform-of-fmi3" Warning "folders of FMI 2 have the names of FMI 2" "2.3" ""
         platform_of_fmi3(folder) "The folder \"{folder}\" is named as in FMI 3; FMI 2 has its own name for this platform";
-    PLATFORM_UNKNOWN "platform-unknown" Note "platform folders are those of the standard" "2.3" "2.5.1.4.1"
+    PLATFORM_UNKNOWN "platform-unknown" Warning "platform folders are those of the standard" "2.3" "2.5.1.4.1"
         platform_unknown(folder) "The platform folder \"{folder}\" is not one of the standard";
     BINARY_MISSING "binary-missing" Error "libraries are named after modelIdentifier" "2.3" "2.5.1"
         binary_missing(folder, file, identifier, join)

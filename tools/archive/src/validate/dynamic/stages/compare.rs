@@ -4,7 +4,7 @@
 //! difference that neither decreases with the communication step nor has the shape of the error of Euler's method.
 
 use super::*;
-/// Tolerance relative to the range of a variable.
+/// Tolerance relative to the range of a variable; a loose tolerance of the default experiment may excuse more.
 const TOLERATED: f64 = 0.005;
 /// Tolerance relative to the nominal value.
 const SMALLEST: f64 = 1e-6;
@@ -20,8 +20,8 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         return Ok(());
     };
     let Ok(binary) = RawBinary::load(subject.archive, &interface.model_identifier) else { return Ok(()) };
-    let (place, base) = (subject.place.clone(), Default::default());
-    let other = Subject { interface, binary, place, base, ..*subject };
+    let (place, base, pool) = (subject.place.clone(), Default::default(), Default::default());
+    let other = Subject { interface, binary, place, base, pool, ..*subject };
     let watched = facts
         .select(|v| v.is_continuous() && v.size == 1 && !v.clocked && !v.is("input") && !v.is("independent"));
     let h = facts.step().max(interface.fixed_internal_step_size.unwrap_or(0.0));
@@ -76,7 +76,8 @@ fn differs<'a>(
     let error = |rows_of: &Rows, i: usize| {
         reference.iter().zip(rows_of).map(|(a, b)| (a[i] - b[i]).abs() / scale[i]).fold(0.0, f64::max)
     };
-    let suspects: Vec<usize> = (0..watched.len()).filter(|i| error(&coarse, *i) > TOLERATED).collect();
+    let tolerated = TOLERATED.max(solver_error(subject.facts));
+    let suspects: Vec<usize> = (0..watched.len()).filter(|i| error(&coarse, *i) > tolerated).collect();
     if suspects.is_empty() {
         return Ok(None);
     }
@@ -86,7 +87,7 @@ fn differs<'a>(
     let euler = euler(subject, course)?;
     for i in suspects {
         let first = error(&coarse, i);
-        let converges = fine.as_ref().is_some_and(|f| error(f, i) < (0.6 * first).max(TOLERATED));
+        let converges = fine.as_ref().is_some_and(|f| error(f, i) < (0.6 * first).max(tolerated));
         let is_coarse = is_like_euler(&reference, &coarse, &euler, i);
         if !converges && !is_coarse {
             let worst = (0..rows).max_by(|a, b| {

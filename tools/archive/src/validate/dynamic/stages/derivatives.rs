@@ -112,7 +112,7 @@ pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> 
         .slopes
         .iter()
         .map(|(x, dx)| (&facts.variables[*x], &facts.variables[*dx]))
-        .filter(|(x, dx)| is_plain(x) && is_plain(dx))
+        .filter(|(x, dx)| is_plain(x) && is_plain(dx) && !x.reinit)
         .collect();
     if pairs.is_empty() {
         return Ok(());

@@ -31,7 +31,39 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         vectors(&mut session, &moved, seen)?;
         memory(&mut session, &x, &moved, seen)?;
     }
-    jumps(subject, seen)
+    drop(session);
+    jumps(subject, seen)?;
+    reinit(subject, seen)
+}
+
+/// Events of a run that are watched.
+const EVENTS: usize = 20;
+
+/// States that change at events have the attribute reinit.
+fn reinit(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
+    let facts = subject.facts;
+    if facts.state_count() == 0 || facts.states.iter().all(|i| facts.variables[*i].reinit) {
+        return Ok(());
+    }
+    let mut session = subject.started(&subject.base()?.settings)?;
+    let mut solver = Solver::new(&mut session, 1e-6)?;
+    let end = facts.stop.unwrap_or(facts.start + 100.0 * facts.step());
+    for _ in 0..EVENTS {
+        if solver.advance(&mut session, end, false)? != Reached::Event {
+            return Ok(());
+        }
+        let (t, before) = (session.now, solver.x.clone());
+        solver.handle_event(&mut session)?;
+        let mut at = 0;
+        for v in facts.states.iter().map(|i| &facts.variables[*i]) {
+            let changed = (at..at + v.size).find(|i| !close(before[*i], solver.x[*i]));
+            at += v.size;
+            if let Some(i) = changed.filter(|_| !v.reinit) {
+                seen.add(&v.place, rules::reinit_undeclared(v, before[i], solver.x[i], t));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn nominals(session: &mut Session, n: usize, seen: &mut Seen) -> Result<(), Fault> {

@@ -78,7 +78,8 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         }
         let Some(column) = point.column(known) else {
             // Rejected on one side: a limit, or a point outside the model's domain.
-            point.session = subject.started(&subject.base()?.settings)?;
+            point.session.call("Reset", |raw| raw.reset())?;
+            point.session.start(&subject.base()?.settings)?;
             continue;
         };
         dependencies(facts, &unknowns, known, &column, seen);

@@ -25,8 +25,13 @@ pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         outputs(&mut session, "after a few steps", seen)?;
     }
     session.call("Terminate", |raw| raw.terminate())?;
+    if session.raw.log().has_foreign_environment() {
+        let call = subject.facts.pick("the logger", "logMessage");
+        seen.add(&subject.interface.place(), rules::logger_environment(call));
+    }
     drop(session);
-    categories(subject, seen)
+    // With another debug setting another instance is needed.
+    if subject.interface.only_once_per_process { Ok(()) } else { categories(subject, seen) }
 }
 
 /// NULL is a legal argument of the function that frees, and has no effect.
@@ -39,7 +44,9 @@ fn versions(subject: &Subject, seen: &mut Seen) {
     let (function, wanted) = (subject.facts.function("GetVersion"), subject.facts.pick("2.0", "3.0"));
     let version = subject.binary.version().unwrap_or_default();
     // FMI 3 has maintenance releases such as 3.0.2 in its version string.
-    if !(version == wanted || subject.facts.version == FmiVersion::V3 && version.starts_with("3.")) {
+    if subject.facts.version == FmiVersion::V2 && version.starts_with("2.") && version != wanted {
+        seen.add(&subject.place, rules::version_release(function, short(&version), wanted));
+    } else if !(version == wanted || subject.facts.version == FmiVersion::V3 && version.starts_with("3.")) {
         seen.add(&subject.place, rules::version_string(function, short(&version), wanted));
     }
     if let Some(types) = subject.binary.types_platform().filter(|t| t != "default") {

@@ -81,8 +81,10 @@ pub(super) fn references(subject: &Subject, seen: &mut Seen) -> Result<(), Fault
             seen.add(&subject.interface.place(), rules::reference_unchecked(reference, value[0]));
             break;
         }
+        drop(session);
         session = subject.started(&Vec::new())?;
     }
+    drop(session);
     let constant = facts
         .variables
         .iter()

@@ -1,6 +1,8 @@
 //! Start values, and values set in one order or another.
 
 use super::*;
+use std::collections::HashMap;
+
 /// The variables of the binary have the start values of the description.
 pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let mut session = subject.instance("probe")?;
@@ -26,12 +28,23 @@ pub(super) fn start_values(subject: &Subject, seen: &mut Seen) -> Result<(), Fau
             }
         } else if v.kind.is_numeric() && v.start.len() == v.size {
             let values = session.get(v)?;
-            if let Some((value, start)) = values.iter().zip(&v.start).find(|(x, start)| x != start) {
+            let differs = |(x, start): &(&f64, &f64)| !is_start(v, **x, **start);
+            if let Some((value, start)) = values.iter().zip(&v.start).find(differs) {
                 seen.add(&v.place, rules::start_differs(v, value, start));
             }
         }
     }
     Ok(())
+}
+
+/// Whether a value is that of the start attribute: its decimal text may have been rounded to a neighbour.
+fn is_start(v: &Variable, value: f64, start: f64) -> bool {
+    let neighbours = match v.kind {
+        Kind::Float64 => 4.0 * f64::EPSILON,
+        Kind::Float32 => 4.0 * f64::from(f32::EPSILON),
+        _ => 0.0,
+    };
+    value == start || (value - start).abs() <= neighbours * start.abs()
 }
 
 /// In which way values are set.
@@ -51,7 +64,7 @@ pub(super) fn order(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let own: Settings = free.iter().map(|v| (*v, v.start.clone())).collect();
     let untouched = fresh(subject, &Vec::new())?;
     if let Ok((set, _)) = run_in(subject, &own, Order::Forwards)
-        && let Some(d) = difference(facts, &base.steady, &untouched, &set)
+        && let Some(d) = difference(facts, &base.steady, &untouched, &set).filter(|d| d.relative > ROUNDING)
     {
         seen.add(&d.variable.place, rules::set_start(&d.name, d.first, d.second, d.when()));
     }
@@ -113,11 +126,13 @@ fn run_in<'a>(
     session.leave()?;
     let rows = runs::from_here(&mut session)?;
     let mut lost = None;
+    let set_to: HashMap<*const Variable, &Vec<f64>> =
+        settings.iter().map(|(v, x)| (std::ptr::from_ref(*v), x)).collect();
     let mut at = 0;
     for v in subject.facts.variables.iter().filter(|v| observed(v)) {
         let of_v = &rows[0][at..at + v.size];
         at += v.size;
-        if let Some((_, set)) = settings.iter().find(|(s, _)| std::ptr::eq(*s, v))
+        if let Some(set) = set_to.get(&std::ptr::from_ref(v))
             && (v.is("input") || v.is("parameter"))
             && let Some((a, b)) = set.iter().zip(of_v).find(|(a, b)| (*a - *b).abs() > 1e-6 * a.abs())
             && lost.is_none()
@@ -155,7 +170,8 @@ fn reading(subject: &Subject, settings: &Settings, seen: &mut Seen) -> Result<()
     }
     for (v, first) in scalars.iter().zip(backwards.iter().rev()) {
         let second = session.get(v)?[0];
-        if second != *first && !(second.is_nan() && first.is_nan()) {
+        let close = (second - first).abs() <= ROUNDING * first.abs().max(v.nominal);
+        if !close && !runs::same(second, *first) {
             seen.add(&v.place, rules::get_changes(v, first, second));
             break;
         }

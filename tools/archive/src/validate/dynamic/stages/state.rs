@@ -3,9 +3,6 @@
 use super::*;
 use cosim::raw::RawState;
 
-/// Differences below this are rounding.
-const ROUNDING: f64 = 1e-9;
-
 pub(super) fn run(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let base = subject.base()?;
     let (h, n) = (subject.facts.step(), steps(subject.facts));
@@ -94,7 +91,7 @@ fn compare(
     seen: &mut Seen,
 ) -> Result<(), Fault> {
     let Some(d) = difference(subject.facts, &subject.base()?.steady, a, b) else { return Ok(()) };
-    let rule = if d.relative <= ROUNDING { &rules::ROLLBACK_INEXACT } else { rule };
+    let rule = if d.relative <= solver_error(subject.facts) { &rules::ROLLBACK_INEXACT } else { rule };
     let when = if d.row == 0 { "at once".to_owned() } else { d.when() };
     let message = format!("Variable \"{}\" is {} and then {} {words} ({when})", d.name, d.first, d.second);
     seen.add(&d.variable.place, rule.says(message));

@@ -1,6 +1,8 @@
 //! Co-Simulation: convergence with the communication step, and the end at the stop time.
 
 use super::*;
+use std::collections::HashMap;
+
 /// Differences below this fraction of a variable's range are attributed to the solver.
 const TOLERATED: f64 = 0.05;
 /// Differences below this fraction of the nominal value are ignored.
@@ -25,10 +27,16 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let (Some(one), Some(two)) = (run(1)?, run(2)?) else { return Ok(()) };
     // A fixed internal step cannot be cut in four.
     let four = if subject.interface.fixed_internal_step_size.is_none() { run(4)? } else { None };
+    let mut steady_of: HashMap<*const Variable, bool> = HashMap::new();
+    let mut at = 0;
+    for v in facts.variables.iter().filter(|v| observed(v)) {
+        steady_of.insert(v, base.steady[at]);
+        at += v.size;
+    }
     for (i, v) in watched.iter().enumerate() {
         let first = (one[i] - two[i]).abs();
         let second = four.as_ref().map_or(first, |f| (two[i] - f[i]).abs());
-        let steady = base_is_steady(subject, v)?;
+        let steady = steady_of.get(&std::ptr::from_ref(*v)).copied().unwrap_or(false);
         // Rounding errors of balances and remainders do not converge either.
         let matters = first.min(second) > (TOLERATED * movement[i]).max(SMALLEST * v.nominal);
         if steady && matters && second > 0.75 * first {
@@ -40,18 +48,6 @@ pub(super) fn size(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
         }
     }
     Ok(())
-}
-
-fn base_is_steady(subject: &Subject, wanted: &Variable) -> Result<bool, Fault> {
-    let base = subject.base()?;
-    let mut at = 0;
-    for v in subject.facts.variables.iter().filter(|v| observed(v)) {
-        if std::ptr::eq(v, wanted) {
-            return Ok(base.steady[at]);
-        }
-        at += v.size;
-    }
-    Ok(false)
 }
 
 /// A step that begins after the stop time of the experiment is an error.

@@ -1,0 +1,126 @@
+//! `simulate` and `cosim` in a child process: a crash, an end of the process or a call that does not return becomes one sentence.
+use crate::{Cli, Command, Failure, simulate};
+use clap::Parser;
+use cosim::child::{Call, Channel, Ending, Work, supervise};
+use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+/// The time limit of a call of an FMU (s); a step of a large model may take minutes.
+pub const PATIENCE: &str = "300";
+
+/// What the child process tells.
+#[derive(Debug, Serialize, Deserialize)]
+enum Event {
+    /// Text for standard output.
+    Say(String),
+    /// Text for standard error.
+    Complain(String),
+    /// The fraction of the simulation that is done.
+    Progress(f64),
+    /// The exit code at the end.
+    Code(u8),
+    /// Why the command could not run.
+    Failed(String),
+}
+
+/// The arguments of the child process: those of the command that it runs.
+#[derive(clap::Args)]
+pub struct WorkArgs {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<OsString>,
+}
+
+static PARENT: OnceLock<Channel> = OnceLock::new();
+
+/// Runs the command of this process, on `file`, in a child.
+pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
+    let arguments: Vec<OsString> =
+        std::iter::once("work".into()).chain(std::env::args_os().skip(1)).collect();
+    let work = Work {
+        program: &crate::program()?,
+        arguments: &arguments,
+        patience: Duration::from_secs_f64(patience),
+        shows_errors: true,
+    };
+    let bar = simulate::progress_bar();
+    let (mut said, mut complaints, mut code, mut failure) = (String::new(), String::new(), 2, None);
+    let ending = supervise(&work, &mut |text| match serde_json::from_str(text) {
+        Ok(Event::Say(text)) => said += &text,
+        Ok(Event::Complain(text)) => complaints += &text,
+        Ok(Event::Progress(share)) => bar.set_position((share * 100.0) as u64),
+        Ok(Event::Code(end)) => code = end,
+        Ok(Event::Failed(sentence)) => failure = Some(sentence),
+        Err(_) => {}
+    });
+    bar.finish_and_clear();
+    let ending = ending.map_err(|e| Failure::new(format!("a process for the FMU cannot be started: {e}")))?;
+    let place = |call: &Call| match call.file.as_str() {
+        "" => file.display().to_string(),
+        file => file.to_owned(),
+    };
+    match ending {
+        Ending::Done => {}
+        Ending::Hung(call) => {
+            return Err(Failure::new(format!(
+                "{}: a call did not return within {patience} s, {} (--patience sets the limit)",
+                place(&call),
+                call.text
+            )));
+        }
+        Ending::Died { cause, call } => {
+            let text = &call.text;
+            return Err(Failure::new(format!(
+                "{}: the FMU ended its process, {text}: {cause}",
+                place(&call)
+            )));
+        }
+    }
+    eprint!("{complaints}");
+    crate::say(&said);
+    failure.map_or(Ok(ExitCode::from(code)), |sentence| Err(Failure::new(sentence)))
+}
+
+/// The child process: runs the command and tells the parent everything.
+pub fn work(args: &WorkArgs) -> Result<ExitCode, Failure> {
+    let channel = cosim::child::enter()?;
+    let _ = PARENT.set(channel);
+    let program = OsString::from("motor-fmu");
+    let cli = Cli::try_parse_from(std::iter::once(&program).chain(&args.arguments))?;
+    let outcome = match cli.command {
+        Command::Simulate(args) => simulate::run(args),
+        Command::Cosim(args) => crate::cosim::run(args),
+        _ => Err(Failure::new("this command needs no child process")),
+    };
+    send(match outcome {
+        Ok(code) => Event::Code(code),
+        Err(Failure(sentence)) => Event::Failed(sentence),
+    });
+    channel.end()
+}
+
+fn send(event: Event) -> bool {
+    let Some(parent) = PARENT.get() else { return false };
+    parent.send(&serde_json::to_string(&event).unwrap_or_default());
+    true
+}
+
+/// Lets the parent print to standard output; `false` without a parent.
+pub fn say(text: &str) -> bool {
+    send(Event::Say(text.to_owned()))
+}
+
+/// Lets the parent print lines to standard error; without a parent, this process does.
+pub fn complain(text: &str) {
+    if !send(Event::Complain(format!("{text}\n"))) {
+        eprintln!("{text}");
+    }
+}
+
+/// Tells the fraction that is done.
+pub fn progress(share: f64) {
+    send(Event::Progress(share));
+}
