@@ -83,3 +83,61 @@ def test_bad_loads_are_one_sentence(text, arguments, words, motor_fmu, tmp_path)
 def test_an_objective_of_a_walk_is_named(motor_fmu):
     done = motor_fmu("sweep", "--load", LOAD, "--vary", "fan_command=0:1:2", "--objective", "happiness")
     assert done.returncode == CANNOT and "continuous_support" in done.stderr, done.stderr
+
+
+def write_cycle(folder, name="cycle.csv"):
+    """Half a second of constant torque forth and back, in units of its own."""
+    rows = [f"{k * 10};{(60.0 if k < 25 else -20.0)};{1200.0}" for k in range(51)]
+    (folder / name).write_text("t [ms];M;n\n" + "\n".join(rows).replace(".", ",") + "\n")
+    load = folder / "load.toml"
+    load.write_text(
+        f'[cycle]\nfile = "{name}"\ntime = "t"\ntorque = {{ column = "M", unit = "mN.m" }}\nspeed = {{ column = "n", unit = "rpm" }}\n'
+    )
+    return load
+
+
+def test_a_cycle_from_a_file(motor_fmu, tmp_path):
+    load = write_cycle(tmp_path)
+    done = motor_fmu("steady", *PRESET, "--load", load, "--json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["forever"]
+    assert found["joint_torque_peak"] == pytest.approx(0.06) and found["voltage_peak"] > 0.0276 * 125.0
+    # Cold torque constant and friction: (60 + 9.8) and (-20 + 9.8) mN.m over 27.6 mN.m/A, within the magnets' 5 %.
+    assert found["current_rms"] == pytest.approx(((69.8**2 + 10.2**2) / 2) ** 0.5 / 27.6, rel=0.05)
+    text = motor_fmu("steady", *PRESET, "--load", load).stdout
+    assert "continuous factor" in text and "voltage, peak" in text and "cycle.csv" in text
+    done = motor_fmu("steady", *PRESET, "--load", load, "--set", "gait.support=1")
+    assert done.returncode == CANNOT and "gait.support" in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+def test_a_mix_rests(motor_fmu, tmp_path):
+    load = write_cycle(tmp_path)
+    mixed = tmp_path / "mix.toml"
+    mixed.write_text(load.read_text() + '[mix]\nperiod = "20 s"\nphase = [{ fraction = "50 %" }, { fraction = 0.5, rest = true }]\n')
+
+    def factor(file):
+        done = motor_fmu("steady", *PRESET, "--load", file, "--hours", "0.05", "--json")
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)["continuous"]["support"]
+
+    assert factor(mixed) > 1.15 * factor(load)
+
+
+def test_a_sweep_over_motors_and_modes_has_a_pareto_set(motor_fmu, tmp_path):
+    load = write_cycle(tmp_path)
+    vary = ("--vary", "preset=maxon-305015,maxon-re40-148877", "--vary", "cycle.scale=0.5,1,4", "--vary", "fan_command=0:1:2")
+    goals = ("--objective", "continuous_torque", "--objective", "supply_power", "--constraint", "winding_temperature<=150 degC")
+    done = motor_fmu("sweep", "--load", load, *vary, *goals, "--json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert [o["least_is_best"] for o in found["objectives"]] == [False, True]
+    assert len(found["points"]) == 12 and 0 < found["infeasible"] < 12
+    for point in found["points"]:
+        beaten = any(
+            o["objectives"] and point["objectives"] and o != point
+            and o["objectives"][0] >= point["objectives"][0] and o["objectives"][1] <= point["objectives"][1]
+            for o in found["points"]
+        )  # fmt: skip
+        assert point["pareto"] == (point["failure"] is None and not beaten), point
+    text = motor_fmu("sweep", "--load", load, *vary, *goals).stdout
+    assert "Pareto set" in text and "minimum of supply_power" in text and "constraint: winding_temperature <= 150 degC" in text

@@ -6,8 +6,8 @@ use crate::{Failure, write};
 use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
-use ::study::sweep::{Case, ConstantInputs, Sweep, Vary, Walking, sweep};
-use ::study::walk::{Load, Objective};
+use ::study::sweep::{Case, ConstantInputs, Constraint, Goal, Point, Sweep, Vary, Walking, edges, sweep};
+use ::study::walk::Load;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -26,11 +26,12 @@ pub struct Start {
     sets: Vec<(String, String)>,
 }
 
-/// A gait as the load.
+/// A periodic load.
 #[derive(clap::Args)]
 pub struct LoadArgs {
-    /// Gait as periodic load: a TOML file with the tables [motor], [actuator] and [gait]
-    #[arg(long, value_name = "gait.toml")]
+    /// Periodic load: a TOML file with the tables [motor], [actuator] and [gait], or [cycle] with torque and speed from a CSV file, or
+    /// [mix] with phases of several loads and rest (docs/loads.md)
+    #[arg(long, value_name = "load.toml")]
     pub load: Option<PathBuf>,
     /// Longest duration of the walk in hours, with --load
     #[arg(long, value_name = "H", default_value_t = 2.0)]
@@ -144,21 +145,28 @@ pub fn rounded(value: f64) -> String {
     if value.abs() < 5e-4 { "0".to_owned() } else { format!("{value:.3}") }
 }
 
-/// Vary inputs and parameters over a grid and find the best point.
+/// Vary inputs, parameters, modes and motors over a grid and find the best points.
+///
+/// With several objectives the points are listed that no other point beats in all of them (Pareto set). The first objective decides which
+/// point is the best. Points without steady state or beyond a constraint are infeasible and named as such.
 #[derive(clap::Args)]
 pub struct SweepArgs {
     #[command(flatten)]
     start: Start,
     #[command(flatten)]
     load: LoadArgs,
-    /// A variable and its values, both ends included. May be repeated
-    #[arg(long = "vary", required = true, value_name = "NAME=FROM:TO:N")]
+    /// A variable and its values: a range with both ends, or a list of numbers (with unit if wanted) or items, such as
+    /// cooling_mode=bare,annulus_push or gait.activity=walk,stairs_up; preset=NAME,FILE,... varies the motor. May be repeated
+    #[arg(long = "vary", required = true, value_name = "NAME=FROM:TO:N|V,V,...")]
     vary: Vec<String>,
     /// continuous_torque, torque_density (both at the winding's limit), or an output in steady state; with --load
     /// continuous_torque and torque_density at the joint, continuous_support, winding_temperature, supply_power,
-    /// torque_error or time_to_limit
-    #[arg(long, value_name = "NAME", default_value = "continuous_torque")]
-    objective: String,
+    /// torque_error or time_to_limit. Temperatures, losses, powers and errors are minimized, the others maximized. May be repeated
+    #[arg(long = "objective", value_name = "NAME", default_value = "continuous_torque")]
+    objectives: Vec<String>,
+    /// A limit of any quantity that can be an objective; the value may have a unit. May be repeated
+    #[arg(long = "constraint", value_name = "NAME<=VALUE|NAME>=VALUE")]
+    constraints: Vec<String>,
     /// Write all points as CSV with 17 digits
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
@@ -177,20 +185,19 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let done = |n: usize| bar.set_position(n as u64);
     let (case, notes): (Box<dyn Case>, Vec<String>) = match &args.load.load {
         Some(file) => {
-            let objective = Objective::named(&args.objective)?;
-            (
-                Box::new(Walking { load: args.start.load(file)?, objective, hours: args.load.hours }),
-                Vec::new(),
-            )
+            (Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }), Vec::new())
         }
         None => {
             let setup = args.start.setup()?;
             let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
             let notes = setup.notes(&varied)?;
-            (Box::new(ConstantInputs { setup, objective: args.objective.clone() }), notes)
+            (Box::new(ConstantInputs { setup }), notes)
         }
     };
-    let found = sweep(case.as_ref(), &vary, done);
+    let constraints =
+        args.constraints.iter().map(|text| Constraint::parse(text)).collect::<Result<_, _>>()?;
+    let goal = Goal { objectives: args.objectives.clone(), constraints };
+    let found = sweep(case.as_ref(), &vary, &goal, done);
     bar.finish_and_clear();
     let found = found?;
     crate::remark(&notes);
@@ -205,24 +212,31 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         result["notes"] = json!(notes);
         crate::say_json(&result)?;
     } else {
-        crate::say(&summary(&found));
+        crate::say(&summary(&found, &vary));
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn summary(found: &Sweep) -> String {
+fn summary(found: &Sweep, vary: &[Vary]) -> String {
     let failed: Vec<&String> = found.points.iter().filter_map(|p| p.failure.as_ref()).collect();
     let mut text = format!("{} points\n", found.points.len());
     if let Some(source) = &found.source {
-        text += &format!("gait data: {source}\n");
+        text += &format!("load: {source}\n");
     }
     if let Some(reason) = failed.first() {
         text += &format!("{} infeasible, the first: {reason}\n", failed.len());
     }
+    let objectives = found.objectives.iter().map(|o| {
+        let goal = if o.least_is_best { "minimum" } else { "maximum" };
+        format!("{goal} of {}", o.name)
+    });
+    text += &format!("objective: {}\n", objectives.collect::<Vec<_>>().join(", "));
+    for constraint in &found.constraints {
+        text += &format!("constraint: {}\n", constraint.words());
+    }
     if let Some(best) = &found.best {
-        let at = |k: usize| {
-            format!("{} = {} {}", found.varied[k], significant(best.values[k]), plain(found.units[k]))
-        };
+        let at =
+            |k: usize| format!("{} = {} {}", found.varied[k], best.values[k].shown(), plain(found.units[k]));
         let places: Vec<String> = (0..found.varied.len()).map(at).collect();
         let value = best.objective.map_or(String::new(), significant);
         let places = places.iter().map(|p| p.trim_end()).collect::<Vec<_>>().join(", ");
@@ -234,6 +248,42 @@ fn summary(found: &Sweep) -> String {
             "{} = {value} is the {} end of its range: the optimum may lie outside\n",
             edge.name, edge.end
         );
+    }
+    if found.objectives.len() > 1 {
+        text += &pareto(found, vary);
+    }
+    text
+}
+
+/// The Pareto set as a table, best first in the first objective. A star marks a value at an end of its range.
+fn pareto(found: &Sweep, vary: &[Vary]) -> String {
+    let mut points: Vec<&Point> = found.points.iter().filter(|p| p.pareto).collect();
+    points.sort_by(|a, b| a.objectives[0].total_cmp(&b.objectives[0]));
+    if !found.objectives[0].least_is_best {
+        points.reverse();
+    }
+    let unit = |unit: &str| if unit == "1" { String::new() } else { format!(" in {unit}") };
+    let heads = found.varied.iter().zip(&found.units).map(|(name, u)| format!("{name}{}", unit(u)));
+    let mut rows: Vec<Vec<String>> =
+        vec![heads.chain(found.objectives.iter().map(|o| format!("{}{}", o.name, unit(o.unit)))).collect()];
+    for point in &points {
+        let ends = edges(vary, &point.values);
+        let at_end = |k: usize| ends.iter().any(|e| e.name == found.varied[k]);
+        let values = point
+            .values
+            .iter()
+            .enumerate()
+            .map(|(k, v)| format!("{}{}", v.shown(), if at_end(k) { "*" } else { "" }));
+        rows.push(values.chain(point.objectives.iter().map(|o| significant(*o))).collect());
+    }
+    let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let mut text =
+        format!("Pareto set: {} of {} points; * at an end of the range\n", points.len(), found.points.len());
+    for row in &rows {
+        let cells: Vec<String> =
+            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        text += &format!("  {}\n", cells.join("  ").trim_end());
     }
     text
 }

@@ -1,183 +1,88 @@
-//! Sweeps over a grid of inputs and parameters: one objective at every point, in parallel, and the best point.
+//! Sweeps over a grid of inputs, parameters, items and motors: the quantities at every point, in parallel, the best point, and the points
+//! that no other is better than in every objective (Pareto set).
+
+mod case;
+mod figure;
+mod vary;
 
 use crate::StudyError;
-use crate::bench::Bench;
-use crate::numeric::linspace;
-use crate::steady::{Setup, continuous_torque, steady};
-use crate::walk::{Load, Objective};
-use physics::declare::Kind;
-use physics::model::Entry;
-use present::figure::{Axis, Figure};
+pub use case::{Case, ConstantInputs, Target, Walking};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
+pub use vary::{Choice, PRESET, Vary};
 
 /// Points that a sweep may have.
 const MAX_POINTS: usize = 1_000_000;
 
-/// A variable and the values that it takes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Vary {
-    /// Name of an input or a parameter.
+/// A limit of a quantity: points beyond it are infeasible.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Constraint {
+    /// Name of the quantity.
     pub name: String,
-    /// Its values.
-    pub values: Vec<f64>,
+    /// Whether the limit is the greatest value.
+    pub at_most: bool,
+    /// The limit in SI units.
+    pub limit: f64,
+    /// The limit as given.
+    #[serde(skip)]
+    text: String,
 }
 
-impl Vary {
-    /// From `name=from:to:n`, both ends included.
+impl Constraint {
+    /// From `name<=value` or `name>=value`; the value may have a unit.
     ///
     /// # Errors
     /// One sentence naming what is wrong.
-    pub fn parse(text: &str) -> Result<Vary, StudyError> {
-        let wrong = |why: &str| StudyError::new(format!("--vary {text}: {why}; expected name=from:to:n"));
-        let (name, range) = text.split_once('=').ok_or_else(|| wrong("there is no ="))?;
-        let parts: Vec<&str> = range.split(':').collect();
-        let [from, to, n] = parts[..] else { return Err(wrong("there are not three numbers behind =")) };
-        let number = |text: &str| {
-            let value = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-            value.ok_or_else(|| wrong(&format!("{text} is not a finite number")))
+    pub fn parse(text: &str) -> Result<Constraint, StudyError> {
+        let parts =
+            text.split_once("<=").map(|p| (p, true)).or_else(|| text.split_once(">=").map(|p| (p, false)));
+        let Some(((name, limit), at_most)) = parts.filter(|((name, _), _)| !name.trim().is_empty()) else {
+            return Err(StudyError::new(format!("--constraint {text}: expected name<=value or name>=value")));
         };
-        let (from, to) = (number(from)?, number(to)?);
-        let n: usize =
-            n.trim().parse().map_err(|_| wrong(&format!("{n} is not a whole number of points")))?;
-        if !(1..=MAX_POINTS).contains(&n) {
-            return Err(wrong(&format!("{n} points are not within 1 ... {MAX_POINTS}")));
-        }
-        if name.trim().is_empty() {
-            return Err(wrong("there is no name"));
-        }
-        Ok(Vary { name: name.trim().to_owned(), values: linspace(from, to, n) })
+        Ok(Constraint {
+            name: name.trim().to_owned(),
+            at_most,
+            limit: f64::NAN,
+            text: limit.trim().to_owned(),
+        })
     }
-}
 
-/// The objective of a sweep.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Target {
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Whether the least value is the best, as of a temperature.
-    pub least_is_best: bool,
-}
-
-/// A model whose variables can be varied and whose objective can be evaluated.
-pub trait Case: Sync {
-    /// The objective.
-    ///
-    /// # Errors
-    /// The case has no such objective.
-    fn target(&self) -> Result<Target, StudyError>;
-    /// The variable of this name.
-    ///
-    /// # Errors
-    /// There is none.
-    fn entry(&self, name: &str) -> Result<&'static Entry, StudyError>;
-    /// The objective with these values, set last.
-    ///
-    /// # Errors
-    /// A value that is refused, or no steady state.
-    fn at(&self, sets: &[(&str, f64)]) -> Result<f64, StudyError>;
-    /// Whether a value is taken.
-    ///
-    /// # Errors
-    /// One sentence why not.
-    fn takes(&self, name: &str, value: f64) -> Result<(), StudyError>;
-    /// Source of the measured data that the case uses, if any.
-    ///
-    /// # Errors
-    /// A case without the source of its data.
-    fn source(&self) -> Result<Option<String>, StudyError> {
-        Ok(None)
-    }
-}
-
-/// A motor at constant inputs.
-///
-/// The objective is `continuous_torque`, N.m; `torque_density`, the same per total mass, N.m/kg;
-/// or an output in steady state.
-#[derive(Clone, Debug)]
-pub struct ConstantInputs {
-    /// The motor and its inputs.
-    pub setup: Setup,
-    /// The objective's name.
-    pub objective: String,
-}
-
-impl Case for ConstantInputs {
-    fn target(&self) -> Result<Target, StudyError> {
-        let bench = self.setup.bench()?;
-        let output = match self.objective.as_str() {
-            "continuous_torque" => "shaft_torque",
-            other => other,
+    /// With its limit in the unit of the quantity.
+    fn resolved(mut self, unit: &str) -> Result<Constraint, StudyError> {
+        let wrong = |why: String| StudyError::new(format!("--constraint {}: {why}", self.name));
+        let (number, given) = units::split(&self.text)
+            .ok_or_else(|| wrong(format!("{} is not a number in {unit}", self.text)))?;
+        self.limit = match given {
+            "" => number,
+            given => units::conversion(given, unit, false).map_err(|e| wrong(e.to_string()))?.of(number),
         };
-        let entry = bench.entry(output)?;
-        if !bench.is_output(output) {
-            return Err(StudyError::new(format!("--objective {output} is no output of the model")));
-        }
-        let unit = entry.row.unit.name();
-        Ok(Target { name: self.objective.clone(), unit, least_is_best: unit == "K" && !entry.row.relative })
+        Ok(self)
     }
 
-    fn entry(&self, name: &str) -> Result<&'static Entry, StudyError> {
-        self.setup.bench()?.entry(name)
+    fn holds(&self, value: f64) -> bool {
+        if self.at_most { value <= self.limit } else { value >= self.limit }
     }
 
-    fn at(&self, sets: &[(&str, f64)]) -> Result<f64, StudyError> {
-        let mut setup = self.setup.clone();
-        setup.sets.extend(sets.iter().map(|(name, value)| ((*name).to_owned(), value.to_string())));
-        let mut bench: Bench = setup.bench()?;
-        match self.objective.as_str() {
-            "continuous_torque" => Ok(continuous_torque(&bench)?.torque),
-            "torque_density" => Ok(continuous_torque(&bench)?.torque_density),
-            output => {
-                steady(&mut bench)?;
-                bench.get(output)
-            }
-        }
-    }
-
-    fn takes(&self, name: &str, value: f64) -> Result<(), StudyError> {
-        self.setup.bench()?.set(name, value)
+    /// In words.
+    pub fn words(&self) -> String {
+        format!("{} {} {}", self.name, if self.at_most { "<=" } else { ">=" }, self.text)
     }
 }
 
-/// A motor in an actuator on a walking joint.
-#[derive(Clone)]
-pub struct Walking {
-    /// Motor, actuator and gait.
-    pub load: Load,
-    /// The objective.
-    pub objective: Objective,
-    /// Longest duration of the walk, h.
-    pub hours: f64,
+/// What a sweep is to find.
+#[derive(Clone, Debug, Default)]
+pub struct Goal {
+    /// Names of the objectives; the first decides which point is the best.
+    pub objectives: Vec<String>,
+    /// What the points have to keep.
+    pub constraints: Vec<Constraint>,
 }
 
-impl Case for Walking {
-    fn target(&self) -> Result<Target, StudyError> {
-        let Objective { name, unit, least_is_best, .. } = self.objective;
-        Ok(Target { name: name.to_owned(), unit, least_is_best })
-    }
-
-    fn entry(&self, name: &str) -> Result<&'static Entry, StudyError> {
-        self.load.owner(name)?.entry(name)
-    }
-
-    fn at(&self, sets: &[(&str, f64)]) -> Result<f64, StudyError> {
-        let mut load = self.load.clone();
-        for (name, value) in sets {
-            load.set_text(name, &value.to_string())?;
-        }
-        self.objective.of(&load, self.hours)
-    }
-
-    fn takes(&self, name: &str, value: f64) -> Result<(), StudyError> {
-        self.load.clone().set_text(name, &value.to_string())
-    }
-
-    fn source(&self) -> Result<Option<String>, StudyError> {
-        self.load.source().map(Some)
+impl Goal {
+    /// One objective without constraints.
+    pub fn of(objective: &str) -> Goal {
+        Goal { objectives: vec![objective.to_owned()], constraints: Vec::new() }
     }
 }
 
@@ -185,10 +90,14 @@ impl Case for Walking {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// Values of the varied variables, in order.
-    pub values: Vec<f64>,
-    /// The objective, where the model settles.
+    pub values: Vec<Choice>,
+    /// The first objective, where the point is feasible.
     pub objective: Option<f64>,
-    /// Why it has none.
+    /// All objectives, where the point is feasible.
+    pub objectives: Vec<f64>,
+    /// Whether the point is in the Pareto set.
+    pub pareto: bool,
+    /// Why it is infeasible.
     pub failure: Option<String>,
 }
 
@@ -210,47 +119,68 @@ pub struct Sweep {
     pub varied: Vec<String>,
     /// Their units.
     pub units: Vec<&'static str>,
-    /// Name of the objective.
+    /// Name of the first objective.
     pub objective: String,
     /// Its unit.
     pub objective_unit: &'static str,
+    /// All objectives.
+    pub objectives: Vec<Target>,
+    /// What the points have to keep.
+    pub constraints: Vec<Constraint>,
     /// All points; the last variable runs fastest.
     pub points: Vec<Point>,
     /// The best point.
     pub best: Option<Point>,
     /// The variables whose best value is at an end of the range.
     pub best_at_edge: Vec<Edge>,
-    /// Number of points without a result; each names its reason.
+    /// Number of infeasible points; each names its reason.
     pub infeasible: usize,
-    /// Source of the measured data, for a gait.
+    /// Source of the measured data, for a load.
     pub source: Option<String>,
 }
 
 /// Runs the sweep; `progress` is called with the number of finished points, from several threads.
 ///
 /// # Errors
-/// No grid, a variable or a value that the model does not take, or no point with a result.
-pub fn sweep(case: &dyn Case, vary: &[Vary], progress: impl Fn(usize) + Sync) -> Result<Sweep, StudyError> {
-    let target = case.target()?;
+/// No grid, a variable or a value that the model does not take, or no feasible point.
+pub fn sweep(
+    case: &dyn Case,
+    vary: &[Vary],
+    goal: &Goal,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Sweep, StudyError> {
+    let objectives = goal.objectives.iter().map(|name| case.target(name)).collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = objectives.first().cloned() else {
+        return Err(StudyError::new("a sweep has an objective"));
+    };
+    let mut targets = objectives.clone();
+    let mut constraints = Vec::new();
+    for constraint in &goal.constraints {
+        let target = case.target(&constraint.name)?;
+        constraints.push(constraint.clone().resolved(target.unit)?);
+        targets.push(target);
+    }
     let count = vary.iter().map(|v| v.values.len()).fold(1usize, usize::saturating_mul);
     if vary.is_empty() || count > MAX_POINTS {
         return Err(StudyError::new(format!("--vary makes {count} points; 1 ... {MAX_POINTS} are possible")));
     }
     check(case, vary)?;
     let done = AtomicUsize::new(0);
-    let points: Vec<Point> = (0..count)
-        .into_par_iter()
-        .map(|k| {
-            let values = grid_point(vary, k);
-            let sets: Vec<(&str, f64)> =
-                vary.iter().zip(&values).map(|(v, value)| (v.name.as_str(), *value)).collect();
-            let found = case.at(&sets);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            let failure = found.as_ref().err().map(ToString::to_string);
-            Point { values, objective: found.ok(), failure }
-        })
-        .collect();
-    let better = |a: &f64, b: &f64| if target.least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
+    let at = |k: usize| {
+        let values = grid_point(vary, k);
+        let sets: Vec<(&str, &Choice)> =
+            vary.iter().zip(&values).map(|(v, value)| (v.name.as_str(), value)).collect();
+        let found = case
+            .at(&sets, &targets)
+            .and_then(|found| feasible(found, objectives.len(), &constraints, &targets));
+        progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+        let failure = found.as_ref().err().map(ToString::to_string);
+        let found = found.unwrap_or_default();
+        Point { values, objective: found.first().copied(), objectives: found, pareto: false, failure }
+    };
+    let mut points: Vec<Point> = (0..count).into_par_iter().map(at).collect();
+    mark_pareto(&mut points, &objectives);
+    let better = |a: &f64, b: &f64| if first.least_is_best { b.total_cmp(a) } else { a.total_cmp(b) };
     let best = points
         .iter()
         .filter_map(|p| p.objective.map(|o| (o, p)))
@@ -262,12 +192,11 @@ pub fn sweep(case: &dyn Case, vary: &[Vary], progress: impl Fn(usize) + Sync) ->
     }
     Ok(Sweep {
         varied: vary.iter().map(|v| v.name.clone()).collect(),
-        units: vary
-            .iter()
-            .map(|v| case.entry(&v.name).map(|e| e.row.unit.name()))
-            .collect::<Result<_, _>>()?,
-        objective: target.name,
-        objective_unit: target.unit,
+        units: vary.iter().map(|v| case.unit(&v.name)).collect::<Result<_, _>>()?,
+        objective: first.name,
+        objective_unit: first.unit,
+        objectives,
+        constraints,
         best_at_edge: best.as_ref().map_or(Vec::new(), |point| edges(vary, &point.values)),
         infeasible: points.iter().filter(|p| p.objective.is_none()).count(),
         source: case.source()?,
@@ -276,11 +205,50 @@ pub fn sweep(case: &dyn Case, vary: &[Vary], progress: impl Fn(usize) + Sync) ->
     })
 }
 
+/// The objectives of a point that keeps the constraints.
+fn feasible(
+    found: Vec<f64>,
+    objectives: usize,
+    constraints: &[Constraint],
+    targets: &[Target],
+) -> Result<Vec<f64>, StudyError> {
+    for ((constraint, value), target) in
+        constraints.iter().zip(&found[objectives..]).zip(&targets[objectives..])
+    {
+        if !constraint.holds(*value) {
+            let unit = if target.unit == "1" { String::new() } else { format!(" {}", target.unit) };
+            return Err(StudyError::new(format!(
+                "{} = {}{unit} does not keep {}",
+                constraint.name,
+                present::number(*value),
+                constraint.words()
+            )));
+        }
+    }
+    Ok(found[..objectives].to_vec())
+}
+
+/// Marks the feasible points that no other is at least as good as in all objectives and better in one.
+fn mark_pareto(points: &mut [Point], objectives: &[Target]) {
+    let cost = |p: &Point| -> Vec<f64> {
+        p.objectives.iter().zip(objectives).map(|(o, t)| if t.least_is_best { *o } else { -o }).collect()
+    };
+    let costs: Vec<Vec<f64>> = points.iter().map(cost).collect();
+    let dominates = |a: &[f64], b: &[f64]| {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
+    };
+    for k in 0..points.len() {
+        points[k].pareto =
+            points[k].objective.is_some() && !costs.iter().any(|other| dominates(other, &costs[k]));
+    }
+}
+
 /// The variables that are at an end of their range.
-fn edges(vary: &[Vary], at: &[f64]) -> Vec<Edge> {
-    let edge = |(v, &value): (&Vary, &f64)| {
+pub fn edges(vary: &[Vary], at: &[Choice]) -> Vec<Edge> {
+    let edge = |(v, value): (&Vary, &Choice)| {
+        let (numbers, value) = (v.numbers()?, value.number()?);
         let (least, most) =
-            v.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), x| (l.min(*x), m.max(*x)));
+            numbers.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), x| (l.min(*x), m.max(*x)));
         let end = match value {
             _ if least == most => return None,
             value if value == least => "lower",
@@ -292,30 +260,29 @@ fn edges(vary: &[Vary], at: &[f64]) -> Vec<Edge> {
     vary.iter().zip(at).filter_map(edge).collect()
 }
 
-/// Both ends of every range are valid values, checked before anything runs.
+/// Every word and both ends of every range are valid values, checked before anything runs.
 fn check(case: &dyn Case, vary: &[Vary]) -> Result<(), StudyError> {
     for (k, v) in vary.iter().enumerate() {
         if vary[..k].iter().any(|other| other.name == v.name) {
             return Err(StudyError::new(format!("--vary names {} twice", v.name)));
         }
-        if matches!(case.entry(&v.name)?.row.kind, Kind::Enumeration(_) | Kind::Boolean) {
-            return Err(StudyError::new(format!("--vary {}: it is a choice and no number", v.name)));
-        }
-        for value in [v.values.first(), v.values.last()].into_iter().flatten() {
-            case.takes(&v.name, *value).map_err(|e| StudyError::new(format!("--vary {}: {e}", v.name)))?;
+        case.unit(&v.name)?;
+        let ends = [v.values.first(), v.values.last()].into_iter().flatten();
+        for value in v.values.iter().filter(|value| value.number().is_none()).chain(ends) {
+            case.takes(&v.name, value).map_err(|e| StudyError::new(format!("--vary {}: {e}", v.name)))?;
         }
     }
     Ok(())
 }
 
 /// The values of point `k`; the last variable runs fastest.
-fn grid_point(vary: &[Vary], k: usize) -> Vec<f64> {
+fn grid_point(vary: &[Vary], k: usize) -> Vec<Choice> {
     let mut rest = k;
-    let mut values: Vec<f64> = vary
+    let mut values: Vec<Choice> = vary
         .iter()
         .rev()
         .map(|v| {
-            let value = v.values[rest % v.values.len()];
+            let value = v.values[rest % v.values.len()].clone();
             rest /= v.values.len();
             value
         })
@@ -324,81 +291,21 @@ fn grid_point(vary: &[Vary], k: usize) -> Vec<f64> {
     values
 }
 
-impl Sweep {
-    /// Header and rows, 17 digits; an objective that there is not is blank.
-    pub fn csv(&self) -> String {
-        let mut text = format!("{},{}\n", self.varied.join(","), self.objective);
-        for point in &self.points {
-            for value in &point.values {
-                text += &format!("{value:.16e},");
-            }
-            text += &point.objective.map_or(String::new(), |o| format!("{o:.16e}"));
-            text.push('\n');
-        }
-        text
-    }
-
-    /// The figure: the objective over the first variable, a line for each value of the second.
-    ///
-    /// # Errors
-    /// More than two variables, or more lines than are distinguishable.
-    pub fn figure(&self) -> Result<Figure, StudyError> {
-        const MAX_LINES: usize = 8;
-        let axis = |name: &str, of: &str| Axis::new(&format!("{}{}", words(name), unit(" in ", of)));
-        let source = self.source.as_ref().map_or(String::new(), |source| format!(". {source}"));
-        let mut figure = Figure::new(
-            &format!("{} over {}{source}", words(&self.objective), words(&self.varied.join(" and "))),
-            axis(&self.varied[0], self.units[0]),
-            axis(&self.objective, self.objective_unit),
-        );
-        type Points = Vec<(f64, f64)>;
-        let mut lines: Vec<(Option<f64>, Points)> = Vec::new();
-        if self.varied.len() > 2 {
-            return Err(StudyError::new(
-                "--plot takes one or two varied variables; --output takes any number",
-            ));
-        }
-        for point in &self.points {
-            let key = point.values.get(1).copied();
-            let place = (point.values[0], point.objective.unwrap_or(f64::NAN));
-            match lines.iter_mut().find(|(k, _)| *k == key) {
-                Some((_, line)) => line.push(place),
-                None => lines.push((key, vec![place])),
-            }
-        }
-        if lines.len() > MAX_LINES {
-            return Err(StudyError::new(format!(
-                "--plot draws a line for each of the {} values of {}; {MAX_LINES} are possible",
-                lines.len(),
-                self.varied[1]
-            )));
-        }
-        for (key, line) in lines {
-            let label = key.map_or(String::new(), |k| {
-                format!("{} = {}{}", words(&self.varied[1]), present::number(k), unit(" ", self.units[1]))
-            });
-            figure = figure.line(&label, line);
-        }
-        Ok(figure)
-    }
-}
-
-/// The name of a variable in words.
-fn words(name: &str) -> String {
-    name.replace(['_', '.'], " ")
-}
-
-/// A unit after a separator; a pure number has none.
-fn unit(separator: &str, unit: &str) -> String {
-    if unit == "1" { String::new() } else { format!("{separator}{}", unit.replace('.', "·")) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::steady::Setup;
 
-    fn constant(sets: &[(&str, &str)], objective: &str) -> ConstantInputs {
-        ConstantInputs { setup: Setup::new("AnnulusCooledMotor", None, sets), objective: objective.into() }
+    fn constant(sets: &[(&str, &str)]) -> ConstantInputs {
+        ConstantInputs { setup: Setup::new("AnnulusCooledMotor", None, sets) }
+    }
+
+    fn run(case: &ConstantInputs, objective: &str, grid: &[Vary]) -> Result<Sweep, StudyError> {
+        sweep(case, grid, &Goal::of(objective), |_| {})
+    }
+
+    fn numbers(values: &[f64]) -> Vec<Choice> {
+        values.iter().copied().map(Choice::Number).collect()
     }
 
     fn vary(texts: &[&str]) -> Vec<Vary> {
@@ -409,16 +316,17 @@ mod tests {
     #[test]
     fn a_grid_of_two() {
         let grid = vary(&["ambient_temperature=290:300:2", "fan_command=0:1:3"]);
-        let case = constant(&[("electrical_power", "10")], "winding_temperature");
-        let found = sweep(&case, &grid, |_| {}).unwrap();
+        let case = constant(&[("electrical_power", "10")]);
+        let found = run(&case, "winding_temperature", &grid).unwrap();
         assert_eq!(found.points.len(), 6);
-        assert_eq!(found.points[1].values, [290.0, 0.5]);
+        assert_eq!(found.points[1].values, numbers(&[290.0, 0.5]));
         for point in &found.points {
-            let g = 0.1351 + 0.113 * f64::powf(point.values[1], 0.8);
-            let by_hand = point.values[0] + 10.0 * (0.21 + 1.0 / g);
+            let at = |k: usize| point.values[k].number().unwrap();
+            let g = 0.1351 + 0.113 * f64::powf(at(1), 0.8);
+            let by_hand = at(0) + 10.0 * (0.21 + 1.0 / g);
             assert!((point.objective.unwrap() - by_hand).abs() < 1e-3, "{point:?} instead of {by_hand}");
         }
-        assert_eq!(found.best.as_ref().unwrap().values, [290.0, 1.0]);
+        assert_eq!(found.best.as_ref().unwrap().values, numbers(&[290.0, 1.0]));
         let edge = |name: &str, value, end| Edge { name: name.into(), value, end };
         let edges = [edge("ambient_temperature", 290.0, "lower"), edge("fan_command", 1.0, "upper")];
         assert_eq!(found.best_at_edge, edges);
@@ -429,14 +337,14 @@ mod tests {
 
     #[test]
     fn an_infeasible_point_has_its_reason_and_the_sweep_goes_on() {
-        let fixed = constant(&[("drive_mode", "current")], "winding_temperature");
-        let found = sweep(&fixed, &vary(&["current_command=1:20:2"]), |_| {}).unwrap();
+        let fixed = constant(&[("drive_mode", "current")]);
+        let found = run(&fixed, "winding_temperature", &vary(&["current_command=1:20:2"])).unwrap();
         assert!(found.points[1].objective.is_none() && found.points[1].failure.is_some());
         assert_eq!((found.infeasible, found.best_at_edge.len()), (1, 1));
         // An optimum between the ends is at no edge, nor is a range of one value.
-        let inside = sweep(&constant(&[], "power_electrical"), &vary(&["voltage=1:1:1"]), |_| {}).unwrap();
+        let inside = run(&constant(&[]), "power_electrical", &vary(&["voltage=1:1:1"])).unwrap();
         assert!(inside.best_at_edge.is_empty());
-        assert_eq!(found.best.as_ref().unwrap().values, [1.0]);
+        assert_eq!(found.best.as_ref().unwrap().values, numbers(&[1.0]));
         assert!(found.csv().ends_with(",\n"));
     }
 
@@ -445,6 +353,8 @@ mod tests {
         for (text, word) in [
             ("x", "no ="),
             ("x=1:2", "three numbers"),
+            ("x=1,,2", "missing"),
+            ("x=", "missing"),
             ("x=1:b:3", "b is not"),
             ("x=1:2:0", "0 points"),
             ("x=1:2:2.5", "2.5"),
@@ -454,7 +364,7 @@ mod tests {
             assert!(error.contains(word) && error.contains("--vary"), "{error}");
         }
         let refused = |grid: &[&str], objective: &str| {
-            sweep(&constant(&[], objective), &vary(grid), |_| {}).unwrap_err().to_string()
+            run(&constant(&[]), objective, &vary(grid)).unwrap_err().to_string()
         };
         assert!(
             refused(&["fan_command=0:2:3"], "current")
@@ -462,8 +372,75 @@ mod tests {
         );
         assert!(refused(&["fan_comand=0:1:3"], "current").contains("did you mean fan_command?"));
         assert!(refused(&["fan_command=0:1:3"], "fan_command").contains("no output"));
-        assert!(refused(&["drive_mode=1:2:2"], "current").contains("choice"));
+        assert!(refused(&["cooling_mode=bare,steam"], "current").contains("steam"));
         assert!(refused(&["fan_command=0:1:2", "fan_command=0:1:2"], "current").contains("twice"));
         assert!(refused(&[], "current").contains("--vary"));
+    }
+
+    /// Items, presets and units as values; each point is the same as with these values alone.
+    #[test]
+    fn modes_and_motors_are_varied() {
+        let grid = vary(&[
+            "preset=maxon-305015,maxon-re40-148877",
+            "cooling_mode=conductance,bare,annulus_push",
+            "imposed_speed=0,3000 rpm",
+        ]);
+        let case = constant(&[("fan_command", "1"), ("air_segments", "1")]);
+        let found = run(&case, "continuous_torque", &grid).unwrap();
+        assert_eq!(found.points.len(), 8);
+        for point in &found.points {
+            let [preset, mode, speed] = [0, 1, 2].map(|k| point.values[k].text());
+            let sets =
+                [("fan_command", "1"), ("cooling_mode", mode.as_str()), ("imposed_speed", speed.as_str())];
+            let setup = Setup::new("AnnulusCooledMotor", describe::Preset::load(&preset).ok(), &sets);
+            let alone = crate::steady::continuous_torque(&setup.bench().unwrap()).map(|c| c.torque).ok();
+            assert_eq!(point.objective, alone, "{point:?}");
+        }
+        assert!(found.csv().contains("maxon-re40-148877,bare,3000 rpm,"));
+        let two = run(&case, "continuous_torque", &grid[..2]).unwrap().figure().unwrap().svg();
+        assert!(two.contains("maxon-re40-148877") && two.contains("bare"));
+        let unknown =
+            run(&case, "continuous_torque", &vary(&["preset=maxon-305016"])).unwrap_err().to_string();
+        assert!(unknown.contains("did you mean maxon-305015?"), "{unknown}");
+    }
+
+    /// More torque needs more power: with both objectives every fan command is in the Pareto set, unless a constraint forbids it.
+    #[test]
+    fn the_pareto_set_has_what_nothing_beats() {
+        let case = constant(&[("current_command", "5")]);
+        let grid = vary(&["current_command=1:5:5", "fan_command=0:1:2"]);
+        let goal = Goal {
+            objectives: vec!["shaft_torque".into(), "winding_temperature".into()],
+            constraints: vec![Constraint::parse("winding_temperature <= 70 degC").unwrap()],
+        };
+        let found = sweep(&case, &grid, &goal, |_| {}).unwrap();
+        assert!((found.constraints[0].limit - 343.15).abs() < 1e-9);
+        for point in &found.points {
+            let temperature = {
+                let sets = grid.iter().zip(&point.values).map(|(v, c)| (v.name.clone(), c.text())).collect();
+                let mut bench = Setup { sets, ..case.setup.clone() }.bench().unwrap();
+                crate::steady::steady(&mut bench).unwrap().get("winding_temperature").unwrap()
+            };
+            assert_eq!(point.failure.is_none(), temperature <= 343.15, "{point:?} {temperature}");
+            let beaten = found.points.iter().any(|o| {
+                !o.objectives.is_empty()
+                    && !point.objectives.is_empty()
+                    && o.objectives[0] >= point.objectives[0]
+                    && o.objectives[1] <= point.objectives[1]
+                    && o != point
+            });
+            assert_eq!(point.pareto, point.failure.is_none() && !beaten, "{point:?}");
+        }
+        assert!(found.infeasible > 0 && found.points.iter().filter(|p| p.pareto).count() > 2, "{found:?}");
+        for (text, words) in [
+            ("winding_temperature < 3", "<="),
+            ("winding_temperature<=3 V", "not a unit"),
+            ("winding_temperature<=x", "not a number"),
+        ] {
+            let goal = Constraint::parse(text)
+                .map(|c| Goal { objectives: vec!["shaft_torque".into()], constraints: vec![c] });
+            let error = goal.and_then(|goal| sweep(&case, &grid, &goal, |_| {})).unwrap_err().to_string();
+            assert!(error.contains(words) && error.contains("--constraint"), "{error}");
+        }
     }
 }

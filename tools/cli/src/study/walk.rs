@@ -34,7 +34,8 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
         crate::say_json(&result)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let mut text = format!("gait data: {source}\n");
+    let words = load.words();
+    let mut text = format!("load: {source}\n");
     if !derived.is_empty() {
         let values = derived.iter().map(|d| format!("{} = {} {}", d.name, significant(d.value), d.unit));
         text += &format!("derived from the motor: {}\n", values.collect::<Vec<_>>().join(", "));
@@ -42,10 +43,16 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     let limit = format!("{:.2} K ({:.2} degC)", walked.limit, walked.limit - 273.15);
     text += &match (&walked.forever, &walked.at_limit) {
         (Some(periodic), _) => {
-            format!("periodic steady state, stride {:.3} s\n{}", walked.stride_time, lines(periodic))
+            format!(
+                "periodic steady state, {} {:.3} s\n{}",
+                words.period,
+                walked.stride_time,
+                lines(periodic)
+            )
         }
         (None, Some(at)) => format!(
-            "thermal runaway: no periodic steady state; stride of {:.3} s at the winding's limit\n{}",
+            "thermal runaway: no periodic steady state; {} of {:.3} s at the winding's limit\n{}",
+            words.period,
             walked.stride_time,
             lines(at)
         ),
@@ -57,9 +64,12 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     };
     text += &match continuous {
         Ok(c) => format!(
-            "continuous support {} of the biological torque, peak {} N.m at the joint; limited by {}\n",
+            "continuous {} {} {}, peak {} N.m at the {}; limited by {}\n",
+            words.factor[0],
             significant(c.support),
+            words.factor[1],
             significant(c.at.joint_torque_peak),
+            words.place,
             c.limited_by.text()
         ),
         Err(reason) => format!("{reason}\n"),
@@ -81,7 +91,10 @@ fn lines(p: &Periodic) -> String {
         ("joint_power, mean", p.power_joint, "W".into()),
         ("supply_power, mean", p.power_supply, "W".into()),
     ];
-    rows.iter().map(|(name, value, unit)| format!("  {name:30} {:>12} {unit}\n", rounded(*value))).collect()
+    let voltage = p.voltage_peak.map(|voltage| ("voltage, peak", voltage, "V".to_owned()));
+    let line =
+        |(name, value, unit): &(&str, f64, String)| format!("  {name:30} {:>12} {unit}\n", rounded(*value));
+    rows.iter().chain(&voltage).map(line).collect()
 }
 
 fn figure(walked: &Walked, source: &str) -> Figure {
@@ -91,7 +104,7 @@ fn figure(walked: &Walked, source: &str) -> Figure {
     Figure::new(
         &format!("Winding temperature. {source}"),
         Axis::new("time in min"),
-        Axis::new("peak winding temperature of a stride in °C"),
+        Axis::new("peak winding temperature in °C"),
     )
     .line("winding", points)
     .limit(limit, "limit")

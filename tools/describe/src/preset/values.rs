@@ -29,7 +29,7 @@ impl StartValues {
     }
 
     /// The values of a TOML text with tables for several models, in the order of `tables` (name of the table, declaration
-    /// of the model). A missing table has no values.
+    /// of the model). A missing table has no values. A table that `other` knows is left to it.
     ///
     /// # Errors
     /// A line for each error with file and line: invalid TOML, an unknown table, and all errors of a preset.
@@ -37,6 +37,7 @@ impl StartValues {
         text: &str,
         file: &str,
         tables: &[(&str, &'static Declaration)],
+        mut other: impl FnMut(&str, &Spanned<DeValue<'_>>, &mut Source<'_>) -> bool,
     ) -> Result<Vec<StartValues>, PresetError> {
         let mut source = Source::new(text, file);
         let mut found = vec![StartValues::default(); tables.len()];
@@ -45,6 +46,9 @@ impl StartValues {
             let place = tables.iter().position(|(name, _)| *name == key.get_ref().as_ref());
             if let (Some(place), DeValue::Table(values)) = (place, value.get_ref()) {
                 found[place] = StartValues::of_table(tables[place].1, values, &mut source);
+                continue;
+            }
+            if other(key.get_ref(), value, &mut source) {
                 continue;
             }
             let known: Vec<String> = tables.iter().map(|(name, _)| format!("[{name}]")).collect();

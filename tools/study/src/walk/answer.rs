@@ -18,8 +18,6 @@ const FOLLOWED: (f64, f64) = (0.05, 0.5);
 const KELVINS: f64 = 100.0;
 /// How near its limit a temperature counts as limiting, K.
 const NEAR: f64 = 0.5;
-/// The fraction of the biological torque that is demanded.
-const SUPPORT: &str = "gait.support";
 
 /// Objective of a sweep under a gait.
 #[derive(Clone, Copy)]
@@ -143,7 +141,7 @@ pub enum Limit {
     ThermalRunaway,
     /// The actuator no longer follows the torque, for its limits of current and supply voltage.
     TorqueError,
-    /// The greatest value that gait.support takes.
+    /// The greatest factor that the load takes.
     SupportMaximum,
 }
 
@@ -154,7 +152,7 @@ impl Limit {
             Limit::WindingTemperature => "winding temperature",
             Limit::ThermalRunaway => "thermal runaway",
             Limit::TorqueError => "torque error (current or supply voltage limit)",
-            Limit::SupportMaximum => "greatest value of gait.support",
+            Limit::SupportMaximum => "greatest factor that the load takes",
         }
     }
 }
@@ -176,13 +174,13 @@ pub struct Continuous {
 /// A winding that is too hot without any torque, or a load that does not start.
 pub fn continuous_support(load: &Load) -> Result<Continuous, StudyError> {
     let limit = load.get("thermal.T_w_max")?;
-    let most = load.owner(SUPPORT)?.entry(SUPPORT)?.row.max;
+    let most = load.support_most()?;
     let mut found: Option<(f64, Periodic)> = None;
     // The temperatures of the last steady state are near those of the next.
     let mut warm: Option<Vec<f64>> = None;
     let mut excess = |support: f64| -> Result<f64, StudyError> {
         let mut load = load.clone();
-        load.set_text(SUPPORT, &support.to_string())?;
+        load.set_support(support)?;
         let cold = load.walker()?;
         let from_warm = warm.as_ref().and_then(|temperatures| {
             let mut walker = cold.clone();
@@ -206,7 +204,7 @@ pub fn continuous_support(load: &Load) -> Result<Continuous, StudyError> {
     let idle = excess(0.0)?;
     if idle >= 0.0 {
         return Err(StudyError::new(format!(
-            "no continuous torque: at gait.support = 0 the winding exceeds its limit of {limit} K or the actuator does not \
+            "no continuous torque: without torque at the load the winding exceeds its limit of {limit} K or the actuator does not \
              follow the joint (excess {idle:.1} K, {KELVINS} K for each N.m of torque error)"
         )));
     }

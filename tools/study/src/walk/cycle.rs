@@ -11,7 +11,8 @@
 //! *Source*: Broyden, Math. Comp. 19 (1965) 577; (3) is the exponential Rosenbrock-Euler step of Hochbruck, Ostermann,
 //! Acta Numerica 19 (2010) 209, for a map in place of a flow.
 
-use super::stride::{Periodic, Walker};
+use super::stride::Periodic;
+use super::walker::Walker;
 use crate::StudyError;
 use nalgebra::{DMatrix, DVector};
 
@@ -137,6 +138,19 @@ pub struct Envelope {
     /// The stride in which it does.
     #[serde(skip)]
     pub at_limit: Option<Periodic>,
+    /// Means and peaks over the whole time.
+    #[serde(skip)]
+    pub mean: Periodic,
+}
+
+impl Envelope {
+    /// Adds what follows from `time` on.
+    pub(super) fn append(&mut self, later: Envelope, time: f64) {
+        self.points.extend(later.points.iter().map(|p| EnvelopePoint { time: p.time + time, ..*p }));
+        self.strides_walked += later.strides_walked;
+        self.time_to_limit = later.time_to_limit.map(|t| t + time);
+        self.at_limit = later.at_limit;
+    }
 }
 
 /// Follows the winding for `duration`, s, or until it reaches `limit`, K: eq. (3).
@@ -144,15 +158,28 @@ pub struct Envelope {
 /// # Errors
 /// Equations that have no solution.
 pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, StudyError> {
-    let mut now = walker.clone();
+    match walker.clone() {
+        Walker::Mix(mut mix) => mix.envelope(duration, limit),
+        mut other => follow(&mut other, duration, limit),
+    }
+}
+
+/// The same from the present temperatures on; the walker is then at the end.
+///
+/// # Errors
+/// Equations that have no solution.
+pub(super) fn follow(now: &mut Walker, duration: f64, limit: f64) -> Result<Envelope, StudyError> {
     let time = now.stride_time();
     let mut found = Envelope::default();
+    found.mean.winding_temperature = f64::NEG_INFINITY;
     let mut strides = 0u64;
-    let last = (duration / time).ceil() as u64;
+    let last = ((duration / time - 1e-9).ceil() as u64).max(1);
+    let count = last as f64;
     let mut jump = 1u64;
     while strides < last {
         // A stride walked: a point of the envelope, and what the temperatures gain.
-        let (Change { gain, stride }, s) = change_with_slopes(&mut now)?;
+        let (Change { gain, stride }, s) = change_with_slopes(now)?;
+        found.mean.add(&stride, 1.0 / count);
         (strides, found.strides_walked) = (strides + 1, found.strides_walked + 1);
         let at =
             EnvelopePoint { time: strides as f64 * time, winding_temperature: stride.winding_temperature };
@@ -182,7 +209,7 @@ pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, 
             // Two halves, the second with what the temperatures gain there.
             let middle = jumped(&s, &f, jump / 2, &start);
             now.put_temperatures(middle.as_slice());
-            let Change { gain, stride } = change(&mut now)?;
+            let Change { gain, stride } = change(now)?;
             found.strides_walked += 1;
             let halves = jumped(&s, &gain, jump - jump / 2, &middle);
             let gap = stride.winding_temperature - at.winding_temperature;
@@ -193,6 +220,7 @@ pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, 
                 // The whole jump errs by its square as the halves by half of it.
                 now.put_temperatures((halves + error).as_slice());
                 strides += jump;
+                found.mean.add(&stride, jump as f64 / count);
                 break;
             }
             now.put_temperatures(start.as_slice());
@@ -200,6 +228,7 @@ pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, 
         }
         jump = jump.max(1);
     }
+    found.mean = found.mean.finished();
     Ok(found)
 }
 

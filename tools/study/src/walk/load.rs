@@ -10,17 +10,35 @@
 //! [motor]                       # what differs from the preset and is not on the command line
 //! cooling_mode = "annulus_push"
 //! ```
+//!
+//! A table `[cycle]` is a load from a file in place of actuator and gait (`cycle_file.rs`). A mix has phases, each with a load of its own:
+//!
+//! ```toml
+//! [mix]
+//! period = "10 min"
+//! phase = [
+//!     { fraction = "60 %", "gait.activity" = "walk" },       # values that differ from the rest of the file
+//!     { fraction = 0.1, load = "stairs.toml" },              # another load file
+//!     { fraction = 0.3, rest = true },
+//! ]
+//! ```
 
-use super::stride::Walker;
+use super::cycle_file::{self, Cycle, Drive, SCALE, Setting};
+use super::mix::Mix;
+use super::mix_file::{MixFile, Phase};
+use super::shaft::Shaft;
+use super::stride::Coupled;
+use super::walker::Walker;
 use crate::StudyError;
 use crate::bench::Bench;
 pub use describe::preset::MOTOR;
 use describe::preset::motor_data;
-use describe::{Kind, Preset, StartValues, models};
+use describe::{Entry, Kind, Preset, StartValues, models};
 use physics::models::series_elastic_actuator::MOTOR_DATA;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 
 const ACTUATOR: &str = "SeriesElasticActuator";
 const GAIT: &str = "GaitLoad";
@@ -31,15 +49,42 @@ const FREE_SHAFT: (&str, &str) = ("mechanical_mode", "free_shaft");
 /// The actuator's supply power is that of the connected motor.
 const POWER_SOURCE: (&str, &str) = ("drive.power_source", "motor_power");
 const ACTIVITY: &str = "gait.activity";
+/// The fraction of the biological torque that is demanded.
+const SUPPORT: &str = "gait.support";
+/// Period of a rest: the longest step that resolves the winding's temperature.
+const REST: f64 = 1.0;
 /// Index of the actuator among the three models.
 const THE_ACTUATOR: usize = 1;
+const THE_GAIT: usize = 2;
 
-/// Motor, actuator and gait before they start.
+/// Motor, actuator and gait, or a motor with a cycle, before they start.
 #[derive(Clone)]
 pub struct Load {
     benches: [Bench; 3],
     /// Variables of the actuator that were set explicitly.
     explicit: BTreeSet<String>,
+    /// In place of actuator and gait.
+    cycle: Option<(Arc<Cycle>, Drive)>,
+    mix: Option<MixFile>,
+    origin: Arc<Origin>,
+}
+
+/// What a load was made from, for the same load of another motor.
+struct Origin {
+    text: String,
+    file: String,
+    sets: Vec<(String, String)>,
+}
+
+/// What a load moves: words for reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Words {
+    /// Of the period: stride, cycle or period of the mix.
+    pub period: &'static str,
+    /// Of the factor that is increased until the winding is at its limit, before and after its value.
+    pub factor: [&'static str; 2],
+    /// Of the place of the torque.
+    pub place: &'static str,
 }
 
 /// A value of the actuator that follows from its motor.
@@ -84,9 +129,29 @@ impl Load {
                 tables.push((table, (kind.declaration)()));
             }
         }
-        let values = StartValues::of_tables(text, file, &tables)?;
+        let folder = Path::new(file).parent().unwrap_or(Path::new("")).to_owned();
+        let (mut cycle, mut mix) = (None, None);
+        let values = StartValues::of_tables(text, file, &tables, |name, value, source| match name {
+            "cycle" => {
+                cycle = cycle_file::read(value, &folder, source);
+                true
+            }
+            "mix" => {
+                mix = MixFile::read(value, source);
+                true
+            }
+            _ => false,
+        })?;
+        let used = |k: usize| !values[k].entries().is_empty();
+        if cycle.is_some() && (used(THE_ACTUATOR) || used(THE_GAIT)) {
+            return Err(StudyError::new(format!(
+                "{file}: [cycle] is a load at the motor or behind its gear; [actuator] and [gait] have no effect with it"
+            )));
+        }
         let mut benches = [Bench::new(MOTOR, preset)?, Bench::new(ACTUATOR, None)?, Bench::new(GAIT, None)?];
-        benches[0].set_text(FREE_SHAFT.0, FREE_SHAFT.1)?;
+        if cycle.is_none() {
+            benches[0].set_text(FREE_SHAFT.0, FREE_SHAFT.1)?;
+        }
         benches[THE_ACTUATOR].set_text(POWER_SOURCE.0, POWER_SOURCE.1)?;
         for (bench, values) in benches.iter_mut().zip(&values) {
             bench.set_all(values)?;
@@ -95,11 +160,101 @@ impl Load {
         let given = values[THE_ACTUATOR].entries();
         let names = given.iter().filter_map(|(reference, _)| declaration.by_reference(*reference));
         let explicit = names.map(|entry| entry.name.clone()).collect();
-        let mut load = Load { benches, explicit };
+        let origin = Origin { text: text.to_owned(), file: file.to_owned(), sets: sets.to_vec() };
+        let cycle = cycle.map(|(cycle, drive)| (Arc::new(cycle), drive));
+        let mut load = Load { benches, explicit, cycle, mix: None, origin: Arc::new(origin) };
+        if let Some(mut mix) = mix {
+            mix.load(|phase| {
+                let mut found = match &phase.file {
+                    Some(other) => Load::read(&folder.join(other), preset, &[])?,
+                    None => load.clone(),
+                };
+                for (name, text) in &phase.sets {
+                    found.set_text(name, text).map_err(|e| StudyError::new(format!("{file}: [mix]: {e}")))?;
+                }
+                match found.mix {
+                    Some(_) => Err(StudyError::new(format!("{file}: a phase of [mix] is no mix itself"))),
+                    None => Ok(found),
+                }
+            })?;
+            load.mix = Some(mix);
+        }
         for (name, text) in sets {
             load.set_text(name, text)?;
         }
         Ok(load)
+    }
+
+    /// The same load of another motor.
+    ///
+    /// # Errors
+    /// As [`read`](Load::read).
+    pub fn with_preset(&self, preset: &Preset) -> Result<Load, StudyError> {
+        Load::parse(&self.origin.text, &self.origin.file, Some(preset), &self.origin.sets)
+    }
+
+    /// The loads of the phases, or this one.
+    fn parts(&self) -> Vec<&Load> {
+        match &self.mix {
+            Some(mix) => mix.phases.iter().filter(|p| !p.rest).filter_map(|p| p.load.as_deref()).collect(),
+            None => vec![self],
+        }
+    }
+
+    /// Words for reports.
+    pub fn words(&self) -> Words {
+        let of_cycles = self.parts().iter().all(|part| part.cycle.is_some());
+        let (factor, place) = match of_cycles {
+            true => (["factor", "on the torque of the cycle"], "cycle"),
+            false => (["support", "of the biological torque"], "joint"),
+        };
+        let period = match (&self.mix, &self.cycle) {
+            (Some(_), _) => "period of the mix",
+            (None, Some(_)) => "cycle",
+            (None, None) => "stride",
+        };
+        Words { period, factor, place }
+    }
+
+    /// Name and greatest value of the factor on the torque.
+    pub(super) fn support_most(&self) -> Result<f64, StudyError> {
+        let mut most = f64::INFINITY;
+        for part in self.parts() {
+            most = most.min(match (&part.cycle, Setting::named(SCALE)) {
+                (Some(_), Some(scale)) => scale.most(),
+                _ => part.benches[THE_GAIT].entry(SUPPORT)?.row.max,
+            });
+        }
+        Ok(most)
+    }
+
+    /// Sets the factor on the torque.
+    pub(super) fn set_support(&mut self, factor: f64) -> Result<(), StudyError> {
+        let text = factor.to_string();
+        let set = |load: &mut Load| load.set_text(if load.cycle.is_some() { SCALE } else { SUPPORT }, &text);
+        match &mut self.mix {
+            Some(mix) => mix.phases.iter_mut().filter_map(|p| p.load.as_deref_mut()).try_for_each(set),
+            None => set(self),
+        }
+    }
+
+    /// The setting of a cycle, where the load has one.
+    fn setting(&self, name: &str) -> Option<(&'static Setting, &Drive)> {
+        let setting = Setting::named(name)?;
+        let drive = self.parts().into_iter().find_map(|part| part.cycle.as_ref())?;
+        Some((setting, &drive.1))
+    }
+
+    /// Unit of a variable, and its declaration where it has one.
+    ///
+    /// # Errors
+    /// None has it.
+    pub fn unit(&self, name: &str) -> Result<(&'static str, Option<&'static Entry>), StudyError> {
+        if let Some((setting, _)) = self.setting(name) {
+            return Ok((setting.unit, None));
+        }
+        let entry = self.owner(name)?.entry(name)?;
+        Ok((entry.row.unit.name(), Some(entry)))
     }
 
     /// The first of the models that has the variable.
@@ -119,7 +274,33 @@ impl Load {
     /// # Errors
     /// No such variable, or a value that it does not take.
     pub fn set_text(&mut self, name: &str, text: &str) -> Result<(), StudyError> {
+        if let Some(mix) = &mut self.mix {
+            // What a phase sets itself stays.
+            let mut taken = Err(None);
+            for phase in &mut mix.phases {
+                // A rest has the motor alone.
+                let of_motor = phase.load.as_deref().is_some_and(|load| load.benches[0].knows(name, None));
+                let own = phase.sets.iter().any(|(set, _)| set == name) || (phase.rest && !of_motor);
+                let Some(load) = phase.load.as_deref_mut().filter(|_| !own) else { continue };
+                match load.set_text(name, text) {
+                    Ok(()) => taken = Ok(()),
+                    Err(error) if taken.is_err() => taken = Err(Some(error)),
+                    Err(_) => {}
+                }
+            }
+            return taken.map_err(|error| {
+                error.unwrap_or_else(|| StudyError::new(format!("every phase of the mix has its own {name}")))
+            });
+        }
+        if let (Some((_, drive)), Some(setting)) = (&mut self.cycle, Setting::named(name)) {
+            return setting.set(drive, text).map_err(StudyError::new);
+        }
         let place = self.benches.iter().position(|b| b.knows(name, None)).unwrap_or(0);
+        if self.cycle.is_some() && place != 0 {
+            return Err(StudyError::new(format!(
+                "{name} has no effect: the load has a [cycle] and no actuator or gait"
+            )));
+        }
         self.benches[place].set_text(name, text)?;
         if place == THE_ACTUATOR {
             self.explicit.insert(name.to_owned());
@@ -132,6 +313,13 @@ impl Load {
     /// # Errors
     /// None with declared names.
     pub fn derived(&self) -> Result<Vec<Derived>, StudyError> {
+        if let Some(mix) = &self.mix {
+            let gait = mix.phases.iter().filter_map(|p| p.load.as_deref()).find(|load| load.cycle.is_none());
+            return gait.map_or(Ok(Vec::new()), Load::derived);
+        }
+        if self.cycle.is_some() {
+            return Ok(Vec::new());
+        }
         let motor = &self.benches[0];
         let actuator = self.benches[THE_ACTUATOR].declaration();
         let starts = motor_data(actuator, |name| motor.clone().get(name).ok());
@@ -160,6 +348,19 @@ impl Load {
     /// # Errors
     /// None with declared activities.
     pub fn source(&self) -> Result<String, StudyError> {
+        if let Some(mix) = &self.mix {
+            let parts = mix.phases.iter().map(|phase| {
+                let source = match &phase.load {
+                    Some(load) if !phase.rest => load.source()?,
+                    _ => "rest".to_owned(),
+                };
+                Ok(format!("{} %: {source}", 100.0 * phase.fraction))
+            });
+            return Ok(parts.collect::<Result<Vec<_>, StudyError>>()?.join("; "));
+        }
+        if let Some((cycle, _)) = &self.cycle {
+            return Ok(cycle.source.clone());
+        }
         let value = self.get(ACTIVITY)?;
         match self.owner(ACTIVITY)?.entry(ACTIVITY)?.row.kind {
             Kind::Enumeration(t) => t.items.iter().find(|i| f64::from(i.value) == value),
@@ -174,6 +375,12 @@ impl Load {
     /// # Errors
     /// No such variable.
     pub fn get(&self, name: &str) -> Result<f64, StudyError> {
+        if let Some(part) = self.mix.as_ref().and_then(|_| self.parts().first().copied()) {
+            return part.get(name);
+        }
+        if let Some((setting, drive)) = self.setting(name) {
+            return Ok(setting.get(drive));
+        }
         let owner = self.owner(name)?.declaration().name;
         let benches = self.prepared()?;
         let mut bench = benches.into_iter().find(|b| b.declaration().name == owner);
@@ -185,8 +392,27 @@ impl Load {
     /// # Errors
     /// Parameters that do not go together, a drive that does not follow an actuator, a gait that never repeats.
     pub fn walker(&self) -> Result<Walker, StudyError> {
+        if let Some(mix) = &self.mix {
+            let walkers = mix.phases.iter().map(|phase: &Phase| {
+                let load = phase.load.as_deref().unwrap_or(self);
+                Ok((phase.fraction, if phase.rest { load.resting()? } else { load.walker()? }))
+            });
+            return Ok(Walker::Mix(Box::new(Mix::start(
+                walkers.collect::<Result<_, StudyError>>()?,
+                mix.period,
+            )?)));
+        }
         let [motor, actuator, gait] = self.prepared()?;
-        Walker::start(motor, actuator, gait)
+        Ok(match &self.cycle {
+            Some((cycle, drive)) => Walker::Shaft(Box::new(Shaft::start(motor, Arc::clone(cycle), *drive)?)),
+            None => Walker::Coupled(Box::new(Coupled::start(motor, actuator, gait)?)),
+        })
+    }
+
+    /// The motor without current at standstill.
+    fn resting(&self) -> Result<Walker, StudyError> {
+        let [motor, ..] = self.prepared()?;
+        Ok(Walker::Shaft(Box::new(Shaft::start(motor, Arc::new(Cycle::rest(REST)), Drive::default())?)))
     }
 
     /// Mass of motor, fan and tube, kg.
@@ -194,7 +420,8 @@ impl Load {
     /// # Errors
     /// A motor that does not start.
     pub fn mass(&self) -> Result<f64, StudyError> {
-        let mut held = self.benches[0].clone();
+        let part = self.parts().first().copied().unwrap_or(self);
+        let mut held = part.benches[0].clone();
         held.set_text("drive_mode", "current")?;
         held.set_text("mechanical_mode", "imposed_speed")?;
         held.set("current_command", 1.0)?;

@@ -1,6 +1,7 @@
 //! Motor, actuator and gait coupled natively, as a master couples their FMUs: Jacobi steps of 1 ms, inputs extrapolated
 //! linearly from their last two values.
 
+use super::walker::{add_slopes, put_temperatures, temperatures};
 use crate::StudyError;
 use crate::bench::Bench;
 use physics::model::{Model, Slot};
@@ -8,9 +9,8 @@ use serde::Serialize;
 
 /// Longest step, s.
 const STEP: f64 = 1e-3;
-/// Instants of a stride at which the derivatives are evaluated, and their temperature difference, K.
+/// Instants of a stride at which the derivatives are evaluated.
 const INSTANTS: u32 = 16;
-const DIFFERENCE: f64 = 1e-2;
 /// From the motor to the actuator, after the motor has its inputs.
 const POWER: (usize, &str, &str) = (MOTOR, "power_electrical", "motor_power");
 /// From the gait, and from the motor, to the actuator.
@@ -54,7 +54,7 @@ fn is_looked_at(step: u32, steps: u32) -> bool {
 }
 
 /// The three coupled models.
-pub struct Walker {
+pub struct Coupled {
     models: [Box<dyn Model>; 3],
     links: Vec<Link>,
     read: Read,
@@ -66,10 +66,10 @@ pub struct Walker {
     first_temperature: usize,
 }
 
-impl Clone for Walker {
+impl Clone for Coupled {
     fn clone(&self) -> Self {
         let models = std::array::from_fn(|k| self.models[k].boxed_clone());
-        Walker { models, links: self.links.clone(), ..*self }
+        Coupled { models, links: self.links.clone(), ..*self }
     }
 }
 
@@ -94,13 +94,41 @@ pub struct Periodic {
     pub power_joint: f64,
     /// Mean power from the supply, W.
     pub power_supply: f64,
+    /// Peak voltage at the terminals, V, where the current follows the load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voltage_peak: Option<f64>,
     /// Strides that were computed to find it.
     pub strides_walked: u32,
 }
 
-impl Walker {
+impl Periodic {
+    /// Adds another with its weight: peaks are the greatest, the rest is summed until [`finished`](Periodic::finished).
+    pub(super) fn add(&mut self, other: &Periodic, weight: f64) {
+        self.winding_temperature = self.winding_temperature.max(other.winding_temperature);
+        self.winding_temperature_mean += weight * other.winding_temperature_mean;
+        self.current_rms += weight * other.current_rms.powi(2);
+        self.current_peak = self.current_peak.max(other.current_peak);
+        self.joint_torque_peak = self.joint_torque_peak.max(other.joint_torque_peak);
+        self.torque_error_rms += weight * other.torque_error_rms.powi(2);
+        self.power_electrical += weight * other.power_electrical;
+        self.power_joint += weight * other.power_joint;
+        self.power_supply += weight * other.power_supply;
+        self.voltage_peak = match (self.voltage_peak, other.voltage_peak) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+    }
+
+    /// Roots of the mean squares.
+    pub(super) fn finished(self) -> Periodic {
+        let (current_rms, torque_error_rms) = (self.current_rms.sqrt(), self.torque_error_rms.sqrt());
+        Periodic { current_rms, torque_error_rms, ..self }
+    }
+}
+
+impl Coupled {
     /// Starts the three models, the actuator with the gait's demand.
-    pub(super) fn start(motor: Bench, actuator: Bench, gait: Bench) -> Result<Walker, StudyError> {
+    pub(super) fn start(motor: Bench, actuator: Bench, gait: Bench) -> Result<Coupled, StudyError> {
         let slot = |bench: &Bench, name: &str| Ok::<Slot, StudyError>(bench.entry(name)?.slot);
         let benches = [&motor, &actuator, &gait];
         let mode = motor.clone().get("drive_mode")?;
@@ -139,7 +167,7 @@ impl Walker {
         let rate = slot(&gait, "der(state.stride)")?;
         let models = [motor, actuator, gait].map(Bench::into_model);
         let first_temperature = if drive.1 == "voltage" { 2 } else { 1 };
-        let mut walker = Walker { models, links, read, steps: 1, h: STEP, done: 0, first_temperature };
+        let mut walker = Coupled { models, links, read, steps: 1, h: STEP, done: 0, first_temperature };
         for k in [GAIT, MOTOR, ACTUATOR] {
             walker.models[k].start(0.0).map_err(|fault| StudyError::new(fault.to_string()))?;
             walker.pass(k);
@@ -191,7 +219,7 @@ impl Walker {
         self.steps_of_a_stride(|_, _| ())
     }
 
-    fn steps_of_a_stride(&mut self, mut look: impl FnMut(&Walker, u32)) -> Result<Periodic, StudyError> {
+    fn steps_of_a_stride(&mut self, mut look: impl FnMut(&Coupled, u32)) -> Result<Periodic, StudyError> {
         let mut s = Periodic { winding_temperature: f64::NEG_INFINITY, ..Periodic::default() };
         let before = self.energies();
         for step in 0..self.steps {
@@ -231,20 +259,13 @@ impl Walker {
     }
 
     /// The temperatures that the motor's heat depends on, K.
-    pub fn temperatures(&self) -> Vec<f64> {
-        let mut states = Vec::new();
-        self.models[MOTOR].states(&mut states);
-        states.split_off(self.first_temperature)
+    pub(super) fn temperatures(&self) -> Vec<f64> {
+        temperatures(self.models[MOTOR].as_ref(), self.first_temperature)
     }
 
     /// Sets them; current and motion stay.
-    pub fn put_temperatures(&mut self, temperatures: &[f64]) {
-        let motor = &mut self.models[MOTOR];
-        let mut states = Vec::new();
-        motor.states(&mut states);
-        states[self.first_temperature..].copy_from_slice(temperatures);
-        let time = motor.time();
-        motor.set_states(time, &states);
+    pub(super) fn put_temperatures(&mut self, values: &[f64]) {
+        put_temperatures(self.models[MOTOR].as_mut(), self.first_temperature, values);
     }
 
     /// Walks a stride and evaluates at several instants the derivatives of the temperatures' rates with respect to the
@@ -257,30 +278,11 @@ impl Walker {
         let mut slopes = vec![vec![0.0; n]; n];
         let stride = self.steps_of_a_stride(|walker, step| {
             if is_looked_at(step, walker.steps) {
-                walker.add_slopes(&mut slopes, 1.0 / f64::from(INSTANTS));
+                let share = 1.0 / f64::from(INSTANTS);
+                add_slopes(walker.models[MOTOR].as_ref(), walker.first_temperature, &mut slopes, share);
             }
         })?;
         Ok((stride, slopes))
-    }
-
-    /// Adds the present derivatives times `share`, by differences on a copy of the motor.
-    fn add_slopes(&self, slopes: &mut [Vec<f64>], share: f64) {
-        let mut motor = self.models[MOTOR].boxed_clone();
-        let time = motor.time();
-        let (mut start, mut rates) = (Vec::new(), Vec::new());
-        motor.states(&mut start);
-        for column in 0..slopes.len() {
-            for sign in [1.0, -1.0] {
-                let mut moved = start.clone();
-                moved[self.first_temperature + column] += sign * DIFFERENCE;
-                motor.set_states(time, &moved);
-                rates.clear();
-                motor.rates(&mut rates);
-                for (row, rate) in rates[self.first_temperature..].iter().enumerate() {
-                    slopes[row][column] += share * sign * rate / (2.0 * DIFFERENCE);
-                }
-            }
-        }
     }
 }
 

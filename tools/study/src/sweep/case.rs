@@ -1,0 +1,178 @@
+//! What a sweep computes at a point: a motor at constant inputs, or under a load.
+
+use super::vary::{Choice, PRESET};
+use crate::StudyError;
+use crate::bench::Bench;
+use crate::steady::{Setup, continuous_torque, steady};
+use crate::walk::{Load, Objective};
+use describe::Preset;
+use physics::declare::Kind;
+use physics::model::Entry;
+use serde::Serialize;
+
+/// A quantity that a sweep computes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Target {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Whether the least value is the best, as of a temperature.
+    pub least_is_best: bool,
+}
+
+/// A model whose variables can be varied and whose quantities can be computed.
+pub trait Case: Sync {
+    /// The quantity of a name.
+    ///
+    /// # Errors
+    /// The case has no such quantity.
+    fn target(&self, name: &str) -> Result<Target, StudyError>;
+    /// Unit of a variable; none for an enumeration or a preset.
+    ///
+    /// # Errors
+    /// There is no such variable.
+    fn unit(&self, name: &str) -> Result<&'static str, StudyError>;
+    /// The quantities with these values, set last.
+    ///
+    /// # Errors
+    /// A value that is refused, or no steady state.
+    fn at(&self, sets: &[(&str, &Choice)], targets: &[Target]) -> Result<Vec<f64>, StudyError>;
+    /// Whether a value is taken.
+    ///
+    /// # Errors
+    /// One sentence why not.
+    fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError>;
+    /// Source of the measured data that the case uses, if any.
+    ///
+    /// # Errors
+    /// A case without the source of its data.
+    fn source(&self) -> Result<Option<String>, StudyError> {
+        Ok(None)
+    }
+}
+
+/// The preset among the varied values.
+fn preset(sets: &[(&str, &Choice)]) -> Result<Option<Preset>, StudyError> {
+    let named = sets.iter().find(|(name, _)| *name == PRESET);
+    Ok(named.map(|(_, choice)| Preset::load(&choice.text())).transpose()?)
+}
+
+/// The unit of a variable with a declaration; items and flags have none.
+fn unit_of(entry: &Entry) -> &'static str {
+    match entry.row.kind {
+        Kind::Enumeration(_) | Kind::Boolean => "1",
+        _ => entry.row.unit.name(),
+    }
+}
+
+/// A motor at constant inputs.
+///
+/// Its quantities are `continuous_torque`, N.m; `torque_density`, the same per total mass, N.m/kg; and the outputs in steady state.
+#[derive(Clone, Debug)]
+pub struct ConstantInputs {
+    /// The motor and its inputs.
+    pub setup: Setup,
+}
+
+impl ConstantInputs {
+    fn with(&self, sets: &[(&str, &Choice)]) -> Result<Bench, StudyError> {
+        let mut setup = self.setup.clone();
+        if let Some(preset) = preset(sets)? {
+            setup.preset = Some(preset);
+        }
+        let others = sets.iter().filter(|(name, _)| *name != PRESET);
+        setup.sets.extend(others.map(|(name, value)| ((*name).to_owned(), value.text())));
+        setup.bench()
+    }
+}
+
+impl Case for ConstantInputs {
+    fn target(&self, name: &str) -> Result<Target, StudyError> {
+        let bench = self.setup.bench()?;
+        let output = if name == "continuous_torque" { "shaft_torque" } else { name };
+        let entry = bench.entry(output)?;
+        if !bench.is_output(output) {
+            return Err(StudyError::new(format!("--objective {output} is no output of the model")));
+        }
+        let unit = entry.row.unit.name();
+        let losses = ["power_electrical", "loss_copper", "loss_iron", "loss_friction", "loss_drive"];
+        let least_is_best = (unit == "K" && !entry.row.relative) || losses.contains(&name);
+        Ok(Target { name: name.to_owned(), unit, least_is_best })
+    }
+
+    fn unit(&self, name: &str) -> Result<&'static str, StudyError> {
+        if name == PRESET { Ok("1") } else { Ok(unit_of(self.setup.bench()?.entry(name)?)) }
+    }
+
+    fn at(&self, sets: &[(&str, &Choice)], targets: &[Target]) -> Result<Vec<f64>, StudyError> {
+        let mut bench = self.with(sets)?;
+        let at_limit = |name: &str| matches!(name, "continuous_torque" | "torque_density");
+        let continuous =
+            targets.iter().any(|t| at_limit(&t.name)).then(|| continuous_torque(&bench)).transpose()?;
+        if targets.iter().any(|t| !at_limit(&t.name)) {
+            steady(&mut bench)?;
+        }
+        let of = |target: &Target| match (target.name.as_str(), &continuous) {
+            ("continuous_torque", Some(found)) => Ok(found.torque),
+            ("torque_density", Some(found)) => Ok(found.torque_density),
+            (output, _) => bench.get(output),
+        };
+        let mut of = of;
+        targets.iter().map(&mut of).collect()
+    }
+
+    fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
+        self.with(&[(name, value)]).map(|_| ())
+    }
+}
+
+/// A motor under a periodic load.
+#[derive(Clone)]
+pub struct Walking {
+    /// Motor and load.
+    pub load: Load,
+    /// Longest duration of the walk, h.
+    pub hours: f64,
+}
+
+impl Walking {
+    fn with(&self, sets: &[(&str, &Choice)]) -> Result<Load, StudyError> {
+        let mut load = match preset(sets)? {
+            Some(preset) => self.load.with_preset(&preset)?,
+            None => self.load.clone(),
+        };
+        for (name, value) in sets.iter().filter(|(name, _)| *name != PRESET) {
+            load.set_text(name, &value.text())?;
+        }
+        Ok(load)
+    }
+}
+
+impl Case for Walking {
+    fn target(&self, name: &str) -> Result<Target, StudyError> {
+        let Objective { name, unit, least_is_best, .. } = Objective::named(name)?;
+        Ok(Target { name: name.to_owned(), unit, least_is_best })
+    }
+
+    fn unit(&self, name: &str) -> Result<&'static str, StudyError> {
+        if name == PRESET {
+            return Ok("1");
+        }
+        let (unit, entry) = self.load.unit(name)?;
+        Ok(entry.map_or(unit, unit_of))
+    }
+
+    fn at(&self, sets: &[(&str, &Choice)], targets: &[Target]) -> Result<Vec<f64>, StudyError> {
+        let load = self.with(sets)?;
+        targets.iter().map(|target| Objective::named(&target.name)?.of(&load, self.hours)).collect()
+    }
+
+    fn takes(&self, name: &str, value: &Choice) -> Result<(), StudyError> {
+        self.with(&[(name, value)]).map(|_| ())
+    }
+
+    fn source(&self) -> Result<Option<String>, StudyError> {
+        self.load.source().map(Some)
+    }
+}

@@ -1,0 +1,398 @@
+//! A periodic load from a CSV file: torque and speed or angle over time, with the file's own column names and units.
+//!
+//! ```toml
+//! [cycle]
+//! file = "ankle.csv"                                # beside this file
+//! time   = "t [ms]"                                 # a unit in brackets in the header counts
+//! torque = { column = "M", unit = "N.mm" }
+//! speed  = { column = "n", unit = "rpm" }           # or angle = ...
+//! ratio = 50                                        # rigid gear between motor and cycle, 1 if not given
+//! efficiency = 0.8
+//! inertia = "20 g.cm2"                              # of the load, at the cycle
+//! scale = 1.0                                       # factor on the torque
+//! supply = "48 V"                                   # voltage of the drive
+//! period = "1.2 s"                                  # from the first to the last row, if not given
+//! ```
+
+use describe::preset::{Source, nearest};
+use std::path::Path;
+use toml::Spanned;
+use toml::de::DeValue;
+use units::{Conversion, conversion, split, unchanged};
+
+/// Rows that a file may have.
+const MOST_ROWS: usize = 1_000_000;
+
+/// Gear, load and supply of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Speed of the motor over that of the cycle.
+    pub ratio: f64,
+    /// Efficiency of the gear.
+    pub efficiency: f64,
+    /// Moment of inertia of the load at the cycle, kg.m2; part of the torque of the file if 0.
+    pub inertia: f64,
+    /// Factor on the torque.
+    pub scale: f64,
+    /// Voltage of the drive, V.
+    pub supply: f64,
+}
+
+impl Default for Drive {
+    fn default() -> Drive {
+        Drive { ratio: 1.0, efficiency: 1.0, inertia: 0.0, scale: 1.0, supply: f64::INFINITY }
+    }
+}
+
+/// A value of a [`Drive`]: name, unit, limits, and where it is.
+pub struct Setting {
+    /// Its name, as in `--set cycle.ratio=50`.
+    pub name: &'static str,
+    /// Its SI unit.
+    pub unit: &'static str,
+    limits: (f64, f64),
+    of: fn(&mut Drive) -> &mut f64,
+}
+
+/// The values of a [`Drive`].
+pub const SETTINGS: [Setting; 5] = [
+    Setting { name: "cycle.ratio", unit: "1", limits: (1e-3, 1e5), of: |d| &mut d.ratio },
+    Setting { name: "cycle.efficiency", unit: "1", limits: (0.05, 1.0), of: |d| &mut d.efficiency },
+    Setting { name: "cycle.inertia", unit: "kg.m2", limits: (0.0, 1e6), of: |d| &mut d.inertia },
+    Setting { name: SCALE, unit: "1", limits: (0.0, 1e3), of: |d| &mut d.scale },
+    Setting { name: "cycle.supply", unit: "V", limits: (1e-3, 1e4), of: |d| &mut d.supply },
+];
+/// Name of the factor on the torque.
+pub const SCALE: &str = "cycle.scale";
+
+impl Setting {
+    /// The setting of a name.
+    pub fn named(name: &str) -> Option<&'static Setting> {
+        static ALL: [Setting; 5] = SETTINGS;
+        ALL.iter().find(|s| s.name == name)
+    }
+
+    /// The greatest value.
+    pub fn most(&self) -> f64 {
+        self.limits.1
+    }
+
+    /// The value.
+    pub fn get(&self, drive: &Drive) -> f64 {
+        *(self.of)(&mut drive.clone())
+    }
+
+    /// Sets it from text: a number in SI units or with its unit.
+    ///
+    /// # Errors
+    /// One sentence with name, value, unit or limits.
+    pub fn set(&self, drive: &mut Drive, text: &str) -> Result<(), String> {
+        let Setting { name, unit, limits: (low, high), .. } = *self;
+        let (number, given) =
+            split(text).ok_or_else(|| format!("{name} = {text} is not a number in {unit}"))?;
+        let value = match given {
+            "" => number,
+            given => conversion(given, unit, false)
+                .map_err(|refusal| format!("{name} has the unit \"{unit}\", not \"{given}\": {refusal}"))?
+                .of(number),
+        };
+        if !(low..=high).contains(&value) {
+            return Err(format!("{name} = {value} is outside its limits {low} ... {high}"));
+        }
+        *(self.of)(drive) = value;
+        Ok(())
+    }
+}
+
+/// A periodic course of torque and speed, at equal or unequal distances in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// Ascending from 0, s.
+    times: Vec<f64>,
+    /// N.m.
+    torques: Vec<f64>,
+    /// rad/s.
+    speeds: Vec<f64>,
+    period: f64,
+    /// File and columns.
+    pub source: String,
+}
+
+impl Cycle {
+    /// No torque at standstill.
+    pub fn rest(period: f64) -> Cycle {
+        let (times, torques, speeds) = (vec![0.0], vec![0.0], vec![0.0]);
+        Cycle { times, torques, speeds, period, source: "rest".to_owned() }
+    }
+
+    /// Its period, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Torque at a time, N.m.
+    pub fn torque(&self, t: f64) -> f64 {
+        self.at(&self.torques, t)
+    }
+
+    /// Speed at a time, rad/s.
+    pub fn speed(&self, t: f64) -> f64 {
+        self.at(&self.speeds, t)
+    }
+
+    /// Linear between the rows, and from the last row to the first of the next period.
+    fn at(&self, values: &[f64], t: f64) -> f64 {
+        let t = t.rem_euclid(self.period);
+        let next = self.times.partition_point(|time| *time <= t);
+        let last = next.max(1) - 1;
+        let (t1, v1) = match self.times.get(next) {
+            Some(time) => (*time, values[next]),
+            None => (self.period, values[0]),
+        };
+        let (t0, v0) = (self.times[last], values[last]);
+        if t1 > t0 { v0 + (v1 - v0) * (t - t0) / (t1 - t0) } else { v0 }
+    }
+}
+
+/// A column of the file: its header, and its unit where the load file gives one.
+#[derive(Default)]
+struct Column {
+    header: String,
+    unit: Option<String>,
+}
+
+/// What the table `[cycle]` says.
+#[derive(Default)]
+struct Table {
+    file: Option<String>,
+    columns: [Option<Column>; 4],
+    period: Option<f64>,
+    drive: Drive,
+}
+
+/// The four columns: name, SI unit.
+const COLUMNS: [(&str, &str); 4] = [("time", "s"), ("torque", "N.m"), ("speed", "rad/s"), ("angle", "rad")];
+const TIME: usize = 0;
+const TORQUE: usize = 1;
+const SPEED: usize = 2;
+const ANGLE: usize = 3;
+
+/// The cycle and its drive of a table `[cycle]` in a load file in `folder`; errors go to `source`.
+pub(super) fn read(
+    value: &Spanned<DeValue<'_>>,
+    folder: &Path,
+    source: &mut Source<'_>,
+) -> Option<(Cycle, Drive)> {
+    let DeValue::Table(values) = value.get_ref() else {
+        source.error(value.span().start, "[cycle] must be a table".to_owned());
+        return None;
+    };
+    let mut table = Table::default();
+    let mut good = true;
+    for (key, value) in values {
+        let at = value.span().start.max(key.span().start);
+        if let Err(sentence) = entry(&mut table, key.get_ref(), value.get_ref()) {
+            source.error(at, sentence);
+            good = false;
+        }
+    }
+    if !good {
+        return None;
+    }
+    let drive = table.drive;
+    match load(table, folder) {
+        Ok(cycle) => Some((cycle, drive)),
+        Err(sentence) => {
+            source.error(value.span().start, sentence);
+            None
+        }
+    }
+}
+
+fn text_of(value: &DeValue<'_>) -> Option<String> {
+    match value {
+        DeValue::String(text) => Some(text.to_string()),
+        DeValue::Float(text) => Some(text.as_str().replace('_', "")),
+        DeValue::Integer(text) => {
+            i64::from_str_radix(text.as_str(), text.radix()).ok().map(|n| n.to_string())
+        }
+        _ => None,
+    }
+}
+
+fn entry(table: &mut Table, key: &str, value: &DeValue<'_>) -> Result<(), String> {
+    let place = COLUMNS.iter().position(|(name, _)| *name == key);
+    if let Some(place) = place {
+        let mut column = Column::default();
+        match value {
+            DeValue::String(header) => column.header = header.to_string(),
+            DeValue::Table(parts) => {
+                for (part, value) in parts {
+                    let text = text_of(value.get_ref())
+                        .ok_or_else(|| format!("{key}.{} must be a string", part.get_ref()))?;
+                    match part.get_ref().as_ref() {
+                        "column" => column.header = text,
+                        "unit" => column.unit = Some(text),
+                        other => {
+                            return Err(format!(
+                                "{key} has the unknown key {other}; the keys are column and unit"
+                            ));
+                        }
+                    }
+                }
+            }
+            _ => {
+                return Err(format!(
+                    "{key} must be the name of a column, or {{ column = \"...\", unit = \"...\" }}"
+                ));
+            }
+        }
+        table.columns[place] = Some(column);
+        return Ok(());
+    }
+    let text = text_of(value).ok_or_else(|| format!("{key} must be a string or a number"))?;
+    match key {
+        "file" => table.file = Some(text),
+        "period" => {
+            let (number, unit) = split(&text).ok_or_else(|| format!("period = {text} is not a time"))?;
+            let unit = if unit.is_empty() { "s" } else { unit };
+            let period =
+                conversion(unit, "s", false).map_err(|refusal| format!("period: {refusal}"))?.of(number);
+            table.period = Some(period).filter(|p| *p > 0.0);
+            table.period.ok_or_else(|| format!("period = {text} is not a positive time"))?;
+        }
+        key => match Setting::named(&format!("cycle.{key}")) {
+            Some(setting) => setting.set(&mut table.drive, &text)?,
+            None => {
+                let known = SETTINGS.iter().map(|s| &s.name["cycle.".len()..]);
+                let known = COLUMNS.iter().map(|c| c.0).chain(known).chain(["file", "period"]);
+                return Err(format!("{key} is not a key of [cycle]{}", nearest(key, known)));
+            }
+        },
+    }
+    Ok(())
+}
+
+/// The unit in the brackets of a header: `n [rpm]`, `M (mN.m)`.
+fn header_unit(header: &str) -> Option<&str> {
+    let header = header.trim();
+    let (open, close) = [('[', ']'), ('(', ')')].into_iter().find(|(_, close)| header.ends_with(*close))?;
+    let at = header.find(open)?;
+    Some(header[at + open.len_utf8()..header.len() - close.len_utf8()].trim())
+}
+
+fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
+    let file = table.file.ok_or("the key file of [cycle] is missing")?;
+    let path = folder.join(&file);
+    let name = path.display().to_string();
+    let text =
+        std::fs::read_to_string(&path).map_err(|e| format!("the cycle {name} cannot be read ({e})"))?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let (columns, period) = (table.columns, table.period);
+    if columns[SPEED].is_some() && columns[ANGLE].is_some() {
+        return Err("[cycle] has speed and angle: one of them is enough".to_owned());
+    }
+    for (place, other) in [(TIME, TIME), (TORQUE, TORQUE), (SPEED, ANGLE)] {
+        if columns[place].is_none() && columns[other].is_none() {
+            let names = if place == other { COLUMNS[place].0 } else { "speed or angle" };
+            return Err(format!("the key {names} of [cycle] is missing"));
+        }
+    }
+    let mut lines =
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let (_, head) = lines.next().ok_or_else(|| format!("{name} is empty"))?;
+    let separator = [';', '\t', ','].into_iter().find(|s| head.contains(*s)).unwrap_or(',');
+    let headers: Vec<&str> = cells(head, separator);
+    let mut read: Vec<(usize, usize, Conversion)> = Vec::new();
+    for (kind, column) in columns.iter().enumerate() {
+        let Some(Column { header, unit }) = column else { continue };
+        let plain = |h: &str| h.split(['[', '(']).next().unwrap_or_default().trim().to_owned();
+        let place = headers
+            .iter()
+            .position(|h| h == header)
+            .or_else(|| headers.iter().position(|h| plain(h) == *header));
+        let place = place.ok_or_else(|| {
+            format!("{name} has no column {header}; its columns are {}", headers.join(", "))
+        })?;
+        let si = COLUMNS[kind].1;
+        let conversion = match unit.as_deref().or_else(|| header_unit(headers[place])) {
+            None => unchanged(),
+            Some(unit) => {
+                conversion(unit, si, false).map_err(|refusal| format!("{}: {refusal}", COLUMNS[kind].0))?
+            }
+        };
+        read.push((kind, place, conversion));
+    }
+    let mut values: [Vec<f64>; 4] = Default::default();
+    for (k, line) in lines {
+        let cells = cells(line, separator);
+        for (kind, place, conversion) in &read {
+            let header = headers[*place];
+            let cell = cells.get(*place).copied().unwrap_or_default();
+            let number = if separator == ',' { cell.to_owned() } else { cell.replace(',', ".") };
+            let number: f64 =
+                number.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
+                    format!("{name}:{}: \"{cell}\" in column {header} is not a number", k + 1)
+                })?;
+            values[*kind].push(conversion.of(number));
+        }
+        let times = &values[TIME];
+        if let [.., before, now] = times[..]
+            && now <= before
+        {
+            return Err(format!("{name}:{}: time {now} s does not follow {before} s", k + 1));
+        }
+        if times.len() > MOST_ROWS {
+            return Err(format!("{name} has more than {MOST_ROWS} rows"));
+        }
+    }
+    let source =
+        format!("{file}, columns {}", read.iter().map(|r| headers[r.1]).collect::<Vec<_>>().join(", "));
+    cycle(values, period, source).map_err(|sentence| format!("{name}: {sentence}"))
+}
+
+fn cells(line: &str, separator: char) -> Vec<&str> {
+    line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect()
+}
+
+fn cycle(values: [Vec<f64>; 4], period: Option<f64>, source: String) -> Result<Cycle, String> {
+    let [mut times, mut torques, mut speeds, angles] = values;
+    let (first, rows) = (times.first().copied().unwrap_or(0.0), times.len());
+    if rows < 3 {
+        return Err(format!("a cycle has at least 3 rows, not {rows}"));
+    }
+    for time in &mut times {
+        *time -= first;
+    }
+    let span = times[rows - 1];
+    let period = period.unwrap_or(span);
+    if period < span * (1.0 - 1e-9) {
+        return Err(format!(
+            "the period of {period} s is shorter than the {span} s from the first to the last row"
+        ));
+    }
+    // The last row is the first of the next period where there is no time between them.
+    let closed = period <= span * (1.0 + 1e-9);
+    if !angles.is_empty() {
+        let count = if closed { rows - 1 } else { rows };
+        let turn = if closed { angles[rows - 1] - angles[0] } else { 0.0 };
+        let at = |k: isize| {
+            let (around, k) = (k.div_euclid(count as isize) as f64, k.rem_euclid(count as isize) as usize);
+            (times[k] + around * period, angles[k] + around * turn)
+        };
+        speeds = (0..count as isize)
+            .map(|k| {
+                let ((t0, a0), (t1, a1), (t2, a2)) = (at(k - 1), at(k), at(k + 1));
+                // Second order also with unequal distances.
+                let (before, after) = ((a1 - a0) / (t1 - t0), (a2 - a1) / (t2 - t1));
+                (before * (t2 - t1) + after * (t1 - t0)) / (t2 - t0)
+            })
+            .collect();
+    }
+    if closed {
+        for values in [&mut times, &mut torques, &mut speeds] {
+            values.truncate(rows - 1);
+        }
+    }
+    Ok(Cycle { times, torques, speeds, period, source })
+}
