@@ -7,7 +7,7 @@ use crate::{reference, terminals};
 use describe::markdown::{self, Section};
 use describe::{DEFAULT_STEP, DEFAULT_STOP, Preset, VERSION, usage};
 use maud::{Markup, html};
-use present::page::{Cell, page as page_of, plates, table};
+use present::page::{Cell, Plate, page as page_of, plates, table};
 
 /// documentation/index.html.
 pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
@@ -20,12 +20,13 @@ pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
             terminal.members.iter().map(|(variable, kind)| format!("{variable} ({kind})")).collect();
         vec![Cell::Code(terminal.name.into()), terminal.what.into(), Cell::Code(members.join(", "))]
     });
+    let behaviour = figures::of(native).into_iter().map(|f| Plate::new("behaviour", f.figure, f.caption));
     let body = html! {
         p.lead { (declaration.description) "." }
         @if let Some(preset) = preset { p { "Start values: " (preset.name) " (" (preset.description) ")." } }
         @if let Some(unused) = unused_inputs(native) { p { "Inputs in the start modes: " (unused) "." } }
         h2 { "Behaviour" }
-        (plates(&figures::of(native).into_iter().map(figures::Captioned::plate).collect::<Vec<_>>()))
+        (plates(&behaviour.collect::<Vec<_>>()))
         h2 { "First simulation" }
         p { "In Python, with fmpy:" }
         pre { (start(native)) }

@@ -4,7 +4,7 @@
 //! The excitation is the same for all models: one after the other, each input goes from its start value to its nominal value. Between two
 //! steps the inputs are constant, so that the result does not depend on the importer's interpolation of inputs.
 
-use crate::native::Native;
+use crate::native::{Native, Run};
 use describe::{Causality, DEFAULT_STEP, DEFAULT_STOP, Entry};
 
 /// The folder in the archive.
@@ -55,41 +55,51 @@ fn points() -> u32 {
     (DEFAULT_STOP / DEFAULT_STEP).round() as u32
 }
 
-/// Runs the model; `None` where it refuses its own start values.
+/// Runs the model; `visit` sees it at every communication point, before the inputs jump there. `None` where the model
+/// refuses its own start values.
+pub fn drive(native: &Native<'_>, mut visit: impl FnMut(u32, &mut Run<'_>) -> Option<()>) -> Option<()> {
+    let jumps = jumps(native);
+    let mut run = native.start(&[], &[])?;
+    for k in 0..=points() {
+        visit(k, &mut run)?;
+        for jump in jumps.iter().filter(|j| j.at == k) {
+            run.set(&jump.entry.name, jump.to)?;
+        }
+        if k < points() {
+            run.step(DEFAULT_STEP)?;
+        }
+    }
+    Some(())
+}
+
+/// The drive and its results; `None` as [`drive`].
 pub fn run(native: &Native<'_>) -> Option<Reference> {
     let jumps = jumps(native);
     let entries = &(native.kind.declaration)().entries;
     let outputs: Vec<&Entry> = entries.iter().filter(|e| e.row.causality == Causality::Output).collect();
-    let mut values: Vec<f64> = jumps.iter().map(|j| native.starts.of(j.entry)).collect();
+    let time = |k: u32| f64::from(k) * DEFAULT_STEP;
     let line = |time: f64, values: &[f64]| {
         let cells: Vec<String> = std::iter::once(&time).chain(values).map(f64::to_string).collect();
         cells.join(",") + "\n"
     };
     let header =
         |names: &mut dyn Iterator<Item = &str>| names.fold("time".to_string(), |t, n| t + "," + n) + "\n";
-    let mut inputs = header(&mut jumps.iter().map(|j| j.entry.name.as_str()));
-    let mut results = header(&mut outputs.iter().map(|e| e.name.as_str()));
-    let mut model = native.start(&[], &[])?;
-    inputs += &line(0.0, &values);
-    for k in 0..=points() {
-        let time = f64::from(k) * DEFAULT_STEP;
-        // A row shows the outputs as they are after the step, under the inputs of that step, as an importer records them.
-        if k % DECIMATION == 0 {
-            results += &line(time, &outputs.iter().map(|e| model.value(e)).collect::<Vec<_>>());
-        }
-        if jumps.iter().any(|j| j.at == k) {
-            inputs += &line(time, &values);
-            for (value, jump) in values.iter_mut().zip(&jumps).filter(|(_, j)| j.at == k) {
-                *value = jump.to;
-                model.set(&jump.entry.name, jump.to)?;
-            }
-            inputs += &line(time, &values);
-        }
-        if k < points() {
-            model.step(DEFAULT_STEP)?;
-        }
+    let mut values: Vec<f64> = jumps.iter().map(|j| native.starts.of(j.entry)).collect();
+    let mut inputs = header(&mut jumps.iter().map(|j| j.entry.name.as_str())) + &line(0.0, &values);
+    for (place, jump) in jumps.iter().enumerate() {
+        inputs += &line(time(jump.at), &values);
+        values[place] = jump.to;
+        inputs += &line(time(jump.at), &values);
     }
     inputs += &line(DEFAULT_STOP, &values);
+    let mut results = header(&mut outputs.iter().map(|e| e.name.as_str()));
+    drive(native, |k, run| {
+        // A row shows the outputs as they are after the step, under the inputs of that step, as an importer records them.
+        if k % DECIMATION == 0 {
+            results += &line(time(k), &outputs.iter().map(|e| run.value(e)).collect::<Vec<_>>());
+        }
+        Some(())
+    })?;
     Some(Reference { inputs, results })
 }
 

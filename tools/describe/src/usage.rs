@@ -30,21 +30,14 @@ pub struct Unused {
 }
 
 /// An enumeration with the item that is selected and those with which the variable has an effect.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// The enumeration.
-    pub choice: &'static Entry,
+    /// Name of the enumeration.
+    pub choice: &'static str,
     /// The selected item.
     pub selected: &'static str,
     /// The items with which the variable has an effect.
     pub effective: Vec<&'static str>,
-}
-
-impl PartialEq for Mode {
-    fn eq(&self, other: &Mode) -> bool {
-        let of = |m: &Mode| (m.choice.value_reference, m.selected, m.effective.clone());
-        of(self) == of(other)
-    }
 }
 
 /// Sizes of the inputs at the operating points, relative to their nominal values.
@@ -96,13 +89,13 @@ pub fn preset_values(preset: &Preset) -> Vec<Unused> {
     let given: Vec<&'static Entry> =
         preset.starts.entries().into_iter().filter_map(|(r, _)| declaration.by_reference(r)).collect();
     let found = unused(with_starts(kind, &preset.starts, &[]).as_ref(), &given, Scope::Transient);
-    let selects = |mode: &Mode| given.iter().any(|e| e.name == mode.choice.name);
+    let selects = |mode: &Mode| given.iter().any(|e| e.name == mode.choice);
     found.into_iter().filter(|u| u.mode.as_ref().is_some_and(selects)).collect()
 }
 
 /// The model with one enumeration at another item.
 struct OtherMode {
-    choice: &'static Entry,
+    choice: &'static str,
     selected: &'static str,
     item: &'static str,
     points: Points,
@@ -120,7 +113,12 @@ fn modes(model: &dyn Model, scope: Scope) -> Vec<OtherMode> {
             let mut other = model.boxed_clone();
             if other.set(choice.slot, f64::from(item.value)) {
                 let points = Points::of(other.as_ref(), scope);
-                all.push(OtherMode { choice, selected: selected.name, item: item.name, points });
+                all.push(OtherMode {
+                    choice: &choice.name,
+                    selected: selected.name,
+                    item: item.name,
+                    points,
+                });
             }
         }
     }
@@ -129,9 +127,9 @@ fn modes(model: &dyn Model, scope: Scope) -> Vec<OtherMode> {
 
 /// The first enumeration that makes the variable effective by another item.
 fn reason(entry: &Entry, modes: &[OtherMode]) -> Option<Mode> {
-    let effective = |m: &&OtherMode| m.choice.name != entry.name && m.points.moved_by(entry);
+    let effective = |m: &&OtherMode| m.choice != entry.name && m.points.moved_by(entry);
     let first = modes.iter().find(effective)?;
-    let of_choice = modes.iter().filter(|m| m.choice.name == first.choice.name).filter(effective);
+    let of_choice = modes.iter().filter(|m| m.choice == first.choice).filter(effective);
     Some(Mode {
         choice: first.choice,
         selected: first.selected,
@@ -270,7 +268,7 @@ pub fn sentence(found: &[Unused], source: impl Fn(&Entry) -> String) -> Option<S
         let from = if from.is_empty() { String::new() } else { format!(" ({from})") };
         let why = match mode {
             Some(m) => {
-                let (choice, selected) = (&m.choice.name, m.selected);
+                let (choice, selected) = (m.choice, m.selected);
                 format!("with {choice} = {selected}, only with {choice} = {}", listed(&m.effective, "or"))
             }
             None => "in the selected modes".to_owned(),
@@ -284,10 +282,9 @@ pub fn sentence(found: &[Unused], source: impl Fn(&Entry) -> String) -> Option<S
 pub fn other_modes(found: &[Unused]) -> String {
     let mut settings: Vec<String> = Vec::new();
     for mode in found.iter().filter_map(|u| u.mode.as_ref()) {
-        let setting = format!("{}={}", mode.choice.name, mode.effective.first().copied().unwrap_or_default());
-        let start = format!("{}=", mode.choice.name);
+        let start = format!("{}=", mode.choice);
         if settings.iter().all(|s| !s.starts_with(&start)) {
-            settings.push(setting);
+            settings.push(start + mode.effective.first().copied().unwrap_or_default());
         }
     }
     settings.join(", ")

@@ -240,15 +240,8 @@ impl Model<'_> {
                 -self.gradient[free[a]] - moved.sum::<f64>()
             });
             // Rounding can make a matrix of dependent columns indefinite: more damping, and no step at worst.
-            let factor = normal.clone().cholesky().or_else(|| {
-                let more =
-                    DMatrix::from_fn(
-                        free.len(),
-                        free.len(),
-                        |a, b| if a == b { normal[(a, a)] } else { 0.0 },
-                    );
-                (normal + 1e-9 * more).cholesky()
-            });
+            let more = || &normal + 1e-9 * DMatrix::from_diagonal(&normal.diagonal());
+            let factor = normal.clone().cholesky().or_else(|| more().cholesky());
             let solved = factor.map_or_else(|| DVector::zeros(free.len()), |f| f.solve(&right));
             let mut step = DVector::from_fn(n, |k, _| fixed[k].unwrap_or(0.0));
             let mut left = false;

@@ -7,9 +7,8 @@ mod gait;
 
 use crate::native::{Native, Run};
 use crate::reference;
-use describe::{DEFAULT_STEP, DEFAULT_STOP};
+use describe::DEFAULT_STEP;
 use present::figure::{Axis, Figure};
-use present::page::Plate;
 
 /// Duration of constant torque, s, and number of steps.
 const HOUR: f64 = 3600.0;
@@ -23,13 +22,6 @@ pub struct Captioned {
     pub figure: Figure,
     /// Two sentences: the simulation, and its result.
     pub caption: String,
-}
-
-impl Captioned {
-    /// As markup of a page.
-    pub fn plate(self) -> Plate {
-        Plate::new("behaviour", self.figure, self.caption)
-    }
 }
 
 type Points = Vec<(f64, f64)>;
@@ -257,16 +249,11 @@ fn duties(native: &Native<'_>) -> Option<Captioned> {
 fn reference_run(native: &Native<'_>) -> Option<Captioned> {
     let name = own(native).shown[0];
     let unit = native.entry(name)?.row.unit.name();
-    let mut run = native.start(&[], &[])?;
-    let jumps = reference::jumps(native);
-    let mut points = vec![(0.0, run.get(name)?)];
-    for k in 0..(DEFAULT_STOP / DEFAULT_STEP).round() as u32 {
-        for jump in jumps.iter().filter(|j| j.at == k) {
-            run.set(&jump.entry.name, jump.to)?;
-        }
-        run.step(DEFAULT_STEP)?;
-        points.push((f64::from(k + 1) * DEFAULT_STEP, run.get(name)?));
-    }
+    let mut points = Vec::new();
+    reference::drive(native, |k, run| {
+        points.push((f64::from(k) * DEFAULT_STEP, run.get(name)?));
+        Some(())
+    })?;
     let caption = format!(
         "The simulation whose inputs and results are stored in {}. The inputs go to their nominal values one after the other.",
         reference::FOLDER

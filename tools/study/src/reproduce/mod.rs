@@ -207,3 +207,9 @@ pub fn significant(value: f64) -> String {
     let digits = (3.0 - size.log10().floor()).max(0.0) as usize;
     format!("{value:.digits$}")
 }
+
+#[cfg(test)]
+#[track_caller]
+fn near(value: f64, expected: f64, by: f64) {
+    assert!((value - expected).abs() <= by, "{value} instead of {expected}");
+}

@@ -204,17 +204,16 @@ fn speed_at_full_duty() -> f64 {
 
 /// The lines of voltage and current over duty.
 fn lines(runs: &[Run]) -> [Option<Line>; 2] {
-    [|r: &Run| r.voltage.total, |r: &Run| r.current_A]
-        .map(|f| Line::through(&runs.iter().map(|r| (r.duty_percent, f(r))).collect::<Vec<_>>()))
+    [|s: &Sample| s.voltage.total, |s: &Sample| s.current_A]
+        .map(|f| Line::through(&runs.iter().map(|r| (r.duty_percent, f(&r.end))).collect::<Vec<_>>()))
 }
 
 /// Published and simulated quantities.
 fn compared(runs: &[Run]) -> Vec<Compared> {
     let [voltage, current] = lines(runs);
     let of = |line: &Option<Line>, f: &dyn Fn(&Line) -> f64| line.as_ref().map_or(f64::NAN, f);
-    let full = runs.last();
-    let at_full = |f: &dyn Fn(&Run) -> f64| full.map_or(f64::NAN, f);
-    let end = |k: usize| runs.get(k).map_or(f64::NAN, Run::final_temperature);
+    let at_full = |f: &dyn Fn(&Sample) -> f64| runs.last().map_or(f64::NAN, |run| f(&run.end));
+    let end = |k: usize| runs.get(k).map_or(f64::NAN, |run| run.end.temperature);
     let (v_slope, i_slope) = (of(&voltage, &|l| 1e3 * l.slope), of(&current, &|l| 1e3 * l.slope));
     [
         ("voltage at 100 %", R_A * CURRENT + V_MECHANICAL, at_full(&|r| r.voltage.total), "V"),
@@ -293,7 +292,7 @@ fn temperatures(simulated: &[Run], work: &Parts) -> Temperatures {
         power_W: points.iter().map(|p| p.0).collect(),
         residuals_K: residuals,
         adiabatic_rise_K: adiabatic,
-        simulated_degC: simulated.iter().map(Run::final_temperature).collect(),
+        simulated_degC: simulated.iter().map(|run| run.end.temperature).collect(),
         finding,
     }
 }
@@ -301,11 +300,7 @@ fn temperatures(simulated: &[Run], work: &Parts) -> Temperatures {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduce::Basis;
-
-    fn near(value: f64, expected: f64, by: f64) {
-        assert!((value - expected).abs() <= by, "{value} instead of {expected}");
-    }
+    use crate::reproduce::{Basis, near};
 
     /// The preset solves the equations of its fit: five quantities determine five parameters, from values that are 5 % off.
     /// Newton's method with bounded steps on the native model, cold winding, with differences for derivatives.

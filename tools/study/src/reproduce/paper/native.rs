@@ -19,49 +19,40 @@ const STEPS_PER_POINT: usize = 10;
 
 /// A run at one duty.
 #[derive(Clone, Debug, Serialize)]
-#[allow(non_snake_case)] // units in the keys
 pub struct Run {
     /// Duty, percent.
     pub duty_percent: f64,
-    /// Terms of the voltage at the end, V.
-    pub voltage: Parts,
-    /// Current at the end, A.
-    pub current_A: f64,
-    /// Terms of the power at the end, W.
-    pub power: Parts,
-    /// Terms of the work until the end, J.
-    pub work: Parts,
-    /// Speed at the output shaft at the end, rad/s.
-    pub shaft_speed_rad_per_s: f64,
+    /// Its end.
+    #[serde(flatten)]
+    pub end: Sample,
     /// The course of the run, for the figures.
     #[serde(skip)]
     pub course: Vec<Sample>,
 }
 
 /// A moment of a run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(non_snake_case)] // units in the keys
 pub struct Sample {
-    /// Time, s.
-    pub time: f64,
     /// Terms of the voltage, V.
     pub voltage: Parts,
     /// Current, A.
-    pub current: f64,
+    pub current_A: f64,
     /// Terms of the power, W.
     pub power: Parts,
-    /// Terms of the work, J.
+    /// Terms of the work since the start, J.
     pub work: Parts,
+    /// Speed at the output shaft, rad/s.
+    pub shaft_speed_rad_per_s: f64,
+    /// Time, s.
+    #[serde(skip)]
+    pub time: f64,
     /// Winding temperature, degC.
+    #[serde(skip)]
     pub temperature: f64,
     /// Torque that the current makes at the output shaft, N.m: mechanical power over speed.
+    #[serde(skip)]
     pub torque: f64,
-}
-
-impl Run {
-    /// Winding temperature at the end, degC.
-    pub fn final_temperature(&self) -> f64 {
-        self.course.last().map_or(f64::NAN, |s| s.temperature)
-    }
 }
 
 /// The five runs of 900 s from the ambient temperature.
@@ -86,16 +77,7 @@ fn run(mut bench: Bench, duty: f64) -> Result<Run, StudyError> {
             course.push(sample(&mut bench)?);
         }
     }
-    let end = sample(&mut bench)?;
-    Ok(Run {
-        duty_percent: duty,
-        voltage: end.voltage,
-        current_A: end.current,
-        power: end.power,
-        work: end.work,
-        shaft_speed_rad_per_s: bench.get("shaft_speed")?,
-        course,
-    })
+    Ok(Run { duty_percent: duty, end: sample(&mut bench)?, course })
 }
 
 fn sample(bench: &mut Bench) -> Result<Sample, StudyError> {
@@ -104,9 +86,10 @@ fn sample(bench: &mut Bench) -> Result<Sample, StudyError> {
     Ok(Sample {
         time: bench.time(),
         voltage: parts(bench, "voltage")?,
-        current: bench.get("current")?,
+        current_A: bench.get("current")?,
         power,
         work: parts(bench, "work")?,
+        shaft_speed_rad_per_s: speed,
         temperature: bench.get("winding_temperature")? - 273.15,
         torque: if speed.abs() > 1e-6 { power.mechanical / speed } else { 0.0 },
     })

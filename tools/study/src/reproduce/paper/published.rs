@@ -30,8 +30,6 @@ pub const CURRENT: f64 = 0.18;
 /// An operating point of the equations.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Voltage, V.
-    pub v: f64,
     /// Current, A.
     pub i: f64,
     /// Temperature, degC.
@@ -107,7 +105,7 @@ mod tests {
     use super::*;
 
     fn point() -> Point {
-        Point { v: 9.788, i: 0.18, t: 20.0, torque: 0.18, theta: 27.1, q: 0.6 }
+        Point { i: 0.18, t: 20.0, torque: 0.18, theta: 27.1, q: 0.6 }
     }
 
     /// The paper's own 9.2 ohm, 48.67 uV with 0.6 C, 29.21 uJ.

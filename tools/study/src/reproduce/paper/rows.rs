@@ -52,18 +52,11 @@ fn equations(rows: &mut Rows) {
 }
 
 fn full_duty(rows: &mut Rows, voltage: &Parts, power: &Parts, work: &Parts, runs: &[Run]) {
-    let simulated = runs
-        .last()
-        .map_or(String::new(), |run| format!("; simulated with a warming winding {:.1} J", run.work.total));
+    let simulated = runs.last().map_or(String::new(), |run| {
+        format!("; simulated with a warming winding {:.1} J", run.end.work.total)
+    });
     let q = implied_charge();
-    let p = Point {
-        v: V_TOTAL,
-        i: CURRENT,
-        t: T_ROOM,
-        torque: TORQUE,
-        theta: voltage.mechanical * q / TORQUE,
-        q,
-    };
+    let p = Point { i: CURRENT, t: T_ROOM, torque: TORQUE, theta: voltage.mechanical * q / TORQUE, q };
     let [v_el, v_mag, v_mec] = super::published::voltage(&p);
     let [w_el, w_mag, _] = super::published::work(&Point { q: CURRENT * DURATION, ..p });
     rows.of("P06").published(v_el).right(voltage.electrical).fill([CURRENT.to_string()]);
@@ -99,7 +92,7 @@ fn full_duty(rows: &mut Rows, voltage: &Parts, power: &Parts, work: &Parts, runs
 }
 
 fn derivatives(rows: &mut Rows) {
-    let p = Point { v: V_TOTAL, i: CURRENT, t: T_ROOM, torque: TORQUE, theta: 1.0, q: implied_charge() };
+    let p = Point { i: CURRENT, t: T_ROOM, torque: TORQUE, theta: 1.0, q: implied_charge() };
     let warmer = Point { t: T_ROOM + 1.0, ..p };
     rows.of("P17")
         .published(voltage_change(&p, &warmer))

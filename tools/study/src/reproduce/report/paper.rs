@@ -81,12 +81,12 @@ fn simulated(texts: &Texts, runs: &[Run]) -> Vec<Plate> {
         parts("5a", |s| s.work),
         lines("5b", runs, |s| s.work.total),
         lines("6a", runs, |s| s.voltage.total),
-        lines("6b", runs, |s| s.current),
+        lines("6b", runs, |s| s.current_A),
         lines("6c", runs, |s| s.temperature),
         lines("6d", runs, |s| s.torque),
         texts.plate("7", |figure| accuracy(full, figure)),
         parts("8", |s| s.voltage),
-        lines("9", last, |s| s.current),
+        lines("9", last, |s| s.current_A),
         lines("11", last, |s| s.temperature),
         lines("12", last, |s| s.torque),
     ]
@@ -95,14 +95,8 @@ fn simulated(texts: &Texts, runs: &[Run]) -> Vec<Plate> {
 /// Eq. (14) with the temperature of the run, over the run's own voltage.
 fn accuracy(run: &Run, figure: Figure) -> Figure {
     let ratio = |s: &Sample, right: bool| {
-        let p = Point {
-            v: s.voltage.total,
-            i: s.current,
-            t: s.temperature,
-            torque: s.torque,
-            theta: 0.0,
-            q: s.current * s.time,
-        };
+        let p =
+            Point { i: s.current_A, t: s.temperature, torque: s.torque, theta: 0.0, q: s.current_A * s.time };
         let resistance = if right { published::right_resistance(p.t) } else { published::resistance(p.t) };
         100.0 * (resistance * p.i + s.voltage.mechanical) / s.voltage.total
     };
@@ -112,8 +106,7 @@ fn accuracy(run: &Run, figure: Figure) -> Figure {
 
 fn temperatures(texts: &Texts, found: &Paper) -> Plate {
     let t = &found.temperatures;
-    let (low, high) = t.plateaus_degC;
-    let printed = DUTIES.iter().map(|d| (*d, if *d <= 40.0 { low } else { high })).collect::<Vec<_>>();
+    let printed: Vec<_> = found.measured.iter().map(|m| (m.duty_percent, m.temperature_degC)).collect();
     let line = printed.iter().zip(&t.residuals_K).map(|((d, t), r)| (*d, t - r)).collect::<Vec<_>>();
     let simulated = DUTIES.iter().copied().zip(t.simulated_degC.iter().copied()).collect();
     texts.captioned("10", t.finding.clone(), |figure| {

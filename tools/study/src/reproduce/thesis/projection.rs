@@ -74,10 +74,7 @@ pub fn torque_at_limit(r_ha: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn near(value: f64, expected: f64, by: f64) {
-        assert!((value - expected).abs() <= by, "{value} instead of {expected}");
-    }
+    use crate::reproduce::near;
 
     /// T20: 0.3474 ohm at 25 degC, with a spread of 0.08 milliohm over all tests but the bare one.
     #[test]

@@ -169,13 +169,11 @@ pub fn jumps(re: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::super::measured::{NARROW, WIDE};
     use super::*;
+    use crate::reproduce::near;
 
     /// The audit's independent model (Python): T36, T39, T40, T41, T42.
     #[test]
     fn the_published_curve_comes_out() {
-        let near = |value: f64, expected: f64, by: f64| {
-            assert!((value - expected).abs() <= by, "{value} instead of {expected}");
-        };
         near(k_c(0.0, 1.2), 0.785, 1e-3);
         near(k_c(0.0, 1.0), 0.385, 1e-3);
         near(mean_of_l_over_x(), 4.74, 5e-3);
