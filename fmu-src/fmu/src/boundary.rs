@@ -1,13 +1,14 @@
 //! From C to Rust and back: handles, arrays, strings, panics.
 
 use crate::instance::{Instance, Interface, Part, Standard};
-use crate::logger::{Log, Sink, Status};
+use crate::logger::{Delivery, Log, Sink, Status};
 use crate::refusal::{Outcome, Refused};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-/// Runs an operation on the instance of a handle; an error or a panic becomes a log message and a status.
+/// Runs an operation on the instance of a handle; an error or a panic becomes a message and a status. The messages are delivered
+/// when no reference to the instance exists any more.
 ///
 /// # Safety
 /// `handle` is NULL or a live instance of this library.
@@ -20,40 +21,64 @@ pub unsafe fn enter(
     if handle.is_null() {
         return Status::Error;
     }
-    // SAFETY: by contract; instances are not shared between threads during a call (FMI 2 section 2.1.1, FMI 3
-    // section 2.2.1).
-    let instance = unsafe { &mut *handle.cast::<Instance>() };
+    let place = handle.cast::<Instance>();
     // The outcome is converted here, so that the success path only returns the status.
-    let judged = catch_unwind(AssertUnwindSafe(|| match operation(&mut *instance) {
-        Ok(()) if !instance.has_remarks() => Status::Ok,
-        Ok(()) => remark(instance, name),
-        Err(refused) => refuse(instance, name, &refused),
+    let judged = catch_unwind(AssertUnwindSafe(|| {
+        // SAFETY: by contract; instances are not shared between threads during a call (FMI 2 section 2.1.1, FMI 3
+        // section 2.2.1).
+        let instance = unsafe { &mut *place };
+        match operation(instance) {
+            Ok(()) if !instance.has_warned => (Status::Ok, instance.log.is_waiting()),
+            Ok(()) => (instance.warned(), instance.log.is_waiting()),
+            Err(refused) => (refuse(instance, &refused), instance.log.is_waiting()),
+        }
     }));
-    judged.unwrap_or_else(|_| fail(instance, name))
+    // SAFETY: by contract.
+    let (status, is_waiting) = judged.unwrap_or_else(|_| unsafe { (fail(place), true) });
+    if is_waiting {
+        // SAFETY: by contract; the operation has ended.
+        unsafe { deliver(place, name) };
+    }
+    status
 }
 
-/// Logs why a call was refused.
+/// Queues the reason why a call was refused.
 #[cold]
-fn refuse(instance: &Instance, name: &str, refused: &Refused) -> Status {
-    instance.log.send(refused.status, &format!("{name}: {}", refused.message));
+fn refuse(instance: &mut Instance, refused: &Refused) -> Status {
+    instance.has_warned = false;
+    instance.log.reason(refused.status, &refused.message);
     refused.status
 }
 
-/// Logs what a call that succeeded has to report.
+/// After a panic.
+///
+/// # Safety
+/// As [`enter`].
 #[cold]
-fn remark(instance: &mut Instance, name: &str) -> Status {
-    for message in instance.take_remarks() {
-        instance.log.send(Status::Warning, &format!("{name}: {message}"));
-    }
-    Status::Warning
+unsafe fn fail(place: *mut Instance) -> Status {
+    let _ = catch_unwind(AssertUnwindSafe(|| {
+        // SAFETY: by contract; the operation that panicked has ended.
+        let instance = unsafe { &mut *place };
+        instance.enter_error_state();
+        instance
+            .log
+            .reason(Status::Error, "internal failure; only a saved state or a reset ends the error state.");
+    }));
+    Status::Error
 }
 
-/// After a panic.
+/// Sends the messages of a call.
+///
+/// # Safety
+/// As [`enter`]; no reference to the instance exists.
 #[cold]
-fn fail(instance: &mut Instance, name: &str) -> Status {
-    instance.enter_error_state();
-    instance.log.send(Status::Error, &format!("{name}: internal failure; only reset and free remain."));
-    Status::Error
+unsafe fn deliver(place: *mut Instance, name: &str) {
+    // SAFETY: by contract; the reference ends with the closure.
+    let delivery = catch_unwind(AssertUnwindSafe(|| unsafe { &mut *place }.log.take(name)));
+    if let Ok(delivery) = delivery {
+        // SAFETY: the importer gave the logger for the life of the instance.
+        unsafe { delivery.send() };
+    }
 }
 
 /// A missing array.
@@ -93,34 +118,51 @@ pub struct Instantiation {
 /// # Safety
 /// The texts are NULL or end in zero.
 pub unsafe fn instantiate(instantiation: Instantiation) -> *mut c_void {
-    // SAFETY: by contract.
-    let (name, token, resources) = unsafe {
-        (
-            text(instantiation.name).unwrap_or_default(),
-            text(instantiation.token),
-            text(instantiation.resources),
-        )
-    };
+    let Instantiation { function, sink, .. } = instantiation;
+    let texts = [instantiation.name, instantiation.token, instantiation.resources];
     let made = catch_unwind(AssertUnwindSafe(|| {
-        if name.is_empty() {
-            return Err(Refused::error("the instance name is missing."));
-        }
-        if let Some(sentence) = instantiation.unsupported {
-            return Err(Refused::error(sentence));
-        }
-        let resources = resources.as_deref().and_then(instantiation.locate);
-        let log = Log::new(instantiation.sink, &name, instantiation.logging_on);
-        let kind = (instantiation.standard, instantiation.interface);
-        Instance::new(token.as_deref(), resources.as_deref(), kind, instantiation.part, log)
+        // SAFETY: by contract.
+        let [name, token, resources] = texts.map(|pointer| unsafe { text(pointer) });
+        let name = name.unwrap_or_default();
+        made(instantiation, &name, token.as_deref(), resources.as_deref())
+            .map_err(|refused| Delivery::of_failure(sink, &name, &format!("{function}: {}", refused.message)))
     }));
-    let refused = match made {
-        Ok(Ok(instance)) => return Box::into_raw(Box::new(instance)).cast(),
-        Ok(Err(refused)) => refused,
-        Err(_) => Refused::error("internal failure."),
-    };
-    Log::new(instantiation.sink, &name, false)
-        .send(refused.status, &format!("{}: {}", instantiation.function, refused.message));
+    match made {
+        Ok(Ok(instance)) => {
+            let place = Box::into_raw(instance);
+            // SAFETY: the instance was made above; no reference to it exists.
+            unsafe { deliver(place, function) };
+            return place.cast();
+        }
+        // SAFETY: the importer gave the logger.
+        Ok(Err(delivery)) => unsafe { delivery.send() },
+        Err(_) => {
+            let delivery = catch_unwind(|| Delivery::of_failure(sink, "", "internal failure."));
+            // SAFETY: as above.
+            let _ = delivery.map(|delivery| unsafe { delivery.send() });
+        }
+    }
     std::ptr::null_mut()
+}
+
+fn made(
+    instantiation: Instantiation,
+    name: &str,
+    token: Option<&str>,
+    resources: Option<&str>,
+) -> Outcome<Box<Instance>> {
+    if name.trim().is_empty() {
+        return Err(Refused::error("the instance name is missing."));
+    }
+    if let Some(sentence) = instantiation.unsupported {
+        return Err(Refused::error(sentence));
+    }
+    let resources = resources.and_then(instantiation.locate);
+    let log = Log::new(instantiation.sink, name, instantiation.logging_on);
+    let kind = (instantiation.standard, instantiation.interface);
+    let mut instance = Instance::new(token, resources.as_deref(), kind, instantiation.part, log)?;
+    instance.tell("instantiated");
+    Ok(Box::new(instance))
 }
 
 /// Turns the messages of an instance on or off.
@@ -182,18 +224,21 @@ macro_rules! functions {
 ///
 /// # Safety
 /// As [`enter`]; the handle is invalid afterwards.
-pub unsafe fn free_instance(handle: *mut c_void) {
-    if !handle.is_null() {
-        // SAFETY: by contract the handle came from `instantiate`.
-        let instance = unsafe { &*handle.cast::<Instance>() };
-        if instance.is_in_intermediate_update() {
+pub unsafe fn free_instance(handle: *mut c_void, function: &str) {
+    if handle.is_null() {
+        return;
+    }
+    // SAFETY: by contract.
+    let status = unsafe {
+        enter(handle, function, |i| match i.is_in_intermediate_update() {
             // The step continues after the callback, in memory that would be freed.
-            instance.log.send(Status::Error, "an instance cannot be freed in intermediate update mode.");
-            return;
-        }
-        // SAFETY: as above.
-        let instance = unsafe { Box::from_raw(handle.cast::<Instance>()) };
-        let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
+            true => Err(Refused::error("an instance cannot be freed in intermediate update mode.")),
+            false => Ok(()),
+        })
+    };
+    if status == Status::Ok {
+        // SAFETY: by contract the handle came from `instantiate`.
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(handle.cast::<Instance>()) })));
     }
 }
 
@@ -211,28 +256,79 @@ pub unsafe fn array<'a, T>(pointer: *const T, n: usize, what: &str) -> Outcome<&
     }
 }
 
-/// The array of `n` elements at `pointer`, to be written.
-///
-/// # Safety
-/// `pointer` is NULL or leads to `n` writable elements.
-#[inline]
-pub unsafe fn array_mut<'a, T>(pointer: *mut T, n: usize, what: &str) -> Outcome<&'a mut [T]> {
-    match (n, pointer.is_null()) {
-        (0, _) => Ok(&mut []),
-        (_, true) => Err(missing(n, what)),
-        // SAFETY: by contract.
-        _ => Ok(unsafe { std::slice::from_raw_parts_mut(pointer, n) }),
+/// An array or a variable of the importer that a call writes. No reference to it is made, because its memory may be uninitialised.
+#[derive(Debug)]
+pub struct Out<T> {
+    pointer: *mut T,
+    n: usize,
+}
+
+impl<T: Copy> Out<T> {
+    /// The `n` elements at `pointer`.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or leads to `n` writable elements for the time of the call.
+    #[inline]
+    pub unsafe fn array(pointer: *mut T, n: usize, what: &str) -> Outcome<Out<T>> {
+        if pointer.is_null() && n > 0 { Err(missing(n, what)) } else { Ok(Out { pointer, n }) }
+    }
+
+    /// The variable at `pointer`.
+    ///
+    /// # Safety
+    /// As [`Out::array`] with one element.
+    #[inline]
+    pub unsafe fn variable(pointer: *mut T, what: &str) -> Outcome<Out<T>> {
+        if pointer.is_null() {
+            return Err(Refused::error(format!("{what} is NULL.")));
+        }
+        Ok(Out { pointer, n: 1 })
+    }
+
+    /// The number of elements.
+    pub fn count(&self) -> usize {
+        self.n
+    }
+
+    /// Writes an element.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    #[inline]
+    pub fn set(&self, k: usize, value: T) {
+        assert!(k < self.n, "element {k} of {}", self.n);
+        // SAFETY: by the contract of the constructors.
+        unsafe { self.pointer.add(k).write(value) }
+    }
+
+    /// Writes the first elements.
+    ///
+    /// # Panics
+    /// If there are not as many.
+    #[inline]
+    pub fn fill(&self, values: &[T]) {
+        assert!(values.len() <= self.n, "{} of {} elements", values.len(), self.n);
+        if !values.is_empty() {
+            // SAFETY: by the contract of the constructors; memory of the instance and of the importer do not overlap.
+            unsafe { self.pointer.copy_from_nonoverlapping(values.as_ptr(), values.len()) }
+        }
     }
 }
 
-/// The variable at `pointer`.
+/// Copies numbers of the instance to the importer's array of `n` elements.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to a writable place.
-#[inline]
-pub unsafe fn place<'a, T>(pointer: *mut T, what: &str) -> Outcome<&'a mut T> {
+/// As [`Out::array`].
+pub unsafe fn copied(
+    i: &mut Instance,
+    out: *mut f64,
+    n: usize,
+    numbers: fn(&mut Instance, usize) -> Outcome<&[f64]>,
+) -> Outcome {
     // SAFETY: by contract.
-    unsafe { pointer.as_mut() }.ok_or_else(|| Refused::error(format!("{what} is NULL.")))
+    let out = unsafe { Out::array(out, n, "the array") }?;
+    out.fill(numbers(i, n)?);
+    Ok(())
 }
 
 /// Writes `value` to `pointer` unless it is NULL.

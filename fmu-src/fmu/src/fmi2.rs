@@ -7,9 +7,7 @@ mod exchange;
 
 pub use exchange::*;
 
-use crate::boundary::{
-    self, Instantiation, array, array_mut, enter, free_instance, instantiate, place, set_logging,
-};
+use crate::boundary::{self, Instantiation, Out, array, enter, free_instance, instantiate, set_logging};
 use crate::functions;
 use crate::instance::{Instance, Interface, Part, Standard, Type};
 use crate::logger::{Logger2, Sink, Status};
@@ -50,7 +48,8 @@ const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2StatusKind`: whether the model requests the end of the simulation.
 const TERMINATED: c_int = 3;
 
-fn nothing_pending() -> Outcome {
+fn nothing_pending(i: &Instance) -> Outcome {
+    i.require_stepping()?;
     Err(Refused::discard("steps are synchronous; no step is pending."))
 }
 
@@ -126,15 +125,18 @@ pub unsafe extern "C" fn fmi2Instantiate(
 /// Drops an instance; section 2.1.5.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
-    unsafe { free_instance(c) }
+    unsafe { free_instance(c, "fmi2FreeInstance") }
 }
 
 functions! {
     enter;
-    /// Announces the window of time; section 2.1.6.
+    /// Sets tolerance, start and stop time; section 2.1.6.
     fn fmi2SetupExperiment(
-        _tolerance_defined: Boolean, _tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
-    ) => |i| i.set_window(start, (stop_defined != 0).then_some(stop));
+        tolerance_defined: Boolean, tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
+    ) => |i| {
+        i.set_tolerance((tolerance_defined != 0).then_some(tolerance))?;
+        i.set_window(start, (stop_defined != 0).then_some(stop))
+    };
     /// Begins initialization; section 2.1.6.
     fn fmi2EnterInitializationMode() => Instance::enter_initialization;
     /// Ends initialization; section 2.1.6.
@@ -152,8 +154,8 @@ macro_rules! values {
             enter;
             $(/// Reads values; section 2.1.7.
             fn $get(vr: *const u32, n: usize, value: *mut $value) => |i| {
-                let (vr, value) = (array(vr, n, "vr")?, array_mut(value, n, "value")?);
-                i.get(vr, $of, n, |k, number| value[k] = $from(number))
+                let (vr, value) = (array(vr, n, "vr")?, Out::array(value, n, "value")?);
+                i.get(vr, $of, n, |k, number| value.set(k, $from(number)))
             };
             /// Sets values, all or none; section 2.1.7.
             fn $set(vr: *const u32, n: usize, value: *const $value) => |i| {
@@ -194,8 +196,9 @@ functions! {
         let (unknowns, knowns) =
             (array(unknowns, n_unknown, "vUnknown_ref")?, array(knowns, n_known, "vKnown_ref")?);
         let (seed, out) =
-            (array(seed, n_known, "dvKnown")?, array_mut(sensitivity, n_unknown, "dvUnknown")?);
-        i.directional(unknowns, knowns, seed, out)
+            (array(seed, n_known, "dvKnown")?, Out::array(sensitivity, n_unknown, "dvUnknown")?);
+        out.fill(&i.directional(unknowns, knowns, seed, n_unknown)?);
+        Ok(())
     };
     /// Sets slopes of inputs over the next step; section 4.2.1.
     fn fmi2SetRealInputDerivatives(vr: *const u32, n: usize, order: *const c_int, value: *const f64) => |i| {
@@ -203,11 +206,9 @@ functions! {
     };
     /// First derivatives of outputs with respect to time; section 4.2.1.
     fn fmi2GetRealOutputDerivatives(vr: *const u32, n: usize, order: *const c_int, value: *mut f64) => |i| {
-        i.output_derivatives(
-            array(vr, n, "vr")?,
-            array(order, n, "order")?,
-            array_mut(value, n, "value")?,
-        )
+        let (vr, order, out) = (array(vr, n, "vr")?, array(order, n, "order")?, Out::array(value, n, "value")?);
+        out.fill(&i.output_derivatives(vr, order, n)?);
+        Ok(())
     };
     /// Steps; section 4.2.2.
     fn fmi2DoStep(at: f64, h: f64, _no_set_state_prior: Boolean) => |i| i.step(at, h);
@@ -216,23 +217,25 @@ functions! {
         Err(Refused::error("steps are synchronous, so none can be cancelled."))
     };
     /// Status of a pending step; section 4.2.3.
-    fn fmi2GetStatus(_kind: c_int, _value: *mut Status) => |_| nothing_pending();
+    fn fmi2GetStatus(_kind: c_int, _value: *mut Status) => |i| nothing_pending(i);
     /// Time of the last successful step; section 4.2.3.
     fn fmi2GetRealStatus(kind: c_int, value: *mut f64) => |i| {
         if kind != LAST_SUCCESSFUL_TIME {
-            return nothing_pending();
+            return nothing_pending(i);
         }
-        *place(value, "value")? = i.time();
+        i.require_stepping()?;
+        Out::variable(value, "value")?.set(0, i.time());
         Ok(())
     };
     /// Integer status; section 4.2.3. There is none.
-    fn fmi2GetIntegerStatus(_kind: c_int, _value: *mut c_int) => |_| nothing_pending();
+    fn fmi2GetIntegerStatus(_kind: c_int, _value: *mut c_int) => |i| nothing_pending(i);
     /// Whether the model requests the end of the simulation (at a limit of validity); section 4.2.3.
     fn fmi2GetBooleanStatus(kind: c_int, value: *mut Boolean) => |i| {
         if kind != TERMINATED {
-            return nothing_pending();
+            return nothing_pending(i);
         }
-        *place(value, "value")? = Boolean::from(i.end().is_some());
+        i.require_stepping()?;
+        Out::variable(value, "value")?.set(0, Boolean::from(i.end().is_some()));
         Ok(())
     };
 }
@@ -247,7 +250,7 @@ pub unsafe extern "C" fn fmi2GetStringStatus(c: Component, kind: c_int, value: *
                 boundary::write(value, reason.as_ptr());
                 Ok(())
             }
-            _ => nothing_pending(),
+            _ => nothing_pending(i),
         })
     }
 }

@@ -57,15 +57,16 @@ fn sink(log_message: Option<Logger3>, environment: *mut c_void) -> Sink {
 /// Drops an instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: InstanceHandle) {
-    unsafe { free_instance(instance) }
+    unsafe { free_instance(instance, "fmi3FreeInstance") }
 }
 
 functions! {
     enter;
-    /// Announces the window of time and begins initialization.
+    /// Sets tolerance, start and stop time and begins initialization.
     fn fmi3EnterInitializationMode(
-        _tolerance_defined: Boolean, _tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
+        tolerance_defined: Boolean, tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
     ) => |i| {
+        i.set_tolerance((tolerance_defined != 0).then_some(tolerance))?;
         i.set_window(start, (stop_defined != 0).then_some(stop))?;
         i.enter_initialization()
     };

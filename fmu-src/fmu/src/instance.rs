@@ -3,7 +3,9 @@
 mod cache;
 mod exchange;
 mod mode;
+mod report;
 mod saturation;
+mod saving;
 mod slopes;
 mod stepping;
 mod values;
@@ -11,16 +13,20 @@ mod values;
 pub use mode::{Interface, Mode, Standard, Type};
 pub use stepping::{Ended, IntermediateUpdate, IntermediateUpdates, Part, StepInParts, View};
 
-use crate::logger::{CATEGORIES, Log, Status, c_string};
+use crate::logger::{CATEGORIES, Category, Log, Status, c_string};
 use crate::refusal::{Outcome, Refused};
-use crate::saved::Saved;
 use cache::Cache;
-use mode::LIVING;
 use physics::model::{Fault, Model, ModelType, Slot};
 use physics::terms::GenericTerm;
+use report::Report;
 use saturation::Saturation;
 use std::ffi::{CStr, CString};
 use std::path::Path;
+
+/// Relative tolerance of an importer that defines none: that of `DefaultExperiment` in the model description.
+pub const DEFAULT_TOLERANCE: f64 = physics::model::TOLERANCE;
+/// The range of tolerances; values beyond it act as its ends.
+pub const TOLERANCES: [f64; 2] = [1e-9, 1e-2];
 
 /// One instance of the model that the token selects.
 pub struct Instance {
@@ -53,8 +59,13 @@ pub struct Instance {
     written: Cache,
     sloped: Cache,
     saturation: Saturation,
-    /// Messages of the present call, which succeeds with status Warning.
-    remarks: Vec<String>,
+    /// Whether the present call succeeds with status Warning.
+    pub has_warned: bool,
+    /// Factor of the importer's tolerance on that of the integrator.
+    tolerance: f64,
+    /// Numbers on their way to the importer: states, derivatives, event indicators.
+    buffer: Vec<f64>,
+    report: Report,
     /// Reason of the end of the run at a limit of validity.
     ended: Option<CString>,
     /// Where messages go.
@@ -95,8 +106,9 @@ impl Instance {
         if interface == Interface::ModelExchange {
             model.hand_over();
         }
-        part.check((kind.declaration)())?;
-        let discrete = if part.event_mode { part.discrete((kind.declaration)()) } else { Vec::new() };
+        let declaration = (kind.declaration)();
+        part.check(declaration)?;
+        let discrete = if part.event_mode { part.discrete(declaration) } else { Vec::new() };
         Ok(Instance {
             kind,
             standard,
@@ -116,22 +128,20 @@ impl Instance {
             read: Cache::EMPTY,
             written: Cache::EMPTY,
             sloped: Cache::EMPTY,
-            saturation: Saturation::new((kind.declaration)()),
-            remarks: Vec::new(),
+            saturation: Saturation::new(declaration),
+            has_warned: false,
+            tolerance: 1.0,
+            buffer: vec![0.0; declaration.states.len().max(declaration.indicators.len())],
+            report: Report::new(declaration),
             ended: None,
             log,
         })
     }
 
-    /// Whether the present call has messages although it succeeds.
-    #[inline]
-    pub fn has_remarks(&self) -> bool {
-        !self.remarks.is_empty()
-    }
-
-    /// These messages, which are then gone.
-    pub fn take_remarks(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.remarks)
+    /// The status of a call that has warned.
+    pub fn warned(&mut self) -> Status {
+        self.has_warned = false;
+        Status::Warning
     }
 
     #[inline]
@@ -144,24 +154,41 @@ impl Instance {
         Refused::error(format!("not allowed while the instance is {}.", self.mode.words()))
     }
 
-    /// After a panic: only reset and free are allowed.
+    /// Whether a call has caused an internal failure.
+    pub fn has_failed(&self) -> bool {
+        self.mode == Mode::Error
+    }
+
+    /// After a panic: only a saved state or a reset ends it.
     pub fn enter_error_state(&mut self) {
         self.mode = Mode::Error;
     }
 
-    /// Turns the logging of events on or off; refuses a category that does not exist.
+    /// Enables or disables log categories, all of them if none is named; refuses a category that does not exist.
     pub fn set_logging(&mut self, on: bool, categories: &[Option<String>]) -> Outcome {
-        for category in categories {
+        let place = |category: &Option<String>| {
             let category = category.as_deref().unwrap_or("NULL");
-            if !CATEGORIES.iter().any(|(name, _)| *name == category) {
+            CATEGORIES.iter().position(|(name, _)| *name == category).ok_or_else(|| {
                 let known: Vec<&str> = CATEGORIES.iter().map(|(name, _)| *name).collect();
-                return Err(Refused::error(format!(
-                    "the log category {category} is none of {}.",
-                    known.join(", ")
-                )));
-            }
+                Refused::error(format!("the log category {category} is none of {}.", known.join(", ")))
+            })
+        };
+        let places = categories.iter().map(place).collect::<Outcome<Vec<usize>>>()?;
+        self.log.enable(on, &places);
+        Ok(())
+    }
+
+    /// Sets the relative tolerance; `None` is the default.
+    ///
+    /// The tolerances of the integrators are multiplied by the ratio to [`DEFAULT_TOLERANCE`], for which they are designed. Below
+    /// [`TOLERANCES`] rounding prevails, above it the stages of a step would no longer agree.
+    pub fn set_tolerance(&mut self, tolerance: Option<f64>) -> Outcome {
+        self.require(&[Mode::Instantiated])?;
+        let tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(Refused::error(format!("the tolerance {tolerance} is not positive and finite.")));
         }
-        self.log.on = on;
+        self.tolerance = tolerance.clamp(TOLERANCES[0], TOLERANCES[1]) / DEFAULT_TOLERANCE;
         Ok(())
     }
 
@@ -185,8 +212,12 @@ impl Instance {
     /// Instantiated -> initialization.
     pub fn enter_initialization(&mut self) -> Outcome {
         self.require(&[Mode::Instantiated])?;
-        self.mode = Mode::Initialization;
         self.unsettled = true;
+        let ((start, stop), tolerance) = (self.window, self.tolerance * DEFAULT_TOLERANCE);
+        let text =
+            || format!("start time {start} s, stop time {stop} s, relative tolerance {tolerance:.1e}.");
+        self.log.note(Category::Events, text);
+        self.go(Mode::Initialization);
         Ok(())
     }
 
@@ -194,7 +225,7 @@ impl Instance {
     pub fn exit_initialization(&mut self) -> Outcome {
         self.require(&[Mode::Initialization])?;
         self.settle()?;
-        self.mode = match self.interface {
+        let mode = match self.interface {
             Interface::CoSimulation if self.part.event_mode => Mode::Event,
             Interface::CoSimulation => Mode::Step,
             Interface::ModelExchange => {
@@ -210,6 +241,8 @@ impl Instance {
             }
         };
         self.hold();
+        self.go(mode);
+        self.observe();
         Ok(())
     }
 
@@ -220,7 +253,7 @@ impl Instance {
         if declaration.dimensions.is_empty() {
             return Err(Refused::error(format!("{} has no structural parameter.", declaration.name)));
         }
-        self.mode = Mode::Configuration;
+        self.go(Mode::Configuration);
         Ok(())
     }
 
@@ -228,7 +261,7 @@ impl Instance {
     pub fn exit_configuration(&mut self) -> Outcome {
         self.require(&[Mode::Configuration])?;
         self.count();
-        self.mode = Mode::Instantiated;
+        self.go(Mode::Instantiated);
         Ok(())
     }
 
@@ -242,7 +275,7 @@ impl Instance {
     /// Running -> terminated.
     pub fn terminate(&mut self) -> Outcome {
         self.require(&[Mode::Step, Mode::Event, Mode::Continuous])?;
-        self.mode = Mode::Terminated;
+        self.go(Mode::Terminated);
         Ok(())
     }
 
@@ -257,9 +290,11 @@ impl Instance {
             self.model.hand_over();
         }
         self.count();
-        self.mode = Mode::Instantiated;
         self.window = (0.0, f64::INFINITY);
+        self.tolerance = 1.0;
         self.unsettled = true;
+        self.tell("reset");
+        self.go(Mode::Instantiated);
         self.ended = None;
         self.saturation.reset();
         Ok(())
@@ -270,6 +305,7 @@ impl Instance {
     fn settle(&mut self) -> Outcome {
         if self.mode == Mode::Initialization && self.unsettled {
             self.model.start(self.window.0).map_err(|fault| Refused::error(fault.0))?;
+            self.model.scale_tolerances(self.tolerance);
             self.unsettled = false;
         }
         Ok(())
@@ -279,8 +315,12 @@ impl Instance {
     #[inline]
     pub fn step(&mut self, at: f64, h: f64) -> Outcome {
         self.require_step(at, h)?;
+        let before = self.model.rejected_steps();
         self.advance(at, h)?;
         self.saturation.sloped = false;
+        if self.log.is_on() {
+            self.report_step(at, h, before);
+        }
         Ok(())
     }
 
@@ -314,7 +354,7 @@ impl Instance {
         if self.interface == Interface::ModelExchange {
             let sentence = self.model.ending();
             if let (Some(sentence), None) = (&sentence, &self.ended) {
-                self.log.send(Status::Warning, sentence);
+                self.log.note(Category::Warning, || sentence.clone());
             }
             self.ended = sentence.map(|s| c_string(&s));
         }
@@ -322,10 +362,10 @@ impl Instance {
     }
 
     /// Outcome of a step in FMI 3: the end of a run is a flag and not an error status; the reason is logged.
-    pub fn unless_over(&self, function: &str, outcome: Outcome) -> Outcome {
+    pub fn unless_over(&mut self, outcome: Outcome) -> Outcome {
         match outcome {
             Err(refused) if self.ended.is_some() => {
-                self.log.send(Status::Warning, &format!("{function}: {}", refused.message));
+                self.log.note(Category::Warning, || refused.message);
                 Ok(())
             }
             outcome => outcome,
@@ -362,6 +402,12 @@ impl Instance {
         Ok(())
     }
 
+    /// Rejects a status function of FMI 2.0 outside a run of Co-Simulation.
+    pub fn require_stepping(&self) -> Outcome {
+        self.require_interface(Interface::CoSimulation)?;
+        self.require(&[Mode::Step, Mode::Terminated])
+    }
+
     /// The time reached, s.
     pub fn time(&self) -> f64 {
         self.model.time()
@@ -370,10 +416,6 @@ impl Instance {
     /// Whether the importer is in its intermediate update callback.
     pub fn is_in_intermediate_update(&self) -> bool {
         self.mode == Mode::Intermediate
-    }
-
-    fn require_living(&self) -> Outcome {
-        self.require(LIVING)
     }
 
     /// Refuses a call of the other interface.
@@ -388,67 +430,9 @@ impl Instance {
         )))
     }
 
-    /// Saves the instance, into `old` where there is one of the same model.
-    pub fn save(&self, old: Option<&mut Saved>) -> Outcome<Option<Saved>> {
-        self.require_living()?;
-        let (mode, window) = (self.mode, self.window);
-        if let Some(old) = old
-            && old.interface == self.interface
-            && old.model.copy_from(self.model.as_ref())
-        {
-            (old.mode, old.window) = (mode, window);
-            old.discrete_pre.clone_from(&self.discrete_pre);
-            return Ok(None);
-        }
-        let interface = self.interface;
-        Ok(Some(Saved {
-            model: self.model.boxed_clone(),
-            interface,
-            mode,
-            window,
-            discrete_pre: self.discrete_pre.clone(),
-        }))
-    }
-
-    /// Restores a saved state.
-    pub fn restore(&mut self, saved: &Saved) -> Outcome {
-        self.require_living()?;
-        if saved.interface != self.interface {
-            return Err(Refused::error(format!(
-                "the saved state is from an instance for {}, but this instance is for {}.",
-                saved.interface.words(),
-                self.interface.words()
-            )));
-        }
-        if !self.model.copy_from(saved.model.as_ref()) {
-            return Err(Refused::error(format!(
-                "the saved state is from {}, not from {}.",
-                saved.model.declaration().name,
-                self.model.declaration().name
-            )));
-        }
-        (self.mode, self.window, self.unsettled) = (saved.mode, saved.window, true);
-        self.ended = None;
-        // The derivatives that were set for the next step are a part of the saved state.
-        self.saturation.sloped = true;
-        self.count();
-        if saved.discrete_pre.len() == self.discrete_pre.len() {
-            self.discrete_pre.clone_from(&saved.discrete_pre);
-        } else {
-            self.hold();
-        }
-        Ok(())
-    }
-
     /// Rejects a call that is allowed in event mode only.
     pub fn require_event(&self) -> Outcome {
         self.require(&[Mode::Event])
-    }
-
-    /// The saved state of bytes.
-    pub fn deserialize(&self, bytes: &[u8]) -> Outcome<Saved> {
-        self.require_living()?;
-        Saved::from_bytes(bytes, self.model.as_ref(), self.interface)
     }
 }
 

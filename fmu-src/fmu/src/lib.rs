@@ -13,6 +13,10 @@
 
 #![allow(non_snake_case)] // the functions' names are the standards'
 
+// A panic becomes a status. With `panic = "abort"` it would end the importer's process.
+#[cfg(not(panic = "unwind"))]
+compile_error!("the C interface needs panic = \"unwind\"");
+
 pub mod boundary;
 pub mod fmi2;
 pub mod fmi3;

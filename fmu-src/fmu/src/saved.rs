@@ -6,7 +6,7 @@ use physics::declare::Causality;
 use physics::model::Model;
 
 /// Begins every serialized state; the digit is the format's version.
-const MAGIC: &[u8; 8] = b"motorfm3";
+const MAGIC: &[u8; 8] = b"motorfm4";
 
 /// The content of an FMU state handle.
 pub struct Saved {
@@ -18,15 +18,17 @@ pub struct Saved {
     pub mode: Mode,
     /// The window of time the importer announced, s.
     pub window: (f64, f64),
+    /// Factor of its tolerance on that of the integrator.
+    pub tolerance: f64,
     /// Discrete outputs since the last event, if the importer uses event mode.
     pub discrete_pre: Vec<f64>,
 }
 
 impl Saved {
-    /// The state as bytes: magic, interface, mode, token, count of numbers, and these: window, how many discrete outputs are
+    /// The state as bytes: magic, interface, mode, token, count of numbers, and these: window, tolerance, how many discrete outputs are
     /// discrete_pre, what they show, the model.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut numbers = vec![self.window.0, self.window.1, self.discrete_pre.len() as f64];
+        let mut numbers = vec![self.window.0, self.window.1, self.tolerance, self.discrete_pre.len() as f64];
         numbers.extend(&self.discrete_pre);
         self.model.save(&mut numbers);
         let token = self.model.declaration().token.as_bytes();
@@ -52,7 +54,7 @@ impl Saved {
         };
         let length = |b: &[u8]| u32::from_le_bytes(b.try_into().unwrap_or_default()) as usize;
         if take(MAGIC.len())? != MAGIC {
-            return Err(bad("does not have version 3 of this library"));
+            return Err(bad("does not have version 4 of this library"));
         }
         if take(1)?[0] != interface as u8 {
             return Err(bad("belongs to an instance of another interface"));
@@ -68,11 +70,12 @@ impl Saved {
             .map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()))
             .collect();
         let mut model = like.boxed_clone();
-        let (window, discrete_pre, numbers) = parts(&numbers).ok_or_else(|| bad("is damaged"))?;
-        if !rest.is_empty() || !model.restore(numbers) || !is_sound(model.as_mut()) {
+        let (window, tolerance, discrete_pre, numbers) = parts(&numbers).ok_or_else(|| bad("is damaged"))?;
+        let usual = tolerance > 0.0 && tolerance.is_finite();
+        if !usual || !rest.is_empty() || !model.restore(numbers) || !is_sound(model.as_mut()) {
             return Err(bad("is damaged"));
         }
-        Ok(Saved { model, interface, mode, window, discrete_pre: discrete_pre.to_vec() })
+        Ok(Saved { model, interface, mode, window, tolerance, discrete_pre: discrete_pre.to_vec() })
     }
 }
 
@@ -86,12 +89,12 @@ fn is_sound(model: &mut dyn Model) -> bool {
     })
 }
 
-/// The window, s, what discrete outputs show, and the numbers of the model.
-type Parts<'a> = ((f64, f64), &'a [f64], &'a [f64]);
+/// The window, s, the factor on the tolerance, what discrete outputs show, and the numbers of the model.
+type Parts<'a> = ((f64, f64), f64, &'a [f64], &'a [f64]);
 
 fn parts(numbers: &[f64]) -> Option<Parts<'_>> {
-    let (&[start, stop, count], rest) = numbers.split_first_chunk()?;
+    let (&[start, stop, tolerance, count], rest) = numbers.split_first_chunk()?;
     // An invalid count is cast to a wrong one, and then the length of the model's data does not match.
     let (discrete_pre, model) = rest.split_at_checked(count as usize)?;
-    Some(((start, stop), discrete_pre, model))
+    Some(((start, stop), tolerance, discrete_pre, model))
 }

@@ -1,17 +1,59 @@
 //! The importer's handles to saved states, the same for both standards.
+//!
+//! A handle carries a tag that depends on its address. A pointer that is no handle, or one that was freed, is refused as long as its
+//! memory can be read and was not used again.
 
-use crate::boundary::{array, array_mut, place};
+use crate::boundary::{Out, array};
 use crate::instance::Instance;
 use crate::refusal::{Outcome, Refused};
 use crate::saved::Saved;
 use std::ffi::c_void;
+use std::ptr::null_mut;
+
+/// What a handle leads to.
+#[repr(C)]
+struct Tagged {
+    tag: usize,
+    saved: Saved,
+}
+
+/// Combined with the address of a handle: its tag.
+const LIVE: usize = 0x4d6f_746f_u32 as usize;
+
+fn tag_at(handle: *mut Tagged) -> usize {
+    handle as usize ^ LIVE
+}
+
+/// A handle to a saved state.
+fn handle_to(saved: Saved) -> *mut c_void {
+    let handle = Box::into_raw(Box::new(Tagged { tag: 0, saved }));
+    // SAFETY: made above.
+    unsafe { (*handle).tag = tag_at(handle) };
+    handle.cast()
+}
+
+/// The live handle that a pointer is.
+///
+/// # Safety
+/// `state` is NULL or leads to readable memory.
+unsafe fn live(state: *mut c_void) -> Outcome<*mut Tagged> {
+    let handle = state.cast::<Tagged>();
+    if handle.is_null() {
+        return Err(Refused::error("FMUstate is NULL."));
+    }
+    // SAFETY: aligned and readable; the tag is the first field.
+    if !handle.is_aligned() || unsafe { handle.cast::<usize>().read_volatile() } != tag_at(handle) {
+        return Err(Refused::error("FMUstate is not a saved state of this library, or it was freed."));
+    }
+    Ok(handle)
+}
 
 /// Restores the state of a handle.
 ///
 /// # Safety
 /// `state` is NULL or a handle that [`save`] or [`deserialize`] made.
 pub unsafe fn restore(i: &mut Instance, state: *mut c_void) -> Outcome {
-    i.restore(unsafe { place(state.cast::<Saved>(), "FMUstate")? })
+    unsafe { i.restore(&(*live(state)?).saved) }
 }
 
 /// Saves into the handle at `state`; an existing state is overwritten.
@@ -20,14 +62,24 @@ pub unsafe fn restore(i: &mut Instance, state: *mut c_void) -> Outcome {
 /// `state` is NULL or leads to NULL or to a handle that this function made.
 pub unsafe fn save(i: &mut Instance, state: *mut *mut c_void) -> Outcome {
     unsafe {
-        let handle = place(state, "FMUstate")?;
-        if let Some(saved) = i.save(handle.cast::<Saved>().as_mut())? {
-            if !handle.is_null() {
-                drop(Box::from_raw(handle.cast::<Saved>()));
+        let out = Out::variable(state, "FMUstate")?;
+        let old = state.read();
+        let old = if old.is_null() { None } else { Some(live(old)?) };
+        if let Some(saved) = i.save(old.map(|handle| &mut (*handle).saved))? {
+            if let Some(handle) = old {
+                release(handle);
             }
-            *handle = Box::into_raw(Box::new(saved)).cast();
+            out.set(0, handle_to(saved));
         }
         Ok(())
+    }
+}
+
+/// Frees a live handle.
+unsafe fn release(handle: *mut Tagged) {
+    unsafe {
+        handle.cast::<usize>().write_volatile(0);
+        drop(Box::from_raw(handle));
     }
 }
 
@@ -37,11 +89,9 @@ pub unsafe fn save(i: &mut Instance, state: *mut *mut c_void) -> Outcome {
 /// As [`save`].
 pub unsafe fn free(state: *mut *mut c_void) -> Outcome {
     unsafe {
-        if let Some(handle) = state.as_mut()
-            && !handle.is_null()
-        {
-            drop(Box::from_raw(handle.cast::<Saved>()));
-            *handle = std::ptr::null_mut();
+        if !state.is_null() && !state.read().is_null() {
+            release(live(state.read())?);
+            state.write(null_mut());
         }
         Ok(())
     }
@@ -53,8 +103,8 @@ pub unsafe fn free(state: *mut *mut c_void) -> Outcome {
 /// `state` is NULL or a handle that [`save`] made.
 pub unsafe fn serialized_size(state: *mut c_void, size: *mut usize) -> Outcome {
     unsafe {
-        let saved = place(state.cast::<Saved>(), "FMUstate")?;
-        *place(size, "size")? = saved.to_bytes().len();
+        let bytes = (*live(state)?).saved.to_bytes().len();
+        Out::variable(size, "size")?.set(0, bytes);
         Ok(())
     }
 }
@@ -65,13 +115,13 @@ pub unsafe fn serialized_size(state: *mut c_void, size: *mut usize) -> Outcome {
 /// As [`serialized_size`]; `bytes` leads to `n` bytes.
 pub unsafe fn serialize(state: *mut c_void, bytes: *mut u8, n: usize) -> Outcome {
     unsafe {
-        let written = place(state.cast::<Saved>(), "FMUstate")?.to_bytes();
-        let room = array_mut(bytes, n, "serializedState")?;
+        let written = (*live(state)?).saved.to_bytes();
+        let room = Out::array(bytes, n, "serializedState")?;
         let needed = written.len();
-        let room = room.get_mut(..needed).ok_or_else(|| {
-            Refused::error(format!("the state needs {needed} bytes, but the buffer has {n}."))
-        })?;
-        room.copy_from_slice(&written);
+        if needed > n {
+            return Err(Refused::error(format!("the state needs {needed} bytes, but the buffer has {n}.")));
+        }
+        room.fill(&written);
         Ok(())
     }
 }
@@ -83,9 +133,9 @@ pub unsafe fn serialize(state: *mut c_void, bytes: *mut u8, n: usize) -> Outcome
 pub unsafe fn deserialize(i: &mut Instance, bytes: *const u8, n: usize, state: *mut *mut c_void) -> Outcome {
     unsafe {
         let saved = i.deserialize(array(bytes, n, "serializedState")?)?;
-        let handle = place(state, "FMUstate")?;
-        free(handle)?;
-        *handle = Box::into_raw(Box::new(saved)).cast();
+        let out = Out::variable(state, "FMUstate")?;
+        free(state)?;
+        out.set(0, handle_to(saved));
         Ok(())
     }
 }

@@ -1,11 +1,9 @@
 //! Inputs that saturate: in every model, both standards and both interface types.
 
-use crate::common::{CS2, Importer, KINDS, MODELS, MOTOR, Options, Succeeds, vr};
+use crate::common::{CS2, Importer, KINDS, LOGGED, MODELS, MOTOR, Succeeds, vr};
 use motor_fmu::logger::Status;
 use physics::declare::{Causality, Variability};
 use physics::model::{Entry, ModelType};
-
-const LOGGED: Options = Options { logging: true, event_mode: false, early_return: false, resources: None };
 
 /// All models, and all of their inputs, with a flag for those that saturate.
 fn inputs() -> impl Iterator<Item = (&'static ModelType, &'static Entry)> {

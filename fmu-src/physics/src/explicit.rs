@@ -144,6 +144,9 @@ pub struct Explicit<L: Law<N, M>, const N: usize, const M: usize> {
     pub inputs: L::Inputs,
     slopes: L::Inputs,
     time: f64,
+    /// Factor on the tolerance of the integrator, and steps that it has rejected.
+    tolerance: f64,
+    rejected: u64,
     states: [f64; N],
     opening: [f64; M],
     /// What holds at this time with these inputs, where that is known.
@@ -196,6 +199,8 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Default for Explicit<L, N, M>
             inputs: L::Inputs::default(),
             slopes: flat(),
             time: 0.0,
+            tolerance: 1.0,
+            rejected: 0,
             states: [0.0; N],
             opening: [0.0; M],
             point: None,
@@ -354,8 +359,8 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         let first = self.point.as_ref().filter(|_| time == self.time);
         let one =
             |t: f64, x: &[f64; N], first: Option<&L::Point>, h: f64| self.law.one(&line, t, x, first, h);
-        let followed = advance(one, &mut states, first, h);
-        followed.map_err(|stuck| {
+        let followed = advance(one, &mut states, first, h, self.tolerance);
+        self.rejected += followed.map_err(|stuck| {
             Fault(format!(
                 "The equations of {} cannot be followed over a step of {h} s: it ends {} s after {time} s.",
                 L::declaration().name,
@@ -396,6 +401,14 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
 
     /// The steps have one accuracy.
     fn ease(&mut self, _factor: f64) {}
+
+    fn scale_tolerances(&mut self, factor: f64) {
+        self.tolerance = factor;
+    }
+
+    fn rejected_steps(&self) -> u64 {
+        self.rejected
+    }
 
     /// Nothing that terms follow.
     fn drivers(&self) -> Drivers {

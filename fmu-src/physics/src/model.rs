@@ -398,6 +398,10 @@ pub trait Model: Exchange + Send + Sync {
     /// Lets the steps err by this factor more than they do by default, until the next start: for searches that repeat
     /// a run many times and look at the answer alone.
     fn ease(&mut self, factor: f64);
+    /// Multiplies the tolerances of the integrator by a factor on their defaults, until the next start.
+    fn scale_tolerances(&mut self, factor: f64);
+    /// Steps that the integrator has rejected because of their error; only differences over a step have a meaning.
+    fn rejected_steps(&self) -> u64;
     /// Heat flow from the housing to ambient at the present time, with the true temperatures, not those of sensors;
     /// `None` where the housing is not in contact with ambient.
     fn housing_heat(&mut self) -> Option<HousingHeat> {
@@ -457,10 +461,19 @@ impl fmt::Debug for ModelType {
 /// A declaration that is made once.
 pub type Declared = OnceLock<Declaration>;
 
-/// Log categories of every FMU: name and description.
+/// Relative tolerance that the default accuracy of the integrators corresponds to.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// Log categories of every FMU: name and description; the last one stands for all.
+/// The names of FMI 2.0.5 section 2.2.4, and one more.
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
-    ("logStatusError", "Calls that are not allowed, and errors of the model"),
-    ("logStatusDiscard", "Rejected values and steps"),
-    ("logStatusWarning", "Successful calls with a remark"),
-    ("logEvents", "Steps of the life cycle"),
+    ("logStatusError", "Reason of each call that returns Error"),
+    ("logStatusDiscard", "Reason of each call that returns Discard"),
+    (
+        "logStatusWarning",
+        "Reason of each call that returns Warning, and of the end of a run at a limit of validity",
+    ),
+    ("logEvents", "Changes of the state of the instance, time events, changes of discrete outputs"),
+    ("logRejectedSteps", "Communication steps in which the integrator rejected steps because of their error"),
+    ("logAll", "All messages"),
 ];

@@ -86,10 +86,20 @@ impl Instance {
         let event_mode = interface.has_event_mode && description.variables.iter().any(|v| v.clock.is_some());
         let setup = RawSetup { interface: InterfaceType::CoSimulation, token, name, event_mode };
         let mark = log.mark();
-        let Some(raw) = binary.instantiate(&setup, &log) else {
+        let Some(mut raw) = binary.instantiate(&setup, &log) else {
             let words = because(&log.since(mark));
             return Err(archive.unsupported(format!("refused to be instantiated as {name}{words}")));
         };
+        // Reasons of refused calls without debug messages, which may be slow.
+        let reasons: Vec<&str> = description
+            .log_categories
+            .iter()
+            .map(String::as_str)
+            .filter(|category| category.starts_with("logStatus"))
+            .collect();
+        if !log.debug() && !reasons.is_empty() {
+            raw.enable_categories(&reasons);
+        }
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Ok(Self {
             name: name.to_owned(),

@@ -159,6 +159,7 @@ fn default_experiment(xml: &mut Xml) -> io::Result<()> {
     let attributes = vec![
         ("startTime", "0".to_string()),
         ("stopTime", number(crate::DEFAULT_STOP)),
+        ("tolerance", number(physics::model::TOLERANCE)),
         ("stepSize", number(crate::DEFAULT_STEP)),
     ];
     empty(xml, "DefaultExperiment", &attributes)

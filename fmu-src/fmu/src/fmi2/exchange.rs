@@ -1,11 +1,12 @@
 //! FMI 2.0: the functions of Model Exchange, section 3.2 of the standard.
 
 use super::Boolean;
-use crate::boundary::{array, array_mut, place};
+use crate::boundary::{Out, array, copied};
 use crate::functions;
 use crate::instance::Instance;
 
 /// Result of an event iteration.
+#[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct EventInfo {
     /// Another event iteration is needed.
@@ -28,16 +29,16 @@ functions! {
     fn fmi2EnterEventMode() => Instance::enter_event;
     /// Updates the discrete variables; section 3.2.2.
     fn fmi2NewDiscreteStates(info: *mut EventInfo) => |i| {
-        let info = place(info, "eventInfo")?;
+        let info = Out::variable(info, "eventInfo")?;
         let update = i.update()?;
-        *info = EventInfo {
+        info.set(0, EventInfo {
             new_discrete_states_needed: 0,
             terminate_simulation: Boolean::from(i.is_over()),
             nominals_changed: 0,
             values_changed: Boolean::from(update.states_changed),
             next_event_time_defined: Boolean::from(update.next_event.is_finite()),
             next_event_time: if update.next_event.is_finite() { update.next_event } else { 0.0 },
-        };
+        });
         Ok(())
     };
     /// Ends an event; section 3.2.2.
@@ -47,9 +48,10 @@ functions! {
         _no_set_state_prior: Boolean, enter_event: *mut Boolean, terminate: *mut Boolean
     ) => |i| {
         let (enter_event, terminate) =
-            (place(enter_event, "enterEventMode")?, place(terminate, "terminateSimulation")?);
+            (Out::variable(enter_event, "enterEventMode")?, Out::variable(terminate, "terminateSimulation")?);
         let over = i.accept_step()?;
-        (*enter_event, *terminate) = (0, Boolean::from(over));
+        enter_event.set(0, 0);
+        terminate.set(0, Boolean::from(over));
         Ok(())
     };
     /// Sets the time; section 3.2.1.
@@ -57,11 +59,11 @@ functions! {
     /// Sets the continuous states; section 3.2.1.
     fn fmi2SetContinuousStates(x: *const f64, n: usize) => |i| i.set_states(array(x, n, "x")?);
     /// Derivatives of the continuous states; section 3.2.2.
-    fn fmi2GetDerivatives(out: *mut f64, n: usize) => |i| i.derivatives(array_mut(out, n, "the array")?);
+    fn fmi2GetDerivatives(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::derivatives);
     /// Event indicators; section 3.2.2.
-    fn fmi2GetEventIndicators(out: *mut f64, n: usize) => |i| i.indicators(array_mut(out, n, "the array")?);
+    fn fmi2GetEventIndicators(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::indicators);
     /// Continuous states; section 3.2.2.
-    fn fmi2GetContinuousStates(out: *mut f64, n: usize) => |i| i.states(array_mut(out, n, "the array")?);
+    fn fmi2GetContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::states);
     /// Typical sizes of the continuous states; section 3.2.2.
-    fn fmi2GetNominalsOfContinuousStates(out: *mut f64, n: usize) => |i| i.nominals(array_mut(out, n, "the array")?);
+    fn fmi2GetNominalsOfContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::nominals);
 }

@@ -1,7 +1,7 @@
 //! FMI 3.0: Model Exchange, and the events that it shares with Co-Simulation.
 
 use super::{Boolean, InstanceHandle, sink};
-use crate::boundary::{Instantiation, array, array_mut, instantiate, place, write};
+use crate::boundary::{Instantiation, Out, array, copied, instantiate, write};
 use crate::functions;
 use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::Logger3;
@@ -79,23 +79,23 @@ functions! {
     fn fmi3SetContinuousStates(states: *const f64, n: usize) =>
         |i| i.set_states(array(states, n, "continuousStates")?);
     /// Derivatives of the continuous states.
-    fn fmi3GetContinuousStateDerivatives(out: *mut f64, n: usize) => |i| i.derivatives(array_mut(out, n, "the array")?);
+    fn fmi3GetContinuousStateDerivatives(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::derivatives);
     /// Event indicators.
-    fn fmi3GetEventIndicators(out: *mut f64, n: usize) => |i| i.indicators(array_mut(out, n, "the array")?);
+    fn fmi3GetEventIndicators(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::indicators);
     /// Continuous states.
-    fn fmi3GetContinuousStates(out: *mut f64, n: usize) => |i| i.states(array_mut(out, n, "the array")?);
+    fn fmi3GetContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::states);
     /// Typical sizes of the continuous states.
-    fn fmi3GetNominalsOfContinuousStates(out: *mut f64, n: usize) => |i| i.nominals(array_mut(out, n, "the array")?);
+    fn fmi3GetNominalsOfContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::nominals);
 }
 
 /// Writes a number of states or indicators; an instance for Co-Simulation has none.
 ///
 /// # Safety
-/// As [`place`].
+/// As [`Out::variable`].
 unsafe fn count(i: &mut Instance, n: *mut usize, number: fn(&Instance) -> usize) -> Outcome {
     let integrates = i.require_interface(Interface::ModelExchange).is_ok();
     // SAFETY: by contract.
-    *unsafe { place(n, "the number") }? = if integrates { number(i) } else { 0 };
+    unsafe { Out::variable(n, "the number") }?.set(0, if integrates { number(i) } else { 0 });
     Ok(())
 }
 

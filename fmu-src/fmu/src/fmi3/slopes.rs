@@ -1,6 +1,6 @@
 //! FMI 3.0: directional and adjoint derivatives, and those of outputs with respect to time.
 
-use crate::boundary::{array, array_mut};
+use crate::boundary::{Out, array};
 use crate::functions;
 
 /// Products of the matrix of partial derivatives with a seed, which one method of the instance computes.
@@ -15,7 +15,9 @@ macro_rules! products {
                 let unknowns = array(unknowns, n_unknowns, "unknowns")?;
                 let knowns = array(knowns, n_knowns, "knowns")?;
                 let seed = array(seed, n_seed, "seed")?;
-                i.$method(unknowns, knowns, seed, array_mut(sensitivity, n_sensitivity, "sensitivity")?)
+                let out = Out::array(sensitivity, n_sensitivity, "sensitivity")?;
+                out.fill(&i.$method(unknowns, knowns, seed, n_sensitivity)?);
+                Ok(())
             };)*
         }
     };
@@ -35,6 +37,8 @@ functions! {
         vr: *const u32, n: usize, orders: *const i32, values: *mut f64, n_values: usize
     ) => |i| {
         let (vr, orders) = (array(vr, n, "valueReferences")?, array(orders, n, "orders")?);
-        i.output_derivatives(vr, orders, array_mut(values, n_values, "values")?)
+        let out = Out::array(values, n_values, "values")?;
+        out.fill(&i.output_derivatives(vr, orders, n_values)?);
+        Ok(())
     };
 }

@@ -86,7 +86,7 @@ pub unsafe extern "C" fn fmi3DoStep(
             write(last_successful_time, i.time());
             over = i.end().is_some();
             ended.early |= over && i.may_return_early();
-            i.unless_over("fmi3DoStep", outcome)
+            i.unless_over(outcome)
         });
         if let (Some(parts), Status::Ok) = (&mut parts, status) {
             status = step_with_updates(instance, parts, last_successful_time, &mut over);
@@ -114,7 +114,7 @@ unsafe fn step_with_updates(
                 write(last_successful_time, i.time());
                 *over = i.end().is_some();
                 parts.ended.early |= *over && i.may_return_early();
-                i.unless_over("fmi3DoStep", outcome)
+                i.unless_over(outcome)
             })
         };
         let Some(view) = view else { return status };

@@ -2,7 +2,7 @@
 //! variables; for the other types every call returns an error. The elements of an array are consecutive.
 
 use super::Boolean;
-use crate::boundary::{array, array_mut};
+use crate::boundary::{Out, array};
 use crate::functions;
 use crate::instance::Type;
 use std::ffi::c_char;
@@ -14,8 +14,8 @@ macro_rules! values {
             enter;
             $(/// Reads values.
             fn $get(vr: *const u32, n: usize, value: *mut $value, n_values: usize) => |i| {
-                let (vr, value) = (array(vr, n, "valueReferences")?, array_mut(value, n_values, "values")?);
-                i.get(vr, $of, n_values, |k, number| value[k] = $from(number))
+                let (vr, value) = (array(vr, n, "valueReferences")?, Out::array(value, n_values, "values")?);
+                i.get(vr, $of, n_values, |k, number| value.set(k, $from(number)))
             };
             /// Sets values, all or none.
             fn $set(vr: *const u32, n: usize, value: *const $value, n_values: usize) => |i| {

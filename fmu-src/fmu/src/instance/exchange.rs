@@ -1,11 +1,12 @@
 //! Model Exchange: states, derivatives, event indicators and events.
 
-use super::{Instance, Mode};
+use super::{Instance, Mode, Standard};
 use crate::refusal::{Outcome, Refused};
 use physics::model::Fault;
 
 /// Where derivatives, states and indicators may be read.
-const READABLE: &[Mode] = &[Mode::Initialization, Mode::Event, Mode::Continuous, Mode::Terminated];
+const READABLE: &[Mode] =
+    &[Mode::Initialization, Mode::Event, Mode::Continuous, Mode::Terminated, Mode::Error];
 
 fn same_number(what: &str, asked: usize, there: usize) -> Outcome {
     if asked == there {
@@ -33,15 +34,17 @@ impl Instance {
     /// Event, continuous-time or step mode -> event mode.
     pub fn enter_event(&mut self) -> Outcome {
         self.require_events()?;
-        self.require(&[Mode::Event, Mode::Continuous, Mode::Step])?;
-        self.mode = Mode::Event;
+        // FMI 2.0 allows the call in event mode, FMI 3.0 does not.
+        let again = if self.standard == Standard::Two { Mode::Event } else { Mode::Step };
+        self.require(&[again, Mode::Continuous, Mode::Step])?;
+        self.go(Mode::Event);
         Ok(())
     }
 
     /// Event -> continuous-time mode.
     pub fn enter_continuous(&mut self) -> Outcome {
         self.require(&[Mode::Event])?;
-        self.mode = Mode::Continuous;
+        self.go(Mode::Continuous);
         Ok(())
     }
 
@@ -55,7 +58,9 @@ impl Instance {
 
     /// Sets the time, s.
     pub fn set_time(&mut self, time: f64) -> Outcome {
-        self.require(&[Mode::Event, Mode::Continuous])?;
+        // FMI 2.0 of 2014 allows the call in event mode, and importers do it; FMI 3.0 does not.
+        let event = if self.standard == Standard::Two { Mode::Event } else { Mode::Continuous };
+        self.require(&[event, Mode::Continuous])?;
         if !time.is_finite() {
             return Err(Refused::discard(format!("the time {time} s is not finite.")));
         }
@@ -76,47 +81,52 @@ impl Instance {
         Ok(())
     }
 
-    /// Writes the continuous states.
-    pub fn states(&mut self, out: &mut [f64]) -> Outcome {
+    /// The continuous states, as many as are asked for.
+    pub fn states(&mut self, n: usize) -> Outcome<&[f64]> {
         self.require(READABLE)?;
         self.settle()?;
-        same_number("continuous states", out.len(), self.number_of_states())?;
-        self.model.read_states(out);
-        Ok(())
+        same_number("continuous states", n, self.number_of_states())?;
+        self.model.read_states(&mut self.buffer[..n]);
+        Ok(&self.buffer[..n])
     }
 
-    /// Writes their derivatives.
-    pub fn derivatives(&mut self, out: &mut [f64]) -> Outcome {
+    /// Their derivatives.
+    pub fn derivatives(&mut self, n: usize) -> Outcome<&[f64]> {
         self.require(READABLE)?;
         self.settle()?;
-        same_number("continuous states", out.len(), self.number_of_states())?;
+        same_number("continuous states", n, self.number_of_states())?;
+        let out = &mut self.buffer[..n];
         self.model.derivatives(out).map_err(discard)?;
-        let Some(k) = out.iter().position(|rate| !rate.is_finite()) else { return Ok(()) };
+        let Some(k) = out.iter().position(|rate| !rate.is_finite()) else { return Ok(out) };
         let declaration = self.model.declaration();
         let name = &declaration.entries[declaration.states[k][1]].name;
         Err(Refused::discard(format!("{name} is not finite at the states that were set.")))
     }
 
-    /// Writes the event indicators.
-    pub fn indicators(&mut self, out: &mut [f64]) -> Outcome {
+    /// The event indicators.
+    pub fn indicators(&mut self, n: usize) -> Outcome<&[f64]> {
         self.require(READABLE)?;
         self.settle()?;
-        same_number("event indicators", out.len(), self.number_of_indicators())?;
+        same_number("event indicators", n, self.number_of_indicators())?;
         let declaration = self.model.declaration();
-        for (indicator, &k) in out.iter_mut().zip(&declaration.indicators) {
+        for (indicator, &k) in self.buffer.iter_mut().zip(&declaration.indicators) {
             *indicator = self.model.get(declaration.entries[k].slot);
         }
-        Ok(())
+        Ok(&self.buffer[..n])
     }
 
-    /// Writes the typical sizes of the continuous states.
-    pub fn nominals(&self, out: &mut [f64]) -> Outcome {
-        self.require_living()?;
-        same_number("continuous states", out.len(), self.number_of_states())?;
+    /// The nominal values of the continuous states.
+    pub fn nominals(&mut self, n: usize) -> Outcome<&[f64]> {
+        // FMI 2.0 allows the call before initialization, FMI 3.0 does not.
+        match self.standard {
+            Standard::Two => self.require_living()?,
+            Standard::Three => self.require(READABLE)?,
+        }
+        same_number("continuous states", n, self.number_of_states())?;
         let declaration = self.model.declaration();
-        for (nominal, [state, _]) in out.iter_mut().zip(&declaration.states) {
+        for (nominal, [state, _]) in self.buffer.iter_mut().zip(&declaration.states) {
             *nominal = declaration.entries[*state].row.nominal;
         }
-        Ok(())
+        Ok(&self.buffer[..n])
     }
 }

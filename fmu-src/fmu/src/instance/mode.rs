@@ -43,7 +43,7 @@ pub enum Mode {
     Step = 2,
     /// Terminated.
     Terminated = 3,
-    /// Error state after an internal failure: only reset and free remain.
+    /// Error state after an internal failure: a saved state or a reset ends it; values are for debugging.
     Error = 4,
     /// At an event.
     Event = 5,
@@ -76,12 +76,13 @@ impl Mode {
     }
 }
 
-/// Every mode in which an instance can be saved: neither error state nor intermediate update mode.
+/// Every mode in which an instance can be saved and restored; a restored state ends the error state.
 pub(super) const LIVING: &[Mode] = &[
     Mode::Instantiated,
     Mode::Initialization,
     Mode::Step,
     Mode::Terminated,
+    Mode::Error,
     Mode::Event,
     Mode::Continuous,
     Mode::Configuration,

@@ -7,6 +7,7 @@
 
 use super::Instance;
 use super::stepping::copy;
+use crate::logger::Category;
 use crate::refusal::Outcome;
 use physics::model::{Declaration, Entry};
 
@@ -46,8 +47,9 @@ pub(super) struct Saturation {
 impl Saturation {
     pub(super) fn new(declaration: &'static Declaration) -> Saturation {
         let inputs = declaration.entries.iter().filter(|entry| entry.is_continuous_input());
-        let ramps = inputs.map(|entry| Ramp { entry, from: 0.0, slope: 0.0 }).collect();
-        Saturation { ramps, sloped: false, reported: Vec::new() }
+        let ramps: Vec<Ramp> = inputs.map(|entry| Ramp { entry, from: 0.0, slope: 0.0 }).collect();
+        let inputs = ramps.len();
+        Saturation { reported: Vec::with_capacity(inputs), ramps, sloped: false }
     }
 
     /// After a reset nothing has been reported.
@@ -58,6 +60,15 @@ impl Saturation {
 }
 
 impl Instance {
+    /// An input that saturates has a derivative: the step may need a copy of the model, and allocates no memory.
+    #[cold]
+    pub(super) fn expect_limits(&mut self) {
+        self.saturation.sloped = true;
+        if self.step_start.is_none() {
+            self.step_start = Some(self.model.boxed_clone());
+        }
+    }
+
     /// Reports the first value of an input beyond its limits.
     #[cold]
     pub(super) fn report_saturation(&mut self, entry: &Entry, value: f64) {
@@ -65,14 +76,17 @@ impl Instance {
             return;
         }
         self.saturation.reported.push(entry.value_reference);
+        self.has_warned = true;
         let row = entry.row;
-        self.remarks.push(format!(
-            "{} = {value} is limited to {}: it saturates outside {} ... {}; further values are limited without a message.",
-            entry.name,
-            row.limited(value),
-            row.min,
-            row.max
-        ));
+        self.log.note(Category::Warning, || {
+            format!(
+                "{} = {value} is limited to {}: it saturates outside {} ... {}; further values are limited without a message.",
+                entry.name,
+                row.limited(value),
+                row.min,
+                row.max
+            )
+        });
     }
 
     /// A step with input derivatives, in parts that end where an input that saturates reaches its limit.

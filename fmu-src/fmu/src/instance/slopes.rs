@@ -8,7 +8,7 @@ use physics::slopes::{Known, Move, SHORT_WAY, Slope, Slopes, Unknown, WAY};
 
 /// Modes in which derivatives may be requested.
 const READABLE: &[Mode] =
-    &[Mode::Initialization, Mode::Step, Mode::Event, Mode::Continuous, Mode::Terminated];
+    &[Mode::Initialization, Mode::Step, Mode::Event, Mode::Continuous, Mode::Terminated, Mode::Error];
 /// Relative uncertainty of a derivative that is returned.
 const RELATIVE: f64 = 1e-6;
 /// The same by what it makes of the unknown, as a share of its nominal value, where a known moves by its own.
@@ -37,38 +37,37 @@ impl Instance {
         unknowns: &[u32],
         knowns: &[u32],
         seed: &[f64],
-        out: &mut [f64],
-    ) -> Outcome {
+        n: usize,
+    ) -> Outcome<Vec<f64>> {
         self.ready(seed)?;
         let (unknowns, knowns) = (self.unknowns(unknowns)?, self.knowns(knowns)?);
         same_number("seeds", seed.len(), knowns.len())?;
-        same_number("places for derivatives", out.len(), unknowns.len())?;
+        same_number("places for derivatives", n, unknowns.len())?;
         let moves: Outcome<Vec<Move>> =
             knowns.iter().zip(seed).map(|(known, &seed)| self.known(*known, seed)).collect();
-        let slopes = self.slopes(&moves?, &unknowns)?;
-        out.copy_from_slice(&slopes);
-        Ok(())
+        self.slopes(&moves?, &unknowns)
     }
 
     /// Adjoint derivatives: for each of `knowns` the sum of seed times derivative over `unknowns`.
-    pub fn adjoint(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome {
+    pub fn adjoint(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], n: usize) -> Outcome<Vec<f64>> {
         self.ready(seed)?;
         let (unknowns, knowns) = (self.unknowns(unknowns)?, self.knowns(knowns)?);
         same_number("seeds", seed.len(), unknowns.len())?;
-        same_number("places for derivatives", out.len(), knowns.len())?;
+        same_number("places for derivatives", n, knowns.len())?;
         let moves: Outcome<Vec<Move>> = knowns.iter().map(|&known| self.known(known, 1.0)).collect();
-        for (place, one) in out.iter_mut().zip(moves?) {
+        let mut sums = Vec::with_capacity(n);
+        for one in moves? {
             let slopes = self.slopes(&[one], &unknowns)?;
-            *place = slopes.iter().zip(seed).map(|(slope, seed)| slope * seed).sum();
+            sums.push(slopes.iter().zip(seed).map(|(slope, seed)| slope * seed).sum());
         }
-        Ok(())
+        Ok(sums)
     }
 
     /// Time derivatives of outputs at the end of a step, with constant inputs.
-    pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], out: &mut [f64]) -> Outcome {
+    pub fn output_derivatives(&mut self, references: &[u32], orders: &[i32], n: usize) -> Outcome<Vec<f64>> {
         self.require_interface(Interface::CoSimulation)?;
-        self.require(&[Mode::Step, Mode::Intermediate, Mode::Terminated])?;
-        let mut unknowns = Vec::with_capacity(out.len());
+        self.require(&[Mode::Step, Mode::Intermediate, Mode::Terminated, Mode::Error])?;
+        let mut unknowns = Vec::with_capacity(references.len());
         for (&reference, &order) in references.iter().zip(orders) {
             let entry = self.entry(reference, Type::Real)?;
             let shown =
@@ -85,7 +84,7 @@ impl Instance {
             }
             unknowns.extend(self.elements_of(entry));
         }
-        same_number("places for derivatives", out.len(), unknowns.len())?;
+        same_number("places for derivatives", n, unknowns.len())?;
         let declaration = self.model.declaration();
         let mut rates = vec![0.0; declaration.states.len()];
         self.model.derivatives(&mut rates).map_err(|fault| Refused::discard(fault.0))?;
@@ -97,16 +96,16 @@ impl Instance {
             let at = self.model.get(entry.slot);
             moves.push(Move { known: Known::State(k), at, seed, size: entry.row.nominal, limits: free });
         }
-        out.copy_from_slice(&self.slopes(&moves, &unknowns)?);
+        let mut out = self.slopes(&moves, &unknowns)?;
         let powers = declaration.states.iter().zip(&rates);
         let powers = powers.filter(|(state, _)| declaration.entries[state[0]].row.unit == Unit::Joule);
         let largest = powers.fold(0.0_f64, |largest, (_, power)| largest.max(power.abs()));
-        for (entry, place) in unknowns.iter().zip(out) {
+        for (entry, place) in unknowns.iter().zip(&mut out) {
             if entry.name == RESIDUAL && place.abs() <= RELATIVE * largest {
                 *place = 0.0;
             }
         }
-        Ok(())
+        Ok(out)
     }
 
     fn ready(&mut self, seed: &[f64]) -> Outcome {

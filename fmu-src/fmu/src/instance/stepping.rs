@@ -130,20 +130,25 @@ impl Instance {
     pub fn enter_step(&mut self) -> Outcome {
         self.require_interface(Interface::CoSimulation)?;
         self.require(&[Mode::Event])?;
-        self.mode = Mode::Step;
+        self.go(Mode::Step);
         Ok(())
     }
 
     /// Updates the discrete outputs, which are constant between events.
     pub fn update(&mut self) -> Outcome<Update> {
         self.require(&[Mode::Event])?;
-        if self.interface == Interface::ModelExchange {
-            return Ok(self.model.update());
+        let update = if self.interface == Interface::ModelExchange {
+            self.model.update()
+        } else {
+            self.hold();
+            let next = self.model.next_event();
+            let passed = next <= self.model.time() + IMMINENT;
+            Update { states_changed: false, next_event: if passed { f64::INFINITY } else { next } }
+        };
+        if self.log.is_on() {
+            self.report_event(&update);
         }
-        self.hold();
-        let next = self.model.next_event();
-        let passed = next <= self.model.time() + IMMINENT;
-        Ok(Update { states_changed: false, next_event: if passed { f64::INFINITY } else { next } })
+        Ok(update)
     }
 
     /// Sets the discrete outputs to their present values.
@@ -178,11 +183,17 @@ impl Instance {
     #[inline]
     pub fn stride(&mut self, at: f64, h: f64) -> Outcome<Ended> {
         self.require_step(at, h)?;
-        if self.part.event_mode {
-            return self.advance_to_event(at, h);
+        let before = self.model.rejected_steps();
+        let ended = if self.part.event_mode {
+            self.advance_to_event(at, h)?
+        } else {
+            self.advance(at, h)?;
+            Ended::default()
+        };
+        if self.log.is_on() {
+            self.report_step(at, h, before);
         }
-        self.advance(at, h)?;
-        Ok(Ended::default())
+        Ok(ended)
     }
 
     fn advance_to_event(&mut self, at: f64, h: f64) -> Outcome<Ended> {
@@ -255,6 +266,7 @@ impl Instance {
         let share = f64::from(parts.taken) / f64::from(PARTS);
         let next = if parts.taken >= PARTS { whole } else { parts.start + parts.h * share };
         let to = next.min(parts.end);
+        let before = self.model.rejected_steps();
         let outcome = if self.part.event_mode {
             self.advance_to_event(at, to - at)
         } else {
@@ -269,6 +281,9 @@ impl Instance {
                 return Err(refused);
             }
         };
+        if self.log.is_on() {
+            self.report_step(at, to - at, before);
+        }
         parts.ended.event |= ended.event;
         parts.ended.early |= ended.early || (to >= parts.end && parts.end < whole);
         parts.done = ended.early || to >= parts.end;

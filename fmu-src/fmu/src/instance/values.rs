@@ -4,7 +4,7 @@
 
 use super::{Instance, Interface, Mode, Standard, Type};
 use crate::refusal::{Outcome, Refused};
-use physics::declare::{Elements, Kind, Variability};
+use physics::declare::{Causality, Elements, Kind, Variability};
 use physics::model::{Element, Entry, Refusal, Slot, TIME};
 
 impl Instance {
@@ -156,7 +156,8 @@ impl Instance {
 
     #[inline]
     fn require_readable(&self) -> Outcome {
-        if self.mode == Mode::Error || self.mode == Mode::Instantiated && self.standard == Standard::Two {
+        // After an error values may be read, for debugging.
+        if self.mode == Mode::Instantiated && self.standard == Standard::Two {
             return self.require(&[]);
         }
         Ok(())
@@ -197,8 +198,8 @@ impl Instance {
             self.unsettled = true;
             return Ok(());
         }
-        // In step mode only structural parameters depend on the mode.
-        let special = self.mode != Mode::Step || of == Type::Size;
+        // In step mode only structural parameters depend on the mode, and with event mode all parameters (FMI 3.0.2 section 2.4.7.4).
+        let special = self.mode != Mode::Step || of == Type::Size || self.part.event_mode;
         let running = !matches!(self.mode, Mode::Instantiated | Mode::Configuration | Mode::Initialization);
         let mut last = None;
         for (k, &value_reference) in references.iter().enumerate() {
@@ -261,6 +262,9 @@ impl Instance {
             Mode::Intermediate if !(entry.is_continuous_input() && self.part.has_intermediate(entry)) => {
                 "between steps alone"
             }
+            Mode::Step if self.part.event_mode && entry.row.causality == Causality::Parameter => {
+                "in event mode alone, because the importer uses it,"
+            }
             Mode::Configuration if !self.is_structural(entry) => "outside configuration mode alone",
             mode if mode != Mode::Configuration && self.is_structural(entry) => "in configuration mode alone",
             _ => return Ok(()),
@@ -275,14 +279,18 @@ impl Instance {
     /// Sets the derivatives of continuous inputs for the next step, all or none.
     pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], slopes: &[f64]) -> Outcome {
         self.require_interface(Interface::CoSimulation)?;
-        self.require(&[Mode::Initialization, Mode::Step])?;
+        self.require(&[Mode::Instantiated, Mode::Initialization, Mode::Step])?;
+        let mut saturates = false;
         if let Some(places) = self.sloped.places(references)
             && orders.iter().all(|&order| order == 1)
             && slopes.iter().all(|slope| slope.is_finite())
         {
             for (place, &slope) in places.iter().zip(slopes) {
                 self.model.set_slope(place.slot, slope);
-                self.saturation.sloped |= place.saturates && slope != 0.0;
+                saturates |= place.saturates && slope != 0.0;
+            }
+            if saturates {
+                self.expect_limits();
             }
             return Ok(());
         }
@@ -311,7 +319,10 @@ impl Instance {
         for (&value_reference, &slope) in references.iter().zip(slopes) {
             let entry = self.entry(value_reference, Type::Real)?;
             self.model.set_slope(entry.slot, slope);
-            self.saturation.sloped |= entry.row.saturates && slope != 0.0;
+            saturates |= entry.row.saturates && slope != 0.0;
+        }
+        if saturates {
+            self.expect_limits();
         }
         self.sloped.store(self.model.declaration(), references);
         Ok(())

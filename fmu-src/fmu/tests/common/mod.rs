@@ -10,7 +10,7 @@ use motor_fmu::fmi3::{
     fmi3EnterConfigurationMode, fmi3EnterStepMode, fmi3ExitConfigurationMode, fmi3InstantiateCoSimulation,
     fmi3InstantiateModelExchange, fmi3SetUInt64,
 };
-use motor_fmu::instance::IntermediateUpdate;
+use motor_fmu::instance::{Instance, IntermediateUpdate};
 use motor_fmu::logger::{Logger2, Status};
 use physics::declare::{Causality, Kind};
 use physics::model::{Declaration, Entry, ModelType};
@@ -126,6 +126,10 @@ pub struct Options<'a> {
     pub resources: Option<&'a str>,
 }
 
+/// With logging.
+pub const LOGGED: Options =
+    Options { logging: true, event_mode: false, early_return: false, resources: None };
+
 /// An instance with its importer.
 pub struct Importer {
     fmu: Fmu,
@@ -141,7 +145,7 @@ impl Importer {
 
     /// An instance of the motor.
     pub fn motor(how: How) -> Importer {
-        Importer::instantiated(MOTOR, how, Options::default())
+        Importer::instantiated(MOTOR, how, LOGGED)
     }
 
     /// An instance that looks into steps at these variables; the messages where the library makes none.
@@ -204,8 +208,13 @@ impl Importer {
     }
 
     /// The messages since the last call.
-    pub fn said(&self) -> Vec<Message> {
+    pub fn heard(&self) -> Vec<Message> {
         self.environment.messages.take()
+    }
+
+    /// Those that are the reason of a status.
+    pub fn said(&self) -> Vec<Message> {
+        self.heard().into_iter().filter(|message| message.status != 0).collect()
     }
 
     pub fn reference(&self, name: &str) -> u32 {
@@ -234,6 +243,17 @@ impl Importer {
             this.continue_in_time().ok();
         }
         this
+    }
+
+    /// Whether a call has caused an internal failure.
+    pub fn has_failed(&self) -> bool {
+        let mut failed = false;
+        let look = |i: &mut Instance| {
+            failed = i.has_failed();
+            Ok(())
+        };
+        unsafe { motor_fmu::boundary::enter(self.handle, "look", look) }.ok();
+        failed
     }
 
     /// Sets the number of segments in configuration mode.

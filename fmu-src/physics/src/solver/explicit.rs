@@ -45,7 +45,8 @@ pub struct Tried<P, const N: usize> {
 }
 
 /// Advances `x` by `h` seconds, in as many steps as it takes. `one(t, x, first, length)` tries a step of `length` from `t`
-/// seconds on; `first` is what holds there, where that is known. On failure `x` is as it was.
+/// seconds on; `first` is what holds there, where that is known. The error may be `allowed` times the usual one. Gives the number of
+/// rejected steps. On failure `x` is as it was.
 ///
 /// # Errors
 /// Rates that are not finite, an error that no step is small enough for, or more steps than anyone would wait for.
@@ -54,13 +55,14 @@ pub fn advance<P, const N: usize>(
     x: &mut [f64; N],
     first: Option<&P>,
     h: f64,
-) -> Result<(), Stuck> {
+    allowed: f64,
+) -> Result<u64, Stuck> {
     let tried = one(0.0, x, first, h);
-    if tried.error <= 1.0 {
+    if tried.error <= allowed {
         *x = tried.states;
-        return Ok(());
+        return Ok(0);
     }
-    in_parts(one, x, first, h)
+    in_parts(one, x, first, h, allowed)
 }
 
 /// A communication step that is too long for one step.
@@ -70,27 +72,30 @@ fn in_parts<P, const N: usize>(
     x: &mut [f64; N],
     first: Option<&P>,
     h: f64,
-) -> Result<(), Stuck> {
+    allowed: f64,
+) -> Result<u64, Stuck> {
+    let mut rejected = 1;
     let least = h * 0.5f64.powi(HALVINGS as i32);
     let (mut now, mut t, mut step) = (*x, 0.0, 0.5 * h);
     let mut reached: Option<P> = None;
     for _ in 0..MOST_STEPS {
         if t >= h {
             *x = now;
-            return Ok(());
+            return Ok(rejected);
         }
         let last = t + step >= h;
         let length = if last { h - t } else { step };
         let known = if t == 0.0 { first } else { reached.as_ref() };
         let tried = one(t, &now, known, length);
-        if tried.error <= 1.0 {
+        if tried.error <= allowed {
             (now, reached) = (tried.states, tried.point);
             t = if last { h } else { t + length };
             // What is far below the tolerance at this length is below it at twice the length.
-            if tried.error < 0.01 {
+            if tried.error < 0.01 * allowed {
                 step *= 2.0;
             }
         } else {
+            rejected += 1;
             step = 0.5 * length;
             if step < least {
                 return Err(Stuck { t });
@@ -157,7 +162,7 @@ mod tests {
         let one = |t: f64, x: &[f64; N], first: Option<&[f64; N]>, h: f64| {
             dormand_prince(&rates, |rates| *rates, t, x, first, h, &[1.0; N])
         };
-        advance(one, x, None, h)
+        advance(one, x, None, h, 1.0).map(|_| ())
     }
 
     /// x' = -50 x + 50 sin(t): a transient and a forced motion, both known.

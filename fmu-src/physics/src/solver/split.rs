@@ -148,6 +148,10 @@ pub struct Split<const N: usize> {
     thermal: Phi<N>,
     /// The tolerance over [`TOLERANCE`].
     ease: f64,
+    /// Factor on all tolerances.
+    scale: f64,
+    /// Steps that were rejected since the integrator was made.
+    pub rejected: u64,
     /// The step that the last call would have gone on with, s.
     trial: f64,
 }
@@ -156,7 +160,7 @@ impl<const N: usize> Default for Split<N> {
     /// Frozen for no step at all: the first step renews both blocks.
     fn default() -> Self {
         let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
-        Split { fast, thermal, ease: 1.0, trial: f64::INFINITY }
+        Split { fast, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
     }
 }
 
@@ -180,7 +184,7 @@ impl<const N: usize> Split<N> {
         }
         let (fast, thermal) = (block(next)?, block(next)?);
         let trial = next().filter(|step| *step > 0.0)?;
-        Some(Split { fast, thermal, ease: 1.0, trial })
+        Some(Split { fast, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial })
     }
 
     /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] as they are eased: one, where that is wider than all.
@@ -188,16 +192,21 @@ impl<const N: usize> Split<N> {
         let tolerance = TOLERANCE * self.ease;
         let [stage, line] =
             if bends { [TOLERANCE, STAGE_TOLERANCE] } else { [STAGE_TOLERANCE, LINE_TOLERANCE] };
-        [tolerance, tolerance.max(stage), tolerance.max(line)]
+        [tolerance, tolerance.max(stage), tolerance.max(line)].map(|tolerance| tolerance * self.scale)
     }
 
     fn stale(&self) -> f64 {
-        (STALE * self.ease).min(STALE_AT_MOST)
+        (STALE * self.ease * self.scale).min(STALE_AT_MOST)
     }
 
     /// Lets the steps err by this factor more than they do by default; it is no part of what is saved.
     pub fn ease(&mut self, factor: f64) {
         self.ease = factor;
+    }
+
+    /// Multiplies all tolerances, the renewal of the Jacobians included, by a factor on their defaults; it is no part of what is saved.
+    pub fn scale_tolerances(&mut self, factor: f64) {
+        self.scale = factor;
     }
 
     /// Advances `state` by `h` seconds, in as many steps as the error asks for; on failure nothing changes.
@@ -228,6 +237,7 @@ impl<const N: usize> Split<N> {
                 }
                 done += try_h;
             } else if try_h > LEAST_SHARE * h {
+                self.rejected += 1;
                 trial = try_h * if error.is_finite() { (0.8 / error.cbrt()).clamp(0.1, 0.7) } else { 0.1 };
             } else {
                 if let Some((a, fast, m, thermal)) = backup {

@@ -1,6 +1,6 @@
 //! The life cycle, steps, and saved states.
-use super::RawInstance;
 use super::functions::ids;
+use super::{RawInstance, c_string};
 use crate::{FmiVersion, Status};
 use std::ffi::c_void;
 use std::ptr;
@@ -48,6 +48,25 @@ pub struct RawStep {
     pub early: bool,
     /// FMI 3: the last successful time (s).
     pub reached: Option<f64>,
+}
+
+impl RawInstance {
+    /// Enables log categories, by their names in the model description; OK without that function.
+    pub fn enable_categories(&mut self, categories: &[&str]) -> Status {
+        let names: Vec<_> = categories.iter().map(|name| c_string(name)).collect();
+        let pointers: Vec<_> = names.iter().map(|name| name.as_ptr()).collect();
+        let (n, pointers) = (pointers.len(), pointers.as_ptr());
+        let two = self.loaded.version == FmiVersion::V2;
+        let function = if two { ids::set_logging2 } else { ids::set_logging3 };
+        // SAFETY: the handle is alive, and the C strings outlive the call.
+        self.status(function, |f, h| match (f.set_logging2, f.set_logging3) {
+            // SAFETY: see above.
+            (Some(set), _) => Some(unsafe { set(h, 1, n, pointers) }),
+            // SAFETY: see above.
+            (_, Some(set)) => Some(unsafe { set(h, true, n, pointers) }),
+            _ => Some(0),
+        })
+    }
 }
 
 /// Calls that are one function of both standards, with their arguments and what is passed of them.

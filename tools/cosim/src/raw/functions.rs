@@ -159,6 +159,8 @@ functions! {
     optional {
         version: fn() -> Text = fmi2GetVersion, fmi3GetVersion;
         types_platform: fn() -> Text = fmi2GetTypesPlatform, _;
+        set_logging2: fn(Handle, c_int, usize, *const Text) -> c_int = fmi2SetDebugLogging, _;
+        set_logging3: fn(Handle, bool, usize, *const Text) -> c_int = _, fmi3SetDebugLogging;
         model_exchange: fn(Text, Text, Text, bool, bool, *mut c_void, LogCallback) -> Handle = _, fmi3InstantiateModelExchange;
         scheduled: fn(Text, Text, Text, bool, bool, *mut c_void, LogCallback, *const c_void, *const c_void, *const c_void) -> Handle = _, fmi3InstantiateScheduledExecution;
         enter_configuration: fn(Handle) -> c_int = _, fmi3EnterConfigurationMode;

@@ -185,6 +185,7 @@ impl AnnulusCooledMotor {
             Passage { winding: passed.temperature[0], stator: passed.temperature[1], friction: passed.aside };
         let advance = network.advance(h, (&rates, &inflow), &passage, ambient);
         if advance.error > 1.0 || advance.error.is_nan() {
+            split.rejected += 1;
             let shrink = 0.8 / advance.error.cbrt();
             return Ok(Err(h * if shrink.is_finite() { shrink.clamp(0.1, 0.7) } else { 0.1 }));
         }

@@ -407,6 +407,17 @@ impl Model for AnnulusCooledMotor {
         self.push_rates(out);
     }
 
+    fn scale_tolerances(&mut self, factor: f64) {
+        self.split.scale_tolerances(factor);
+        if let Some(network) = &mut self.network {
+            network.ease(factor);
+        }
+    }
+
+    fn rejected_steps(&self) -> u64 {
+        self.split.rejected
+    }
+
     fn ease(&mut self, factor: f64) {
         self.split.ease(factor);
         if let Some(network) = &mut self.network {

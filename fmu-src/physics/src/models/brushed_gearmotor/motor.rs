@@ -348,6 +348,14 @@ impl Model for BrushedGearmotor {
         out.extend(point.fast.iter().chain(point.warming.iter()));
     }
 
+    fn scale_tolerances(&mut self, factor: f64) {
+        self.split.scale_tolerances(factor);
+    }
+
+    fn rejected_steps(&self) -> u64 {
+        self.split.rejected
+    }
+
     fn ease(&mut self, factor: f64) {
         self.split.ease(factor);
     }
