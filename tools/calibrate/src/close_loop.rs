@@ -9,6 +9,7 @@
 mod looking;
 
 use crate::CalibrateError;
+use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
@@ -20,6 +21,7 @@ use crate::separate::separate;
 use crate::setup::Setup;
 use crate::telling;
 use physics::terms::Port;
+use std::time::{Duration, Instant};
 
 /// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
 /// of what there is to explain (slopes mislead by some hundredths), and a number.
@@ -32,6 +34,15 @@ const SWITCHED: f64 = 0.9;
 /// What is left unexplained is said from this evidence on.
 const SAID: f64 = 40.0;
 
+/// What is to be done.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Time for the search; without it as long as it takes.
+    pub budget: Option<Duration>,
+    /// Whether the declared parameters alone are fitted and nothing is looked for.
+    pub fit_only: bool,
+}
+
 /// Closes the loop over an experiment; `preset` are the start values of its preset, by value reference. `progress` hears
 /// the share that is done, and what is done next.
 ///
@@ -40,17 +51,38 @@ const SAID: f64 = 40.0;
 pub fn run(
     experiment: &Experiment,
     preset: &[(u32, f64)],
+    options: Options,
     progress: &dyn Fn(f64, &str),
 ) -> Result<Outcome, CalibrateError> {
-    let begun = std::time::Instant::now();
+    let begun = Instant::now();
     progress(0.0, "fitting the declared parameters");
-    let mut setup = Setup::new(experiment, preset)?;
+    let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
+    let mut setup = Setup::new(experiment, preset)?.until(deadline.clone());
     let fit = setup.runs(Role::Fit);
-    let refit = setup.fit(setup.preset(), &fit)?;
+    let refit = setup.refit(&fit)?;
     setup.hear_inputs(&refit, &fit)?;
     let setup = setup;
     progress(0.15, "looking for what is missing");
     let refit = setup.fit(refit.hypothesis, &fit)?;
+    let readings = refit.readings;
+    let is_thin = readings < setup.declared.len();
+    if options.fit_only || is_thin || deadline.is_near() {
+        let over = deadline.is_near();
+        deadline.lift();
+        let point = Point::judged(&setup, refit.clone(), &fit)?;
+        let verdict = if options.fit_only { Verdict::Fitted } else { Verdict::Nothing };
+        let mut judgement = Judgement::of(verdict, &point);
+        if !options.fit_only && is_thin {
+            judgement.notes.push(format!(
+                "{readings} readings and {} parameters: too few readings to look for missing effects",
+                setup.declared.len()
+            ));
+        }
+        let mut outcome = telling::outcome(&setup, &point, &refit.hypothesis, judgement)?;
+        outcome.is_cut = over;
+        outcome.seconds = begun.elapsed().as_secs_f64();
+        return Ok(outcome);
+    }
     let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
     search_of.rounds(progress);
     // What is clear from the start needs no second look.
@@ -63,9 +95,13 @@ pub fn run(
             search_of.notes.push(format!("whether one law stands behind two effects could not be seen: {e}"));
         }
     }
+    let is_cut = deadline.is_near();
+    search_of.is_cut = is_cut;
+    deadline.lift();
     progress(0.85, "judging what was found");
     let verdict = search_of.verdict()?;
     let mut outcome = telling::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
+    outcome.is_cut = is_cut;
     outcome.seconds = begun.elapsed().as_secs_f64();
     progress(1.0, outcome.verdict.name());
     Ok(outcome)
@@ -84,6 +120,8 @@ struct Search<'a> {
     refused: Vec<Evidence>,
     /// What is odd.
     notes: Vec<String>,
+    /// Whether time is up.
+    is_cut: bool,
     /// The force that knows its past, where one shows beside the present value of every driver.
     remembered: Option<Scored>,
 }
@@ -110,6 +148,23 @@ pub struct Judgement<'a> {
     pub notes: Vec<String>,
 }
 
+impl Judgement<'_> {
+    /// A verdict on a model to which nothing was added.
+    fn of(verdict: Verdict, point: &Point) -> Self {
+        Judgement {
+            verdict,
+            point: None,
+            hypothesis: point.fitted.hypothesis.clone(),
+            effects: Vec::new(),
+            unexplained: None,
+            beside: None,
+            localised: Vec::new(),
+            ladder: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+}
+
 impl<'a> Search<'a> {
     fn new(setup: &'a Setup<'a>, refit: Fitted, fit: &[usize]) -> Result<Search<'a>, CalibrateError> {
         let first = Point::new(setup, refit, fit)?;
@@ -119,6 +174,7 @@ impl<'a> Search<'a> {
             first,
             scored: vec![scored],
             remembered: None,
+            is_cut: false,
             rounds: Vec::new(),
             refused: Vec::new(),
             notes: Vec::new(),
@@ -151,17 +207,9 @@ impl<'a> Search<'a> {
         let ladder: Vec<Evidence> =
             rounds.flat_map(|(k, round)| round.ladder(k + 1)).chain(self.refused.drain(..)).collect();
         let localised = self.localised();
-        let mut judgement = Judgement {
-            verdict: Verdict::Nothing,
-            point: None,
-            hypothesis: self.first.fitted.hypothesis.clone(),
-            effects: Vec::new(),
-            unexplained: None,
-            beside: None,
-            localised,
-            ladder,
-            notes: std::mem::take(&mut self.notes),
-        };
+        let notes = std::mem::take(&mut self.notes);
+        let mut judgement =
+            Judgement { localised, ladder, notes, ..Judgement::of(Verdict::Nothing, &self.first) };
         let remembered = self.remembered.take();
         if remembered.is_none()
             && let Some(free) = self.history().cloned()
@@ -239,7 +287,7 @@ impl<'a> Search<'a> {
     /// A model moved to where its numbers are best beside a force at a port that is free in time; `None` where that cannot be run.
     fn beside(&self, port: Port, from: &Point) -> Option<(Point<'a>, Port)> {
         let (setup, runs) = (self.setup, &self.first.runs);
-        let place = Port::ALL.iter().find(|p| **p == port)?;
+        let place = Port::ALL.iter().find(|p| **p == port && !self.is_cut)?;
         let mut point = Point::beside(setup, from.fitted.clone(), runs, place).ok()?;
         for _ in 0..MOVES {
             let told = point.told(Some(port));
@@ -271,7 +319,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             alternatives.push(id.clone());
-            if separating.is_none() {
+            if separating.is_none() && !self.is_cut {
                 let names = [addition.id.as_str(), id.as_str()];
                 separating = separate(
                     setup,

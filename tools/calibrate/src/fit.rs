@@ -3,18 +3,20 @@
 //! minimise  sum_k [(y_k - y(t_k; p)) / sigma]^2 + sum_j [(p_j - p_j0) / s_j]^2             (1)
 //!
 //! y over all counted rows of the runs that are fitted, p_j0 the preset's value and s_j the standard deviation of its prior; parameters
-//! of an addition have none. The slopes come from the linearised model ([`crate::tangent`]) and serve for several steps: near the answer
+//! of an addition have none. A parameter whose prior is wide ([`WIDE`]) can be wrong by a factor: the first fit of all begins
+//! from several starts and moves it by its logarithm, so that it converges from any of them, and then as the others. The slopes come from the linearised model ([`crate::tangent`]) and serve for several steps: near the answer
 //! they hardly change, and a step then costs one simulation.
 //! *Source*: Bates, Watts, Nonlinear Regression Analysis (1988), ch. 2 and 3; priors as in PEtab.
 
 use crate::CalibrateError;
 use crate::hypothesis::{Hypothesis, Shape};
-use crate::setup::{Setup, Shown};
+use crate::setup::{Declared, Setup, Shown, WIDE};
 use crate::tangent::{Direction, Probe, Tangent};
 use least_squares::{Options, Problem, minimise};
 use nalgebra::{DMatrix, DVector};
 use physics::terms::Port;
 use rayon::prelude::*;
+use std::time::{Duration, Instant};
 
 /// A step that lowers (1) by less than `decrease` is the last.
 const OPTIONS: Options = Options {
@@ -26,6 +28,16 @@ const OPTIONS: Options = Options {
     step: 1e-9,
     gradient: 1e-9,
 };
+
+/// The same from a start far off.
+const FAR: Options = Options { damping: 1e-2, linearisations: 40, ..OPTIONS };
+/// Starts that are simulated, and that are fitted, beside the preset; the spread of the former, in ln(1 + the relative deviation), and its
+/// greatest value.
+const TRIED: usize = 48;
+const STARTS: usize = 2;
+const SPREAD: (f64, f64) = (3.0, 5.0);
+/// Time for the starts that are simulated.
+const TRYING: Duration = Duration::from_millis(1500);
 
 /// A hypothesis that was fitted.
 #[derive(Clone, Debug)]
@@ -159,12 +171,127 @@ impl Setup<'_> {
     /// # Errors
     /// What the model says where it cannot be run.
     pub fn fit(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
-        let scales = self.scales(&start);
+        self.fit_with(start, runs, false, &OPTIONS)
+    }
+
+    /// The fit from a start, wide parameters by their logarithms or not.
+    fn fit_with(
+        &self,
+        start: Hypothesis,
+        runs: &[usize],
+        logarithms: bool,
+        options: &Options,
+    ) -> Result<Fitted, CalibrateError> {
+        let is_wide = |k: usize| logarithms && self.declared.get(k).is_some_and(is_wide);
+        let scales: Vec<Scale> = self
+            .scales(&start)
+            .into_iter()
+            .enumerate()
+            .map(|(k, (unit, limits, prior))| Scale { unit, limits, prior, is_log: is_wide(k) })
+            .collect();
         let limits: Vec<(f64, f64)> =
-            scales.iter().map(|(s, (least, most), _)| (least / s, most / s)).collect();
+            scales.iter().map(|s| (s.variable(s.limits.0), s.variable(s.limits.1))).collect();
+        let numbers = start.numbers();
         let x =
-            DVector::from_iterator(scales.len(), start.numbers().iter().zip(&scales).map(|(p, s)| p / s.0));
-        Ok(minimise(&Fit { setup: self, start: &start, runs, scales }, x, &limits, &OPTIONS)?.point)
+            DVector::from_iterator(scales.len(), numbers.iter().zip(&scales).map(|(p, s)| s.variable(*p)));
+        Ok(minimise(&Fit { setup: self, start: &start, runs, scales }, x, &limits, options)?.point)
+    }
+
+    /// The first fit of the declared parameters: from the preset, and where priors are wide from further starts.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run from any start.
+    pub fn refit(&self, runs: &[usize]) -> Result<Fitted, CalibrateError> {
+        let plain = self.fit(self.preset(), runs);
+        if !self.declared.iter().any(is_wide) {
+            return plain;
+        }
+        let mut best = plain;
+        for start in std::iter::once(self.preset()).chain(self.starts(runs)) {
+            if best.is_ok() && self.deadline().is_near() {
+                break;
+            }
+            let far = self.fit_with(start, runs, true, &FAR);
+            // A limit at zero has no logarithm.
+            let near = far.and_then(|f| self.fit_with(f.hypothesis, runs, false, &FAR));
+            let better = match (&near, &best) {
+                (Ok(near), Ok(best)) => near.cost < best.cost,
+                (near, _) => near.is_ok(),
+            };
+            if better {
+                best = near;
+            }
+        }
+        best
+    }
+
+    /// The best of several points about the preset that cover its wide priors evenly (Halton's sequence, Numer. Math. 2 (1960) 84-90).
+    fn starts(&self, runs: &[usize]) -> Vec<Hypothesis> {
+        const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
+        let (begun, mut found) = (Instant::now(), Vec::new());
+        for n in 1..=TRIED {
+            if begun.elapsed() > TRYING || self.deadline().is_near() {
+                break;
+            }
+            let mut start = self.preset();
+            let wide = self.declared.iter().enumerate().filter(|(_, d)| is_wide(d));
+            for ((k, d), prime) in wide.zip(PRIMES) {
+                let spread = (SPREAD.0 * (1.0 + d.deviation / d.prior).ln()).min(SPREAD.1);
+                let power = spread * (2.0 * halton(n, prime) - 1.0);
+                start.declared[k] = (d.prior * power.exp()).clamp(d.limits.0, d.limits.1);
+            }
+            if let Ok(fitted) = self.judged(start, runs)
+                && fitted.cost.is_finite()
+            {
+                found.push(fitted);
+            }
+        }
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found.into_iter().take(STARTS).map(|f| f.hypothesis).collect()
+    }
+}
+
+/// Whether a parameter can be wrong by a factor.
+fn is_wide(declared: &Declared) -> bool {
+    declared.prior > 0.0 && declared.limits.0 >= 0.0 && declared.deviation > WIDE * declared.prior
+}
+
+/// The n-th number of Halton's sequence to a prime.
+fn halton(mut n: usize, prime: usize) -> f64 {
+    let (mut value, mut share) = (0.0, 1.0);
+    while n > 0 {
+        share /= prime as f64;
+        value += share * (n % prime) as f64;
+        n /= prime;
+    }
+    value
+}
+
+/// How a number is a variable of the fit: in units of its scale, or the logarithm of that.
+struct Scale {
+    unit: f64,
+    limits: (f64, f64),
+    prior: Option<f64>,
+    is_log: bool,
+}
+
+impl Scale {
+    /// Least argument of a logarithm.
+    const LEAST: f64 = 1e-12;
+
+    fn variable(&self, number: f64) -> f64 {
+        let x = number / self.unit;
+        if self.is_log { x.max(Self::LEAST).ln() } else { x }
+    }
+
+    fn number(&self, x: f64) -> f64 {
+        // Back from a limit, rounding must not lead beyond it.
+        (self.unit * if self.is_log { x.exp() } else { x }).clamp(self.limits.0, self.limits.1)
+    }
+
+    /// What the number in its unit grows by with the variable.
+    fn slope(&self, number: f64) -> f64 {
+        if self.is_log { number / self.unit } else { 1.0 }
     }
 }
 
@@ -173,7 +300,7 @@ struct Fit<'a> {
     setup: &'a Setup<'a>,
     start: &'a Hypothesis,
     runs: &'a [usize],
-    scales: Vec<(f64, (f64, f64), Option<f64>)>,
+    scales: Vec<Scale>,
 }
 
 /// What the outputs of each run answer to a unit of each number, rows times outputs; `None` for nothing.
@@ -181,13 +308,15 @@ type Columns = Vec<Vec<Option<Vec<f64>>>>;
 
 impl Fit<'_> {
     /// Calls `tell` for every reading with its slopes over the scaled numbers and its residual, both in units of the noise.
-    fn each(&self, shown: &[Shown], columns: &Columns, mut tell: impl FnMut(&[f64], f64)) {
+    fn each(&self, fitted: &Fitted, columns: &Columns, mut tell: impl FnMut(&[f64], f64)) {
+        let numbers = fitted.hypothesis.numbers();
+        let units: Vec<f64> = self.scales.iter().zip(&numbers).map(|(s, p)| s.unit * s.slope(*p)).collect();
         let mut slopes = vec![0.0; self.scales.len()];
         for (r, run) in self.runs.iter().enumerate() {
-            self.setup.each(*run, &shown[r], |row, output, off| {
+            self.setup.each(*run, &fitted.shown[r], |row, output, off| {
                 let (place, sigma) = (row * self.setup.outputs() + output, self.setup.sigma(output));
-                for ((slope, column), scale) in slopes.iter_mut().zip(&columns[r]).zip(&self.scales) {
-                    *slope = column.as_ref().map_or(0.0, |c| c[place] * scale.0 / sigma);
+                for ((slope, column), unit) in slopes.iter_mut().zip(&columns[r]).zip(&units) {
+                    *slope = column.as_ref().map_or(0.0, |c| c[place] * unit / sigma);
                 }
                 tell(&slopes, -off / sigma);
             });
@@ -202,10 +331,7 @@ impl Problem for Fit<'_> {
 
     fn evaluate(&self, x: &DVector<f64>) -> Result<Fitted, CalibrateError> {
         let mut hypothesis = self.start.clone();
-        // Back from the scaled number to a limit, rounding must not lead beyond it.
-        let number =
-            |(x, (scale, (least, most), _)): (&f64, &(f64, (f64, f64), _))| (x * scale).clamp(*least, *most);
-        hypothesis.take(&x.iter().zip(&self.scales).map(number).collect::<Vec<_>>());
+        hypothesis.take(&x.iter().zip(&self.scales).map(|(x, s)| s.number(*x)).collect::<Vec<_>>());
         self.setup.judged(hypothesis, self.runs)
     }
 
@@ -221,7 +347,7 @@ impl Problem for Fit<'_> {
             .collect();
         let p = self.scales.len();
         let mut information = DMatrix::<f64>::zeros(p, p);
-        self.each(&fitted.shown, &columns, |slopes, _| {
+        self.each(fitted, &columns, |slopes, _| {
             for a in 0..p {
                 for b in 0..=a {
                     information[(a, b)] += slopes[a] * slopes[b];
@@ -229,8 +355,9 @@ impl Problem for Fit<'_> {
             }
         });
         information.fill_upper_triangle_with_lower_triangle();
-        for (k, _) in self.scales.iter().enumerate().filter(|(_, s)| s.2.is_some()) {
-            information[(k, k)] += 1.0;
+        let numbers = fitted.hypothesis.numbers();
+        for (k, scale) in self.scales.iter().enumerate().filter(|(_, s)| s.prior.is_some()) {
+            information[(k, k)] += scale.slope(numbers[k]).powi(2);
         }
         Ok((columns, information))
     }
@@ -241,19 +368,30 @@ impl Problem for Fit<'_> {
 
     fn gradient(&self, x: &DVector<f64>, fitted: &Fitted, slopes: &Self::Slopes) -> DVector<f64> {
         let mut gradient = DVector::zeros(x.len());
-        self.each(&fitted.shown, &slopes.0, |slopes, residual| {
+        self.each(fitted, &slopes.0, |slopes, residual| {
             gradient.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope * residual);
         });
-        for (k, (scale, _, prior)) in self.scales.iter().enumerate() {
-            gradient[k] += prior.map_or(0.0, |prior| x[k] - prior / scale);
+        for (k, (scale, number)) in self.scales.iter().zip(fitted.hypothesis.numbers()).enumerate() {
+            let off = scale.prior.map_or(0.0, |prior| (number - prior) / scale.unit);
+            gradient[k] += off * scale.slope(number);
         }
         gradient
     }
 
-    /// A third of a prior's deviation, or 5 % of a number without one.
+    fn stop(&self) -> bool {
+        self.setup.deadline().is_near()
+    }
+
+    /// A third of a prior's deviation, or 5 % of a number without one or of one by its logarithm.
     fn is_near(&self, from: &DVector<f64>, x: &DVector<f64>) -> bool {
-        self.scales.iter().enumerate().all(|(k, (_, _, prior))| {
-            let near = if prior.is_some() { 0.3 } else { 0.05 * from[k].abs().max(1.0) };
+        self.scales.iter().enumerate().all(|(k, scale)| {
+            let near = if scale.is_log {
+                0.05
+            } else if scale.prior.is_some() {
+                0.3
+            } else {
+                0.05 * from[k].abs().max(1.0)
+            };
             (x[k] - from[k]).abs() <= near
         })
     }

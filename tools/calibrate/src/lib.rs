@@ -5,6 +5,7 @@
 //! | module | does |
 //! |---|---|
 //! | [`experiment`] | reads what was measured, and refuses what cannot be right |
+//! | [`intake`] | sets aside sensors that do not work, and refuses data that contradict the model |
 //! | [`noise`] | says how much of a channel is noise |
 //! | [`simulate`], [`change`] | the native model over a run, with what a trial changes of it |
 //! | [`hypothesis`], [`catalogue`] | a model that may be: parameters, effects of the list, terms of no list |
@@ -23,11 +24,13 @@
 pub mod catalogue;
 pub mod change;
 pub mod close_loop;
+mod deadline;
 pub mod evidence;
 pub mod experiment;
 pub mod fit;
 mod hearing;
 pub mod hypothesis;
+pub mod intake;
 pub mod noise;
 pub mod outcome;
 pub mod point;

@@ -14,6 +14,8 @@ pub enum Verdict {
     Unexplained,
     /// The model with other parameters explains all that there is.
     Nothing,
+    /// Parameters alone were fitted, and nothing was looked for.
+    Fitted,
 }
 
 impl Verdict {
@@ -24,6 +26,7 @@ impl Verdict {
             Verdict::Class => "class",
             Verdict::Unexplained => "unexplained",
             Verdict::Nothing => "nothing",
+            Verdict::Fitted => "fitted",
         }
     }
 }
@@ -266,6 +269,8 @@ pub struct Outcome {
     pub notes: Vec<String>,
     /// Runs in which the repaired model reaches a limit of validity, and why.
     pub endings: Vec<String>,
+    /// Whether the time budget ended the search.
+    pub is_cut: bool,
     /// Wall time, s.
     pub seconds: f64,
 }

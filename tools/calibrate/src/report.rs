@@ -4,6 +4,7 @@
 //! the others tell the rest of [`Outcome`] in its own words. A number that is not finite is null.
 
 use crate::experiment::Role;
+use crate::intake::Unusable;
 use crate::outcome::{self, Estimate, Found, Outcome};
 use physics::terms::{Driver, GenericTerm, Law, Port};
 use serde::{Serialize, Serializer};
@@ -61,8 +62,10 @@ pub struct Replay {
     pub greatest_difference_of_a_value: f64,
     /// What the former must not exceed.
     pub limit: f64,
-    /// Whether it does not.
+    /// Whether it does not, of what was replayed.
     pub agrees: bool,
+    /// The runs that were replayed.
+    pub replayed: Vec<String>,
     /// The role whose runs were replayed.
     pub role: &'static str,
     /// Runs of that role that an FMU cannot start as measured; the values of the others are compared then, not errors.
@@ -98,8 +101,10 @@ pub struct Report<'a> {
     verdict: &'static str,
     seconds: f64,
     seconds_search: f64,
+    budget: Budget,
     effects: Vec<Effect<'a>>,
     unexplained: Option<Unexplained>,
+    unusable: Option<UnusableText<'a>>,
     parameters: InOrder<'a, Parameter>,
     error: BTreeMap<&'static str, InOrder<'a, Errors>>,
     fmu: &'a [String],
@@ -111,6 +116,23 @@ pub struct Report<'a> {
     ladder: Vec<Rung<'a>>,
     whiteness: InOrder<'a, Whiteness>,
     detection_limits: Vec<Limit<'a>>,
+}
+
+/// The time budget.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Budget {
+    /// Wall time that everything may take, s.
+    pub seconds: f64,
+    /// Whether it ended the search.
+    pub exhausted: bool,
+}
+
+/// Why nothing can be said.
+#[derive(Debug, Serialize)]
+struct UnusableText<'a> {
+    channel: &'a str,
+    reason: &'a str,
+    suggestion: &'a str,
 }
 
 /// A list of named things that is written as an object, in this order.
@@ -255,7 +277,7 @@ impl<'a> Report<'a> {
         fmu: &'a [String],
         replay: Option<&'a Replay>,
         notes: &'a [String],
-        seconds: f64,
+        (seconds, budget): (f64, f64),
     ) -> Report<'a> {
         let errors = |role: Role| {
             let of_role = outcome.errors.iter().filter(|e| e.role == role);
@@ -270,8 +292,10 @@ impl<'a> Report<'a> {
             verdict: outcome.verdict.name(),
             seconds,
             seconds_search: outcome.seconds,
+            budget: Budget { seconds: budget, exhausted: outcome.is_cut },
             effects: outcome.effects.iter().map(effect).collect(),
             unexplained: outcome.unexplained.as_ref().map(unexplained),
+            unusable: None,
             parameters: parameters(&outcome.parameters),
             error: ROLES.map(errors).into_iter().collect(),
             fmu,
@@ -295,6 +319,43 @@ impl<'a> Report<'a> {
                 .iter()
                 .map(|l| Limit { id: &l.id, symbol: l.symbol, size: l.size, unit: l.unit })
                 .collect(),
+        }
+    }
+}
+
+impl<'a> Report<'a> {
+    /// The report on an experiment of which nothing can be said.
+    pub fn unusable(
+        (name, model): (&'a str, &'static str),
+        why: &'a Unusable,
+        notes: &'a [String],
+        (seconds, budget): (f64, f64),
+    ) -> Report<'a> {
+        Report {
+            name,
+            model,
+            verdict: "unusable",
+            seconds,
+            seconds_search: 0.0,
+            budget: Budget { seconds: budget, exhausted: false },
+            effects: Vec::new(),
+            unexplained: None,
+            unusable: Some(UnusableText {
+                channel: &why.channel,
+                reason: &why.reason,
+                suggestion: &why.suggestion,
+            }),
+            parameters: InOrder(Vec::new()),
+            error: ROLES.map(|role| (role_name(role), InOrder(Vec::new()))).into_iter().collect(),
+            fmu: &[],
+            replay: None,
+            notes,
+            refit: InOrder(Vec::new()),
+            correlated: Vec::new(),
+            localised: Vec::new(),
+            ladder: Vec::new(),
+            whiteness: InOrder(Vec::new()),
+            detection_limits: Vec::new(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::CalibrateError;
 use crate::change::Change;
+use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
@@ -13,7 +14,12 @@ use std::sync::Arc;
 
 /// How coarse the many simulations of a search may be. Measured on the public sets: seven times faster, and 0.03 mK off at
 /// most.
-const EASE: f64 = 100.0;
+pub const EASE: f64 = 100.0;
+/// Relative standard deviations of priors from which on a parameter is limited by them, and from which on it may be none.
+pub const WIDE: f64 = 0.3;
+const HARDLY: f64 = 5.0;
+/// Deviations of its logarithm that it may be off.
+const FAR: f64 = 10.0;
 /// Blocks of a run, for each output: a residual is looked at in means over this share of it.
 const BLOCKS: usize = 400;
 /// A parameter further than this from its prior, in its deviations, stands in for something else.
@@ -94,6 +100,7 @@ impl<'a> Setup<'a> {
     pub fn new(experiment: &'a Experiment, preset: &[(u32, f64)]) -> Result<Setup<'a>, CalibrateError> {
         let mut bench = Bench::new(experiment, preset)?;
         bench.ease = EASE;
+        bench.lenient = true;
         let drives =
             experiment.runs.iter().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
         let declared = experiment.priors.iter().map(|p| {
@@ -104,12 +111,19 @@ impl<'a> Setup<'a> {
             let prior = bench.start_of(entry.slot);
             // A prior around 0 is relative to the parameter's usual size.
             let size = if prior == 0.0 { entry.row.nominal } else { prior };
+            let deviation = (p.relative * size).abs();
+            let mut limits = (entry.row.min, entry.row.max);
+            // Of a size that is hardly known, ten deviations of its logarithm: less is no capacity of a motor but none at all.
+            if prior > 0.0 && limits.0 >= 0.0 && p.relative > WIDE && p.relative < HARDLY {
+                let factor = (1.0 + p.relative).powf(FAR);
+                limits = (limits.0.max(prior / factor), limits.1.min(prior * factor));
+            }
             Ok(Declared {
                 name: p.name.clone(),
                 slot: entry.slot,
                 prior,
-                deviation: (p.relative * size).abs(),
-                limits: (entry.row.min, entry.row.max),
+                deviation,
+                limits,
                 unit: entry.row.unit.name(),
             })
         });
@@ -144,7 +158,20 @@ impl<'a> Setup<'a> {
     pub fn exact(&self) -> Setup<'a> {
         let mut bench = Bench::clone(&self.bench);
         bench.ease = 1.0;
+        bench.lenient = false;
+        bench.deadline = Deadline::default();
         Setup { bench: Arc::new(bench), driven: Arc::clone(&self.drives), ..self.clone() }
+    }
+
+    /// The same, given up at a deadline.
+    pub fn until(mut self, deadline: Deadline) -> Setup<'a> {
+        Arc::make_mut(&mut self.bench).deadline = deadline;
+        self
+    }
+
+    /// When this is given up.
+    pub fn deadline(&self) -> &Deadline {
+        &self.bench.deadline
     }
 
     /// The same with other rows of a run counting.

@@ -5,6 +5,7 @@
 
 use crate::CalibrateError;
 use crate::change::Change;
+use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Run, Start};
 use physics::model::{Declaration, Model, ModelType, Node, Slot};
 
@@ -13,6 +14,10 @@ use physics::model::{Declaration, Model, ModelType, Node, Slot};
 pub struct Bench {
     /// By how much more than by default the model's steps may err: 1 where every digit counts.
     pub ease: f64,
+    /// Whether a run goes on beyond the limits of validity: a fit that starts far off would see nothing behind them.
+    pub lenient: bool,
+    /// When simulations are given up.
+    pub deadline: Deadline,
     kind: &'static ModelType,
     /// Slots with the values that the preset and the experiment give.
     starts: Vec<(Slot, f64)>,
@@ -42,6 +47,11 @@ const ALIKE: f64 = 4.0;
 const FAR: usize = 48;
 /// A sensor shows what was read to this, K.
 const SHOWN: f64 = 1e-9;
+/// Parameters that end a run; the lowest temperature is a lower limit.
+const VALIDITY: &str = "validity.";
+const LOWEST: &str = "validity.lowest_temperature";
+/// Rows from one look at the clock to the next.
+const ROWS_A_LOOK: usize = 16;
 /// Most tries until it does.
 const TRIES: usize = 50;
 
@@ -75,6 +85,8 @@ impl Bench {
         };
         Ok(Bench {
             ease: 1.0,
+            lenient: false,
+            deadline: Deadline::default(),
             kind,
             starts,
             inputs: of(&experiment.inputs, |c| c.input)?,
@@ -93,7 +105,9 @@ impl Bench {
         let mut values: Vec<(String, f64)> = Vec::new();
         for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
             let entry = self.declaration().entries.iter().find(|e| e.slot == *slot);
-            let Some(name) = entry.map(|e| &e.name) else { continue };
+            let Some(entry) = entry else { continue };
+            // An FMU takes nothing beyond the limits.
+            let (name, value) = (&entry.name, &value.clamp(entry.row.min, entry.row.max));
             match values.iter_mut().find(|(known, _)| known == name) {
                 Some((_, place)) => *place = *value,
                 None => values.push((name.clone(), *value)),
@@ -116,6 +130,11 @@ impl Bench {
         // What a run says of itself holds in it, whatever is tried elsewhere.
         for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
             model.set(*slot, *value);
+        }
+        let limits =
+            self.declaration().entries.iter().filter(|e| self.lenient && e.name.starts_with(VALIDITY));
+        for entry in limits {
+            model.set(entry.slot, if entry.name == LOWEST { entry.row.min } else { entry.row.max });
         }
         if !change.terms.is_empty() && !model.set_terms(&change.terms) {
             return Err(CalibrateError(format!("{} carries no such terms", model.declaration().name)));
@@ -160,6 +179,9 @@ impl Bench {
             let Some(next) = drive.time.get(k + 1) else { break };
             if ending.is_some() {
                 continue;
+            }
+            if k % ROWS_A_LOOK == 0 && self.deadline.is_over() {
+                return Err(CalibrateError("the time budget is used up".to_string()));
             }
             let h = next - drive.time[k];
             for (input, slot) in drive.inputs.iter().zip(&self.inputs) {

@@ -16,6 +16,8 @@ use physics::terms::Port;
 const PLOTTED: usize = 600;
 /// Mean square of what is left, up to which the numbers take their last step.
 const TRUSTED: f64 = 1.3;
+/// Sum of squares of a model whose numbers allow for drift and input noise, over that of the fitted one, that is taken at most.
+const NO_WORSE: f64 = 1.02;
 /// Of a normal distribution, 95 % lie within this many deviations.
 const SURE: f64 = 1.96;
 /// From this correlation on, two parameters count as hardly separated.
@@ -40,26 +42,30 @@ pub fn outcome(
     let (mut naive, _) = estimates(setup, first, None, None);
     naive.truncate(setup.declared.len());
     let (mut estimates_of, correlation) = estimates(setup, point, None, Some(&mut corrected));
-    // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read.
-    if judged.verdict != Verdict::Nothing {
+    let exact = setup.exact();
+    // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read. Nor is one taken that errs more.
+    let is_repaired = !matches!(judged.verdict, Verdict::Nothing | Verdict::Fitted);
+    if is_repaired && misfit(&exact, &corrected)? <= NO_WORSE * misfit(&exact, &hypothesis)? {
         hypothesis = corrected;
-    } else if corrected.declared != hypothesis.declared {
-        let sentence = "parameters are told beside drifting sensors and the inputs' noise; the model keeps those of the refit";
-        notes.push(sentence.to_string());
     }
     if let Some((beside, port)) = &judged.beside {
-        let added = judged.unexplained.as_ref().is_some_and(|u| u.added);
         let (others, _) = estimates(setup, beside, Some(*port), None);
+        // How far the parameters are off if the law at this port is another one.
         for (estimate, other) in estimates_of.iter_mut().zip(others) {
-            let (least, most) = other.ci95;
-            // The model has the numbers that were fitted with the term; how far the term's law may be off widens their intervals.
-            let value = if added { estimate.value } else { other.value };
-            *estimate = Estimate { value, ci95: (least.min(value), most.max(value)), ..other };
+            *estimate = Estimate { value: estimate.value, ..other };
         }
-        if !added {
+    }
+    // The values are those of the exported model; what was estimated otherwise widens their intervals.
+    for (estimate, value) in estimates_of.iter_mut().zip(hypothesis.numbers()) {
+        let (least, most) = estimate.ci95;
+        (estimate.value, estimate.ci95) = (value, (least.min(value), most.max(value)));
+    }
+    for (d, value) in setup.declared.iter().zip(&hypothesis.declared) {
+        let (least, most) = d.limits;
+        if *value <= least || *value >= most {
             notes.push(format!(
-                "parameters are told beside a force at {} that is free in time; the model keeps those of the refit",
-                port.name()
+                "{} = {value:.4} {} is at its limit: the data ask for a value beyond {least:.4} ... {most:.4}, or do not determine it",
+                d.name, d.unit
             ));
         }
     }
@@ -79,13 +85,12 @@ pub fn outcome(
         found.term = addition.term();
     }
     let all: Vec<usize> = (0..experiment.runs.len()).collect();
-    let exact = setup.exact();
     let before = exact.show(&setup.preset(), &all)?;
     let fitted = exact.show(refit, &all)?;
     let after = exact.show(&hypothesis, &all)?;
     let mut endings = Vec::new();
     for &run in &all {
-        let ending = setup.bench.ending(&setup.drives[run], &setup.change(&hypothesis, run))?;
+        let ending = exact.bench.ending(&setup.drives[run], &setup.change(&hypothesis, run))?;
         endings.extend(ending.map(|why| {
             format!("{}: the repaired model does not reach the last row. {why}", experiment.runs[run].file)
         }));
@@ -150,8 +155,15 @@ pub fn outcome(
         export,
         notes,
         endings,
+        is_cut: false,
         seconds: 0.0,
     })
+}
+
+/// The sum of squares over all that is not test, in units of the noise, at the model's own accuracy.
+fn misfit(exact: &Setup, hypothesis: &Hypothesis) -> Result<f64, CalibrateError> {
+    let runs: Vec<usize> = [Role::Fit, Role::Validate].iter().flat_map(|role| exact.runs(*role)).collect();
+    Ok(exact.chi_square(&runs, &exact.show(hypothesis, &runs)?).0)
 }
 
 /// Every number that slopes find, with its interval, and their correlations: beside drifting sensors, and beside a force at a port

@@ -28,7 +28,8 @@ fn set(name: &str) -> &'static Set {
         assert_eq!(experiment.notes, Vec::<String>::new());
         let truth = std::fs::read_to_string(folder.join("truth.json")).unwrap();
         let preset = Preset::load(&experiment.preset).unwrap().starts.entries();
-        let outcome = close_loop::run(&experiment, &preset, &|_, _| {}).unwrap();
+        let outcome =
+            close_loop::run(&experiment, &preset, close_loop::Options::default(), &|_, _| {}).unwrap();
         Set { truth: serde_json::from_str(&truth).unwrap(), outcome }
     })
 }

@@ -2,6 +2,7 @@
 
 mod export;
 mod page;
+mod progress;
 mod replay;
 mod text;
 
@@ -11,22 +12,41 @@ mod sample;
 mod tests;
 
 use crate::{Failure, write};
+use calibrate::close_loop::{self, Options};
 use calibrate::experiment::Experiment;
+use calibrate::intake::{self, Refusal, Unusable};
 use calibrate::outcome::Outcome;
 use calibrate::report::{Replay, Report};
-use describe::Preset;
+use describe::{Preset, models};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
+use std::time::Duration;
 
 /// Find the effects that the model lacks in bench data, add them to the FMUs and report the errors before and after.
 ///
 /// Writes report.json and report.html, preset.toml with the calibrated values, effects.json with the terms that were added, and
 /// the FMUs of both standards, which are then run on the data.
-/// Exit code 0 for any verdict; 1 if the outputs of an FMU differ from the report or the validator finds errors in it.
+/// Exit code 0 for a verdict; 1 if the data are unusable, the outputs of an FMU differ from the report or the validator finds errors in it.
 #[derive(clap::Args)]
 pub struct Args {
+    #[command(flatten)]
+    files: Files,
+}
+
+/// Fit the declared parameters of a model to bench data, without a search for missing effects.
+///
+/// Reads the same experiment and writes the same files as close-loop.
+/// Exit code 0 for a fit; 1 if the data are unusable, the outputs of an FMU differ from the report or the validator finds errors in it.
+#[derive(clap::Args)]
+pub struct FitArgs {
+    #[command(flatten)]
+    files: Files,
+}
+
+#[derive(clap::Args)]
+struct Files {
     /// The experiment: TOML file with the runs, their roles and the priors of the parameters
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
@@ -36,49 +56,120 @@ pub struct Args {
     /// Print report.json
     #[arg(long)]
     json: bool,
+    /// Wall time for everything, s: the search ends in time for export and replay and reports the best answer so far
+    #[arg(long, value_name = "SECONDS", default_value_t = 45.0, value_parser = seconds)]
+    budget: f64,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| format!("{text} is not a number of seconds"))?;
+    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("a time budget is above 0 s".to_owned()) }
 }
 
 /// Fraction of the progress that the search takes; the rest is export and replay.
 const SEARCH: f64 = 0.9;
+/// Fraction of the time budget that is kept for export, validation and replay.
+const KEPT: f64 = 0.4;
 
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
+    calibrate(&args.files, false)
+}
+
+pub fn run_fit(args: &FitArgs) -> Result<ExitCode, Failure> {
+    calibrate(&args.files, true)
+}
+
+fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let begun = std::time::Instant::now();
-    let experiment = Experiment::read(&args.experiment)?;
+    let mut experiment = Experiment::read(&args.experiment)?;
     let preset = preset(&experiment, &args.experiment)?;
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
-    let bar = crate::progress_bar(1000, "{wide_bar} {percent:>3} %  {msg}");
-    let outcome = calibrate::close_loop::run(&experiment, &preset.starts.entries(), &|share, what| {
-        bar.set_message(what.to_owned());
-        bar.set_position((1000.0 * SEARCH * share.clamp(0.0, 1.0)) as u64);
+    let bar = progress::Progress::new();
+    bar.set("checking the data", 0.0);
+    match intake::check(&mut experiment, &preset.starts.entries()) {
+        Ok(()) => {}
+        Err(Refusal::Input(error)) => return Err(error.into()),
+        Err(Refusal::Unusable(why)) => {
+            bar.finish();
+            return unusable(args, &experiment, &why, begun.elapsed().as_secs_f64());
+        }
+    }
+    let left = (1.0 - KEPT) * args.budget - begun.elapsed().as_secs_f64();
+    let options = Options { budget: Some(Duration::from_secs_f64(left.max(0.1))), fit_only };
+    let outcome = close_loop::run(&experiment, &preset.starts.entries(), options, &|share, what| {
+        bar.set(what, SEARCH * share.clamp(0.0, 1.0));
     })?;
-    bar.set_message("export");
+    bar.set("export", SEARCH);
     let exported = export::export(&experiment, &outcome, &args.out)?;
-    bar.set_position(950);
-    bar.set_message("replay");
+    bar.set("replay", 0.95);
     let (replay, findings) = thread::scope(|scope| {
         let findings = scope.spawn(|| exported.findings());
         let replay = replay::replay(&experiment, &outcome, &exported);
         (replay, findings.join().unwrap_or_else(|e| resume_unwind(e)))
     });
     let (replay, findings) = (replay?, findings?);
-    bar.finish_and_clear();
+    bar.finish();
     let mut notes = outcome.notes.clone();
+    if outcome.is_cut {
+        notes.push(format!(
+            "the time budget of {} s ended the search: this is the best answer so far; --budget sets another one",
+            args.budget
+        ));
+    }
     notes.extend(findings.iter().cloned());
     notes.extend(text::unused_inputs(exported.kind, &exported.preset.starts, &outcome.export.terms));
     if !replay.agrees || !replay.left_out.is_empty() || replay.channels.is_empty() {
         notes.push(text::replay(&replay));
     }
-    let report = Report::new(&outcome, &exported.names, Some(&replay), &notes, begun.elapsed().as_secs_f64());
+    let report = Report::new(
+        &outcome,
+        &exported.names,
+        Some(&replay),
+        &notes,
+        (begun.elapsed().as_secs_f64(), args.budget),
+    );
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     write(&args.out.join("report.json"), &json)?;
     let page = page::page(&experiment, &outcome, &replay, &notes, (exported.kind.declaration)());
     write(&args.out.join("report.html"), &page)?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
-    // FMI 3 has no input derivatives: a term with constant drivers over a row has them constant over each substep there.
-    let faithful = replay.channels.iter().all(|c| c.standard != "fmi2" || c.difference <= replay.limit);
+    let faithful = replay.agrees || replay.channels.is_empty();
     outcome.endings.iter().for_each(|why| eprintln!("error: {why}"));
     Ok(crate::outcome(faithful && findings.is_empty() && outcome.endings.is_empty()))
+}
+
+/// Report and page on data of which nothing can be said. What an earlier run wrote beside them is no answer to these data.
+fn unusable(
+    args: &Files,
+    experiment: &Experiment,
+    why: &Unusable,
+    seconds: f64,
+) -> Result<ExitCode, Failure> {
+    let kind = models::by_name(&experiment.model)
+        .ok_or_else(|| Failure::new(format!("unknown model {}", experiment.model)))?;
+    let model = (kind.declaration)().name;
+    let archives = ["fmi2", "fmi3"].map(|folder| args.out.join(folder).join(format!("{model}.fmu")));
+    for path in ["preset.toml", "effects.json"].map(|file| args.out.join(file)).iter().chain(&archives) {
+        if path.is_file() {
+            std::fs::remove_file(path).map_err(|e| crate::unwritten(path, &e))?;
+        }
+    }
+    let report = Report::unusable((&experiment.name, model), why, &experiment.notes, (seconds, args.budget));
+    let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
+    write(&args.out.join("report.json"), &json)?;
+    write(&args.out.join("report.html"), &page::unusable(experiment, why))?;
+    let mut text = format!(
+        "{}: unusable. {}.\n{}.\n",
+        experiment.name,
+        page::capital(&why.reason),
+        page::capital(&why.suggestion)
+    );
+    for note in &experiment.notes {
+        text += &format!("note: {note}\n");
+    }
+    crate::say(if args.json { &json } else { &text });
+    Ok(crate::outcome(false))
 }
 
 /// The experiment's preset: a file beside the experiment, else a built-in one or a file from here.

@@ -51,6 +51,11 @@ pub trait Problem {
     /// g = J^T r, with the residuals at `point`.
     fn gradient(&self, x: &DVector<f64>, point: &Self::Point, slopes: &Self::Slopes) -> DVector<f64>;
 
+    /// Whether to end with the best point so far, as when time is up.
+    fn stop(&self) -> bool {
+        false
+    }
+
     /// Whether slopes found at `from` are good enough to judge convergence at `x`.
     fn is_near(&self, from: &DVector<f64>, x: &DVector<f64>) -> bool {
         from == x
@@ -99,7 +104,7 @@ pub enum Status {
     Decrease,
     /// The steps are too short to matter, or none decreases F.
     Step,
-    /// The most linearisations were used.
+    /// The most linearisations were used, or the problem asked to stop.
     Unfinished,
 }
 
@@ -135,8 +140,17 @@ pub fn minimise<P: Problem>(
     let mut scale = DVector::<f64>::zeros(x.len());
     let (mut damping, mut growth) = (options.damping, 2.0);
     let (mut evaluations, mut linearisations) = (1, 0);
+    let mut before: Option<P::Slopes> = None;
     loop {
-        let slopes = problem.linearise(&x, &point)?;
+        let slopes = match (problem.linearise(&x, &point), before) {
+            (Ok(slopes), _) => slopes,
+            // What time cuts off is no reason to lose the best point.
+            (Err(_), Some(slopes)) if problem.stop() => {
+                let status = Status::Unfinished;
+                return Ok(Solution { x, point, slopes, status, evaluations, linearisations });
+            }
+            (Err(error), _) => return Err(error),
+        };
         let information = problem.information(&slopes);
         linearisations += 1;
         for k in 0..x.len() {
@@ -151,6 +165,9 @@ pub fn minimise<P: Problem>(
             let is_near = chords == 0 || problem.is_near(&linearised_at, &x);
             if is_near && model.is_stationary(cost, options.gradient) {
                 break Some(Status::Gradient);
+            }
+            if evaluations > 1 && problem.stop() {
+                break Some(Status::Unfinished);
             }
             let next = model.step(damping);
             let length = (&next - &x).norm();
@@ -192,6 +209,7 @@ pub fn minimise<P: Problem>(
         if let Some(status) = end {
             return Ok(Solution { x, point, slopes, status, evaluations, linearisations });
         }
+        before = Some(slopes);
     }
 }
 

@@ -25,7 +25,7 @@ impl<'a> Search<'a> {
     /// Adds the best of what passes, round by round, until nothing does or there is no more room.
     pub(super) fn rounds(&mut self, progress: &dyn Fn(f64, &str)) {
         while self.rounds.len() < MOST_TERMS {
-            if self.left().first().is_none_or(|s| s.sure() <= LEAST) {
+            if self.setup.deadline().is_near() || self.left().first().is_none_or(|s| s.sure() <= LEAST) {
                 break;
             }
             let round = compete(self.point(), &self.point().fitted.hypothesis, self.left());
@@ -119,7 +119,10 @@ impl<'a> Search<'a> {
         }
         let count = self.rounds.len();
         let listed = self.taken().is_some_and(|c| c.addition().is_listed());
-        if count == 0 || (count == 1 && listed && (!self.astray() || self.clear())) {
+        if self.setup.deadline().is_near()
+            || count == 0
+            || (count == 1 && listed && (!self.astray() || self.clear()))
+        {
             return Ok(());
         }
         // What may well be a force that knows its past is not turned over and over.
@@ -127,6 +130,9 @@ impl<'a> Search<'a> {
         for pass in 0..passes {
             let mut changed = false;
             for k in 0..self.rounds.len() {
+                if self.setup.deadline().is_near() {
+                    return Ok(());
+                }
                 let share = (pass * count + k) as f64 / (passes * count) as f64;
                 progress(0.6 + 0.2 * share, "looking again");
                 changed |= self.look_at_the_first_again()?;

@@ -4,6 +4,7 @@ mod figures;
 
 use super::text::{driver, law, list, number, plain, port, replay as replay_words, verdict};
 use calibrate::experiment::{Experiment, Role};
+use calibrate::intake::Unusable;
 use calibrate::outcome::{Curves, Found, Outcome, Unexplained, Verdict};
 use calibrate::report::{ROLES, Replay, column_words, role_name};
 use describe::Declaration;
@@ -43,7 +44,17 @@ pub fn page(
     page_of(&format!("{}: calibration report", outcome.name), body)
 }
 
-fn capital(text: &str) -> String {
+/// The page on data of which nothing can be said.
+pub fn unusable(experiment: &Experiment, why: &Unusable) -> String {
+    let body = html! {
+        p.lead { "Unusable data: " (why.reason) "." }
+        p { "Channel: " code { (why.channel) } ". Suggestion: " (why.suggestion) ". Nothing was fitted and no effect was looked for." }
+        @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (note) } } } }
+    };
+    page_of(&format!("{}: calibration report", experiment.name), body)
+}
+
+pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

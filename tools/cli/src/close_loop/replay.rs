@@ -30,7 +30,9 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
     let role = ROLES.into_iter().rev().find(has).unwrap_or(Role::Fit);
     let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
     let left_out: Vec<String> = of_role().filter(|(r, _)| !cold(r)).map(|(r, _)| r.file.clone()).collect();
-    let replayed = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
+    let mut replayed: Vec<String> = of_role().filter(|(r, _)| cold(r)).map(|(r, _)| r.file.clone()).collect();
+    replayed.dedup();
+    let replay_one = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
         let archive = Archive::open(path)?;
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
         for (run, setting) in of_role().filter(|(r, _)| cold(r)) {
@@ -71,7 +73,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         }
         Ok(channels)
     };
-    let channels = exported.archives.par_iter().map(replayed).collect::<Result<Vec<_>, _>>()?.concat();
+    let channels = exported.archives.par_iter().map(replay_one).collect::<Result<Vec<_>, _>>()?.concat();
     let greatest = |of: fn(&ReplayedChannel) -> f64| {
         // One that is no number is the worst.
         channels
@@ -84,7 +86,8 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         greatest_difference,
         greatest_difference_of_a_value: greatest(|c| c.difference_of_a_value),
         limit: LIMIT,
-        agrees: greatest_difference <= LIMIT,
+        agrees: !channels.is_empty() && greatest_difference <= LIMIT,
+        replayed,
         role: role_name(role),
         left_out,
         channels,

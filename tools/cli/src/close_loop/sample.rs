@@ -60,7 +60,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
             parameters: vec![estimate("exponent", 0.75, 0.03, 0.0, "1")],
             ..found("generic_term")
         }],
-        Verdict::Nothing => Vec::new(),
+        Verdict::Nothing | Verdict::Fitted => Vec::new(),
     };
     let unexplained = (verdict == Verdict::Unexplained).then(|| Unexplained {
         port: Port::DragTorque,
@@ -127,6 +127,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         settings: vec![export.clone(), export.clone()],
         export,
         endings: Vec::new(),
+        is_cut: false,
         notes: vec!["run-1.csv: housing_temperature_degC reads -40 degC and is set aside as dead".to_owned()],
         seconds: 3.2,
     }
@@ -147,6 +148,7 @@ pub fn replay() -> Replay {
         greatest_difference_of_a_value: 3e-8,
         limit: 1e-6,
         agrees: true,
+        replayed: vec!["run-2.csv".to_owned()],
         role: "test",
         left_out: Vec::new(),
         channels: vec![channel],

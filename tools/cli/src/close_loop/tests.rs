@@ -7,7 +7,7 @@ const ALL: [Verdict; 4] = [Verdict::Named, Verdict::Class, Verdict::Unexplained,
 fn json_of(verdict: Verdict) -> Value {
     let (outcome, replay) = (sample::outcome(verdict), sample::replay());
     let fmu = ["fmi2/AnnulusCooledMotor.fmu".to_owned()];
-    let report = Report::new(&outcome, &fmu, Some(&replay), &outcome.notes, 4.5);
+    let report = Report::new(&outcome, &fmu, Some(&replay), &outcome.notes, (4.5, 45.0));
     serde_json::from_str(&serde_json::to_string(&report).unwrap()).unwrap()
 }
 

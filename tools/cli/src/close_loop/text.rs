@@ -158,6 +158,9 @@ pub fn verdict(outcome: &Outcome) -> String {
             }
             None => "the model lacks an effect that is not in the list.".to_owned(),
         },
+        Verdict::Fitted => {
+            "the declared parameters were fitted; no missing effect was looked for.".to_owned()
+        }
         Verdict::Nothing => {
             "no missing effect is detected; other parameter values explain the differences.".to_owned()
         }
@@ -172,7 +175,7 @@ pub fn replay(replay: &Replay) -> String {
         format!("; {} is left out, since it starts at measured temperatures", list(&replay.left_out, "and"))
     };
     let Some(worst) = replay.channels.iter().max_by(|a, b| a.difference.total_cmp(&b.difference)) else {
-        return format!("the exported FMUs could not be run over the data{left_out}");
+        return format!("no run was replayed with the exported FMUs{left_out}");
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     let why = if !replay.agrees && worst.standard == "fmi3" {
@@ -182,9 +185,14 @@ pub fn replay(replay: &Replay) -> String {
         ""
     };
     format!(
-        "the outputs of the exported FMUs on the {} data differ from the model's by at most {:.1e} of the channel's range ({} in {}), \
+        "replayed with the exported FMUs: {} ({} data); their outputs differ from the model's by at most {:.1e} of the channel's range ({} in {}), \
          {relation} {:.0e}{left_out}{why}",
-        replay.role, replay.greatest_difference, worst.column, worst.standard, replay.limit
+        list(&replay.replayed, "and"),
+        replay.role,
+        replay.greatest_difference,
+        worst.column,
+        worst.standard,
+        replay.limit
     )
 }
 

@@ -1,0 +1,219 @@
+//! Whether what was measured can be what the experiment says it is: asked before any effect is looked for.
+//!
+//! Three questions, in this order: are there enough readings ([`enough`]); do units, signs and columns agree with the model
+//! ([`consistency`]); does each sensor work ([`signals`] by its own readings, [`response`] by what it should answer). A sensor that
+//! does not work is set aside with a note, in the whole run or in part of it. What contradicts the model, or leaves nothing to fit,
+//! is [`Unusable`]: nothing is looked for in it.
+//!
+//! The model is that of the preset, unfitted; the questions therefore allow for any parameter that its prior allows.
+
+mod consistency;
+mod response;
+mod signals;
+
+use crate::CalibrateError;
+use crate::change::Change;
+use crate::deadline::Deadline;
+use crate::experiment::{Channel, Experiment, Role, Run};
+use crate::simulate::{Bench, Drive};
+use physics::declare::Unit;
+use physics::model::Declaration;
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Fewest rows of a run that is fitted: the noise of a channel is estimated from the second differences of at least five.
+const LEAST_ROWS: usize = 5;
+/// Fraction of an input's readings outside the limits of its variable from which on its unit is wrong, not its sensor.
+const WRONG_UNIT: f64 = 0.5;
+/// Time for one simulation of all runs: data that contradict the model can lead it into a corner where steps are tiny.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Why nothing can be said from the data.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unusable {
+    /// The column to blame.
+    pub channel: String,
+    /// What is wrong with it, in one sentence with the file.
+    pub reason: String,
+    /// What to do.
+    pub suggestion: String,
+}
+
+/// Why an experiment is refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The data contradict the model, or too many sensors are set aside.
+    Unusable(Unusable),
+    /// The input is incomplete.
+    Input(CalibrateError),
+}
+
+impl From<CalibrateError> for Refusal {
+    fn from(error: CalibrateError) -> Refusal {
+        Refusal::Input(error)
+    }
+}
+
+/// Checks an experiment and sets aside what is no reading; `preset` are the start values of its preset, by value reference.
+///
+/// # Errors
+/// [`Refusal`].
+pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), Refusal> {
+    enough(experiment)?;
+    if let Some(unusable) = outside_limits(experiment) {
+        return Err(Refusal::Unusable(unusable));
+    }
+    signals::set_aside(experiment);
+    if let Some(unusable) = consistency::contradiction(experiment, preset)? {
+        return Err(Refusal::Unusable(unusable));
+    }
+    let predicted = predicted(experiment, preset, &all_runs(experiment));
+    response::set_aside(experiment, &predicted);
+    if let Some(unusable) = response::dead_input(experiment, &predicted).or_else(|| nothing_left(experiment))
+    {
+        return Err(Refusal::Unusable(unusable));
+    }
+    Ok(())
+}
+
+fn all_runs(experiment: &Experiment) -> Vec<usize> {
+    (0..experiment.runs.len()).collect()
+}
+
+/// Refuses runs that are too short to be fitted.
+fn enough(experiment: &Experiment) -> Result<(), CalibrateError> {
+    for run in experiment.runs.iter().filter(|r| r.role == Role::Fit) {
+        let rows = counted(run).count();
+        if rows < LEAST_ROWS {
+            return Err(CalibrateError(format!(
+                "{}: {rows} rows count, and the fit needs at least {LEAST_ROWS} rows of each run",
+                run.file
+            )));
+        }
+    }
+    if experiment.priors.is_empty() {
+        return Err(CalibrateError(format!(
+            "the experiment {} has no [prior]: without a parameter that may differ from the preset, every difference between two \
+             specimens would be taken for a missing effect; name the parameters that may differ, each with its relative standard \
+             deviation",
+            experiment.name
+        )));
+    }
+    Ok(())
+}
+
+/// The rows of a run that count.
+fn counted(run: &Run) -> impl Iterator<Item = usize> + '_ {
+    let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    run.table.time.iter().enumerate().filter(move |(_, t)| (from..=to).contains(*t)).map(|(k, _)| k)
+}
+
+/// Inputs beyond the limits of their variable: single readings are set aside, most readings are in another unit.
+fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
+    let declaration = declaration(experiment)?;
+    for (k, channel) in experiment.inputs.iter().enumerate() {
+        let Some(entry) = channel.input.and_then(|name| declaration.by_name(name)) else { continue };
+        let (least, most) = (entry.row.min, entry.row.max);
+        for run in &mut experiment.runs {
+            let column = &mut run.table.columns[k];
+            // Noise about a limit, as of a fan at rest, is none of this.
+            let slack = 0.05 * (most - least);
+            let beyond = |x: &f64| *x < least - slack || *x > most + slack;
+            let there = column.iter().filter(|x| x.is_finite()).count();
+            let count = column.iter().filter(|x| beyond(x)).count();
+            if count == 0 {
+                continue;
+            }
+            let reading = column.iter().find(|x| beyond(x)).map_or(0.0, |x| x - channel.offset);
+            let (least, most) = (least - channel.offset, most - channel.offset);
+            if count as f64 > WRONG_UNIT * there as f64 || channel.unit == Unit::One {
+                return Some(Unusable {
+                    channel: channel.column.to_string(),
+                    reason: format!(
+                        "{} reads {reading} in {}; its limits are {least} and {most}",
+                        channel.column, run.file
+                    ),
+                    suggestion: format!(
+                        "check the unit of the column; [columns] converts other units, such as {}",
+                        other_units(channel)
+                    ),
+                });
+            }
+            column.iter_mut().filter(|x| beyond(x)).for_each(|x| *x = f64::NAN);
+            experiment.notes.push(format!(
+                "{}: {count} readings of {} outside {least} ... {most} are set aside",
+                run.file, channel.column
+            ));
+        }
+    }
+    None
+}
+
+fn other_units(channel: &Channel) -> String {
+    let all = crate::experiment::units::units(channel.unit);
+    all.iter().map(|u| u.names[0]).filter(|n| !channel.column.ends_with(n)).collect::<Vec<_>>().join(", ")
+}
+
+fn declaration(experiment: &Experiment) -> Option<&'static Declaration> {
+    physics::models::by_name(&experiment.model).map(|m| (m.declaration)())
+}
+
+/// What the preset's model predicts, output by output at every row of these runs; blank for a run that cannot be simulated.
+fn predicted(experiment: &Experiment, preset: &[(u32, f64)], runs: &[usize]) -> Vec<Vec<Vec<f64>>> {
+    let Ok(mut bench) = Bench::new(experiment, preset) else { return vec![Vec::new(); runs.len()] };
+    bench.ease = crate::setup::EASE;
+    bench.deadline = Deadline::after(PATIENCE);
+    let of = |run: &usize| {
+        let run = &experiment.runs[*run];
+        let shown = Drive::new(experiment, run).and_then(|drive| bench.run(&drive, &Change::default()));
+        shown.unwrap_or_else(|_| vec![vec![f64::NAN; run.table.time.len()]; experiment.outputs.len()])
+    };
+    runs.par_iter().map(of).collect()
+}
+
+/// The ambient temperature at each row of a run, K; blank without such a column.
+fn ambient(experiment: &Experiment, run: &Run) -> Vec<f64> {
+    let place = experiment.inputs.iter().position(|c| c.input == Some("ambient_temperature"));
+    let Some(place) = place else { return vec![f64::NAN; run.table.time.len()] };
+    let mut last = run.table.columns[place].iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
+    let held = |x: &f64| {
+        if x.is_finite() {
+            last = *x;
+        }
+        last
+    };
+    run.table.columns[place].iter().map(held).collect()
+}
+
+/// Why the runs that are fitted hold nothing any more.
+fn nothing_left(experiment: &Experiment) -> Option<Unusable> {
+    let inputs = experiment.inputs.len();
+    let has = |k: usize| {
+        let runs = experiment.runs.iter().filter(|r| r.role == Role::Fit);
+        runs.flat_map(|r| counted(r).map(|row| r.table.columns[inputs + k][row])).any(f64::is_finite)
+    };
+    let left: Vec<usize> = (0..experiment.outputs.len()).filter(|k| has(*k)).collect();
+    left.is_empty().then(|| {
+        let channel = experiment.outputs[0].column.to_string();
+        Unusable {
+            reason: format!(
+                "no output has a usable reading in the runs that are fitted; first of all {channel}"
+            ),
+            suggestion: "repair the sensors that the notes name, or fit other runs".to_string(),
+            channel,
+        }
+    })
+}
+
+/// Sorted copy of the finite values.
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut all: Vec<f64> = values.filter(|x| x.is_finite()).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Median of the finite values; NaN of none.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let all = sorted(values);
+    all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,214 @@
+//! Mistakes in the columns of an experiment: units, signs, exchanged columns.
+
+use super::super::ambient;
+use crate::experiment::units::units;
+use crate::experiment::{Channel, Experiment};
+use physics::declare::Unit;
+
+/// A change of the data.
+#[derive(Clone, Debug)]
+pub enum Mistake {
+    /// Columns are read as factor * x + offset, in SI units.
+    Affine { columns: Vec<usize>, factor: f64, offset: f64, words: String },
+    /// Two columns are exchanged.
+    Swap(usize, usize),
+    /// A column of temperatures holds rises over ambient.
+    Rise(usize),
+    /// Times are multiplied.
+    Time(f64, &'static str),
+}
+
+impl Mistake {
+    /// The columns that it changes, inputs first.
+    pub fn touches(&self) -> Vec<usize> {
+        match self {
+            Mistake::Affine { columns, .. } => columns.clone(),
+            Mistake::Swap(a, b) => vec![*a, *b],
+            Mistake::Rise(k) => vec![*k],
+            Mistake::Time(..) => Vec::new(),
+        }
+    }
+
+    /// Whether the prediction changes with it.
+    pub fn is_simulated(&self, inputs: usize) -> bool {
+        matches!(self, Mistake::Time(..)) || self.touches().iter().any(|k| *k < inputs)
+    }
+
+    /// Whether shapes hardly show it: two thermometers of the motor exchanged, or all temperatures in another unit.
+    pub fn is_alike(&self, experiment: &Experiment) -> bool {
+        let all = channels(experiment);
+        let inputs = experiment.inputs.len();
+        let is_warm = |k: &usize| all[*k].is_temperature();
+        match self {
+            Mistake::Swap(a, b) => *a >= inputs && *b >= inputs && is_warm(a) && is_warm(b),
+            Mistake::Affine { columns, words, .. } => {
+                columns.len() > 1 && columns.iter().all(is_warm) && words.starts_with("readings in ")
+            }
+            _ => false,
+        }
+    }
+
+    /// Takes it back in some runs.
+    pub fn apply(&self, experiment: &mut Experiment, runs: &[usize]) {
+        let ambients: Vec<Vec<f64>> =
+            runs.iter().map(|r| ambient(experiment, &experiment.runs[*r])).collect();
+        for (run, ambient) in runs.iter().zip(ambients) {
+            let table = &mut experiment.runs[*run].table;
+            match self {
+                Mistake::Affine { columns, factor, offset, .. } => columns
+                    .iter()
+                    .for_each(|k| table.columns[*k].iter_mut().for_each(|x| *x = factor * *x + offset)),
+                Mistake::Swap(a, b) => table.columns.swap(*a, *b),
+                Mistake::Rise(k) => {
+                    let of = table.columns[*k].iter_mut().zip(ambient);
+                    of.for_each(|(x, t)| *x += t - 273.15);
+                }
+                Mistake::Time(factor, _) => {
+                    let first = table.time[0];
+                    table.time.iter_mut().for_each(|t| *t = first + factor * (*t - first));
+                }
+            }
+        }
+    }
+
+    /// The channel to blame, the reason and what to do.
+    pub fn words(&self, experiment: &Experiment, files: &str) -> (String, String, String) {
+        let name = |k: usize| channels(experiment)[k].column.to_string();
+        match self {
+            Mistake::Affine { columns, words, .. } => {
+                let names: Vec<String> = columns.iter().map(|k| name(*k)).collect();
+                let all = names.join(", ");
+                let first = names.into_iter().next().unwrap_or_default();
+                (
+                    first,
+                    format!("{all} in {files} contradict the model, which {words} would agree with"),
+                    format!("check unit and sign of {all}; [columns] states the unit of a column"),
+                )
+            }
+            Mistake::Swap(a, b) => {
+                let (a, b) = (name(*a), name(*b));
+                let reason = format!(
+                    "{a} and {b} in {files} contradict the model, which the two columns exchanged would agree with"
+                );
+                (a.clone(), reason, format!("exchange the columns {a} and {b}"))
+            }
+            Mistake::Rise(k) => {
+                let reason = format!(
+                    "{} in {files} contradicts the model, which rises over ambient would agree with",
+                    name(*k)
+                );
+                (name(*k), reason, "add the ambient temperature to the column".to_string())
+            }
+            Mistake::Time(_, unit) => {
+                let reason = format!(
+                    "time_s in {files} contradicts the model, which times in {unit} would agree with"
+                );
+                (
+                    "time_s".to_string(),
+                    reason,
+                    format!(
+                        "[columns] states the unit of the time: {{ name = \"time\", unit = \"{unit}\" }}"
+                    ),
+                )
+            }
+        }
+    }
+}
+
+fn channels(experiment: &Experiment) -> Vec<&'static Channel> {
+    experiment.inputs.iter().chain(&experiment.outputs).copied().collect()
+}
+
+/// Factor and offset in SI units of every mistake in the unit of a quantity, with words for what the readings are.
+fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
+    let mut all: Vec<(f64, f64, String)> = Vec::new();
+    let contract = |name: &str| match of {
+        Unit::Kelvin => name == "degC",
+        _ => units(of).first().is_some_and(|u| u.names[0] == name),
+    };
+    let mut add = |factor: f64, offset: f64, words: String| {
+        let same =
+            |(a, b, _): &&(f64, f64, String)| (a / factor - 1.0).abs() < 1e-3 && (b - offset).abs() < 1e-3;
+        if !((factor - 1.0).abs() < 1e-3 && offset.abs() < 1e-3) && all.iter().find(same).is_none() {
+            all.push((factor, offset, words));
+        }
+    };
+    if units(of).is_empty() {
+        return all;
+    }
+    add(-1.0, if of == Unit::Kelvin { 2.0 * 273.15 } else { 0.0 }, "the opposite sign".to_string());
+    // First those that stand for the contract's own unit: their words are the plainest.
+    let pairs = || units(of).iter().flat_map(|stated| units(of).iter().map(move |meant| (stated, meant)));
+    for plain in [true, false] {
+        for (stated, meant) in pairs().filter(|(s, _)| contract(s.names[0]) == plain) {
+            let factor = meant.factor / stated.factor;
+            let words = if plain {
+                format!("readings in {}", meant.names[0])
+            } else {
+                format!("readings times {factor:.4} (as of {} and {})", meant.names[0], stated.names[0])
+            };
+            add(factor, meant.offset - factor * stated.offset, words);
+        }
+    }
+    let powers: &[i32] =
+        if of == Unit::Kelvin { &[-1, 1] } else { &[-6, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 6] };
+    for &power in powers {
+        let factor = 10f64.powi(power);
+        let offset = if of == Unit::Kelvin { 273.15 * (1.0 - factor) } else { 0.0 };
+        add(factor, offset, format!("readings times 1e{power}"));
+    }
+    if matches!(of, Unit::Volt | Unit::Ampere) {
+        // Amplitude, root mean square and peak to peak; line and phase.
+        for factor in [2f64.sqrt(), 3f64.sqrt(), 2.0, 8f64.sqrt(), 1.5, 6f64.sqrt()] {
+            for factor in [factor, 1.0 / factor] {
+                add(
+                    factor,
+                    0.0,
+                    format!("readings times {factor:.4} (amplitude, root mean square; line, phase)"),
+                );
+            }
+        }
+    }
+    if of == Unit::RadianPerSecond {
+        // Electrical and mechanical speed of a motor with pole pairs.
+        (2..=16).for_each(|pairs| add(1.0 / f64::from(pairs), 0.0, format!("speeds of {pairs} pole pairs")));
+    }
+    all
+}
+
+/// Every mistake with these columns alone.
+pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
+    let all = channels(experiment);
+    let mut found = Vec::new();
+    let mut quantities: Vec<Unit> = Vec::new();
+    for (factor, unit) in
+        [(1e-3, "ms"), (60.0, "min"), (3600.0, "h"), (1e-6, "us"), (1e3, "ks"), (1.0 / 60.0, "1/60 s")]
+    {
+        found.push(Mistake::Time(factor, unit));
+    }
+    for (k, channel) in all.iter().enumerate() {
+        // Commands and pressures have their limits.
+        let units =
+            if matches!(channel.unit, Unit::One | Unit::Pascal) { Unit::PerKelvin } else { channel.unit };
+        for (factor, offset, words) in unit_mistakes(units) {
+            found.push(Mistake::Affine { columns: vec![k], factor, offset, words });
+        }
+        if channel.is_temperature() && channel.input.is_none() {
+            found.push(Mistake::Rise(k));
+        }
+        found.extend((0..k).map(|other| Mistake::Swap(other, k)));
+        if !quantities.contains(&channel.unit) {
+            quantities.push(channel.unit);
+        }
+    }
+    // Columns of one quantity are of one logger.
+    for unit in quantities {
+        let columns: Vec<usize> = (0..all.len()).filter(|k| all[*k].unit == unit).collect();
+        if columns.len() > 1 {
+            for (factor, offset, words) in unit_mistakes(unit) {
+                found.push(Mistake::Affine { columns: columns.clone(), factor, offset, words });
+            }
+        }
+    }
+    found
+}
