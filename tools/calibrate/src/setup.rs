@@ -113,8 +113,8 @@ impl<'a> Setup<'a> {
             let size = if prior == 0.0 { entry.row.nominal } else { prior };
             let deviation = (p.relative * size).abs();
             let mut limits = (entry.row.min, entry.row.max);
-            // Of a size that is hardly known, ten deviations of its logarithm: less is no capacity of a motor but none at all.
-            if prior > 0.0 && limits.0 >= 0.0 && p.relative > WIDE && p.relative < HARDLY {
+            // Of what cannot be zero, ten deviations of its logarithm: less is no capacity of a motor.
+            if prior > 0.0 && limits.0 > 0.0 && p.relative > WIDE && p.relative < HARDLY {
                 let factor = (1.0 + p.relative).powf(FAR);
                 limits = (limits.0.max(prior / factor), limits.1.min(prior * factor));
             }
