@@ -155,3 +155,33 @@ def test_names_are_hinted_and_manuals_written(motor_fmu, tmp_path):
     assert "preset" in motor_fmu("completions", "bash").stdout
     assert motor_fmu("man", "--out", tmp_path).returncode == 0
     assert ".TH" in (tmp_path / "motor-fmu-preset-new.1").read_text()
+
+
+def read(path):
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    return rows[0], [[float(x) for x in row] for row in rows[1:]]
+
+
+def test_outputs_units_and_every_of_simulate(motor_fmu, archive_paths, tmp_path):
+    run = ["simulate", archive_paths[2], "--stop", "1", "--step", "0.01", "--set", "drive_mode=current", "--set", "current_command=5000 mA"]
+    chosen = ["--outputs", "shaft_speed,*housing_temp*", "--every", "30"]
+
+    def recorded(*options):
+        done = motor_fmu(*run, *options, "--output", "o.csv", "--json")
+        assert done.returncode == 0, done.stderr
+        return (*read(tmp_path / "o.csv"), json.loads(done.stdout)["final"])
+
+    _, full, _ = recorded()
+    names, si, last = recorded(*chosen, "--set", "ambient_temperature=35degC")
+    assert names == ["time", "shaft_speed", "housing_temperature"] and list(last) == names[1:]
+    assert [row[0] for row in si] == pytest.approx([0.0, 0.3, 0.6, 0.9, 1.0]) and len(full) == 101
+    assert si[0][2] == pytest.approx(308.15) and si[-1][1] > 10.0
+    names, shown, last = recorded(*chosen, "--units", "datasheet", "--set", "ambient_temperature=35")
+    assert names == ["time", "shaft_speed [rpm]", "housing_temperature [degC]"]
+    for a, b in zip(si, shown, strict=True):
+        assert b == pytest.approx([a[0], a[1] * 9.549296585513721, a[2] - 273.15], rel=1e-9, abs=1e-9)
+    assert last["housing_temperature"] == pytest.approx(shown[-1][2])
+    done = motor_fmu(*run, "--outputs", "shaft_sped")
+    assert done.returncode == CANNOT and "did you mean shaft_speed?" in done.stderr
+    done = motor_fmu(*run, "--set", "voltage=3 A")
+    assert done.returncode == CANNOT and "voltage" in done.stderr

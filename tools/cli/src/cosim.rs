@@ -1,5 +1,6 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
+use crate::outputs::Shown;
 use crate::simulate::{is_a_number, remarks, setting, significant};
 use crate::supervised;
 use clap::ValueEnum;
@@ -37,7 +38,9 @@ pub struct Args {
     /// Record every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]
     #[arg(long, value_name = "N")]
     every: Option<usize>,
-    /// Write time and all outputs as CSV with 17 digits: time,<component>.<output>
+    #[command(flatten)]
+    shown: Shown,
+    /// Write time and the outputs as CSV with 17 digits: time,<component>.<output>
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
     /// Draw the outputs as SVG
@@ -96,9 +99,11 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         every: args.every,
         log: Log::new(),
     };
-    let run = cosimulate(&system, &options, &mut supervised::progress)?;
+    let mut run = cosimulate(&system, &options, &mut supervised::progress)?;
+    let finite = is_a_number(&run.recording);
+    args.shown.apply(&mut run.recording)?;
     if let Some(path) = &args.output {
-        run.recording.write_csv(path)?;
+        args.shown.named(&run.recording).write_csv(path)?;
     }
     if let Some(path) = &args.plot {
         run.recording.plot_svg(path)?;
@@ -112,7 +117,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         summary(&run)
     };
     crate::say(&text);
-    Ok(crate::code(run.recording.ended_early.is_none() && is_a_number(&run.recording)))
+    Ok(crate::code(run.recording.ended_early.is_none() && finite))
 }
 
 pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {

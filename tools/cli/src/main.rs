@@ -5,6 +5,7 @@ mod close_loop;
 mod cosim;
 mod info;
 mod manual;
+mod outputs;
 mod pattern;
 mod preset;
 mod presets;

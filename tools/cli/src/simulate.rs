@@ -1,5 +1,6 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
+use crate::outputs::{Shown, thin};
 use crate::supervised::{self, complain};
 use cosim::{Archive, InputTable, Log, Options, Recording, Status};
 use indicatif::ProgressBar;
@@ -25,13 +26,19 @@ pub struct Args {
     /// Communication step in s [default: that of the FMU, else a 500th of the time]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Set a parameter or input, in its unit; an enumeration by the name of an item. May be repeated
+    /// Set a parameter or input: a number in its unit or with another unit of the quantity, such as "3000 rpm"; an enumeration by the
+    /// name of an item. May be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
     /// Inputs over time: CSV with the header time,<input names>; reals are interpolated linearly, other inputs are constant between rows
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
-    /// Write time and all outputs as CSV with 17 digits
+    /// Record every N-th communication point, and the last
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+    #[command(flatten)]
+    shown: Shown,
+    /// Write time and the outputs as CSV with 17 digits
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
     /// Draw the outputs as SVG
@@ -51,23 +58,27 @@ pub struct Args {
 /// Runs the command in this process.
 pub fn run(args: Args) -> Result<u8, Failure> {
     let archive = Archive::open(&args.file)?;
+    let sets = args.shown.sets(args.sets, archive.description())?;
     let input =
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
     let columns = input.iter().flat_map(|table| table.names());
-    let unused = crate::unused::note(&archive, &args.sets, columns);
+    let unused = crate::unused::note(&archive, &sets, columns);
     let options = Options {
         start: args.start,
         stop: args.stop,
         step: args.step,
-        sets: args.sets,
+        sets,
         input,
         input_slopes: !args.held_inputs,
         log: Log::new(),
     };
-    let recording = cosim::simulate(&archive, &options, &mut supervised::progress)?;
+    let mut recording = cosim::simulate(&archive, &options, &mut supervised::progress)?;
+    let finite = is_a_number(&recording);
+    thin(&mut recording, args.every as usize);
+    args.shown.apply(&mut recording)?;
 
     if let Some(path) = &args.output {
-        recording.write_csv(path)?;
+        args.shown.named(&recording).write_csv(path)?;
     }
     if let Some(path) = &args.plot {
         recording.plot_svg(path)?;
@@ -83,7 +94,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         summary(&recording)
     };
     crate::say(&text);
-    Ok(crate::code(recording.ended_early.is_none() && is_a_number(&recording)))
+    Ok(crate::code(recording.ended_early.is_none() && finite))
 }
 
 /// Whether no output is NaN; the first that is goes to stderr.

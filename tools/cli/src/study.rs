@@ -235,8 +235,14 @@ fn summary(found: &Sweep, vary: &[Vary]) -> String {
         text += &format!("constraint: {}\n", constraint.words());
     }
     if let Some(best) = &found.best {
-        let at =
-            |k: usize| format!("{} = {} {}", found.varied[k], best.values[k].shown(), plain(found.units[k]));
+        let at = |k: usize| {
+            format!(
+                "{} = {} {}",
+                found.varied[k],
+                best.values[k].number().map_or_else(|| best.values[k].text(), significant),
+                plain(found.units[k])
+            )
+        };
         let places: Vec<String> = (0..found.varied.len()).map(at).collect();
         let value = best.objective.map_or(String::new(), significant);
         let places = places.iter().map(|p| p.trim_end()).collect::<Vec<_>>().join(", ");
