@@ -16,8 +16,6 @@ use crate::model::{Model, Slot};
 
 /// Largest way, as a share of a variable's size.
 pub const WAY: f64 = 1e-2;
-/// The same where a model keeps tangents of its own: within their reach.
-pub const SHORT_WAY: f64 = 1e-5;
 /// Each way over the next.
 const SHRINK: f64 = 4.0;
 /// Most ways that are tried: the last is 4e-8 of the first.
@@ -81,8 +79,6 @@ pub struct Slopes<'a> {
     pub scratch: &'a mut dyn Model,
     /// Time of the start, s, where the variables decide how the model starts and not how it goes on.
     pub restart: Option<f64>,
-    /// Largest way, as a share of a variable's size: [`WAY`] or [`SHORT_WAY`].
-    pub way: f64,
 }
 
 impl Slopes<'_> {
@@ -94,7 +90,7 @@ impl Slopes<'_> {
             return vec![none; unknowns.len()];
         }
         let longest = |room: &dyn Fn(&Move) -> f64| moving.iter().map(room).fold(f64::INFINITY, f64::min);
-        let whole = longest(&|m| self.way * m.size.max(m.at.abs()) / m.seed.abs());
+        let whole = longest(&|m| WAY * m.size.max(m.at.abs()) / m.seed.abs());
         let ahead = longest(&|m| (if m.seed > 0.0 { m.limits.1 } else { m.limits.0 } - m.at) / m.seed);
         let behind = longest(&|m| (m.at - if m.seed > 0.0 { m.limits.0 } else { m.limits.1 }) / m.seed);
         let both = ahead.min(behind);
@@ -265,7 +261,7 @@ mod tests {
         let unknowns = [unknown(&motor, "der(state.current)"), unknown(&motor, "winding_resistance")];
         let voltage = slot(&motor, "voltage");
         let one = |known, at, size, limits| [Move { known, at, seed: 1.0, size, limits }];
-        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None, way: WAY };
+        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None };
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{a} and {b}");
         let inverse_l = 1.0 / motor_parameters.L;
@@ -304,7 +300,7 @@ mod tests {
         for w in [0.0, 1e-6, 1e-3, 0.1, 0.7, 2.0, 9.0, 50.0, 800.0f64] {
             for w in [w, -w] {
                 motor.write_states(&[0.0, w]);
-                let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None, way: WAY };
+                let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None };
                 let free = (f64::NEG_INFINITY, f64::INFINITY);
                 let moves = [Move { known: Known::State(1), at: w, seed: 1.0, size: 1000.0, limits: free }];
                 let found = slopes.along(&moves, &unknowns)[0];
@@ -344,7 +340,7 @@ mod tests {
         motor.read_states(&mut warm);
         warm[4] = 330.0;
         motor.write_states(&warm);
-        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None, way: WAY };
+        let mut slopes = Slopes { base: &motor, scratch: &mut scratch, restart: None };
         let along = |at, slopes: &mut Slopes<'_>| {
             let moves = [Move { known: Known::Variable(fan), at, seed: 1.0, size: 1.0, limits: (0.0, 1.0) }];
             slopes.along(&moves, &unknowns)[0]

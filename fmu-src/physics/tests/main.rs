@@ -14,6 +14,7 @@ mod hot_spot;
 mod initial;
 mod limits;
 mod network;
+mod reading;
 mod short_cuts;
 mod states;
 mod terms;

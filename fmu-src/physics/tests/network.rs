@@ -126,15 +126,8 @@ impl Reference {
         let n = body.segments;
         let segments = &y[4..4 + n];
         let ambient = inputs.ambient_temperature;
-        let at = Conditions {
-            surface: segments.iter().sum::<f64>() / n as f64,
-            tube: y[3],
-            ambient,
-            pressure: inputs.ambient_pressure,
-            command: inputs.fan_command,
-            coolant_inlet: inputs.coolant_inlet_temperature,
-            coolant_flow: inputs.coolant_flow_rate,
-        };
+        let mean = segments.iter().sum::<f64>() / n as f64;
+        let at = Conditions::of(inputs, mean, y[3], ambient);
         let c = self.cooling.coefficients(p, &at);
         let mut gain = vec![0.0; 4 + n];
         let mut flow = |from: usize, to: Option<usize>, watts: f64| {
@@ -386,15 +379,7 @@ fn directions_are_those_of_nature() {
 fn nothing_jumps_over_the_width_of_the_annulus() {
     for mode in [CoolingMode::AnnulusPush, CoolingMode::AnnulusPull] {
         let mut m = stalled(mode);
-        let at = Conditions {
-            surface: 340.0,
-            tube: 305.0,
-            ambient: 298.0,
-            pressure: 101_325.0,
-            command: 1.0,
-            coolant_inlet: 290.0,
-            coolant_flow: 1e-5,
-        };
+        let at = Conditions::of(&Inputs { fan_command: 1.0, ..Inputs::default() }, 340.0, 305.0, 298.0);
         let mut regimes = [false; 3];
         let mut curve = |k: u32| -> [f64; 3] {
             let d = 0.031 * (f64::from(k) * 3.3e-5).exp();

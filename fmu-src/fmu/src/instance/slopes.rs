@@ -4,7 +4,7 @@ use super::{Instance, Interface, Mode, Type};
 use crate::refusal::{Outcome, Refused};
 use physics::declare::{Causality, Kind, Unit, Variability};
 use physics::model::{Entry, Slot, TIME};
-use physics::slopes::{Known, Move, SHORT_WAY, Slope, Slopes, Unknown, WAY};
+use physics::slopes::{Known, Move, Slope, Slopes, Unknown};
 
 /// Modes in which derivatives may be requested.
 const READABLE: &[Mode] =
@@ -26,9 +26,6 @@ fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
 
 /// The energy balance residual. Powers cancel in its derivative; what is left below their relative uncertainty is none.
 const RESIDUAL: &str = "energy_balance_error";
-
-/// A derivative that differs by more than this fraction is that of the linearized cooling.
-const TANGENT: f64 = 1e-5;
 
 impl Instance {
     /// Directional derivatives of `unknowns` for the seeds of `knowns`.
@@ -183,20 +180,7 @@ impl Instance {
             handed.insert(self.model.boxed_clone()).hand_over();
         }
         let base = handed.as_ref().unwrap_or(&self.model).as_ref();
-        let mut found = Slopes { base, scratch: scratch.as_mut(), restart, way: WAY }.along(moves, &asked);
-        if stepping && moves.iter().all(|m| matches!(m.known, Known::Variable(_))) {
-            // A step linearizes the cooling. If the linearized and the exact derivative differ, the linearized one describes the step.
-            let base = self.model.as_ref();
-            let near =
-                Slopes { base, scratch: scratch.as_mut(), restart, way: SHORT_WAY }.along(moves, &asked);
-            for (exact, near) in found.iter_mut().zip(near) {
-                if (near.value - exact.value).abs()
-                    > TANGENT * near.value.abs() + 4.0 * (near.error + exact.error)
-                {
-                    *exact = near;
-                }
-            }
-        }
+        let found = Slopes { base, scratch: scratch.as_mut(), restart }.along(moves, &asked);
         if let Some((entry, slope)) = unknowns.iter().zip(&found).find(doubtful) {
             return Err(Refused::discard(format!(
                 "{} has no derivative in this direction at this point: the difference quotients do not converge; the best is {} (+-{}).",

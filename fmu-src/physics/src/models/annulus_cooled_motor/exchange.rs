@@ -52,6 +52,9 @@ impl AnnulusCooledMotor {
 
 impl Exchange for AnnulusCooledMotor {
     fn hand_over(&mut self) {
+        if let Some(network) = &mut self.network {
+            network.forget();
+        }
         self.held = Some(Held::NONE);
         self.hold_start();
     }
@@ -89,6 +92,11 @@ impl Exchange for AnnulusCooledMotor {
     }
 
     fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault> {
+        if self.held.is_some() && self.fault.is_none() {
+            // What is evaluated here depends on the present values alone; it serves the outputs at the same point as well.
+            self.tell_effects(self.time);
+            self.bring_network_to_inputs();
+        }
         let all = self.all_rates()?;
         out.copy_from_slice(&all[..out.len()]);
         Ok(())

@@ -252,7 +252,7 @@ impl AnnulusCooledMotor {
     }
 
     /// The true ambient temperature over a piece that begins at `time`, K.
-    fn ambient(&self, time: f64) -> Line {
+    pub(super) fn ambient(&self, time: f64) -> Line {
         let drift = self.constants.drift();
         Line {
             start: self.inputs.ambient_temperature + drift * time + self.parameters.effects.ambient_offset(),
@@ -268,6 +268,18 @@ impl AnnulusCooledMotor {
             network.evaluate(&self.parameters, &self.inputs, ambient);
         } else {
             network.refresh(&self.parameters, &self.inputs, ambient, 0.0);
+        }
+    }
+
+    /// Evaluates the cooling at this instant by its full equations.
+    pub(super) fn evaluate_cooling(&mut self) {
+        let ambient = self.ambient(self.time).start;
+        let steps = self.held.is_none();
+        if let Some(network) = &mut self.network {
+            if steps {
+                network.forget();
+            }
+            network.evaluate(&self.parameters, &self.inputs, ambient);
         }
     }
 

@@ -8,7 +8,7 @@ use super::state_list::{Followed, STATES};
 use super::variables::{Books, DriveMode, Indicators, Inputs, MechanicalMode, Outputs};
 use crate::components::commutation::Phases;
 use crate::components::validity::Extremes;
-use crate::effects::{Effect, IMMINENT, PerNode};
+use crate::effects::{Effect, IMMINENT, PerNode, Port};
 use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Node, Slot};
@@ -148,9 +148,10 @@ impl AnnulusCooledMotor {
     /// The equations with the cooling as it is kept.
     #[inline]
     pub(super) fn equations(&self) -> Step<'_> {
-        let step =
-            Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, self.time)
-                .with_excess(self.excess());
+        let is_kept = self.network.is_some() || self.fan.0 == self.inputs.fan_command;
+        let fan = if is_kept { self.fan.1 } else { self.parameters.to_ambient(self.inputs.fan_command) };
+        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, fan, self.time)
+            .with_excess(self.excess());
         let step = match &self.held {
             Some(held) => step.with_strength_since(held.since),
             None => step,
@@ -183,21 +184,35 @@ impl AnnulusCooledMotor {
         self.followed = Followed::of(self);
     }
 
-    /// Brings the outputs to the state; with `books`, the flows of power as well.
-    pub(super) fn refresh_outputs(&mut self, books: bool) {
-        self.tell_effects(self.time);
-        self.follow_cooling();
-        let (step, network) = (self.equations(), self.network.as_ref());
-        if books {
-            self.books = step.books(&self.state, (self.t_start, self.stored_at_start), network);
-            self.books_are_stale = false;
-        } else {
-            self.outputs = step.outputs(&self.state, self.t_sensor, network, &self.phases);
-            if let Some(held) = &self.held {
-                self.outputs.over_temperature = held.over_temperature;
-            }
-            self.outputs_are_stale = false;
+    /// What `look` sees at the present time with the effects told and, if `cooled`, the cooling by its full equations. The motor
+    /// stays as it is: the linearized cooling and the values that effects hold belong to the steps, and reading decides nothing
+    /// about them.
+    pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Self) -> T) -> T {
+        let is_told = self.parameters.effects.acts_at(Port::Any);
+        let is_cooled = self.network.as_ref().is_none_or(|n| {
+            self.held.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
+        });
+        if !is_told && (is_cooled || !cooled) {
+            return look(self);
         }
+        let mut copy = self.clone();
+        copy.tell_effects(copy.time);
+        copy.evaluate_cooling();
+        look(&copy)
+    }
+
+    fn outputs_now(&self) -> Outputs {
+        let mut outputs = self.observe(false, |m| m.equations().outputs(&m.state, m.t_sensor, &m.phases));
+        if let Some(held) = &self.held {
+            outputs.over_temperature = held.over_temperature;
+        }
+        outputs
+    }
+
+    fn books_now(&self) -> Books {
+        self.observe(true, |m| {
+            m.equations().books(&m.state, (m.t_start, m.stored_at_start), m.network.as_ref())
+        })
     }
 
     /// Outputs that are states.
@@ -259,9 +274,8 @@ impl AnnulusCooledMotor {
     }
 
     /// Why the run ends at `time`, s.
-    pub(super) fn ending_sentence(&mut self, time: f64) -> String {
-        self.refresh_outputs(true);
-        let books = &self.books;
+    pub(super) fn ending_sentence(&self, time: f64) -> String {
+        let books = self.books_now();
         let heat = self.inputs.heat_power + self.parameters.effects.winding_heat();
         let flows =
             [books.loss_copper + books.loss_friction + heat, books.heat_to_ambient - books.loss_drive];
@@ -281,9 +295,11 @@ impl Model for AnnulusCooledMotor {
             OUTPUTS if self.outputs_are_stale => match row {
                 // What a coupled system reads at every step costs nothing.
                 0..STRAIGHT => self.show_straight(),
-                _ => self.refresh_outputs(false),
+                _ => (self.outputs, self.outputs_are_stale) = (self.outputs_now(), false),
             },
-            BOOKS if self.books_are_stale => self.refresh_outputs(true),
+            BOOKS if self.books_are_stale => {
+                (self.books, self.books_are_stale) = (self.books_now(), false);
+            }
             INDICATORS => self.indicators = self.indicate(),
             _ if slot.group >= Slot::STATES => return self.inside(slot),
             _ => {}
@@ -426,9 +442,7 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn housing_heat(&mut self) -> Option<HousingHeat> {
-        self.tell_effects(self.time);
-        self.follow_cooling();
-        Some(self.equations().housing_heat(&self.state, self.network.as_ref()))
+        Some(self.observe(true, |m| m.equations().housing_heat(&m.state, m.network.as_ref())))
     }
 
     fn drivers(&self) -> Drivers {

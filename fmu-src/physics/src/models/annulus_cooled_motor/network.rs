@@ -217,6 +217,12 @@ impl Network {
         }
     }
 
+    /// Whether the coefficients are those of the full equations where the network stands, if only
+    /// [`evaluate`](Self::evaluate) sets them.
+    pub fn is_evaluated_at(&self, inputs: &Inputs, ambient: f64) -> bool {
+        self.tangent.at == self.conditions(inputs, ambient, 0.0)
+    }
+
     /// Lets the next [`refresh`](Network::refresh) compute the coefficients anew.
     pub fn forget(&mut self) {
         self.tangent = Tangent::NONE;

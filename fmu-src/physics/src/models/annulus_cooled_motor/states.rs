@@ -115,17 +115,21 @@ impl AnnulusCooledMotor {
         true
     }
 
-    pub(super) fn push_rates(&mut self, out: &mut Vec<f64>) {
+    pub(super) fn push_rates(&self, out: &mut Vec<f64>) {
         let mut all = [0.0; ALL];
-        self.rates_of_heat_and_motion(&mut all);
+        self.observe(true, |m| m.rates_of_heat_and_motion(&mut all));
         out.extend(self.followed.iter().map(|k| all[k]));
     }
 
     /// The rates of all states, zero for those that stand still.
-    pub(super) fn all_rates(&mut self) -> Result<All, Fault> {
-        if let Some(fault) = &self.fault {
-            return Err(Fault(fault.clone()));
+    pub(super) fn all_rates(&self) -> Result<All, Fault> {
+        match &self.fault {
+            Some(fault) => Err(Fault(fault.clone())),
+            None => Ok(self.observe(true, Self::rates_as_told)),
         }
+    }
+
+    fn rates_as_told(&self) -> All {
         let mut all = [0.0; ALL];
         self.rates_of_heat_and_motion(&mut all);
         let (x, temperature) = (self.state.x, self.state.temperature);
@@ -149,7 +153,7 @@ impl AnnulusCooledMotor {
                 *rate = 0.0;
             }
         }
-        Ok(all)
+        all
     }
 
     /// How fast the hottest phase warms, K/s.
@@ -159,9 +163,9 @@ impl AnnulusCooledMotor {
         rates[WINDING] + hottest.map_or(0.0, |k| rates[PHASES + k])
     }
 
-    fn rates_of_heat_and_motion(&mut self, all: &mut All) {
+    fn rates_of_heat_and_motion(&self, all: &mut All) {
         let (x, temperature) = (self.state.x, self.state.temperature);
-        let step = self.step_equations();
+        let step = self.equations();
         let fast = step.fast_rates(0.0, &x, &temperature);
         let warming = step.network_rates(0.0, &temperature)
             + step.heat_rates(0.0, &x, &temperature).component_mul(step.inverse_capacity());

@@ -114,10 +114,6 @@ variables! {
         magnet_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
         /// Indicated housing temperature (effects housing_sensor_*); true mean temperature without these effects
         housing_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
-        /// Volume flow rate of air over the motor; 0 in cooling_mode conductance and bare
-        air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
-        /// Static pressure of the fan; 0 unless air flows through an annulus
-        air_pressure_drop: f64 = Variable::output(30, Unit::Pascal).nominal(10.0),
         /// Resistance of the winding at its temperature
         winding_resistance: f64 = Variable::output(31, Unit::Ohm),
         /// Torque constant at the magnets' temperature
@@ -137,11 +133,15 @@ variables! {
 }
 
 variables! {
-    /// What the model shows of its flows of power, and the check of its books. It costs as much as a step, so that
-    /// it is computed only where it is read.
+    /// Flows of air, coolant and power, and the balance residuals. They need the full equations of the cooling, which take longer
+    /// than a step, so that they are computed only when they are read.
     pub struct Books {
         /// Temperature of the air behind the motor; ambient temperature in cooling_mode conductance, bare and water_jacket
         air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
+        /// Volume flow rate of air over the motor; 0 in cooling_mode conductance and bare
+        air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
+        /// Static pressure of the fan; 0 unless air flows through an annulus
+        air_pressure_drop: f64 = Variable::output(30, Unit::Pascal).nominal(10.0),
         /// Electrical power at the terminals (drive_mode pwm: at the supply of the drive, with its losses)
         power_electrical: f64 = Variable::output(33, Unit::Watt).nominal(10.0),
         /// Mechanical power to the load

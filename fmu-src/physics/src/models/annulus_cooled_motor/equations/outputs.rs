@@ -26,19 +26,12 @@ struct Outside {
 
 impl Step<'_> {
     /// The outputs at the start of the step; `t_sensor` is the temperature that the housing's sensor has reached.
-    pub fn outputs(
-        &self,
-        state: &State<NODES>,
-        t_sensor: f64,
-        network: Option<&Network>,
-        phases: &Phases,
-    ) -> Outputs {
+    pub fn outputs(&self, state: &State<NODES>, t_sensor: f64, phases: &Phases) -> Outputs {
         let (model, ambient) = (self.model, self.ambient.start);
         let (x, temperature) = (&state.x, &state.temperature);
         let t_w = temperature[WINDING];
         let Ends { voltage, shaft_torque, k, r, .. } = self.ends(0.0, x, temperature);
         let hottest = t_w + phases.hottest();
-        let air = network.map(|n| n.coefficients());
         Outputs {
             current: x[0],
             shaft_angle: state.angle,
@@ -48,8 +41,6 @@ impl Step<'_> {
             stator_temperature: temperature[CORE],
             magnet_temperature: self.magnets(0.0, temperature),
             housing_temperature: model.effects.housing_sensor(t_sensor, ambient),
-            air_flow_rate: air.map_or(0.0, |c| c.flow),
-            air_pressure_drop: air.map_or(0.0, |c| c.pressure_drop),
             winding_resistance: r,
             torque_constant: k,
             winding_margin: model.thermal.T_w_max - hottest,
@@ -127,6 +118,8 @@ impl Step<'_> {
         let stored = self.stored(state, origin) + network.map_or(0.0, |n| n.stored(origin));
         Books {
             air_outlet_temperature: outside.air_outlet,
+            air_flow_rate: network.map_or(0.0, |n| n.coefficients().flow),
+            air_pressure_drop: network.map_or(0.0, |n| n.coefficients().pressure_drop),
             power_electrical: p.power_in - self.inputs.heat_power - model.effects.winding_heat(),
             power_mechanical: p.shaft_torque * w,
             loss_copper: copper,
