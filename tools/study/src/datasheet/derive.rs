@@ -224,7 +224,7 @@ impl Draft {
         self.values.iter().filter(move |v| v.certainty == certainty)
     }
 
-    /// The defaults that a simulation with the preset uses: without the effects that are off.
+    /// The defaults that are properties of the motor: without the effects that are off and without initial states.
     pub fn defaults(&self) -> impl Iterator<Item = &Given> {
         self.of(Certainty::Default).filter(|v| !v.is_off())
     }
@@ -264,9 +264,10 @@ impl Draft {
 }
 
 impl Given {
-    /// Whether it switches an effect off, or only shapes one that is off.
+    /// Whether it switches an effect off or only shapes one that is off, or is an initial state: no property of the motor.
     fn is_off(&self) -> bool {
-        self.name.starts_with("effect.") && !self.name.starts_with("effect.coulomb_friction")
+        let effect = self.name.starts_with("effect.") && !self.name.starts_with("effect.coulomb_friction");
+        effect || self.name.starts_with("initial.")
     }
 
     /// The value; the item of an enumeration.
