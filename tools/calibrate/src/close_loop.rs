@@ -59,15 +59,31 @@ pub fn run(
     let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
     let mut setup = Setup::new(experiment, preset)?.until(deadline.clone());
     let fit = setup.runs(Role::Fit);
-    let refit = setup.refit(&fit)?;
-    setup.hear_inputs(&refit, &fit)?;
-    let setup = setup;
-    progress(0.15, "looking for what is missing");
-    let refit = setup.fit(refit.hypothesis, &fit)?;
+    // What time cuts off is answered with what there is by then.
+    let mut refit = setup.refit(&fit);
+    let mut is_cut = deadline.is_near();
+    if !is_cut {
+        let heard = refit.and_then(|r| setup.hear_inputs(&r, &fit).map(|()| r));
+        progress(0.15, "looking for what is missing");
+        refit = heard.and_then(|r| setup.fit(r.hypothesis, &fit));
+        is_cut = deadline.is_near();
+    }
+    if is_cut {
+        deadline.lift();
+        refit = refit.or_else(|_| setup.judged(setup.preset(), &fit));
+    }
+    let (refit, setup) = (refit?, setup);
     let readings = refit.readings;
     let is_thin = readings < setup.declared.len();
-    if options.fit_only || is_thin || deadline.is_near() {
-        let over = deadline.is_near();
+    let mut looked = None;
+    if !(options.fit_only || is_thin || is_cut) {
+        looked = match Search::new(&setup, refit.clone(), &fit) {
+            Err(_) if deadline.is_near() => None,
+            search => Some(search?),
+        };
+        is_cut = looked.is_none();
+    }
+    let Some(mut search_of) = looked else {
         deadline.lift();
         let point = Point::judged(&setup, refit.clone(), &fit)?;
         let verdict = if options.fit_only { Verdict::Fitted } else { Verdict::Nothing };
@@ -79,11 +95,10 @@ pub fn run(
             ));
         }
         let mut outcome = telling::outcome(&setup, &point, &refit.hypothesis, judgement)?;
-        outcome.is_cut = over;
+        outcome.is_cut = is_cut;
         outcome.seconds = begun.elapsed().as_secs_f64();
         return Ok(outcome);
-    }
-    let mut search_of = Search::new(&setup, refit.clone(), &fit)?;
+    };
     search_of.rounds(progress);
     // What is clear from the start needs no second look.
     if !search_of.remember() {

@@ -457,9 +457,8 @@ fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, CalibrateError
         let structure = STRUCTURE * size * (count / samples).sqrt();
         setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
     }
-    let start = setup.preset();
     let all = super::all_runs(experiment);
-    let cost = setup.fit(start, &runs).and_then(|fitted| {
+    let cost = setup.refit(&runs).and_then(|fitted| {
         let shown = setup.show(&fitted.hypothesis, &all)?;
         let of = |r: &usize| setup.chi_square(&[*r], &shown[*r..=*r]).0;
         Ok(Cost {
