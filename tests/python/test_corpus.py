@@ -34,8 +34,6 @@ PATIENCE = 10
 
 # Checks (patterns of their names), finding, and the respects in which the answer is wrong.
 NOT_YET = {
-    "ball-ModelExchange * simulate": ("F11: no Model Exchange", {"exit"}),
-    "stair-ModelExchange * simulate": ("F11: no Model Exchange", {"exit"}),
 }
 
 CASES = tomllib.loads((corpus.FOLDER / "expected.toml").read_text(encoding="utf-8"))["case"]

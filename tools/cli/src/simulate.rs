@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Messages of the FMU that are printed at most.
 const MAX_MESSAGES: usize = 5;
 
-/// Simulate one FMU (FMI 2.0 or 3.0, Co-Simulation), of this product or any other.
+/// Simulate one FMU (FMI 2.0 or 3.0, Co-Simulation or Model Exchange), of this product or any other.
 ///
 /// Values set without effect in the selected modes are named on stderr; for FMUs of this product only.
 #[derive(Debug, clap::Args)]
@@ -30,6 +30,15 @@ pub struct Args {
     /// name of an item. May be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
+    /// Interface type; auto takes Co-Simulation where the FMU has it
+    #[arg(long, value_enum, default_value_t = Interface::Auto)]
+    interface: Interface,
+    /// Relative tolerance, given to the FMU and kept by the solver of Model Exchange [default: that of the FMU, else 1e-6]
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// Record this variable, too; local variables and parameters are not recorded otherwise. May be repeated
+    #[arg(long = "record", value_name = "NAME")]
+    records: Vec<String>,
     /// Inputs over time: CSV with the header time,<input names>; reals are interpolated linearly, other inputs are constant between rows
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
@@ -55,6 +64,26 @@ pub struct Args {
     pub patience: f64,
 }
 
+/// The interface types on the command line.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Interface {
+    Auto,
+    /// Co-Simulation
+    Cs,
+    /// Model Exchange, integrated with error control; events are located
+    Me,
+}
+
+impl Interface {
+    fn kind(self) -> Option<cosim::InterfaceType> {
+        match self {
+            Interface::Auto => None,
+            Interface::Cs => Some(cosim::InterfaceType::CoSimulation),
+            Interface::Me => Some(cosim::InterfaceType::ModelExchange),
+        }
+    }
+}
+
 /// Runs the command in this process.
 pub fn run(args: Args) -> Result<u8, Failure> {
     let archive = Archive::open(&args.file)?;
@@ -68,6 +97,9 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         stop: args.stop,
         step: args.step,
         sets,
+        interface: args.interface.kind(),
+        tolerance: args.tolerance,
+        records: args.records,
         input,
         input_slopes: !args.held_inputs,
         log: Log::new(),

@@ -70,6 +70,10 @@ pub struct ModelDescription {
     pub enumerations: Vec<Enumeration>,
     /// All variables, in the order of the file.
     pub variables: Vec<Variable>,
+    /// Continuous states: entries of the derivatives in `ModelStructure`. FMI 3 FMUs tell their number at run time.
+    pub state_count: usize,
+    /// FMI 2: `numberOfEventIndicators`.
+    pub indicator_count: usize,
     /// Dependencies of the outputs listed in `ModelStructure`.
     pub output_dependencies: Vec<Dependencies>,
 }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 mod access;
 mod clocks;
+mod exchange;
 mod state;
 pub(crate) use access::value_names;
 pub use state::State;
@@ -67,8 +68,21 @@ impl Instance {
     /// No Co-Simulation interface, no binary for this platform, a binary that cannot be loaded or lacks functions,
     /// an FMU that refuses.
     pub fn instantiate(archive: &Archive, name: &str, log: Log) -> Result<Self, Error> {
+        Self::instantiate_as(archive, name, log, InterfaceType::CoSimulation)
+    }
+
+    /// As [`Self::instantiate`], for an interface type.
+    pub(crate) fn instantiate_as(
+        archive: &Archive,
+        name: &str,
+        log: Log,
+        kind: InterfaceType,
+    ) -> Result<Self, Error> {
         let description = archive.description();
-        let Some(interface) = description.co_simulation() else {
+        let Some(interface) = description.interface(kind) else {
+            if kind != InterfaceType::CoSimulation {
+                return Err(archive.unsupported(format!("has no interface for {kind}")));
+            }
             let what = if description.interface(InterfaceType::ModelExchange).is_some() {
                 "is for Model Exchange only"
             } else {
@@ -77,14 +91,16 @@ impl Instance {
             return Err(archive.unsupported(format!("cannot be stepped: it {what}")));
         };
         let binary = RawBinary::load(archive, &interface.model_identifier)?;
-        if let Some(symbol) = binary.missing() {
+        if let Some(symbol) = binary.missing(kind) {
             let name = format!("the binary of {}", archive.path().display());
             return Err(Error::unsupported(name, format!("does not export {symbol}")));
         }
         let token = &description.token;
         // FMI 3 requires event mode for FMUs with clocks.
-        let event_mode = interface.has_event_mode && description.variables.iter().any(|v| v.clock.is_some());
-        let setup = RawSetup { interface: InterfaceType::CoSimulation, token, name, event_mode };
+        let event_mode = kind == InterfaceType::CoSimulation
+            && interface.has_event_mode
+            && description.variables.iter().any(|v| v.clock.is_some());
+        let setup = RawSetup { interface: kind, token, name, event_mode };
         let mark = log.mark();
         let Some(mut raw) = binary.instantiate(&setup, &log) else {
             let words = because(&log.since(mark));

@@ -1,4 +1,4 @@
-//! A black-box FMI client: open, check, step and record any FMU, FMI 2.0 or 3.0, Co-Simulation.
+//! A black-box FMI client: open, check, step or integrate, and record any FMU, FMI 2.0 or 3.0, Co-Simulation or Model Exchange.
 //!
 //! The crate does not depend on the models of this project: it uses only the content of the archive and the C functions of the
 //! standard.
@@ -34,6 +34,7 @@ mod error;
 mod grid;
 mod input;
 mod instance;
+mod integrator;
 mod log;
 mod plot;
 pub mod raw;
@@ -46,8 +47,8 @@ pub mod xml;
 pub use archive::Archive;
 pub use description::{
     BaseUnit, Causality, ClockTicks, DefaultExperiment, Dependencies, Dimension, DisplayUnit, Enumeration,
-    EnumerationItem, FmiVersion, Initial, Interface, IntervalVariability, Kind, ModelDescription, Unit,
-    Variability, Variable,
+    EnumerationItem, FmiVersion, Initial, Interface, InterfaceType, IntervalVariability, Kind,
+    ModelDescription, Unit, Variability, Variable,
 };
 pub use error::{Error, number};
 pub use input::InputTable;

@@ -99,9 +99,23 @@ impl RawBinary {
         })
     }
 
-    /// The first function that every Co-Simulation FMU must have and this binary lacks.
-    pub(crate) fn missing(&self) -> Option<&'static str> {
-        self.loaded.functions.missing(self.loaded.version)
+    /// The first function that every FMU of this interface type must have and this binary lacks.
+    pub(crate) fn missing(&self, kind: InterfaceType) -> Option<&'static str> {
+        let Loaded { functions: f, version, .. } = &*self.loaded;
+        if kind == InterfaceType::CoSimulation {
+            return f.missing(*version);
+        }
+        let two = *version == FmiVersion::V2;
+        let needed = [
+            (f.exit_initialization.is_some(), names::exit_initialization),
+            (f.enter_event.is_some(), names::enter_event),
+            (two || f.update_discrete_states.is_some(), names::update_discrete_states),
+            (!two || f.new_discrete_states.is_some(), names::new_discrete_states),
+            (f.enter_continuous.is_some(), names::enter_continuous),
+            (f.set_time.is_some(), names::set_time),
+            (f.get_derivatives.is_some(), names::get_derivatives),
+        ];
+        needed.iter().find(|(is_there, _)| !is_there).map(|(_, names)| names[usize::from(!two)])
     }
 
     /// Result of `fmiXGetVersion`; `None` without that function.

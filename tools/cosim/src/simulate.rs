@@ -1,9 +1,10 @@
 //! The master for one FMU: settings, initialization, steps, recording.
 use crate::grid::Grid;
 use crate::input::InputTable;
+use crate::integrator::{Inputs, Integrator};
 use crate::system::Batch;
 use crate::{
-    Archive, Causality, Column, Error, Experiment, FmiVersion, Instance, Interface, Kind, Log,
+    Archive, Causality, Column, Error, Experiment, FmiVersion, Instance, Interface, InterfaceType, Kind, Log,
     ModelDescription, Recording, Step, Value, Variable,
 };
 use std::time::Instant;
@@ -19,6 +20,12 @@ pub struct Options {
     pub step: Option<f64>,
     /// Parameters and inputs to set, as name and text, see [`ModelDescription::parse_value`].
     pub sets: Vec<(String, String)>,
+    /// The interface type; else Co-Simulation where the FMU has it, else Model Exchange.
+    pub interface: Option<InterfaceType>,
+    /// Relative tolerance: given to the FMU, and kept in Model Exchange; else that of the default experiment, else 1e-6.
+    pub tolerance: Option<f64>,
+    /// Further variables to record.
+    pub records: Vec<String>,
     /// Inputs over time.
     pub input: Option<InputTable>,
     /// Set the derivatives of continuous inputs of FMI 2 FMUs that take them; otherwise inputs are constant during a step.
@@ -34,6 +41,9 @@ impl Default for Options {
             stop: None,
             step: None,
             sets: Vec::new(),
+            interface: None,
+            tolerance: None,
+            records: Vec::new(),
             input: None,
             input_slopes: true,
             log: Log::new(),
@@ -58,13 +68,14 @@ pub fn simulate(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Recording, Error> {
     let description = archive.description();
-    let interface = description.co_simulation().cloned().unwrap_or_default();
+    let kind = chosen(description, options);
+    let interface = description.interface(kind).cloned().unwrap_or_default();
     let sets = checked_sets(description, options)?;
     let grid = grid(description, &interface, options)?;
 
     let begun = Instant::now();
-    let mut instance = Instance::instantiate(archive, &description.model_name, options.log.clone())?;
-    let tolerance = description.default_experiment.tolerance;
+    let mut instance = Instance::instantiate_as(archive, &description.model_name, options.log.clone(), kind)?;
+    let tolerance = tolerance(description, options)?;
     initialise(&mut instance, &sets, &Experiment { start: grid.start, stop: Some(grid.stop), tolerance })?;
     let slopes =
         options.input_slopes && description.fmi_version == FmiVersion::V2 && interface.can_interpolate_inputs;
@@ -74,14 +85,33 @@ pub fn simulate(
     }
     instance.exit_initialization()?;
 
-    let mut recorder = Recorder::new(description, &sets, grid.steps + 1)?;
+    let mut recorder = Recorder::new(description, &sets, &options.records, grid.steps + 1)?;
+    let mut integrator = None;
+    if kind == InterfaceType::ModelExchange {
+        let tolerance = tolerance.unwrap_or(TOLERANCE);
+        let reports = interface.needs_completed_step;
+        integrator = Integrator::start(&mut instance, description, grid.start, tolerance, reports)?;
+        if integrator.is_none() {
+            return Err(Error::unsupported(
+                &description.model_name,
+                "requests the end of the simulation at its start",
+            ));
+        }
+    }
     recorder.record(&mut instance, grid.start)?;
     let (steps, ended_early) = grid.run(progress, |_, t, h, end| {
-        if let Some(drive) = &mut drive {
-            drive.set_values(&mut instance, t)?;
-            drive.set_slopes(&mut instance, t, h)?;
-        }
-        if instance.do_step(t, h)? == Step::Terminated {
+        let step = match (&mut integrator, &mut drive) {
+            (Some(integrator), Some(drive)) => integrator.advance(&mut instance, end, drive)?,
+            (Some(integrator), None) => integrator.advance(&mut instance, end, &mut NoInputs)?,
+            (None, drive) => {
+                if let Some(drive) = drive {
+                    drive.set_values(&mut instance, t)?;
+                    drive.set_slopes(&mut instance, t, h)?;
+                }
+                instance.do_step(t, h)?
+            }
+        };
+        if step == Step::Terminated {
             return Ok(Some(t));
         }
         recorder.record(&mut instance, end)?;
@@ -100,6 +130,29 @@ pub fn simulate(
     })
 }
 
+/// Relative tolerance of Model Exchange where nobody gives one.
+const TOLERANCE: f64 = 1e-6;
+
+/// The interface type of a run.
+fn chosen(description: &ModelDescription, options: &Options) -> InterfaceType {
+    let has = |kind| description.interface(kind).is_some();
+    options.interface.unwrap_or_else(|| {
+        let exchange = !has(InterfaceType::CoSimulation) && has(InterfaceType::ModelExchange);
+        if exchange { InterfaceType::ModelExchange } else { InterfaceType::CoSimulation }
+    })
+}
+
+/// The tolerance from the options, else from the default experiment.
+fn tolerance(description: &ModelDescription, options: &Options) -> Result<Option<f64>, Error> {
+    match options.tolerance {
+        Some(tolerance) if !(tolerance > 0.0 && tolerance < 1.0) => {
+            Err(Error::option("tolerance", tolerance, "must be above 0 and below 1"))
+        }
+        Some(tolerance) => Ok(Some(tolerance)),
+        None => Ok(description.default_experiment.tolerance.filter(|t| *t > 0.0 && *t < 1.0)),
+    }
+}
+
 /// The communication points of a run, from the options, else from the default experiment.
 fn grid(description: &ModelDescription, interface: &Interface, options: &Options) -> Result<Grid, Error> {
     let default = &description.default_experiment;
@@ -110,7 +163,7 @@ fn grid(description: &ModelDescription, interface: &Interface, options: &Options
         Some(fixed) if fixed > 0.0 => fixed * (span / 500.0 / fixed).round().max(1.0),
         _ => span / 500.0,
     };
-    let rigid = !interface.can_handle_variable_step && description.co_simulation().is_some();
+    let rigid = !interface.can_handle_variable_step && interface.kind == InterfaceType::CoSimulation;
     Grid::new(start, stop, step, fallback, rigid.then_some(description.model_name.as_str()))
 }
 
@@ -194,6 +247,24 @@ impl<'a> Drive<'a> {
         Ok(())
     }
 
+    fn set_group(
+        &mut self,
+        instance: &mut Instance,
+        place: usize,
+        t: f64,
+        before: bool,
+    ) -> Result<(), Error> {
+        let group = &mut self.groups[place];
+        for (value, column) in group.values.iter_mut().zip(&group.slots) {
+            *value = if before {
+                self.table.before(*column, t, self.slack)
+            } else {
+                self.table.after(*column, t, self.slack)
+            };
+        }
+        instance.set_number(group.kind, &group.vrs, &group.values)
+    }
+
     /// The mean derivative over the step: the input meets the table at both ends of the step.
     fn set_slopes(&mut self, instance: &mut Instance, t: f64, h: f64) -> Result<(), Error> {
         let Some(group) = &mut self.slopes else { return Ok(()) };
@@ -203,6 +274,57 @@ impl<'a> Drive<'a> {
             *slope = (to - from) / h;
         }
         instance.set_input_derivatives(&group.vrs, &group.values)
+    }
+}
+
+impl Inputs for Drive<'_> {
+    fn set_continuous(&mut self, instance: &mut Instance, from: f64, t: f64) -> Result<(), Error> {
+        for place in 0..self.groups.len() {
+            // Kinds are the same for all of a group; floats that are not continuous are few and constant here.
+            if self.groups[place].kind.is_float() {
+                self.set_group(instance, place, t, t > from)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn set_all(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
+        self.set_values(instance, t)
+    }
+
+    fn next_break(&self, t: f64) -> Option<f64> {
+        let times = self.table.times();
+        times.get(times.partition_point(|x| *x <= t)).copied()
+    }
+
+    fn jumps(&self, t: f64) -> bool {
+        let columns = 0..self.table.columns().len();
+        let jump = |c: usize| {
+            self.table.before(c, t, self.slack).to_bits() != self.table.after(c, t, self.slack).to_bits()
+        };
+        self.next_break(t - self.slack).is_some_and(|row| row <= t + self.slack)
+            && columns.into_iter().any(jump)
+    }
+}
+
+/// A run without inputs over time.
+struct NoInputs;
+
+impl Inputs for NoInputs {
+    fn set_continuous(&mut self, _: &mut Instance, _: f64, _: f64) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn set_all(&mut self, _: &mut Instance, _: f64) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn next_break(&self, _: f64) -> Option<f64> {
+        None
+    }
+
+    fn jumps(&self, _: f64) -> bool {
+        false
     }
 }
 
@@ -219,8 +341,12 @@ impl Recorder {
     pub(crate) fn new(
         description: &ModelDescription,
         sets: &[(&Variable, Value)],
+        records: &[String],
         rows: usize,
     ) -> Result<Self, Error> {
+        let further = records.iter().map(|name| description.recordable(name));
+        let further = further.collect::<Result<Vec<_>, _>>()?;
+        let outputs = description.outputs().filter(|v| !further.iter().any(|f| f.name == v.name));
         let size_of = |reference: u32| {
             sets.iter().find_map(|(variable, value)| match value {
                 Value::Integer(n)
@@ -235,7 +361,7 @@ impl Recorder {
         let mut recorder =
             Self { times: Vec::new(), columns: Vec::new(), groups: Vec::new(), integers: Vec::new() };
         let mut complete = recorder.times.try_reserve_exact(rows).is_ok();
-        for variable in description.outputs().filter(|v| v.kind.is_numeric()) {
+        for variable in outputs.chain(further.iter().copied()).filter(|v| v.kind.is_numeric()) {
             let count = description.element_count(variable, &size_of);
             if count == 0 {
                 continue;

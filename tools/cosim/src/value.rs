@@ -54,6 +54,23 @@ impl ModelDescription {
         Err(Error::unsupported(name, reason))
     }
 
+    /// The numeric variable called `name`, of any causality.
+    ///
+    /// # Errors
+    /// [`Error::UnknownVariable`], [`Error::Unsupported`] for one that is no number.
+    pub(crate) fn recordable(&self, name: &str) -> Result<&Variable, Error> {
+        let unknown = || Error::UnknownVariable {
+            name: name.to_owned(),
+            model: self.model_name.clone(),
+            near: nearest(name, self.variables.iter().map(|v| v.name.as_str())),
+        };
+        let variable = self.variable(name).ok_or_else(unknown)?;
+        if variable.kind.is_numeric() {
+            return Ok(variable);
+        }
+        Err(Error::unsupported(name, "cannot be recorded: it is not a number"))
+    }
+
     /// `text` as a value of `variable`, within its limits.
     ///
     /// # Errors

@@ -38,6 +38,8 @@ fn read(xml: &Xml) -> Result<ModelDescription, Fault> {
         fmi_version: version,
         enumerations: model.types.iter().filter_map(|t| enumeration(xml, t)).collect::<Result<_, _>>()?,
         variables: model.variables.iter().map(|v| variable(&model, v)).collect::<Result<_, _>>()?,
+        state_count: model.structure.derivatives.len(),
+        indicator_count: xml.number(root, "numberOfEventIndicators")?.unwrap_or(0),
         output_dependencies: model
             .structure
             .outputs

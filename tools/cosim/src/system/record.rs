@@ -34,7 +34,7 @@ impl Record {
             let description = parts.description(index);
             let sets: Vec<(&Variable, Value)> =
                 sets.iter().map(|(v, value)| (&description.variables[*v], value.clone())).collect();
-            recorders.push(Recorder::new(description, &sets, rows)?);
+            recorders.push(Recorder::new(description, &sets, &[], rows)?);
         }
         Ok(Self {
             recorders,
