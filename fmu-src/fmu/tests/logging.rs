@@ -142,7 +142,7 @@ fn categories_are_honoured() {
     }
 }
 
-/// Why no instance is made is told without logging, because nothing could enable it.
+/// Why no instance is made is logged although logging is off, because nothing could enable it.
 #[test]
 fn a_failed_instantiation_says_why() {
     let seen = [vr("drive_mode")];

@@ -12,7 +12,7 @@ use std::time::Duration;
 /// The time limit of a call of an FMU (s); a step of a large model may take minutes.
 pub const PATIENCE: &str = "300";
 
-/// What the child process tells.
+/// A message of the child process.
 #[derive(Debug, Serialize, Deserialize)]
 enum Event {
     /// Text for standard output.
@@ -84,7 +84,7 @@ pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
     failure.map_or(Ok(ExitCode::from(code)), |sentence| Err(Failure::new(sentence)))
 }
 
-/// The child process: runs the command and tells the parent everything.
+/// The child process: runs the command and reports everything to the parent.
 pub fn work(args: &WorkArgs) -> Result<ExitCode, Failure> {
     let channel = cosim::child::enter()?;
     let _ = PARENT.set(channel);
@@ -120,7 +120,7 @@ pub fn complain(text: &str) {
     }
 }
 
-/// Tells the fraction that is done.
+/// Reports the fraction that is done.
 pub fn progress(share: f64) {
     send(Event::Progress(share));
 }

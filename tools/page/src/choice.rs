@@ -1,4 +1,4 @@
-//! What a reader of the page chooses: motor, cooling, surroundings and load, in the units of the controls.
+//! What a reader of the page chooses: motor, cooling, ambient and load, in the units of the controls.
 
 use describe::Preset;
 use serde::Deserialize;
@@ -78,7 +78,7 @@ impl Choice {
     }
 
     /// Cooling and ambient as settings.
-    pub fn surroundings(&self) -> Vec<(String, String)> {
+    pub fn ambient(&self) -> Vec<(String, String)> {
         let mut sets = vec![
             ("fan_command".to_owned(), self.fan.to_string()),
             ("ambient_temperature".to_owned(), (self.ambient + ZERO_CELSIUS).to_string()),
@@ -94,7 +94,7 @@ impl Choice {
     /// # Errors
     /// One sentence naming preset, variable, value and limits.
     pub fn bench(&self) -> Result<Bench, StudyError> {
-        let mut sets = self.surroundings();
+        let mut sets = self.ambient();
         for (name, value) in [("drive_mode", "current"), ("mechanical_mode", "imposed_speed")] {
             sets.push((name.to_owned(), value.to_owned()));
         }

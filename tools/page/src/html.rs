@@ -14,8 +14,8 @@ const STYLE: &str = include_str!("controls.css");
 /// A number that the reader chooses: key of the state, label, unit, start, least, most, step.
 type Number = (&'static str, &'static str, &'static str, f64, f64, f64, f64);
 
-/// Numbers about motor and surroundings.
-const SURROUNDINGS: [Number; 3] = [
+/// Numbers about motor and ambient.
+const AMBIENT: [Number; 3] = [
     ("fan", "Fan speed", "of full speed", 0.0, 0.0, 1.0, 0.05),
     ("ambient", "Ambient temperature", "°C", 25.0, -40.0, 100.0, 1.0),
     ("voltage", "Supply voltage", "V", 24.0, 0.5, 600.0, 0.5),
@@ -98,7 +98,7 @@ pub fn page(wasm: &[u8]) -> Result<String, StudyError> {
             fieldset { legend { "Motor and cooling" }
                 (choice("motor", "Motor", &motors))
                 (choice("cooling", "Cooling", &cooling))
-                @for row in SURROUNDINGS { (number(row)) }
+                @for row in AMBIENT { (number(row)) }
             }
             fieldset { legend { "Load" }
                 (choice("load", "Kind of load", &loads))

@@ -13,7 +13,7 @@ use study::walk::{Load, continuous_support, walk};
 /// # Errors
 /// One sentence naming variable, value and limits.
 pub fn load(choice: &Choice, gait: &Gait) -> Result<Load, StudyError> {
-    let mut sets = choice.surroundings();
+    let mut sets = choice.ambient();
     let number = |name: &str, value: f64| (name.to_owned(), value.to_string());
     sets.extend([
         ("drive_mode".to_owned(), "current".to_owned()),

@@ -77,7 +77,7 @@ fn pipes() -> io::Result<(File, File)> {
     Ok((from_parent, to_parent))
 }
 
-/// Tells the parent the name and the archive of an instance, if there is a parent.
+/// Reports the name and the archive of an instance to the parent, if there is a parent.
 pub(crate) fn announce(instance: u16, name: &str, file: &Path) {
     let clean = |text: &str| text.replace(['\t', '\n', '\r'], " ");
     send('i', &format!("{instance}\t{}\t{}", clean(name), clean(&file.to_string_lossy())));

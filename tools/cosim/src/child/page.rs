@@ -1,7 +1,7 @@
 //! Memory that parent and child share: in which call of an FMU the child is.
 //!
 //! One word: a counter of calls (32 bits), the number of the instance (15 bits), whether the call lasts (1 bit), the function (16 bits,
-//! of which the uppermost tells the standard). Before and after each call it is written once; nothing else is done for a call.
+//! of which the uppermost is the standard). Before and after each call it is written once; nothing else is done for a call.
 use crate::raw::function_name;
 use crate::{FmiVersion, number};
 use memmap2::{MmapOptions, MmapRaw};

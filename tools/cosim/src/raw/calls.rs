@@ -19,7 +19,7 @@ impl RawState {
     }
 }
 
-/// The experiment that an FMU is told of before initialization.
+/// The experiment that is set before initialization.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Experiment {
     /// Start time (s).
