@@ -71,13 +71,17 @@ impl Mix {
         mut look: impl FnMut(&Walker, f64) -> Result<(), StudyError>,
     ) -> Result<Periodic, StudyError> {
         let mut whole = Periodic { winding_temperature: f64::NEG_INFINITY, ..Periodic::default() };
+        let mut known = true;
         for phase in &mut self.phases {
             phase.walker.put_temperatures(&self.temperatures);
             let found = follow(&mut phase.walker, phase.fraction * self.period, f64::INFINITY)?;
             whole.add(&found.mean, phase.fraction);
+            known &= found.mean.voltage_peak.is_some();
             look(&phase.walker, phase.fraction)?;
             self.temperatures = phase.walker.temperatures();
         }
+        // A peak of some phases alone is none of the mix.
+        whole.voltage_peak = whole.voltage_peak.filter(|_| known);
         Ok(whole.finished())
     }
 
