@@ -17,7 +17,7 @@ MOTOR_TERMINALS = ["electrical", "shaft", "heat"]
 TERMINALS = {
     "AnnulusCooledMotor": MOTOR_TERMINALS,
     "BrushedGearmotor": MOTOR_TERMINALS,
-    "SeriesElasticActuator": ["motor", "joint", "supply"],
+    "SeriesElasticActuator": ["motor", "drive", "joint", "supply"],
     "GaitLoad": ["joint"],
 }
 # An output of each that is far from zero at the end of a second.
@@ -90,8 +90,11 @@ def test_the_page_s_script_runs(packed, monkeypatch, tmp_path):
 
 
 def test_licences_are_there(packed):
-    _, fmi, _, files = packed
-    folder = "licenses" if fmi == 2 else "documentation/licenses"
+    _, _, _, files = packed
+    folder = "documentation/licenses"
+    root = ElementTree.fromstring(files["modelDescription.xml"])
+    assert root.get("license") == "MIT AND CC0-1.0 AND LicenseRef-CC-BY-SA" and root.get("author") and root.get("copyright")
+    assert not [name for name in files if name.startswith("licenses")]
     assert files[f"{folder}/license.txt"] == (paths.ROOT / "LICENSE").read_bytes()
     third = files[f"{folder}/third-party.txt"].decode()
     licences = files[f"{folder}/gait-data.txt"].decode()
@@ -104,16 +107,13 @@ def test_the_icon_is_a_picture(packed):
     _, fmi, _, files = packed
     png = files["model.png" if fmi == 2 else "terminalsAndIcons/icon.png"]
     assert png.startswith(b"\x89PNG\r\n\x1a\n") and struct.unpack(">II", png[16:24]) == (200, 200)
-    if fmi == 3:
-        ElementTree.fromstring(files["terminalsAndIcons/icon.svg"])
+    ElementTree.fromstring(files["terminalsAndIcons/icon.svg"])
 
 
 def test_terminals_name_variables_of_the_model(packed):
-    model, fmi, _, files = packed
-    if fmi == 2:
-        assert not [name for name in files if name.startswith("terminalsAndIcons")], "FMI 2 has none"
-        return
+    model, _, _, files = packed
     terminals = ElementTree.fromstring(files["terminalsAndIcons/terminalsAndIcons.xml"])
+    assert all(t.get("terminalKind") for t in terminals.iter("Terminal"))
     causalities = {v.get("name"): v.get("causality") for v in ElementTree.fromstring(files["modelDescription.xml"]).find("ModelVariables")}
     assert [t.get("name") for t in terminals.iter("Terminal")] == TERMINALS[model]
     for member in terminals.iter("TerminalMemberVariable"):

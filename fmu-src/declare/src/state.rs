@@ -60,6 +60,12 @@ impl State {
         self
     }
 
+    /// A state that grows without limit.
+    pub const fn unbounded(mut self) -> State {
+        self.value = self.value.unbounded();
+        self
+    }
+
     /// An array of states.
     pub const fn elements(mut self, elements: Elements) -> State {
         self.elements = elements;

@@ -64,6 +64,44 @@ macro_rules! units {
 }
 
 impl Unit {
+    /// The physical quantity, with the names of Modelica.Units.SI; none for a coefficient without a name.
+    pub const fn quantity(self) -> Option<&'static str> {
+        Some(match self {
+            Unit::Second => "Time",
+            Unit::Hertz => "Frequency",
+            Unit::Volt => "ElectricPotential",
+            Unit::Ampere => "ElectricCurrent",
+            Unit::Ohm => "Resistance",
+            Unit::Henry => "Inductance",
+            Unit::Kelvin => "ThermodynamicTemperature",
+            Unit::PerKelvin => "LinearTemperatureCoefficient",
+            Unit::Radian => "Angle",
+            Unit::RadianPerSecond => "AngularVelocity",
+            Unit::RadianPerSquareSecond => "AngularAcceleration",
+            Unit::NewtonMetre => "Torque",
+            Unit::NewtonMetrePerAmpere => "ElectricalTorqueConstant",
+            Unit::NewtonMetrePerRadian => "RotationalSpringConstant",
+            Unit::NewtonMetreSecond => "RotationalDampingConstant",
+            Unit::KilogramSquareMetre => "MomentOfInertia",
+            Unit::Kilogram => "Mass",
+            Unit::Watt => "Power",
+            Unit::Joule => "Energy",
+            Unit::WattPerKelvin => "ThermalConductance",
+            Unit::KelvinPerWatt => "ThermalResistance",
+            Unit::KelvinPerSecond => "TemperatureSlope",
+            Unit::JoulePerKelvin => "HeatCapacity",
+            Unit::JoulePerKilogramKelvin => "SpecificHeatCapacity",
+            Unit::WattPerMetreKelvin => "ThermalConductivity",
+            Unit::WattPerSquareMetreKelvin => "CoefficientOfHeatTransfer",
+            Unit::Metre => "Length",
+            Unit::SquareMetre => "Area",
+            Unit::CubicMetrePerSecond => "VolumeFlowRate",
+            Unit::Pascal => "Pressure",
+            Unit::KilogramPerCubicMetre => "Density",
+            _ => return None,
+        })
+    }
+
     /// The unit of the derivative with respect to time.
     ///
     /// # Panics

@@ -124,6 +124,8 @@ pub struct Variable {
     pub scale: Scale,
     /// True for a temperature difference: no offset in degrees Celsius.
     pub relative: bool,
+    /// True for a variable that grows without limit during a simulation, far beyond its nominal value.
+    pub unbounded: bool,
     /// True for an input that saturates: a finite value beyond the limits acts as the limit.
     pub saturates: bool,
     /// Description with sign convention.
@@ -156,6 +158,7 @@ impl Variable {
             scale: Scale::Linear,
             relative: false,
             saturates: false,
+            unbounded: false,
             doc: "",
             source: "",
         }
@@ -253,6 +256,12 @@ impl Variable {
     /// A temperature difference.
     pub const fn difference(mut self) -> Variable {
         self.relative = true;
+        self
+    }
+
+    /// A variable that grows without limit.
+    pub const fn unbounded(mut self) -> Variable {
+        self.unbounded = true;
         self
     }
 

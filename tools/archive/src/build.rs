@@ -164,10 +164,11 @@ fn entries(
 ) -> Vec<File> {
     let declaration = (kind.declaration)();
     let name = declaration.name;
-    let (description, licenses) = match standard {
-        Standard::Fmi2 => (fmi2::model_description(declaration, starts, found), "licenses"),
-        Standard::Fmi3 => (fmi3::model_description(declaration, starts, found), "documentation/licenses"),
+    let description = match standard {
+        Standard::Fmi2 => fmi2::model_description(declaration, starts, found),
+        Standard::Fmi3 => fmi3::model_description(declaration, starts, found),
     };
+    let licenses = "documentation/licenses";
     let mut files = vec![file("modelDescription.xml", description)];
     for (platform, bytes) in binaries {
         let folder = if standard == Standard::Fmi2 { platform.fmi2 } else { platform.tuple };
@@ -177,17 +178,16 @@ fn entries(
     files.push(file(format!("{licenses}/license.txt"), include_str!("../../../LICENSE")));
     files.push(file(format!("{licenses}/third-party.txt"), THIRD_PARTY));
     files.push(file(format!("{licenses}/gait-data.txt"), GAIT_DATA));
-    match standard {
-        Standard::Fmi2 => files.push(file("model.png", ICON_PNG)),
-        Standard::Fmi3 => {
-            let entry = |name: &str, bytes: &[u8]| file(format!("{}/{name}", terminals::FOLDER), bytes);
-            files.extend([
-                entry("terminalsAndIcons.xml", terminals::document(declaration).as_bytes()),
-                entry("icon.png", ICON_PNG),
-                entry("icon.svg", ICON_SVG),
-            ]);
-        }
+    if standard == Standard::Fmi2 {
+        files.push(file("model.png", ICON_PNG));
     }
+    // FMI 2.0.4 and later take the folder over from FMI 3.0 (FMI 2.0.5 section 2.3).
+    let entry = |name: &str, bytes: &[u8]| file(format!("{}/{name}", terminals::FOLDER), bytes);
+    files.extend([
+        entry("terminalsAndIcons.xml", terminals::document(declaration).as_bytes()),
+        entry("icon.png", ICON_PNG),
+        entry("icon.svg", ICON_SVG),
+    ]);
     files.extend(common.iter().map(|(name, bytes)| file(name.as_str(), bytes.as_slice())));
     files
 }

@@ -17,8 +17,8 @@ pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
     let terminals = terminals::of(declaration);
     let terminals = terminals.iter().map(|terminal| {
         let members: Vec<String> =
-            terminal.members.iter().map(|(variable, kind)| format!("{variable} ({kind})")).collect();
-        vec![Cell::Code(terminal.name.into()), terminal.what.into(), Cell::Code(members.join(", "))]
+            terminal.members.iter().map(|member| format!("{} ({})", member.variable, member.kind)).collect();
+        vec![Cell::Code(terminal.name.clone()), terminal.what.as_str().into(), Cell::Code(members.join(", "))]
     });
     let behaviour = figures::of(native).into_iter().map(|f| Plate::new("behaviour", f.figure, f.caption));
     let body = html! {

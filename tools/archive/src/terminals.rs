@@ -1,56 +1,57 @@
-//! Which variables belong together where a model is connected: `terminalsAndIcons.xml` of FMI 3.
+//! Which variables belong together where a model is connected: `terminalsAndIcons.xml` of both standards.
 
+use describe::Declaration;
 use describe::xml::{self, Attributes, element, empty};
-use describe::{Causality, Declaration};
 use serde::Deserialize;
 use std::sync::LazyLock;
 
 /// The folder in the archive.
 pub const FOLDER: &str = "terminalsAndIcons";
 
-/// A variable, and its kind at its terminal.
-type Member = (String, String);
-
-/// A place where a model may be connected.
+/// A variable at a terminal; an array in the file.
 #[derive(Deserialize)]
-struct Place {
-    name: String,
-    /// The variable of the models that have it.
-    of: String,
-    what: String,
-    members: Vec<Member>,
+#[serde(from = "(String, String, String)")]
+pub struct Member {
+    /// Name of the variable.
+    pub variable: String,
+    /// Name that is matched between terminals.
+    pub name: String,
+    /// `signal`, `inflow` or `outflow`.
+    pub kind: String,
 }
 
-#[derive(Deserialize)]
-struct Places {
-    place: Vec<Place>,
+impl From<(String, String, String)> for Member {
+    fn from((variable, name, kind): (String, String, String)) -> Member {
+        Member { variable, name, kind }
+    }
 }
-
-static PLACES: LazyLock<Vec<Place>> = LazyLock::new(|| {
-    toml::from_str::<Places>(include_str!("terminals.toml")).expect("the tests read this file").place
-});
 
 /// A terminal of a model.
+#[derive(Deserialize)]
 pub struct Terminal {
+    model: String,
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
+    /// Terminals of the same kind match.
+    kind: String,
     /// What it is.
-    pub what: &'static str,
-    /// The variables that the model has of it, each with its kind.
-    pub members: Vec<&'static Member>,
+    pub what: String,
+    /// Its variables.
+    pub members: Vec<Member>,
 }
 
-/// The terminals of a model, with the members that it has.
-pub fn of(declaration: &Declaration) -> Vec<Terminal> {
-    let connects = |name: &str| {
-        let entry = declaration.by_name(name);
-        entry.is_some_and(|e| e.row.causality != Causality::Parameter)
-    };
-    let with_members = |place: &'static Place| {
-        let members = place.members.iter().filter(|(variable, _)| connects(variable)).collect();
-        connects(&place.of).then_some(Terminal { name: &place.name, what: &place.what, members })
-    };
-    PLACES.iter().filter_map(with_members).collect()
+#[derive(Deserialize)]
+struct Terminals {
+    terminal: Vec<Terminal>,
+}
+
+static TERMINALS: LazyLock<Vec<Terminal>> = LazyLock::new(|| {
+    toml::from_str::<Terminals>(include_str!("terminals.toml")).expect("the tests read this file").terminal
+});
+
+/// The terminals of a model.
+pub fn of(declaration: &Declaration) -> Vec<&'static Terminal> {
+    TERMINALS.iter().filter(|terminal| terminal.model == declaration.name).collect()
 }
 
 /// terminalsAndIcons.xml: the icon, and the terminals on its edges.
@@ -71,14 +72,20 @@ pub fn document(declaration: &Declaration) -> String {
         }
         element(xml, "Terminals", &vec![], |xml| {
             terminals.iter().try_for_each(|terminal| {
-                let attributes =
-                    [("name", terminal.name), ("matchingRule", "bus"), ("description", terminal.what)];
+                let attributes = [
+                    ("name", terminal.name.as_str()),
+                    ("matchingRule", "bus"),
+                    ("terminalKind", &terminal.kind),
+                    ("description", &terminal.what),
+                ];
                 element(xml, "Terminal", &texts(&attributes), |xml| {
-                    terminal.members.iter().try_for_each(|(variable, kind)| {
-                        let member =
-                            [("variableName", variable), ("memberName", variable), ("variableKind", kind)];
-                        let member = member.map(|(name, value)| (name, value.as_str()));
-                        empty(xml, "TerminalMemberVariable", &texts(&member))
+                    terminal.members.iter().try_for_each(|member| {
+                        let attributes = [
+                            ("variableName", member.variable.as_str()),
+                            ("memberName", &member.name),
+                            ("variableKind", &member.kind),
+                        ];
+                        empty(xml, "TerminalMemberVariable", &texts(&attributes))
                     })
                 })
             })
@@ -89,29 +96,68 @@ pub fn document(declaration: &Declaration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use describe::models;
+    use describe::{Causality, models};
 
-    #[test]
-    fn every_member_is_somewhere_a_variable() {
-        for (variable, _) in PLACES.iter().flat_map(|place| &place.members) {
-            let known = models::ALL
-                .iter()
-                .any(|m| of((m.declaration)()).iter().any(|t| t.members.iter().any(|m| m.0 == *variable)));
-            assert!(known, "{variable}");
-        }
+    fn terminal(model: &str, name: &str) -> (&'static Declaration, &'static Terminal) {
+        let declaration = (models::by_name(model).unwrap().declaration)();
+        (declaration, of(declaration).into_iter().find(|terminal| terminal.name == name).unwrap())
     }
 
     #[test]
-    fn every_model_has_its_terminals() {
+    fn every_model_has_terminals_of_inputs_and_outputs() {
         for kind in models::ALL {
             let declaration = (kind.declaration)();
-            let names: Vec<_> = of(declaration).iter().map(|t| t.name).collect();
-            let expected: &[&str] = match declaration.name {
-                "SeriesElasticActuator" => &["motor", "joint", "supply"],
-                "GaitLoad" => &["joint"],
-                _ => &["electrical", "shaft", "heat"],
-            };
-            assert_eq!(names, expected, "{}", declaration.name);
+            assert!(!of(declaration).is_empty());
+            for member in of(declaration).iter().flat_map(|terminal| &terminal.members) {
+                let entry = declaration.by_name(&member.variable);
+                let causality = entry.map(|entry| entry.row.causality);
+                assert!(
+                    matches!(causality, Some(Causality::Input | Causality::Output)),
+                    "{}",
+                    member.variable
+                );
+                assert!(["signal", "inflow", "outflow"].contains(&member.kind.as_str()));
+            }
+        }
+    }
+
+    /// Members of one name connect an output with an input of the same unit, and a flow out of one model flows into the other.
+    #[test]
+    fn terminals_of_one_kind_connect_by_member_names() {
+        let shaft = ["angle", "speed", "torque"];
+        for ([one, at], [other, there], names) in [
+            (["AnnulusCooledMotor", "shaft"], ["SeriesElasticActuator", "motor"], &shaft[..]),
+            (["BrushedGearmotor", "shaft"], ["SeriesElasticActuator", "motor"], &shaft),
+            (
+                ["AnnulusCooledMotor", "electrical"],
+                ["SeriesElasticActuator", "drive"],
+                &["voltage", "current_command", "current", "power"],
+            ),
+            (
+                ["SeriesElasticActuator", "joint"],
+                ["GaitLoad", "joint"],
+                &["angle", "speed", "torque_demand", "torque"],
+            ),
+        ] {
+            let ((one, here), (other, there)) = (terminal(one, at), terminal(other, there));
+            assert_eq!(here.kind, there.kind);
+            let mut matched = Vec::new();
+            for a in &here.members {
+                let Some(b) = there.members.iter().find(|b| b.name == a.name) else { continue };
+                let row = |declaration: &Declaration, member: &Member| {
+                    declaration.by_name(&member.variable).unwrap().row
+                };
+                let (left, right) = (row(one, a), row(other, b));
+                assert_eq!(left.unit, right.unit, "{}", a.name);
+                assert_ne!(left.causality, right.causality, "{}", a.name);
+                let kinds = [a.kind.as_str(), b.kind.as_str()];
+                assert!(matches!(
+                    kinds,
+                    ["signal", "signal"] | ["inflow", "outflow"] | ["outflow", "inflow"]
+                ));
+                matched.push(a.name.as_str());
+            }
+            assert_eq!(matched, names);
         }
     }
 }

@@ -25,6 +25,11 @@ pub use preset::{Preset, StartValues};
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Name of the generation tool.
 pub const TOOL: &str = concat!("motor-fmu ", env!("CARGO_PKG_VERSION"));
+/// Authors, as in the file LICENSE.
+pub const AUTHOR: &str = "the motor-fmu authors";
+/// Licences as an SPDX expression: the code, the gait data of adults, the gait data of children (whose source names no version of
+/// CC-BY-SA). The folder documentation/licenses has their texts and those of third-party libraries.
+pub const LICENSE: &str = "MIT AND CC0-1.0 AND LicenseRef-CC-BY-SA";
 /// Step size of the default experiment, s.
 pub const DEFAULT_STEP: f64 = 1e-3;
 /// Stop time of the default experiment, s.

@@ -43,7 +43,9 @@ fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
         _ => starts.of(entry).to_string(),
     };
     let limits = match row.kind {
-        Kind::Enumeration(t) => t.items.iter().map(|i| i.name).collect::<Vec<_>>().join(", "),
+        Kind::Enumeration(t) => {
+            t.items.iter().map(|i| format!("{} = {}", i.value, i.name)).collect::<Vec<_>>().join(", ")
+        }
         Kind::Boolean => "true, false".to_string(),
         Kind::Real | Kind::Integer if row.min.is_finite() => format!("{} ... {}", row.min, row.max),
         Kind::Real | Kind::Integer => String::new(),

@@ -52,7 +52,9 @@ pub(crate) fn root(version: &str, token_name: &'static str, declaration: &Declar
         (token_name, declaration.token.clone()),
         ("description", declaration.description.to_string()),
         ("version", crate::VERSION.to_string()),
-        ("license", "MIT".to_string()),
+        ("author", crate::AUTHOR.to_string()),
+        ("copyright", format!("Copyright (c) 2026 {}", crate::AUTHOR)),
+        ("license", crate::LICENSE.to_string()),
         ("generationTool", crate::TOOL.to_string()),
         ("variableNamingConvention", "structured".to_string()),
     ]
@@ -210,6 +212,11 @@ fn number(value: f64) -> String {
 pub(crate) fn real_attributes(entry: &Entry, starts: &StartValues) -> Attributes {
     let row = entry.row;
     let mut attributes = vec![("unit", row.unit.name().to_string())];
+    let quantity = if row.relative { Some("TemperatureDifference") } else { row.unit.quantity() };
+    attributes.extend(quantity.map(|quantity| ("quantity", quantity.to_string())));
+    if row.unbounded {
+        attributes.push(("unbounded", "true".to_string()));
+    }
     if let Some(shown) = row.unit.display() {
         attributes.push(("displayUnit", shown.name.to_string()));
     }

@@ -11,7 +11,7 @@ states! {
         /// Speed of the shaft; constant where it is imposed (mechanical_mode imposed_speed)
         "state.shaft_speed" = State::new(702, 802, Unit::RadianPerSecond).nominal(1000.0),
         /// Angle of the shaft, initial.shaft_angle at the start
-        "state.shaft_angle" = State::new(703, 803, Unit::Radian).nominal(100.0),
+        "state.shaft_angle" = State::new(703, 803, Unit::Radian).unbounded().nominal(100.0),
         /// Mean temperature of the winding
         "state.winding_temperature" = State::new(704, 804, Unit::Kelvin).nominal(300.0),
         /// Temperature of the stator, or of the whole housing where it has no segments
@@ -25,11 +25,11 @@ states! {
         /// Excess of each phase over the mean winding temperature; constant in commutation equivalent_dc
         "state.phase_excess" = State::new(710, 810, Unit::Kelvin).difference().elements(Elements::Fixed(3)),
         /// Energy supplied since the start: at the terminals, and as heat_power
-        "state.energy_electrical" = State::new(714, 814, Unit::Joule).nominal(1000.0),
+        "state.energy_electrical" = State::new(714, 814, Unit::Joule).unbounded().nominal(1000.0),
         /// Mechanical energy to the load since the start
-        "state.energy_mechanical" = State::new(715, 815, Unit::Joule).nominal(1000.0),
+        "state.energy_mechanical" = State::new(715, 815, Unit::Joule).unbounded().nominal(1000.0),
         /// Heat to ambient and coolant since the start, fan power excluded
-        "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).nominal(1000.0),
+        "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).unbounded().nominal(1000.0),
         /// Temperature of each segment of the housing, from the air inlet on; constant in cooling_mode
         /// conductance, except the first with effect.stator_node, which is then the whole housing
         "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0)

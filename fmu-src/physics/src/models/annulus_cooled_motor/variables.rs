@@ -101,7 +101,7 @@ variables! {
         /// Current in the winding
         current: f64 = Variable::output(20, Unit::Ampere).nominal(5.0),
         /// Angle of the shaft, initial.shaft_angle at the start
-        shaft_angle: f64 = Variable::output(21, Unit::Radian).nominal(100.0),
+        shaft_angle: f64 = Variable::output(21, Unit::Radian).unbounded().nominal(100.0),
         /// Speed of the shaft
         shaft_speed: f64 = Variable::output(22, Unit::RadianPerSecond).nominal(1000.0),
         /// Torque of the shaft on the load (mechanical_mode imposed_speed: without the rotor's inertia)
@@ -159,11 +159,11 @@ variables! {
         /// Power balance residual
         power_balance_error: f64 = Variable::output(40, Unit::Watt),
         /// Energy supplied since the start: at the terminals, and as heat_power
-        energy_electrical: f64 = Variable::output(45, Unit::Joule).nominal(1000.0),
+        energy_electrical: f64 = Variable::output(45, Unit::Joule).unbounded().nominal(1000.0),
         /// Mechanical energy to the load since the start
-        energy_mechanical: f64 = Variable::output(46, Unit::Joule).nominal(1000.0),
+        energy_mechanical: f64 = Variable::output(46, Unit::Joule).unbounded().nominal(1000.0),
         /// Heat to ambient and coolant since the start, fan power excluded
-        energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).nominal(1000.0),
+        energy_heat_to_ambient: f64 = Variable::output(47, Unit::Joule).unbounded().nominal(1000.0),
         /// Energy balance residual since the start
         energy_balance_error: f64 = Variable::output(48, Unit::Joule),
         /// Temperature of the coolant at the outlet of the jacket; inlet temperature unless cooling_mode is water_jacket

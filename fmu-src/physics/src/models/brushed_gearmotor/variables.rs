@@ -26,7 +26,7 @@ variables! {
         /// Mean current in the winding
         current: f64 = Variable::output(21, Unit::Ampere),
         /// Angle of the output shaft, initial.shaft_angle at the start
-        shaft_angle: f64 = Variable::output(22, Unit::Radian).nominal(100.0),
+        shaft_angle: f64 = Variable::output(22, Unit::Radian).unbounded().nominal(100.0),
         /// Speed of the output shaft
         shaft_speed: f64 = Variable::output(23, Unit::RadianPerSecond).nominal(10.0),
         /// Torque of the output shaft on the load
@@ -54,13 +54,13 @@ variables! {
         /// Sum of the three powers: electrical power at the terminals
         power_total: f64 = Variable::output(37, Unit::Watt),
         /// Integral of power_electrical since the start
-        work_electrical: f64 = Variable::output(38, Unit::Joule).nominal(100.0),
+        work_electrical: f64 = Variable::output(38, Unit::Joule).unbounded().nominal(100.0),
         /// Integral of power_magnetic since the start: change of L I2/2
-        work_magnetic: f64 = Variable::output(39, Unit::Joule).nominal(1e-4),
+        work_magnetic: f64 = Variable::output(39, Unit::Joule).unbounded().nominal(1e-4),
         /// Integral of power_mechanical since the start
-        work_mechanical: f64 = Variable::output(40, Unit::Joule).nominal(1000.0),
+        work_mechanical: f64 = Variable::output(40, Unit::Joule).unbounded().nominal(1000.0),
         /// Sum of the three works
-        work_total: f64 = Variable::output(41, Unit::Joule).nominal(1000.0),
+        work_total: f64 = Variable::output(41, Unit::Joule).unbounded().nominal(1000.0),
         /// Power balance residual
         power_balance_error: f64 = Variable::output(42, Unit::Watt),
         /// Energy balance residual since the start
@@ -78,11 +78,11 @@ variables! {
         /// Heat flow to ambient, losses of the H-bridge included
         heat_to_ambient: f64 = Variable::output(49, Unit::Watt),
         /// Energy from the supply since the start
-        energy_supply: f64 = Variable::output(50, Unit::Joule).nominal(1000.0),
+        energy_supply: f64 = Variable::output(50, Unit::Joule).unbounded().nominal(1000.0),
         /// Mechanical energy to the load since the start
-        energy_shaft: f64 = Variable::output(51, Unit::Joule).nominal(1000.0),
+        energy_shaft: f64 = Variable::output(51, Unit::Joule).unbounded().nominal(1000.0),
         /// Heat to ambient since the start
-        energy_heat_to_ambient: f64 = Variable::output(52, Unit::Joule).nominal(1000.0),
+        energy_heat_to_ambient: f64 = Variable::output(52, Unit::Joule).unbounded().nominal(1000.0),
         /// Margin of the winding to its temperature limit thermal.T_w_max
         winding_margin: f64 = Variable::output(53, Unit::Kelvin).nominal(100.0).difference(),
         /// True while the winding is above thermal.T_w_max

@@ -26,9 +26,9 @@ variables! {
         /// Power demanded of the actuator; positive into the leg
         power_demand: f64 = Variable::output(25, Unit::Watt).nominal(100.0),
         /// Work demanded of the actuator since the start
-        energy_demand: f64 = Variable::output(26, Unit::Joule).nominal(1000.0),
+        energy_demand: f64 = Variable::output(26, Unit::Joule).unbounded().nominal(1000.0),
         /// Number of complete strides since the start
-        strides: f64 = Variable::output(27, Unit::One),
+        strides: f64 = Variable::output(27, Unit::One).unbounded(),
     }
 }
 
@@ -44,8 +44,8 @@ states! {
     /// The states, in the order of the rates.
     pub const LIST = {
         /// Strides since the start, the phase of the present one included
-        "state.stride" = State::new(701, 801, Unit::One),
+        "state.stride" = State::new(701, 801, Unit::One).unbounded(),
         /// Work demanded of the actuator since the start
-        "state.energy_demand" = State::new(702, 802, Unit::Joule).nominal(1000.0),
+        "state.energy_demand" = State::new(702, 802, Unit::Joule).unbounded().nominal(1000.0),
     }
 }

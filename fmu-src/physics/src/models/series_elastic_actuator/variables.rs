@@ -52,13 +52,13 @@ variables! {
         /// Power loss of the drive between supply and motor
         loss_drive: f64 = Variable::output(29, Unit::Watt),
         /// Energy taken from the motor's shaft since the start
-        energy_shaft: f64 = Variable::output(30, Unit::Joule).nominal(1000.0),
+        energy_shaft: f64 = Variable::output(30, Unit::Joule).unbounded().nominal(1000.0),
         /// Mechanical work at the joint since the start
-        energy_joint: f64 = Variable::output(31, Unit::Joule).nominal(1000.0),
+        energy_joint: f64 = Variable::output(31, Unit::Joule).unbounded().nominal(1000.0),
         /// Energy dissipated in transmission and springs since the start
-        energy_transmission: f64 = Variable::output(32, Unit::Joule).nominal(1000.0),
+        energy_transmission: f64 = Variable::output(32, Unit::Joule).unbounded().nominal(1000.0),
         /// Energy taken from the supply since the start
-        energy_supply: f64 = Variable::output(33, Unit::Joule).nominal(1000.0),
+        energy_supply: f64 = Variable::output(33, Unit::Joule).unbounded().nominal(1000.0),
         /// Power balance residual
         power_balance_error: f64 = Variable::output(BALANCE, Unit::Watt),
         /// Energy balance residual since the start; zero to rounding where the input speeds are the derivatives of
@@ -102,12 +102,12 @@ states! {
         /// Speed of the transmission's input shaft, with an elastic coupling
         "state.input_speed" = State::new(704, 804, Unit::RadianPerSecond).nominal(100.0),
         /// Energy taken from the motor's shaft since the start
-        "state.energy_shaft" = State::new(705, 805, Unit::Joule).nominal(1000.0),
+        "state.energy_shaft" = State::new(705, 805, Unit::Joule).unbounded().nominal(1000.0),
         /// Mechanical work at the joint since the start
-        "state.energy_joint" = State::new(706, 806, Unit::Joule).nominal(1000.0),
+        "state.energy_joint" = State::new(706, 806, Unit::Joule).unbounded().nominal(1000.0),
         /// Energy dissipated in transmission and springs since the start
-        "state.energy_transmission" = State::new(707, 807, Unit::Joule).nominal(1000.0),
+        "state.energy_transmission" = State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0),
         /// Energy taken from the supply since the start
-        "state.energy_supply" = State::new(708, 808, Unit::Joule).nominal(1000.0),
+        "state.energy_supply" = State::new(708, 808, Unit::Joule).unbounded().nominal(1000.0),
     }
 }
