@@ -1,8 +1,8 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
 use crate::outputs::Shown;
+use crate::parent;
 use crate::simulate::{is_a_number, remarks, setting, significant};
-use crate::supervised;
 use clap::ValueEnum;
 use cosim::{Algorithm, Log, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
@@ -50,7 +50,7 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     /// Time limit of one call of an FMU
-    #[arg(long, value_name = "SECONDS", default_value = supervised::PATIENCE, value_parser = crate::validate::seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = parent::PATIENCE, value_parser = crate::validate::seconds)]
     pub patience: f64,
 }
 
@@ -99,7 +99,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         every: args.every,
         log: Log::new(),
     };
-    let mut run = cosimulate(&system, &options, &mut supervised::progress)?;
+    let mut run = cosimulate(&system, &options, &mut parent::progress)?;
     let finite = is_a_number(&run.recording);
     args.shown.apply(&mut run.recording)?;
     if let Some(path) = &args.output {

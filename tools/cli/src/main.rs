@@ -6,6 +6,7 @@ mod cosim;
 mod info;
 mod manual;
 mod outputs;
+mod parent;
 mod pattern;
 mod preset;
 mod presets;
@@ -75,7 +76,7 @@ impl<E: std::error::Error> From<E> for Failure {
 
 /// Prints to stdout. A closed pipe is no failure; `print!` would panic.
 pub fn say(text: &str) {
-    if supervised::say(text) {
+    if parent::say(text) {
         return;
     }
     let _ = std::io::stdout().write_all(text.as_bytes());
@@ -84,7 +85,7 @@ pub fn say(text: &str) {
 /// Prints notes to stderr, a line each.
 pub fn remark(notes: &[String]) {
     for note in notes {
-        supervised::complain(&format!("note: {note}"));
+        parent::complain(&format!("note: {note}"));
     }
 }
 

@@ -1,9 +1,8 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
 use crate::outputs::{Shown, thin};
-use crate::supervised::{self, complain};
+use crate::parent::{self, complain};
 use cosim::{Archive, InputTable, Log, Options, Recording, Status};
-use indicatif::ProgressBar;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -60,7 +59,7 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     /// Time limit of one call of the FMU
-    #[arg(long, value_name = "SECONDS", default_value = supervised::PATIENCE, value_parser = crate::validate::seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = parent::PATIENCE, value_parser = crate::validate::seconds)]
     pub patience: f64,
 }
 
@@ -104,7 +103,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         input_slopes: !args.held_inputs,
         log: Log::new(),
     };
-    let mut recording = cosim::simulate(&archive, &options, &mut supervised::progress)?;
+    let mut recording = cosim::simulate(&archive, &options, &mut parent::progress)?;
     let finite = is_a_number(&recording);
     thin(&mut recording, args.every as usize);
     args.shown.apply(&mut recording)?;
@@ -147,11 +146,6 @@ pub fn setting(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("expected name=value".to_owned()),
     }
-}
-
-/// The bar of a simulation, in percent.
-pub fn progress_bar() -> ProgressBar {
-    crate::progress_bar(100, "simulating {wide_bar} {percent:>3} %, {eta} left")
 }
 
 /// Prints the warnings and errors of FMUs to stderr, after `prefix`; if `who` ended the simulation, the last message is the reason,

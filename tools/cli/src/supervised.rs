@@ -1,31 +1,12 @@
 //! `simulate` and `cosim` in a child process: a crash, an end of the process or a call that does not return becomes one sentence.
+use crate::parent::{self, Event};
 use crate::{Cli, Command, Failure, simulate};
 use clap::Parser;
-use cosim::child::{Call, Channel, Ending, Work, supervise};
-use serde::{Deserialize, Serialize};
+use cosim::child::{Call, Ending, Work, supervise};
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::OnceLock;
 use std::time::Duration;
-
-/// The time limit of a call of an FMU (s); a step of a large model may take minutes.
-pub const PATIENCE: &str = "300";
-
-/// A message of the child process.
-#[derive(Debug, Serialize, Deserialize)]
-enum Event {
-    /// Text for standard output.
-    Say(String),
-    /// Text for standard error.
-    Complain(String),
-    /// The fraction of the simulation that is done.
-    Progress(f64),
-    /// The exit code at the end.
-    Code(u8),
-    /// Why the command could not run.
-    Failed(String),
-}
 
 /// The arguments of the child process: those of the command that it runs.
 #[derive(clap::Args)]
@@ -33,8 +14,6 @@ pub struct WorkArgs {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }
-
-static PARENT: OnceLock<Channel> = OnceLock::new();
 
 /// Runs the command of this process, on `file`, in a child.
 pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
@@ -46,7 +25,7 @@ pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
         patience: Duration::from_secs_f64(patience),
         shows_errors: true,
     };
-    let bar = simulate::progress_bar();
+    let bar = crate::progress_bar(100, "simulating {wide_bar} {percent:>3} %, {eta} left");
     let (mut said, mut complaints, mut code, mut failure) = (String::new(), String::new(), 2, None);
     let ending = supervise(&work, &mut |text| match serde_json::from_str(text) {
         Ok(Event::Say(text)) => said += &text,
@@ -87,7 +66,7 @@ pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
 /// The child process: runs the command and reports everything to the parent.
 pub fn work(args: &WorkArgs) -> Result<ExitCode, Failure> {
     let channel = cosim::child::enter()?;
-    let _ = PARENT.set(channel);
+    parent::set(channel);
     let program = OsString::from("motor-fmu");
     let cli = Cli::try_parse_from(std::iter::once(&program).chain(&args.arguments))?;
     let outcome = match cli.command {
@@ -95,32 +74,9 @@ pub fn work(args: &WorkArgs) -> Result<ExitCode, Failure> {
         Command::Cosim(args) => crate::cosim::run(args),
         _ => Err(Failure::new("this command needs no child process")),
     };
-    send(match outcome {
+    parent::send(match outcome {
         Ok(code) => Event::Code(code),
         Err(Failure(sentence)) => Event::Failed(sentence),
     });
     channel.end()
-}
-
-fn send(event: Event) -> bool {
-    let Some(parent) = PARENT.get() else { return false };
-    parent.send(&serde_json::to_string(&event).unwrap_or_default());
-    true
-}
-
-/// Lets the parent print to standard output; `false` without a parent.
-pub fn say(text: &str) -> bool {
-    send(Event::Say(text.to_owned()))
-}
-
-/// Lets the parent print lines to standard error; without a parent, this process does.
-pub fn complain(text: &str) {
-    if !send(Event::Complain(format!("{text}\n"))) {
-        eprintln!("{text}");
-    }
-}
-
-/// Reports the fraction that is done.
-pub fn progress(share: f64) {
-    send(Event::Progress(share));
 }

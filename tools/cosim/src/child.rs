@@ -2,17 +2,17 @@
 //! the call.
 //!
 //! The parent ([`supervise`]) owns the temporary folder of the child. It gets lines over a pipe that no code of an FMU sees, each
-//! with a number that only the two processes know, and reads from shared memory in which call the child is (`page.rs`).
+//! with a number that only the two processes know, and reads from shared memory in which call the child is ([`page`](crate::page)).
 //! The child (`inside.rs`) is a process group of its own. When its parent is gone, it removes the folder and ends.
 mod inside;
-pub(crate) mod page;
 #[cfg(unix)]
 mod signals;
 
-pub(crate) use inside::announce;
 pub use inside::{Channel, enter};
 
-use page::{Page, SharedPage};
+use crate::number;
+use crate::page::{self, Function, Page, SharedPage};
+use crate::raw::function_name;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
@@ -44,6 +44,27 @@ pub struct Call {
     pub text: String,
     /// The archive of the instance, where it is known.
     pub file: String,
+}
+
+impl Call {
+    /// The last call; `instances` have name and file.
+    fn last(page: &Page, instances: &[(String, String)]) -> Self {
+        let (lasts, function, version, instance, time) = page.last();
+        let (name, file) = instances.get(instance).cloned().unwrap_or_default();
+        let function = match function {
+            Function::START => return Self { text: "before the first call of an FMU".to_owned(), file },
+            Function::LOAD => "loading the library",
+            Function(number) => function_name(number - Function::FIRST, version),
+        };
+        let mut text = format!("{} {function}", if lasts { "in" } else { "after" });
+        if !name.is_empty() {
+            text += &format!(" of {name}");
+        }
+        if function.ends_with("DoStep") {
+            text += &format!(" at t = {} s", number(time));
+        }
+        Self { text, file }
+    }
 }
 
 /// A program to run as child.
@@ -139,7 +160,7 @@ fn follow(
         if now != word {
             (word, since) = (now, Instant::now());
         } else if page::is_busy(now) && since.elapsed() >= patience {
-            return Ok(Ending::Hung(page.call(&instances)));
+            return Ok(Ending::Hung(Call::last(page, &instances)));
         }
     }
     let started = Instant::now();
@@ -151,7 +172,7 @@ fn follow(
         }
     };
     let cause = status.map_or("it closed the connection to its parent".to_owned(), cause);
-    Ok(Ending::Died { cause, call: page.call(&instances) })
+    Ok(Ending::Died { cause, call: Call::last(page, &instances) })
 }
 
 /// Ends what is left of the child and of the processes that it has started.

@@ -9,7 +9,6 @@ mod access;
 mod clocks;
 mod exchange;
 mod state;
-pub(crate) use access::value_names;
 pub use state::State;
 
 /// The names of one function in both standards, for messages.

@@ -36,6 +36,7 @@ mod input;
 mod instance;
 mod integrator;
 mod log;
+mod page;
 mod plot;
 pub mod raw;
 mod recording;

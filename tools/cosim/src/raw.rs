@@ -3,9 +3,8 @@
 //! [`Instance`](crate::Instance) keeps its caller from mistakes; here a wrong token, a call out of order or a NaN reaches
 //! the FMU, each call gives the bare [`Status`], and all interface types can be instantiated. The one promise kept for
 //! the caller: after Fatal nothing is called any more.
-use crate::child::announce;
-use crate::child::page::{self, Function, Page};
 use crate::log::{Callbacks, log_message};
+use crate::page::{self, Function, Page, announce};
 use crate::{Archive, Error, FmiVersion, Log, Status};
 use accessor::{Handle, Text};
 use libloading::Library;
@@ -24,7 +23,7 @@ pub use crate::description::InterfaceType;
 pub use calls::{Experiment, RawState, RawStep};
 pub use continuous::DiscreteUpdate;
 use functions::ids;
-pub(crate) use functions::{Functions, function_name, names};
+pub(crate) use functions::{Functions, function_name, names, value_names};
 pub(crate) use values::Number;
 
 /// A loaded library of an FMU. It stays loaded for as long as an instance of it lives.

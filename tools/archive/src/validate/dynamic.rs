@@ -14,6 +14,7 @@ use std::path::Path;
 use std::time::Duration;
 
 mod facts;
+mod held;
 mod probe;
 mod report;
 mod runs;

@@ -1,6 +1,6 @@
 //! The side of the child.
-use super::page::{FILE, SharedPage};
 use crate::Error;
+use crate::page::{FILE, SharedPage, announce_through};
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -33,6 +33,7 @@ fn take_pipes() -> io::Result<()> {
     SharedPage::take(&folder.join(FILE))?;
     // Once for each process; a second time would be a mistake that leaves files elsewhere and harms nobody.
     let _ = tempfile::env::override_temp_dir(&folder);
+    announce_through(announce);
     let _ = PIPE.set(Pipe { to_parent: Mutex::new(to_parent), nonce });
     std::thread::spawn(move || {
         // Nothing comes any more: this returns at the end of the parent.
@@ -77,8 +78,8 @@ fn pipes() -> io::Result<(File, File)> {
     Ok((from_parent, to_parent))
 }
 
-/// Reports the name and the archive of an instance to the parent, if there is a parent.
-pub(crate) fn announce(instance: u16, name: &str, file: &Path) {
+/// Reports the name and the archive of an instance to the parent.
+fn announce(instance: u16, name: &str, file: &Path) {
     let clean = |text: &str| text.replace(['\t', '\n', '\r'], " ");
     send('i', &format!("{instance}\t{}\t{}", clean(name), clean(&file.to_string_lossy())));
 }

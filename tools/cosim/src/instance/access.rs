@@ -1,6 +1,6 @@
 //! Reading and setting variables.
 use super::{Instance, Names};
-use crate::raw::{Number, c_string};
+use crate::raw::{Number, c_string, value_names};
 use crate::value::integer_limits;
 use crate::{Error, Kind, Status, Value, Variable};
 use std::ffi::{CStr, CString};
@@ -233,35 +233,7 @@ enum Verb {
 const GET_REAL: [&str; 2] = names(Verb::Get, Kind::Float64);
 const SET_REAL: [&str; 2] = names(Verb::Set, Kind::Float64);
 
-/// The names of the get or set function of a kind.
-pub(crate) const fn value_names(is_set: bool, kind: Kind) -> Names {
-    names(if is_set { Verb::Set } else { Verb::Get }, kind)
-}
-
 /// The names of the get or set function of a kind, for messages.
 const fn names(verb: Verb, kind: Kind) -> Names {
-    macro_rules! both {
-        ($two:literal, $three:literal) => {
-            match verb {
-                Verb::Get => [concat!("fmi2Get", $two), concat!("fmi3Get", $three)],
-                Verb::Set => [concat!("fmi2Set", $two), concat!("fmi3Set", $three)],
-            }
-        };
-    }
-    match kind {
-        Kind::Float64 => both!("Real", "Float64"),
-        Kind::Float32 => both!("Real", "Float32"),
-        Kind::Int8 => both!("Integer", "Int8"),
-        Kind::UInt8 => both!("Integer", "UInt8"),
-        Kind::Int16 => both!("Integer", "Int16"),
-        Kind::UInt16 => both!("Integer", "UInt16"),
-        Kind::Int32 => both!("Integer", "Int32"),
-        Kind::UInt32 => both!("Integer", "UInt32"),
-        Kind::Int64 | Kind::Enumeration => both!("Integer", "Int64"),
-        Kind::UInt64 => both!("Integer", "UInt64"),
-        Kind::Boolean => both!("Boolean", "Boolean"),
-        Kind::String => both!("String", "String"),
-        Kind::Binary => both!("Binary", "Binary"),
-        Kind::Clock => both!("Clock", "Clock"),
-    }
+    value_names(matches!(verb, Verb::Set), kind)
 }

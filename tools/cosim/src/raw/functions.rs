@@ -2,8 +2,8 @@
 //!
 //! All are optional here: which ones an FMU must have depends on its interface types.
 use super::accessor::{Accessor, Handle, Text};
-use crate::child::page::Function;
 use crate::log::{Callbacks, LogCallback};
+use crate::page::Function;
 use crate::{FmiVersion, Kind};
 use libloading::Library;
 use std::ffi::{c_int, c_void};
@@ -116,10 +116,39 @@ pub(crate) fn function_name(place: u16, version: FmiVersion) -> &'static str {
     let of_value = || {
         let place = place.checked_sub(Place::Values as u16)?;
         let kind = Kind::ALL.get(usize::from(place / 2))?;
-        Some(crate::instance::value_names(place % 2 == 1, *kind))
+        Some(value_names(place % 2 == 1, *kind))
     };
     let names = NAMES.get(usize::from(place)).copied().or_else(of_value);
     names.map_or("a function", |names| names[usize::from(version == FmiVersion::V3)])
+}
+
+/// The names of the get or set function of a kind in both standards.
+pub(crate) const fn value_names(is_set: bool, kind: Kind) -> [&'static str; 2] {
+    macro_rules! both {
+        ($two:literal, $three:literal) => {
+            if is_set {
+                [concat!("fmi2Set", $two), concat!("fmi3Set", $three)]
+            } else {
+                [concat!("fmi2Get", $two), concat!("fmi3Get", $three)]
+            }
+        };
+    }
+    match kind {
+        Kind::Float64 => both!("Real", "Float64"),
+        Kind::Float32 => both!("Real", "Float32"),
+        Kind::Int8 => both!("Integer", "Int8"),
+        Kind::UInt8 => both!("Integer", "UInt8"),
+        Kind::Int16 => both!("Integer", "Int16"),
+        Kind::UInt16 => both!("Integer", "UInt16"),
+        Kind::Int32 => both!("Integer", "Int32"),
+        Kind::UInt32 => both!("Integer", "UInt32"),
+        Kind::Int64 | Kind::Enumeration => both!("Integer", "Int64"),
+        Kind::UInt64 => both!("Integer", "UInt64"),
+        Kind::Boolean => both!("Boolean", "Boolean"),
+        Kind::String => both!("String", "String"),
+        Kind::Binary => both!("Binary", "Binary"),
+        Kind::Clock => both!("Clock", "Clock"),
+    }
 }
 
 /// A symbol of the binary.

@@ -1,6 +1,5 @@
 //! What the model description declares about the running FMU, as owned data.
 
-use super::session::observed;
 use crate::validate::finding::{Findings, short};
 use crate::validate::model::{self, FmiVersion, Model, Unknown, unsigned, unsigned_list};
 use crate::validate::semantics::arrays;
@@ -100,6 +99,11 @@ impl Display for Variable {
 pub(super) struct Entry {
     pub(super) variable: usize,
     pub(super) dependencies: Option<Vec<usize>>,
+}
+
+/// Whether a variable belongs to what [`Session::observe`](super::session::Session::observe) reads.
+pub(super) fn observed(v: &Variable) -> bool {
+    v.kind.is_numeric() && !v.clocked
 }
 
 /// Observed variables of one kind.

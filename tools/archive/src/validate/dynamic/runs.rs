@@ -2,9 +2,9 @@
 
 use cosim::raw::InterfaceType;
 
-use super::facts::{Facts, Variable};
+use super::facts::{Facts, Variable, observed};
 use super::report::{Fault, Seen};
-use super::session::{Session, column, observed};
+use super::session::{Session, column};
 use super::solver::{Reached, Solver};
 use crate::validate::rules::Rule;
 

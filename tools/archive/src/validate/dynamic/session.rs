@@ -3,9 +3,9 @@
 use cosim::raw::{Experiment, InterfaceType, RawInstance};
 use cosim::{Kind, Log, Status};
 
-use super::facts::{Facts, Variable};
+use super::facts::{Facts, Variable, observed};
+use super::held::Held;
 use super::report::Fault;
-use super::subject::Held;
 use crate::validate::finding::short;
 use crate::validate::rules;
 use cosim::Interface;
@@ -197,11 +197,6 @@ impl<'a> Session<'a> {
         }
         Ok(row)
     }
-}
-
-/// Whether a variable belongs to what [`Session::observe`] reads.
-pub(super) fn observed(v: &Variable) -> bool {
-    v.kind.is_numeric() && !v.clocked
 }
 
 /// The name of a column of [`Session::observe`], and the variable.

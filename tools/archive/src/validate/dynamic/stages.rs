@@ -1,10 +1,10 @@
 //! The stages of the run, each a set of checks that share instances. After one that ends the process, the
 //! next child process continues with the others.
 
-use super::facts::{Entry, Facts, Variable};
+use super::facts::{Entry, Facts, Variable, observed};
 use super::report::{Fault, Seen};
 use super::runs::{self, Drive, ROUNDING, Rows, difference, solver_error, steps};
-use super::session::{Session, Settings, column, observed};
+use super::session::{Session, Settings, column};
 use super::solver::{Reached, Solver, indicators};
 use super::subject::{Subject, fresh};
 use crate::validate::finding::{Findings, short};

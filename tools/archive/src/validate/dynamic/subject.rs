@@ -1,49 +1,18 @@
 //! The FMU under test, and the run that others are compared with.
 
-use std::cell::{Cell, OnceCell};
-use std::ops::{Deref, DerefMut};
+use std::cell::OnceCell;
 use std::rc::Rc;
 
 use cosim::raw::{InterfaceType, RawBinary, RawInstance, RawSetup};
 use cosim::{Archive, Kind, Log, Status};
 
 use super::facts::Facts;
+use super::held::{Held, Pool};
 use super::report::Fault;
 use super::runs::{Rows, from_here, same};
 use super::session::{Session, Settings, words};
 use crate::validate::rules;
 use cosim::Interface;
-
-/// The only instance of a process whose FMU allows no second one.
-pub(super) type Pool = Rc<Cell<Option<RawInstance>>>;
-
-/// An instance of a session; one that must be the only one goes back to the pool.
-pub(super) struct Held {
-    raw: Option<RawInstance>,
-    pool: Option<Pool>,
-}
-
-impl Deref for Held {
-    type Target = RawInstance;
-
-    fn deref(&self) -> &RawInstance {
-        self.raw.as_ref().expect("it is taken in drop alone")
-    }
-}
-
-impl DerefMut for Held {
-    fn deref_mut(&mut self) -> &mut RawInstance {
-        self.raw.as_mut().expect("it is taken in drop alone")
-    }
-}
-
-impl Drop for Held {
-    fn drop(&mut self) {
-        if let Some(pool) = &self.pool {
-            pool.set(self.raw.take());
-        }
-    }
-}
 
 /// What all stages share: the FMU and its declarations.
 pub(super) struct Subject<'a> {
@@ -99,7 +68,7 @@ impl<'a> Subject<'a> {
         let Subject { facts, interface, .. } = *self;
         let event_mode = self.event_mode();
         let pool = interface.only_once_per_process.then(|| Rc::clone(&self.pool));
-        let raw = Held { raw: Some(raw), pool };
+        let raw = Held::new(raw, pool);
         Session { raw, facts, interface, event_mode, now: facts.start, next: None }
     }
 

@@ -2,20 +2,20 @@
 //!
 //! One word: a counter of calls (32 bits), the number of the instance (15 bits), whether the call lasts (1 bit), the function (16 bits,
 //! of which the uppermost is the standard). Before and after each call it is written once; nothing else is done for a call.
-use crate::raw::function_name;
-use crate::{FmiVersion, number};
+use crate::FmiVersion;
 use memmap2::{MmapOptions, MmapRaw};
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::ops::Deref;
 use std::path::Path;
 use std::ptr;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicPtr, AtomicU32, AtomicU64, Ordering::Relaxed};
 
 /// The file in the temporary folder of the child.
-pub(super) const FILE: &str = "call";
+pub(crate) const FILE: &str = "call";
 /// Instances that have a number of their own.
-pub(super) const MOST_INSTANCES: usize = (1 << 15) - 1;
+pub(crate) const MOST_INSTANCES: usize = (1 << 15) - 1;
 
 const BUSY: u64 = 1 << 16;
 const STANDARD_3: u16 = 1 << 15;
@@ -35,7 +35,7 @@ pub(crate) struct Function(pub(crate) u16);
 
 impl Function {
     /// Before the child has said anything.
-    const START: Self = Self(0);
+    pub(crate) const START: Self = Self(0);
     /// The library is loaded.
     pub(crate) const LOAD: Self = Self(1);
     /// The first number of the functions of the standards.
@@ -61,7 +61,7 @@ pub(crate) fn next_instance() -> u16 {
 }
 
 impl Page {
-    pub(super) fn word(&self) -> u64 {
+    pub(crate) fn word(&self) -> u64 {
         self.word.load(Relaxed)
     }
 
@@ -86,41 +86,43 @@ impl Page {
         self.time.store(t.to_bits(), Relaxed);
     }
 
-    /// The last call in words; `instances` have name and file.
-    pub(super) fn call(&self, instances: &[(String, String)]) -> super::Call {
+    /// The last call: whether it lasts, its function and standard, the number of the instance, the time of the last step (s).
+    pub(crate) fn last(&self) -> (bool, Function, FmiVersion, usize, f64) {
         let word = self.word();
         let (function, instance) = (word as u16, (word >> 17) as usize & MOST_INSTANCES);
         let version = if function & STANDARD_3 == 0 { FmiVersion::V2 } else { FmiVersion::V3 };
-        let (name, file) = instances.get(instance).cloned().unwrap_or_default();
-        let function = match Function(function & !STANDARD_3) {
-            Function::START => {
-                return super::Call { text: "before the first call of an FMU".to_owned(), file };
-            }
-            Function::LOAD => "loading the library",
-            Function(number) => function_name(number - Function::FIRST, version),
-        };
-        let mut text = format!("{} {function}", if is_busy(word) { "in" } else { "after" });
-        if !name.is_empty() {
-            text += &format!(" of {name}");
-        }
-        if function.ends_with("DoStep") {
-            text += &format!(" at t = {} s", number(f64::from_bits(self.time.load(Relaxed))));
-        }
-        super::Call { text, file }
+        let time = f64::from_bits(self.time.load(Relaxed));
+        (is_busy(word), Function(function & !STANDARD_3), version, instance, time)
+    }
+}
+
+/// Reports the number, the name and the archive of an instance to the parent.
+type Announce = fn(u16, &str, &Path);
+static ANNOUNCE: OnceLock<Announce> = OnceLock::new();
+
+/// From now on instances are announced.
+pub(crate) fn announce_through(announce: Announce) {
+    let _ = ANNOUNCE.set(announce);
+}
+
+/// Announces an instance, if there is a parent.
+pub(crate) fn announce(instance: u16, name: &str, file: &Path) {
+    if let Some(announce) = ANNOUNCE.get() {
+        announce(instance, name, file);
     }
 }
 
 /// Whether a call lasts.
-pub(super) fn is_busy(word: u64) -> bool {
+pub(crate) fn is_busy(word: u64) -> bool {
     word & BUSY != 0
 }
 
 /// A page in a file.
-pub(super) struct SharedPage(MmapRaw);
+pub(crate) struct SharedPage(MmapRaw);
 
 impl SharedPage {
     /// For the parent: a new file. The child counts as busy until it speaks.
-    pub(super) fn create(path: &Path) -> io::Result<Self> {
+    pub(crate) fn create(path: &Path) -> io::Result<Self> {
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(path)?;
         file.set_len(size_of::<Page>() as u64)?;
         let page = Self::map(&file)?;
@@ -129,7 +131,7 @@ impl SharedPage {
     }
 
     /// For the child: the file becomes its page for as long as it lives.
-    pub(super) fn take(path: &Path) -> io::Result<()> {
+    pub(crate) fn take(path: &Path) -> io::Result<()> {
         let page = Self::map(&OpenOptions::new().read(true).write(true).open(path)?)?;
         page.leave();
         CURRENT.store(page.0.as_mut_ptr().cast(), Relaxed);
