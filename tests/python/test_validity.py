@@ -60,6 +60,7 @@ def simulated(path, kind, start):
         relative_tolerance=1e-6,
         start_values=start,
         output=RECORD,
+        debug_logging=True,
         logger=lambda *arguments: logged.append(arguments[-1].decode()),
     )
     return {"result": {name: result[name].tolist() for name in result.dtype.names}, "log": logged}

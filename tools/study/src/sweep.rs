@@ -387,7 +387,7 @@ mod tests {
         ]);
         let case = constant(&[("fan_command", "1"), ("air_segments", "1")]);
         let found = run(&case, "continuous_torque", &grid).unwrap();
-        assert_eq!(found.points.len(), 8);
+        assert_eq!(found.points.len(), 2 * 3 * 2);
         for point in &found.points {
             let [preset, mode, speed] = [0, 1, 2].map(|k| point.values[k].text());
             let sets =

@@ -3,19 +3,22 @@
 //! | file | content |
 //! |---|---|
 //! | `load.rs` | `gait.toml`: the motor, the actuator and the gait, by name |
-//! | `walker.rs` | what moves the motor over a period: one of the following three |
+//! | `walker.rs`, `periodic.rs`, `motor_state.rs` | what moves the motor over a period: one of the following three; its means and peaks; its temperatures |
 //! | `stride.rs` | the three models coupled, one stride at a time: the map of the temperatures over a stride |
 //! | `shaft.rs`, `cycle_file.rs` | a motor under a cycle of torque and speed from a CSV file |
 //! | `mix.rs`, `mix_file.rs` | phases of several loads and rest |
-//! | `cycle.rs` | fixed point of that map, and its iteration over hours |
+//! | `cycle.rs`, `envelope.rs` | fixed point of that map, and its iteration over hours |
 //! | `answer.rs` | periodic steady state, time to the winding's limit, continuous support |
 
 mod answer;
 mod cycle;
 mod cycle_file;
+mod envelope;
 mod load;
 mod mix;
 mod mix_file;
+mod motor_state;
+mod periodic;
 mod shaft;
 mod stride;
 #[cfg(test)]
@@ -23,7 +26,7 @@ mod tests;
 mod walker;
 
 pub use answer::{Continuous, Limit, Objective, Walked, continuous_support, periodic, walk};
-pub use cycle::{Envelope, EnvelopePoint};
+pub use envelope::{Envelope, EnvelopePoint};
 pub use load::{Derived, Load, MOTOR, Words};
-pub use stride::Periodic;
-pub use walker::Walker;
+pub use periodic::Periodic;
+pub use walker::{Period, Walker};

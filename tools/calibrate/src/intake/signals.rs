@@ -6,7 +6,7 @@
 //!
 //! n the readings of the experiment and alpha the probability of one false alarm in all of it (bound on the greatest of n normal
 //! variables). The deviation is the greater of the channel's noise and that of the readings near by. A pulse that another channel
-//! makes in the same row is no spike.
+//! makes in the same row is no spike, nor is a pulse of an input that another channel follows with a probability of chance below 1e-3.
 //! *Sources*: Hampel, J. Am. Stat. Assoc. 69 (1974) 383-393; Davies and Gather, J. Am. Stat. Assoc. 88 (1993) 782-792.
 //!
 //! Jump: a temperature has a heat capacity. A change from row to row that is far beyond the channel's usual ones is the sensor's
@@ -17,6 +17,8 @@ use crate::noise;
 
 /// Probability of a false alarm in an experiment.
 const ALPHA: f64 = 1e-3;
+/// Deviations at which a channel follows the pulse of an input: two-sided probability of chance 1e-3.
+const FOLLOWS: f64 = 3.29;
 /// Most readings of a spike.
 const WIDEST: usize = 5;
 /// Readings near by.
@@ -67,7 +69,18 @@ pub fn set_aside(experiment: &mut Experiment) {
         for k in 0..channels.len() {
             let alone =
                 |row: &&usize| (0..channels.len()).all(|other| other == k || !spikes[other].contains(row));
-            let own: Vec<usize> = spikes[k].iter().filter(alone).copied().collect();
+            let mut own: Vec<usize> = spikes[k].iter().filter(alone).copied().collect();
+            if k < experiment.inputs.len() {
+                // What is commanded moves others; a spike of the reading does not.
+                own = own
+                    .chunk_by(|a, b| b - a == 1)
+                    .filter(|group| {
+                        (0..channels.len()).all(|other| other == k || !follows(table, other, group))
+                    })
+                    .flatten()
+                    .copied()
+                    .collect();
+            }
             let there = table.columns[k].iter().filter(|x| x.is_finite()).count();
             if own.is_empty() {
                 continue;
@@ -83,6 +96,26 @@ pub fn set_aside(experiment: &mut Experiment) {
         }
     }
     experiment.notes.extend(notes);
+}
+
+/// Whether a channel leaves the line between the readings beside these rows.
+fn follows(table: &Table, channel: usize, rows: &[usize]) -> bool {
+    let column = &table.columns[channel];
+    let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return false };
+    let (Some(before), Some(after)) = (first.checked_sub(1), Some(last + 1).filter(|n| *n < column.len()))
+    else {
+        return false;
+    };
+    let slope = (column[after] - column[before]) / (table.time[after] - table.time[before]);
+    let line = |row: usize| column[before] + slope * (table.time[row] - table.time[before]);
+    let mean = rows.iter().map(|row| column[*row] - line(*row)).sum::<f64>() / rows.len() as f64;
+    let there: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
+    let (time, values): (Vec<f64>, Vec<f64>) =
+        there.iter().map(|row| (table.time[*row], column[*row])).unzip();
+    let Some(sigma) = noise::of_column(&time, &values) else { return false };
+    // A mean of so many readings, and the line through two.
+    let deviation = sigma * (1.0 / rows.len() as f64 + 0.5).sqrt();
+    mean.is_finite() && deviation > 0.0 && mean.abs() > FOLLOWS * deviation
 }
 
 /// Rows of spikes.

@@ -54,7 +54,7 @@ impl Instance {
         self.call_at(names::get_indicators, Some(t), |raw| raw.get_indicators(z))
     }
 
-    /// Tells the end of a step; whether the FMU requests event mode, and the end.
+    /// Reports the end of a step; whether the FMU requests event mode, and the end.
     pub(crate) fn completed_step(&mut self, t: f64) -> Result<(bool, bool), Error> {
         let mut asked = (false, false);
         self.call_at([names::completed_step2[0], names::completed_step3[1]], Some(t), |raw| {

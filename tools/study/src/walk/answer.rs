@@ -1,9 +1,10 @@
 //! Periodic steady state of a gait, the winding on the way there, and the greatest support that can be given
 //! continuously.
 
-use super::cycle::{Envelope, envelope, steady};
+use super::cycle::{envelope, steady};
+use super::envelope::Envelope;
 use super::load::Load;
-use super::stride::Periodic;
+use super::periodic::Periodic;
 use crate::StudyError;
 use crate::numeric::try_root;
 use serde::Serialize;

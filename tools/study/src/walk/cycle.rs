@@ -11,7 +11,8 @@
 //! *Source*: Broyden, Math. Comp. 19 (1965) 577; (3) is the exponential Rosenbrock-Euler step of Hochbruck, Ostermann,
 //! Acta Numerica 19 (2010) 209, for a map in place of a flow.
 
-use super::stride::Periodic;
+use super::envelope::{Envelope, EnvelopePoint};
+use super::periodic::Periodic;
 use super::walker::Walker;
 use crate::StudyError;
 use nalgebra::{DMatrix, DVector};
@@ -117,51 +118,13 @@ fn comes_back(walker: &Walker, f: &DVector<f64>, s: DMatrix<f64>) -> Result<bool
     Ok((part * (change(&mut walker)?.gain - f))[0] < 0.0)
 }
 
-/// A point of the envelope.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct EnvelopePoint {
-    /// Time since the start, s.
-    pub time: f64,
-    /// Greatest temperature of the winding in the stride that ends there, K.
-    pub winding_temperature: f64,
-}
-
-/// Temperature of the winding over hours.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Envelope {
-    /// Its points, in order of time.
-    pub points: Vec<EnvelopePoint>,
-    /// Strides that were walked to find them.
-    pub strides_walked: u32,
-    /// Time at which the winding reaches the limit, s, where it does.
-    pub time_to_limit: Option<f64>,
-    /// The stride in which it does.
-    #[serde(skip)]
-    pub at_limit: Option<Periodic>,
-    /// Means and peaks over the whole time.
-    #[serde(skip)]
-    pub mean: Periodic,
-}
-
-impl Envelope {
-    /// Adds what follows from `time` on.
-    pub(super) fn append(&mut self, later: Envelope, time: f64) {
-        self.points.extend(later.points.iter().map(|p| EnvelopePoint { time: p.time + time, ..*p }));
-        self.strides_walked += later.strides_walked;
-        self.time_to_limit = later.time_to_limit.map(|t| t + time);
-        self.at_limit = later.at_limit;
-    }
-}
-
 /// Follows the winding for `duration`, s, or until it reaches `limit`, K: eq. (3).
 ///
 /// # Errors
 /// Equations that have no solution.
 pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, StudyError> {
-    match walker.clone() {
-        Walker::Mix(mut mix) => mix.envelope(duration, limit),
-        mut other => follow(&mut other, duration, limit),
-    }
+    let mut walker = walker.clone();
+    walker.own_envelope(duration, limit).unwrap_or_else(|| follow(&mut walker, duration, limit))
 }
 
 /// The same from the present temperatures on; the walker is then at the end.

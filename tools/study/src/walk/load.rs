@@ -65,7 +65,7 @@ pub struct Load {
     explicit: BTreeSet<String>,
     /// In place of actuator and gait.
     cycle: Option<(Arc<Cycle>, Drive)>,
-    mix: Option<MixFile>,
+    mix: Option<MixFile<Load>>,
     origin: Arc<Origin>,
 }
 
@@ -393,26 +393,23 @@ impl Load {
     /// Parameters that do not go together, a drive that does not follow an actuator, a gait that never repeats.
     pub fn walker(&self) -> Result<Walker, StudyError> {
         if let Some(mix) = &self.mix {
-            let walkers = mix.phases.iter().map(|phase: &Phase| {
+            let walkers = mix.phases.iter().map(|phase: &Phase<Load>| {
                 let load = phase.load.as_deref().unwrap_or(self);
                 Ok((phase.fraction, if phase.rest { load.resting()? } else { load.walker()? }))
             });
-            return Ok(Walker::Mix(Box::new(Mix::start(
-                walkers.collect::<Result<_, StudyError>>()?,
-                mix.period,
-            )?)));
+            return Ok(Walker::new(Mix::start(walkers.collect::<Result<_, StudyError>>()?, mix.period)?));
         }
         let [motor, actuator, gait] = self.prepared()?;
         Ok(match &self.cycle {
-            Some((cycle, drive)) => Walker::Shaft(Box::new(Shaft::start(motor, Arc::clone(cycle), *drive)?)),
-            None => Walker::Coupled(Box::new(Coupled::start(motor, actuator, gait)?)),
+            Some((cycle, drive)) => Walker::new(Shaft::start(motor, Arc::clone(cycle), *drive)?),
+            None => Walker::new(Coupled::start(motor, actuator, gait)?),
         })
     }
 
     /// The motor without current at standstill.
     fn resting(&self) -> Result<Walker, StudyError> {
         let [motor, ..] = self.prepared()?;
-        Ok(Walker::Shaft(Box::new(Shaft::start(motor, Arc::new(Cycle::rest(REST)), Drive::default())?)))
+        Ok(Walker::new(Shaft::start(motor, Arc::new(Cycle::rest(REST)), Drive::default())?))
     }
 
     /// Mass of motor, fan and tube, kg.

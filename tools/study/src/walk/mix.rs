@@ -1,8 +1,9 @@
 //! A mix of loads with rest: in each period of the mix the phases follow each other, each for its fraction of the period.
 
-use super::cycle::{Envelope, follow};
-use super::stride::Periodic;
-use super::walker::Walker;
+use super::cycle::follow;
+use super::envelope::Envelope;
+use super::periodic::Periodic;
+use super::walker::{Walker, period};
 use crate::StudyError;
 
 /// A load and the part of the period that it takes.
@@ -19,6 +20,13 @@ pub struct Mix {
     period: f64,
     temperatures: Vec<f64>,
 }
+
+period!(
+    Mix,
+    fn own_envelope(&mut self, duration: f64, limit: f64) -> Option<Result<Envelope, StudyError>> {
+        Some(self.envelope(duration, limit))
+    }
+);
 
 impl Mix {
     pub(super) fn start(walkers: Vec<(f64, Walker)>, period: f64) -> Result<Mix, StudyError> {

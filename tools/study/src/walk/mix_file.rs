@@ -1,6 +1,5 @@
 //! The table `[mix]` of a load file: its period and its phases.
 
-use super::load::Load;
 use crate::StudyError;
 use describe::preset::Source;
 use toml::Spanned;
@@ -12,9 +11,9 @@ const PERIOD: f64 = 600.0;
 /// How far the sum of the fractions may be from 1.
 const SUM: f64 = 1e-3;
 
-/// A phase of a mix.
+/// A phase of a mix; `L` is a load.
 #[derive(Clone)]
-pub(super) struct Phase {
+pub(super) struct Phase<L> {
     /// Fraction of the period.
     pub fraction: f64,
     /// No current and no motion.
@@ -24,20 +23,20 @@ pub(super) struct Phase {
     /// Values that differ from those of the file.
     pub sets: Vec<(String, String)>,
     /// The load of the phase.
-    pub load: Option<Box<Load>>,
+    pub load: Option<Box<L>>,
 }
 
 /// A mix of phases.
 #[derive(Clone)]
-pub(super) struct MixFile {
+pub(super) struct MixFile<L> {
     /// s.
     pub period: f64,
-    pub phases: Vec<Phase>,
+    pub phases: Vec<Phase<L>>,
 }
 
-impl MixFile {
+impl<L> MixFile<L> {
     /// From the table; errors go to `source`.
-    pub fn read(value: &Spanned<DeValue<'_>>, source: &mut Source<'_>) -> Option<MixFile> {
+    pub fn read(value: &Spanned<DeValue<'_>>, source: &mut Source<'_>) -> Option<MixFile<L>> {
         match mix(value.get_ref()) {
             Ok(found) => Some(found),
             Err(sentence) => {
@@ -48,7 +47,7 @@ impl MixFile {
     }
 
     /// Makes the loads of the phases.
-    pub fn load(&mut self, make: impl Fn(&Phase) -> Result<Load, StudyError>) -> Result<(), StudyError> {
+    pub fn load(&mut self, make: impl Fn(&Phase<L>) -> Result<L, StudyError>) -> Result<(), StudyError> {
         for phase in &mut self.phases {
             phase.load = Some(Box::new(make(phase)?));
         }
@@ -56,7 +55,7 @@ impl MixFile {
     }
 }
 
-fn mix(value: &DeValue<'_>) -> Result<MixFile, String> {
+fn mix<L>(value: &DeValue<'_>) -> Result<MixFile<L>, String> {
     let DeValue::Table(table) = value else { return Err("it must be a table".to_owned()) };
     let mut found = MixFile { period: PERIOD, phases: Vec::new() };
     for (key, value) in table {
@@ -85,7 +84,7 @@ fn mix(value: &DeValue<'_>) -> Result<MixFile, String> {
     Ok(found)
 }
 
-fn phase(value: &DeValue<'_>) -> Result<Phase, String> {
+fn phase<L>(value: &DeValue<'_>) -> Result<Phase<L>, String> {
     let DeValue::Table(table) = value else { return Err("a phase must be a table".to_owned()) };
     let mut found = Phase { fraction: f64::NAN, rest: false, file: None, sets: Vec::new(), load: None };
     for (key, value) in table {

@@ -4,8 +4,9 @@
 //! torque on the motor   tau = tau_out / (ratio eta) where power leaves the motor, tau_out eta / ratio where it comes back      (2)
 
 use super::cycle_file::{Cycle, Drive};
-use super::stride::Periodic;
-use super::walker::{add_slopes, put_temperatures, temperatures};
+use super::motor_state::{add_slopes, put_temperatures, temperatures};
+use super::periodic::Periodic;
+use super::walker::period;
 use crate::StudyError;
 use crate::bench::Bench;
 use physics::model::{Model, Slot};
@@ -44,6 +45,8 @@ pub struct Shaft {
     h: f64,
     done: u64,
 }
+
+period!(Shaft);
 
 impl Clone for Shaft {
     fn clone(&self) -> Self {
