@@ -98,8 +98,9 @@ fn dependencies_are_the_physics() {
     assert_eq!(inputs(&found.outputs, "stator_temperature"), [""; 0], "a state depends on no input at once");
     // An output with stem loss does.
     assert_eq!(inputs(&found.outputs, "winding_temperature"), ["ambient_temperature"]);
-    // The last one because of effect drive_loss.
-    let cooled = ["fan_command", "ambient_temperature", "ambient_pressure", "electrical_power"];
+    // The power because of effect drive_loss; the coolant because the heat that it takes counts as heat to ambient.
+    let air = ["fan_command", "ambient_temperature", "ambient_pressure"];
+    let cooled = [&air[..], &["electrical_power", "coolant_inlet_temperature", "coolant_flow_rate"]].concat();
     assert_eq!(inputs(&found.outputs, "heat_to_ambient"), cooled);
     assert_eq!(on(&found.outputs, "shaft_speed"), ["imposed_speed", "state.shaft_speed"]);
     assert!(!on(&found.outputs, "loss_friction").contains(&"fan_command"));
