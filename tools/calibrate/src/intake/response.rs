@@ -277,7 +277,7 @@ impl Judge<'_> {
     }
 }
 
-/// An input that stands still although it trembles elsewhere, while an output that it drives moves away from the prediction.
+/// An input that is constant although it is noisy elsewhere, while an output that it drives moves away from the prediction.
 pub fn dead_input(experiment: &Experiment, predicted: &[Vec<Vec<f64>>]) -> Option<Unusable> {
     const AWAY: f64 = 0.1;
     for (k, channel) in experiment.inputs.iter().enumerate() {

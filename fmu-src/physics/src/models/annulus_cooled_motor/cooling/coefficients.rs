@@ -20,7 +20,7 @@ pub struct Conditions {
     pub surface: f64,
     /// Temperature of the tube, K.
     pub tube: f64,
-    /// Temperature of the surroundings, K.
+    /// Ambient temperature, K.
     pub ambient: f64,
     /// Pressure of the air, Pa.
     pub pressure: f64,
@@ -80,7 +80,7 @@ impl Conditions {
 /// Coefficients of the air and the coolant, linear in all temperatures.
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients {
-    /// Conductance from each segment to the room, W/K.
+    /// Conductance from each segment to ambient, W/K.
     pub direct: [f64; SEGMENTS],
     /// Conductance of both walls of the gap along each segment, W/K.
     pub films: [f64; SEGMENTS],
@@ -94,7 +94,7 @@ pub struct Coefficients {
     pub inlet_rise: f64,
     /// Radiation from each segment to the tube, W/K.
     pub to_tube: f64,
-    /// Conductance from the tube to the room, W/K.
+    /// Conductance from the tube to ambient, W/K.
     pub tube_to_room: f64,
     /// Flow over the motor, m3/s.
     pub flow: f64,
