@@ -26,6 +26,10 @@ pub struct Args {
     /// Set a parameter or input of a component, or an input of the system. May be repeated
     #[arg(long = "set", value_name = "COMPONENT.VARIABLE=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
+    /// Inputs over time: CSV with the header time,<component.variable or input of the system>, each with [unit] if wanted; reals are
+    /// interpolated linearly, other inputs are constant between rows
+    #[arg(long, value_name = "F.csv")]
+    input: Option<PathBuf>,
     /// Coupling algorithm
     #[arg(long, value_enum, default_value_t = Scheme::Jacobi)]
     algorithm: Scheme,
@@ -94,6 +98,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         step: args.step,
         tolerance: args.tolerance,
         sets: args.sets,
+        input: args.input,
         algorithm: args.algorithm.into(),
         held_inputs: args.no_slopes,
         every: args.every,

@@ -38,7 +38,7 @@ pub struct Args {
     /// Record this variable, too; local variables and parameters are not recorded otherwise. May be repeated
     #[arg(long = "record", value_name = "NAME")]
     records: Vec<String>,
-    /// Inputs over time: CSV with the header time,<input names>; reals are interpolated linearly, other inputs are constant between rows
+    /// Inputs over time: CSV with the header time,<input names>, each with [unit] if wanted; reals are interpolated linearly, other inputs are constant between rows
     #[arg(long, value_name = "F.csv")]
     input: Option<PathBuf>,
     /// Record every N-th communication point, and the last
@@ -89,6 +89,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let sets = args.shown.sets(args.sets, archive.description())?;
     let input =
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
+    crate::remark(input.iter().flat_map(InputTable::notes).cloned().collect::<Vec<_>>().as_slice());
     let columns = input.iter().flat_map(|table| table.names());
     let unused = crate::unused::note(&archive, &sets, columns);
     let options = Options {

@@ -1,8 +1,10 @@
 //! Tables of inputs over time, from CSV.
-use crate::{Causality, Error, Kind, ModelDescription, Value, Variability};
+use crate::system::{Affine, conversion, unit_of};
+use crate::{Causality, Error, Kind, ModelDescription, Value, Variability, Variable};
 use std::path::{Path, PathBuf};
 
-/// Inputs over time: header `time,<input names>`, then rows of numbers (enumerations also by item name).
+/// Inputs over time: header `time,<input names>`, then rows of numbers (enumerations also by item name). A name may be followed by a
+/// unit of the FMU, such as `speed [rpm]`.
 ///
 /// Continuous reals are interpolated linearly; all other inputs are constant until the next row. Before the first row and after
 /// the last one the values are constant. Two rows with the same time define a discontinuity.
@@ -11,16 +13,43 @@ pub struct InputTable {
     path: PathBuf,
     times: Vec<f64>,
     columns: Vec<InputColumn>,
+    notes: Vec<String>,
 }
 
+/// Values over time of one input of one component.
 #[derive(Clone, Debug)]
 pub(crate) struct InputColumn {
+    /// The name in the header, without unit.
     pub(crate) name: String,
+    /// The component; 0 for a single FMU.
+    pub(crate) component: usize,
+    /// Place in the FMU's list of variables.
+    pub(crate) variable: usize,
     pub(crate) kind: Kind,
     pub(crate) value_reference: u32,
     /// Linear between rows, else constant.
     pub(crate) continuous: bool,
+    /// A value beyond the limits was noted.
+    noted: bool,
     values: Vec<f64>,
+}
+
+/// An input that a column of the file is for.
+pub(crate) struct Target<'a> {
+    pub(crate) component: usize,
+    pub(crate) description: &'a ModelDescription,
+    pub(crate) variable: &'a Variable,
+    /// From the numbers of the file to those of the input.
+    pub(crate) convert: Affine,
+}
+
+/// Looks up a name with its unit.
+pub(crate) type Find<'a, 'f> = dyn Fn(&str, Option<&str>) -> Result<Vec<Target<'a>>, String> + 'f;
+
+/// A column of the file: the places of its columns in the table, and what they are for.
+struct Cell<'a> {
+    first: usize,
+    targets: Vec<Target<'a>>,
 }
 
 impl InputTable {
@@ -28,8 +57,8 @@ impl InputTable {
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Text`] with the line: an empty file, a first column that is not `time`, a name that
-    /// is unknown, not an input or repeated, a row of another length, a value that is no finite number of its type
-    /// or outside its limits, time running backwards, no rows.
+    /// is unknown, not an input or repeated, a unit that does not fit, a row of another length, a value that is no finite number of
+    /// its type, time running backwards, no rows.
     pub fn read(path: &Path, description: &ModelDescription) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
         Self::parse(path, &bytes, description)
@@ -37,15 +66,26 @@ impl InputTable {
 
     /// As [`Self::read`], for text at hand; `path` is for messages.
     fn parse(path: &Path, bytes: &[u8], description: &ModelDescription) -> Result<Self, Error> {
-        let fault = |line, message: String| Error::Text { file: path.display().to_string(), line, message };
+        Self::parse_for(path, bytes, &|name, unit| {
+            let variable = description.settable(name).map_err(|e| format!("unknown column: {e}"))?;
+            let convert = from_unit(description, variable, unit)?;
+            Ok(vec![Target { component: 0, description, variable, convert }])
+        })
+    }
+
+    /// Reads a table whose names, with their units, `find` looks up.
+    pub(crate) fn parse_for<'a>(path: &Path, bytes: &[u8], find: &Find<'a, '_>) -> Result<Self, Error> {
+        let file = path.display().to_string();
+        let fault = |line, message: String| Error::Text { file: file.clone(), line, message };
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .trim(csv::Trim::All)
             .from_reader(bytes);
-        let mut table = Self { path: path.to_owned(), times: Vec::new(), columns: Vec::new() };
-        let mut have_header = false;
+        let mut table =
+            Self { path: path.to_owned(), times: Vec::new(), columns: Vec::new(), notes: Vec::new() };
+        let mut header: Option<Vec<Cell>> = None;
         let mut record = csv::StringRecord::new();
         loop {
             let more = reader.read_record(&mut record).map_err(|e| {
@@ -56,15 +96,14 @@ impl InputTable {
             }
             // The position of a record may include the empty lines before it.
             let line = record.position().map_or(0, |p| line_of(bytes, p.byte()));
-            let done = if have_header {
-                table.push_row(&record, description)
-            } else {
-                have_header = true;
-                table.push_header(&record, description)
-            };
-            done.map_err(|message| fault(line, message))?;
+            match &header {
+                Some(cells) => {
+                    table.push_row(&record, cells, line).map_err(|message| fault(line, message))?
+                }
+                None => header = Some(table.header(&record, find).map_err(|message| fault(line, message))?),
+            }
         }
-        if !have_header {
+        if header.is_none() {
             return Err(fault(1, "the file is empty".to_owned()));
         }
         if table.times.is_empty() {
@@ -88,8 +127,18 @@ impl InputTable {
         &self.times
     }
 
+    /// Values beyond the declared limits of their input, the first of each column: the FMU decides about them.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     pub(crate) fn columns(&self) -> &[InputColumn] {
         &self.columns
+    }
+
+    /// The next row after `t`, at which inputs have a kink or a discontinuity.
+    pub(crate) fn next_row(&self, t: f64) -> Option<f64> {
+        self.times.get(self.times.partition_point(|x| *x <= t)).copied()
     }
 
     /// Value of column `index` at `t`, after a jump at `t`. A row within `slack` of `t` counts as being at `t`:
@@ -117,42 +166,59 @@ impl InputTable {
         if share == 1.0 { v1 } else { v0 + share * (v1 - v0) }
     }
 
-    fn push_header(
+    fn header<'a>(
         &mut self,
         record: &csv::StringRecord,
-        description: &ModelDescription,
-    ) -> Result<(), String> {
+        find: &Find<'a, '_>,
+    ) -> Result<Vec<Cell<'a>>, String> {
         if record.get(0) != Some("time") {
             return Err(format!("the first column is {:?}, not \"time\"", record.get(0).unwrap_or("")));
         }
-        for name in record.iter().skip(1) {
-            let variable = description.settable(name).map_err(|e| format!("unknown column: {e}"))?;
-            if variable.causality != Causality::Input {
-                return Err(format!(
-                    "column {name} is a {}, only inputs can change in time",
-                    variable.causality
-                ));
+        let mut cells = Vec::new();
+        for text in record.iter().skip(1) {
+            let (name, unit) = name_and_unit(text);
+            let targets = find(name, unit)?;
+            let first = self.columns.len();
+            for target in &targets {
+                let variable = target.variable;
+                if variable.causality != Causality::Input {
+                    return Err(format!(
+                        "column {name} is a {}, only inputs can change in time",
+                        variable.causality
+                    ));
+                }
+                if !variable.kind.is_numeric() || !variable.dimensions.is_empty() {
+                    return Err(format!("column {name} is not a scalar number"));
+                }
+                let place = |v: &Variable| std::ptr::eq(v, variable);
+                let place = target.description.variables.iter().position(place).unwrap_or(0);
+                let same = |c: &&InputColumn| c.component == target.component && c.variable == place;
+                match self.columns.iter().find(same) {
+                    Some(other) if other.name == name => return Err(format!("column {name} is repeated")),
+                    Some(other) => {
+                        return Err(format!("columns {} and {name} are for the same input", other.name));
+                    }
+                    None => {}
+                }
+                self.columns.push(InputColumn {
+                    name: name.to_owned(),
+                    component: target.component,
+                    variable: place,
+                    kind: variable.kind,
+                    value_reference: variable.value_reference,
+                    continuous: variable.kind.is_float() && variable.variability == Variability::Continuous,
+                    noted: false,
+                    values: Vec::new(),
+                });
             }
-            if !variable.kind.is_numeric() || !variable.dimensions.is_empty() {
-                return Err(format!("column {name} is not a scalar number"));
-            }
-            if self.columns.iter().any(|c| c.name == name) {
-                return Err(format!("column {name} is repeated"));
-            }
-            self.columns.push(InputColumn {
-                name: name.to_owned(),
-                kind: variable.kind,
-                value_reference: variable.value_reference,
-                continuous: variable.kind.is_float() && variable.variability == Variability::Continuous,
-                values: Vec::new(),
-            });
+            cells.push(Cell { first, targets });
         }
-        if self.columns.is_empty() { Err("there is no input column besides time".to_owned()) } else { Ok(()) }
+        if cells.is_empty() { Err("there is no input column besides time".to_owned()) } else { Ok(cells) }
     }
 
-    fn push_row(&mut self, record: &csv::StringRecord, description: &ModelDescription) -> Result<(), String> {
-        if record.len() != self.columns.len() + 1 {
-            return Err(format!("{} cells where the header has {}", record.len(), self.columns.len() + 1));
+    fn push_row(&mut self, record: &csv::StringRecord, cells: &[Cell], line: u64) -> Result<(), String> {
+        if record.len() != cells.len() + 1 {
+            return Err(format!("{} cells where the header has {}", record.len(), cells.len() + 1));
         }
         let text = record.get(0).unwrap_or("");
         let time: f64 = text
@@ -163,20 +229,68 @@ impl InputTable {
         if let Some(last) = self.times.last().filter(|last| time < **last) {
             return Err(format!("time runs backwards from {last} s to {time} s"));
         }
-        for (column, text) in self.columns.iter_mut().zip(record.iter().skip(1)) {
-            let (_, value) = description.parse_value(&column.name, text).map_err(|e| e.to_string())?;
-            column.values.push(match value {
-                Value::Real(x) => x,
-                Value::Integer(x) => x as f64,
-                Value::Boolean(x) => f64::from(u8::from(x)),
-                Value::String(_) | Value::Binary(_) => {
-                    return Err(format!("column {} is not a number", column.name));
+        for (cell, text) in cells.iter().zip(record.iter().skip(1)) {
+            for (target, column) in cell.targets.iter().zip(&mut self.columns[cell.first..]) {
+                let Target { description, variable, convert, .. } = target;
+                let value = description.typed_value(variable, text).map_err(|e| e.to_string())?;
+                let value = match value {
+                    Value::Real(x) => Value::Real(convert.of(x)),
+                    other => other,
+                };
+                // An FMU may take values beyond its limits, for example by saturation.
+                if let (Err(beyond), false) = (crate::value::check_limits(variable, &value), column.noted) {
+                    self.notes.push(format!(
+                        "{}, line {line}: {beyond}; the value is passed on to the FMU",
+                        self.path.display()
+                    ));
+                    column.noted = true;
                 }
-            });
+                column.values.push(match value {
+                    Value::Real(x) => x,
+                    Value::Integer(x) => x as f64,
+                    Value::Boolean(x) => f64::from(u8::from(x)),
+                    Value::String(_) | Value::Binary(_) => {
+                        return Err(format!("column {} is not a number", column.name));
+                    }
+                });
+            }
         }
         self.times.push(time);
         Ok(())
     }
+}
+
+/// `name [unit]`; brackets that follow the name at once belong to it.
+fn name_and_unit(text: &str) -> (&str, Option<&str>) {
+    match text.strip_suffix(']').and_then(|rest| rest.rsplit_once(" [")) {
+        Some((name, unit)) => (name.trim_end(), Some(unit.trim())),
+        None => (text, None),
+    }
+}
+
+/// The conversion of numbers in `unit`, by default that of the variable, to the unit of the variable.
+pub(crate) fn from_unit(
+    description: &ModelDescription,
+    variable: &Variable,
+    unit: Option<&str>,
+) -> Result<Affine, String> {
+    let Some(wanted) = unit.filter(|unit| variable.unit.as_deref() != Some(unit)) else {
+        return Ok(Affine::IDENTITY);
+    };
+    let own = unit_of(description, variable);
+    let shown = own.iter().flat_map(|own| &own.display_units).find(|d| d.name == wanted && !d.inverse);
+    if let Some(display) = shown {
+        let offset = if variable.relative { 0.0 } else { display.offset };
+        return Ok(Affine { factor: 1.0 / display.factor, offset: -offset / display.factor });
+    }
+    let defined = description.units.iter().find(|u| u.name == wanted);
+    let convert = defined.and_then(|from| conversion(Some(from), own.as_ref(), variable.relative));
+    convert.filter(|_| own.is_some()).ok_or_else(|| {
+        let of_variable =
+            variable.unit.as_deref().map_or("no unit".to_owned(), |u| format!("the unit {u:?}"));
+        let why = if defined.is_some() { "cannot be converted" } else { "is not defined in the FMU" };
+        format!("column {} has {of_variable}, and the unit {wanted:?} of the header {why}", variable.name)
+    })
 }
 
 /// The line (from 1) of the first cell at or after byte `position`: blank lines are skipped.
@@ -203,6 +317,40 @@ mod tests {
 
     fn parse(text: &str) -> Result<InputTable, Error> {
         InputTable::parse(Path::new("in.csv"), text.as_bytes(), &description())
+    }
+
+    #[test]
+    fn headers_may_have_units() {
+        let described = ModelDescription::parse(
+            r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><UnitDefinitions>
+            <Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/></Unit>
+            <Unit name="rad/s"><BaseUnit s="-1" rad="1"/></Unit><Unit name="rpm"><BaseUnit s="-1" rad="1" factor="0.1"/></Unit>
+            </UnitDefinitions><ModelVariables>
+            <ScalarVariable name="T" valueReference="1" causality="input"><Real unit="K" start="300"/></ScalarVariable>
+            <ScalarVariable name="w[1]" valueReference="2" causality="input"><Real unit="rad/s" start="0"/></ScalarVariable>
+            </ModelVariables></fmiModelDescription>"#,
+        )
+        .unwrap();
+        let parse = |text: &str| InputTable::parse(Path::new("in.csv"), text.as_bytes(), &described);
+        for (text, expected) in [("T [degC],w[1] [rpm]", (298.15, 2.0)), ("T [K],w[1]", (25.0, 20.0))] {
+            let table = parse(&format!("time,{text}\n0,25,20\n")).unwrap();
+            let found = (table.after(0, 0.0, 0.0), table.after(1, 0.0, 0.0));
+            assert!((found.0 - expected.0).abs() + (found.1 - expected.1).abs() < 1e-12, "{text}: {found:?}");
+        }
+        let refused = parse("time,T [rpm]\n0,25\n").unwrap_err().to_string();
+        let expected = r#"in.csv, line 1: column T has the unit "K", and the unit "rpm" of the header cannot be converted"#;
+        assert_eq!(refused, expected);
+        let refused = parse("time,T [degF]\n0,25\n").unwrap_err().to_string();
+        assert!(refused.ends_with(r#"the unit "degF" of the header is not defined in the FMU"#), "{refused}");
+    }
+
+    #[test]
+    fn values_beyond_the_limits_are_passed_on_with_a_note() {
+        let table = parse("time,u,n\n0,1,1\n1,11,2\n2,12,3\n").unwrap();
+        assert_eq!(table.after(0, 2.0, 1e-9), 12.0);
+        let expected =
+            "in.csv, line 3: u = 11 is outside its limits -10 ... 10; the value is passed on to the FMU";
+        assert_eq!(table.notes(), [expected]);
     }
 
     #[test]

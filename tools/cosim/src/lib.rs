@@ -29,6 +29,7 @@
 mod archive;
 pub mod child;
 mod description;
+mod drive;
 pub mod elements;
 mod error;
 mod grid;

@@ -1,4 +1,5 @@
 //! The master for one FMU: settings, initialization, steps, recording.
+use crate::drive::Drive;
 use crate::grid::Grid;
 use crate::input::InputTable;
 use crate::integrator::{Inputs, Integrator};
@@ -7,6 +8,7 @@ use crate::{
     Archive, Causality, Column, Error, Experiment, FmiVersion, Instance, Interface, InterfaceType, Kind, Log,
     ModelDescription, Recording, Step, Value, Variable,
 };
+use std::slice::from_mut;
 use std::time::Instant;
 
 /// Options of a run of an FMU. `None` means the value of the FMU's default experiment.
@@ -79,9 +81,9 @@ pub fn simulate(
     initialise(&mut instance, &sets, &Experiment { start: grid.start, stop: Some(grid.stop), tolerance })?;
     let slopes =
         options.input_slopes && description.fmi_version == FmiVersion::V2 && interface.can_interpolate_inputs;
-    let mut drive = options.input.as_ref().map(|table| Drive::new(table, slopes, grid.slack));
+    let mut drive = options.input.as_ref().map(|table| Drive::new(table, &|_| slopes, grid.slack));
     if let Some(drive) = &mut drive {
-        drive.set_values(&mut instance, grid.start)?;
+        drive.set_values(from_mut(&mut instance), grid.start)?;
     }
     instance.exit_initialization()?;
 
@@ -105,8 +107,8 @@ pub fn simulate(
             (Some(integrator), None) => integrator.advance(&mut instance, end, &mut NoInputs)?,
             (None, drive) => {
                 if let Some(drive) = drive {
-                    drive.set_values(&mut instance, t)?;
-                    drive.set_slopes(&mut instance, t, h)?;
+                    drive.set_values(from_mut(&mut instance), t)?;
+                    drive.set_slopes(from_mut(&mut instance), t, h)?;
                 }
                 instance.do_step(t, h)?
             }
@@ -208,103 +210,6 @@ pub(crate) fn initialise(
     set(instance, Causality::Parameter)?;
     instance.enter_initialization(experiment)?;
     set(instance, Causality::Input)
-}
-
-/// Feeds an input table to an instance.
-struct Drive<'a> {
-    table: &'a InputTable,
-    groups: Vec<Batch>,
-    /// The continuous reals, if their derivatives are set.
-    slopes: Option<Batch>,
-    slack: f64,
-}
-
-impl<'a> Drive<'a> {
-    fn new(table: &'a InputTable, slopes: bool, slack: f64) -> Self {
-        let mut groups = Vec::new();
-        let mut continuous = Vec::new();
-        for (index, column) in table.columns().iter().enumerate() {
-            let add = |groups: &mut Vec<Batch>| {
-                let group = Batch::of(groups, 0, column.kind);
-                group.vrs.push(column.value_reference);
-                group.push(index);
-            };
-            add(&mut groups);
-            if slopes && column.continuous {
-                add(&mut continuous);
-            }
-        }
-        Self { table, groups, slopes: continuous.pop(), slack }
-    }
-
-    fn set_values(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
-        for group in &mut self.groups {
-            for (value, column) in group.values.iter_mut().zip(&group.slots) {
-                *value = self.table.after(*column, t, self.slack);
-            }
-            instance.set_number(group.kind, &group.vrs, &group.values)?;
-        }
-        Ok(())
-    }
-
-    fn set_group(
-        &mut self,
-        instance: &mut Instance,
-        place: usize,
-        t: f64,
-        before: bool,
-    ) -> Result<(), Error> {
-        let group = &mut self.groups[place];
-        for (value, column) in group.values.iter_mut().zip(&group.slots) {
-            *value = if before {
-                self.table.before(*column, t, self.slack)
-            } else {
-                self.table.after(*column, t, self.slack)
-            };
-        }
-        instance.set_number(group.kind, &group.vrs, &group.values)
-    }
-
-    /// The mean derivative over the step: the input meets the table at both ends of the step.
-    fn set_slopes(&mut self, instance: &mut Instance, t: f64, h: f64) -> Result<(), Error> {
-        let Some(group) = &mut self.slopes else { return Ok(()) };
-        for (slope, column) in group.values.iter_mut().zip(&group.slots) {
-            let (from, to) =
-                (self.table.after(*column, t, self.slack), self.table.before(*column, t + h, self.slack));
-            *slope = (to - from) / h;
-        }
-        instance.set_input_derivatives(&group.vrs, &group.values)
-    }
-}
-
-impl Inputs for Drive<'_> {
-    fn set_continuous(&mut self, instance: &mut Instance, from: f64, t: f64) -> Result<(), Error> {
-        for place in 0..self.groups.len() {
-            // Kinds are the same for all of a group; floats that are not continuous are few and constant here.
-            if self.groups[place].kind.is_float() {
-                self.set_group(instance, place, t, t > from)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn set_all(&mut self, instance: &mut Instance, t: f64) -> Result<(), Error> {
-        self.set_values(instance, t)
-    }
-
-    fn next_break(&self, t: f64) -> Option<f64> {
-        let times = self.table.times();
-        times.get(times.partition_point(|x| *x <= t)).copied()
-    }
-
-    fn jumps(&self, t: f64) -> bool {
-        let columns = 0..self.table.columns().len();
-        let jump = |c: usize| {
-            self.table.before(c, t, self.slack).to_bits() != self.table.after(c, t, self.slack).to_bits()
-        };
-        self.next_break(t - self.slack).is_some_and(|row| row <= t + self.slack)
-            && columns.into_iter().any(jump)
-    }
 }
 
 /// A run without inputs over time.

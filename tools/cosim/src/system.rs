@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `structure.rs` | content of a file, with line numbers; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
 //! | `connections.rs`, `ends.rs`, `settings.rs`, `units.rs` | their names resolved in the FMUs: sources of inputs, unit conversions, values |
+//! | `inputs.rs` | tables of inputs over time |
 //! | `order.rs` | what passes through without a step; algebraic loops |
 //! | `master.rs`, `batch.rs` | instances and one macro step |
 //! | `master.rs`, `variable.rs` | the run, with a fixed or a variable step |
@@ -11,6 +12,7 @@
 mod batch;
 mod connections;
 mod ends;
+mod inputs;
 mod master;
 mod order;
 mod package;
@@ -29,6 +31,7 @@ pub(crate) use batch::Batch;
 pub use master::Algorithm;
 pub use power_bonds::PowerBond;
 pub use run::{SystemOptions, SystemRun, cosimulate};
+pub(crate) use units::{Affine, conversion, unit_of};
 
 use crate::{Archive, Error};
 use parts::Parts;

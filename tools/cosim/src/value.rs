@@ -76,6 +76,13 @@ impl ModelDescription {
     /// # Errors
     /// [`Error::BadValue`], [`Error::OutOfRange`], [`Error::Unsupported`] for arrays, binaries and clocks.
     pub fn value_of(&self, variable: &Variable, text: &str) -> Result<Value, Error> {
+        let value = self.typed_value(variable, text)?;
+        check_limits(variable, &value)?;
+        Ok(value)
+    }
+
+    /// As [`Self::value_of`], without the limits of the variable.
+    pub(crate) fn typed_value(&self, variable: &Variable, text: &str) -> Result<Value, Error> {
         let text = text.trim();
         let bad = |expected: String| Error::BadValue {
             name: variable.name.clone(),
@@ -104,7 +111,6 @@ impl ModelDescription {
                 if !fits {
                     return Err(bad(finite(variable)));
                 }
-                within(variable, value)?;
                 Ok(Value::Real(value))
             }
             Kind::Enumeration => {
@@ -124,7 +130,6 @@ impl ModelDescription {
                 if value < low || value > high {
                     return Err(bad(format!("a whole number from {low} to {high}")));
                 }
-                within(variable, value as f64)?;
                 Ok(Value::Integer(value))
             }
         }
@@ -172,7 +177,13 @@ fn finite(variable: &Variable) -> String {
     variable.unit.as_ref().map_or("a finite number".to_owned(), |u| format!("a finite number (in {u})"))
 }
 
-fn within(variable: &Variable, value: f64) -> Result<(), Error> {
+/// Whether a number is within the limits of its variable.
+pub(crate) fn check_limits(variable: &Variable, value: &Value) -> Result<(), Error> {
+    let value = match value {
+        Value::Real(x) => *x,
+        Value::Integer(x) if variable.kind != Kind::Enumeration => *x as f64,
+        _ => return Ok(()),
+    };
     let above = variable.min.is_none_or(|min| value >= min);
     let below = variable.max.is_none_or(|max| value <= max);
     if above && below {

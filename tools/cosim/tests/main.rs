@@ -12,5 +12,6 @@ mod instances;
 mod simulations;
 mod system_allocation;
 mod system_faults;
+mod system_inputs;
 mod system_ssp;
 mod systems;

@@ -4,7 +4,7 @@ use super::parts::{Parts, Port};
 use super::settings::{Given, given, owner, refused, setting_error, value};
 use super::structure::{Connection, Direction, End};
 use super::units::{Affine, conversion};
-use crate::{Causality, Error, Kind, Unit, Value};
+use crate::{Causality, Error, InputTable, Kind, Unit, Value};
 
 /// An input that is connected to an output.
 #[derive(Clone, Debug)]
@@ -26,6 +26,17 @@ pub(crate) struct SystemOutput {
     pub(crate) unit: Option<Unit>,
 }
 
+/// An input of the system itself, with one of the inputs that it goes to.
+#[derive(Clone, Debug)]
+pub(crate) struct SystemInput {
+    pub(crate) name: String,
+    pub(crate) port: Port,
+    /// From the connector of the system to the input.
+    pub(crate) convert: Affine,
+    /// The unit of the connector of the system, if it declares one.
+    pub(crate) unit: Option<Unit>,
+}
+
 /// The connections as the master uses them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Connections {
@@ -33,12 +44,13 @@ pub(crate) struct Connections {
     pub(crate) outputs: Vec<Port>,
     pub(crate) inputs: Vec<InputConnection>,
     pub(crate) system_outputs: Vec<SystemOutput>,
+    pub(crate) system_inputs: Vec<SystemInput>,
     /// Values to set, by component; variables by their place.
     pub(crate) sets: Vec<Vec<(usize, Value)>>,
     pub(crate) notes: Vec<String>,
 }
 
-/// Resolves every name. `overrides` are settings `component.variable` or inputs of the system that take precedence over
+/// Resolves every name; [`Connections::check_open_inputs`] checks the result. `overrides` are settings `component.variable` or inputs of the system that take precedence over
 /// those of the file.
 pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Connections, Error> {
     let structure = parts.structure;
@@ -66,7 +78,6 @@ pub(crate) fn resolve(parts: Parts, overrides: &[(String, String)]) -> Result<Co
         let message = "is neither component.variable nor an input of the system".to_owned();
         return Err(refused(setting, *asked, message));
     }
-    connections.check_open_inputs(parts)?;
     Ok(connections)
 }
 
@@ -133,6 +144,13 @@ impl Connections {
                 self.check_free(parts, index, port)?;
                 let convert = between(connection, outer.as_ref(), unit.as_ref(), relative)
                     .ok_or_else(|| fault(apart(name, &outer, &parts.name(port), &unit)))?;
+                let way = convert.then(from_connector);
+                self.system_inputs.push(SystemInput {
+                    name: name.to_owned(),
+                    port,
+                    convert: way,
+                    unit: outer.clone(),
+                });
                 let mut last = None;
                 for entry in given.iter_mut().filter(|g| g.setting.name == *name) {
                     entry.used = true;
@@ -140,7 +158,6 @@ impl Connections {
                 }
                 let Some(Given { setting, asked, .. }) = last else { return Ok(()) };
                 let variable = &parts.variable(port).name;
-                let way = convert.then(from_connector);
                 let set =
                     value(parts.description(port.component), variable, setting, Some((outer.as_ref(), way)));
                 let component = &parts.structure.components[port.component];
@@ -225,13 +242,19 @@ impl Connections {
         }
     }
 
-    /// Unconnected inputs keep their start value, if they have one.
-    fn check_open_inputs(&mut self, parts: Parts) -> Result<(), Error> {
+    /// Unconnected inputs that are in no table keep their start value, if they have one.
+    pub(crate) fn check_open_inputs(
+        &mut self,
+        parts: Parts,
+        table: Option<&InputTable>,
+    ) -> Result<(), Error> {
+        let columns = table.map_or(&[][..], InputTable::columns);
         for (index, component) in parts.structure.components.iter().enumerate() {
             let mut open: Vec<&str> = Vec::new();
             for (place, variable) in parts.description(index).variables.iter().enumerate() {
                 let fed = self.inputs.iter().any(|f| f.port == Port { component: index, variable: place })
-                    || self.sets[index].iter().any(|(v, _)| *v == place);
+                    || self.sets[index].iter().any(|(v, _)| *v == place)
+                    || columns.iter().any(|c| (c.component, c.variable) == (index, place));
                 if variable.causality != Causality::Input || variable.kind == Kind::Clock || fed {
                     continue;
                 }

@@ -5,8 +5,11 @@ use super::order::Order;
 use super::parts::Parts;
 use super::power_bonds::{PowerBonds, Stepped};
 use super::units::Affine;
+use crate::drive::Drive;
 use crate::simulate::initialise;
-use crate::{Error, Experiment, FmiVersion, Instance, Kind, Log, State, Step, Value, Variability, Variable};
+use crate::{
+    Error, Experiment, FmiVersion, InputTable, Instance, Kind, Log, State, Step, Value, Variability, Variable,
+};
 
 /// Coupling algorithm during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,6 +35,8 @@ struct Round {
 /// State of the master, in addition to the states of the FMUs.
 #[derive(Clone, Debug)]
 struct Memory {
+    /// The communication point (s).
+    time: f64,
     /// Connected outputs now.
     outputs: Vec<f64>,
     /// Connected inputs now, in the units of the inputs.
@@ -48,7 +53,7 @@ impl Memory {
         self.outputs.copy_from_slice(&other.outputs);
         self.inputs.copy_from_slice(&other.inputs);
         self.earlier.copy_from_slice(&other.earlier);
-        self.last_step = other.last_step;
+        (self.time, self.last_step) = (other.time, other.last_step);
         for (own, bond) in self.bonds.bonds.iter_mut().zip(&other.bonds.bonds) {
             (own.energy, own.throughput) = (bond.energy, bond.throughput);
             (own.residual, own.gross_residual) = (bond.residual, bond.gross_residual);
@@ -66,7 +71,7 @@ pub(crate) struct Outcome {
 }
 
 /// How a system is to be run.
-pub(crate) struct Plan {
+pub(crate) struct Plan<'a> {
     pub(crate) algorithm: Algorithm,
     /// Input derivatives are set where the FMU takes them.
     pub(crate) derivatives: bool,
@@ -74,11 +79,16 @@ pub(crate) struct Plan {
     pub(crate) stop: f64,
     /// For the FMUs; each FMU's own proposal when absent.
     pub(crate) tolerance: Option<f64>,
+    /// Inputs over time; times closer than `slack` (s) are the same.
+    pub(crate) table: Option<&'a InputTable>,
+    pub(crate) slack: f64,
     pub(crate) log: Log,
 }
 
-pub(crate) struct Master {
+pub(crate) struct Master<'a> {
     pub(crate) instances: Vec<Instance>,
+    /// Inputs over time.
+    drive: Option<Drive<'a>>,
     memory: Memory,
     saved: Option<(Memory, Vec<State>)>,
     rounds: Vec<Round>,
@@ -110,13 +120,13 @@ struct ComponentStep {
 /// Largest number of iterations for consistent initial values.
 const MAX_ITERATIONS: usize = 100;
 
-impl Master {
+impl<'a> Master<'a> {
     /// Instantiates and initialises all components; connected inputs and outputs agree afterwards.
     pub(crate) fn start(
         parts: Parts,
         connections: &Connections,
         order: &Order,
-        plan: &Plan,
+        plan: &Plan<'a>,
     ) -> Result<Self, Error> {
         let mut instances = Vec::new();
         for (index, component) in parts.structure.components.iter().enumerate() {
@@ -145,7 +155,7 @@ impl Master {
         parts: Parts,
         connections: &Connections,
         order: &Order,
-        plan: &Plan,
+        plan: &Plan<'a>,
         instances: Vec<Instance>,
     ) -> Self {
         let algorithm = plan.algorithm;
@@ -163,10 +173,8 @@ impl Master {
             let round = if delayed { 0 } else { order.set[slot] };
             Batch::add(&mut rounds[round].sets, component, variable, slot);
             Batch::add(&mut all_inputs, component, variable, slot);
-            let description = parts.description(component);
             has_derivative[slot] = plan.derivatives
-                && description.fmi_version == FmiVersion::V2
-                && description.co_simulation().is_some_and(|c| c.can_interpolate_inputs)
+                && takes_derivatives(parts, component)
                 && variable.kind == Kind::Float64
                 && variable.variability == Variability::Continuous
                 && parts.variable(connections.outputs[input.source]).variability == Variability::Continuous;
@@ -178,9 +186,12 @@ impl Master {
             connections.inputs.iter().map(|f| (f.source, f.convert)).collect();
         let component_steps = component_steps(parts, connections, order, algorithm, &has_derivative);
         let (outputs, inputs) = (connections.outputs.len(), connections.inputs.len());
+        let takes_slopes = |component: usize| plan.derivatives && takes_derivatives(parts, component);
         Self {
             instances,
+            drive: plan.table.map(|table| Drive::new(table, &takes_slopes, plan.slack)),
             memory: Memory {
+                time: plan.start,
                 outputs: vec![0.0; outputs],
                 inputs: vec![f64::NAN; inputs],
                 earlier: vec![0.0; inputs],
@@ -204,6 +215,11 @@ impl Master {
         &self.memory.outputs
     }
 
+    /// The next row of the input table after `t` (s).
+    pub(crate) fn next_row(&self, t: f64) -> Option<f64> {
+        self.drive.as_ref()?.next_row(t)
+    }
+
     /// Whether any input gets a derivative.
     pub(crate) fn has_derivatives(&self) -> bool {
         self.has_derivative.contains(&true)
@@ -216,6 +232,9 @@ impl Master {
 
     /// Reads all connected outputs and sets all connected inputs, in the order of the dependencies.
     fn exchange(&mut self) -> Result<(), Error> {
+        if let Some(drive) = &mut self.drive {
+            drive.set_values(&mut self.instances, self.memory.time)?;
+        }
         let Memory { outputs, inputs, .. } = &mut self.memory;
         for round in &mut self.rounds {
             for batch in &mut round.gets {
@@ -264,6 +283,9 @@ impl Master {
     pub(crate) fn step(&mut self, t: f64, h: f64) -> Result<Option<usize>, Error> {
         self.before.copy_from_slice(&self.memory.outputs);
         self.extrapolate();
+        if let Some(drive) = &mut self.drive {
+            drive.set_slopes(&mut self.instances, t, h)?;
+        }
         let ended = match self.algorithm {
             Algorithm::GaussSeidel => self.step_in_sequence(t, h)?,
             Algorithm::Jacobi | Algorithm::JacobiDelayed => self.step_all(t, h)?,
@@ -274,7 +296,7 @@ impl Master {
         // The energies need the inputs as they were set, before the exchange renews them.
         let Memory { inputs, earlier, .. } = &mut self.memory;
         std::mem::swap(inputs, earlier);
-        self.memory.last_step = h;
+        (self.memory.time, self.memory.last_step) = (t + h, h);
         self.exchange()?;
         let Memory { outputs, earlier, bonds, .. } = &mut self.memory;
         bonds.add(&Stepped {
@@ -364,13 +386,23 @@ impl Master {
         for batch in &mut self.all_inputs {
             batch.set(&mut self.instances, &self.memory.inputs)?;
         }
-        Ok(())
+        match &mut self.drive {
+            Some(drive) => drive.set_values(&mut self.instances, self.memory.time),
+            None => Ok(()),
+        }
     }
 
     /// Ends the simulation of all components.
     pub(crate) fn terminate(&mut self) -> Result<(), Error> {
         self.instances.iter_mut().try_for_each(Instance::terminate)
     }
+}
+
+/// Whether a component takes input derivatives.
+fn takes_derivatives(parts: Parts, component: usize) -> bool {
+    let description = parts.description(component);
+    description.fmi_version == FmiVersion::V2
+        && description.co_simulation().is_some_and(|c| c.can_interpolate_inputs)
 }
 
 /// The order of component steps, and what is exchanged in between.

@@ -28,7 +28,8 @@ const NAMESPACES: [(&str, &str); 3] = [
 const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatform.com/SSP/OSPAnnotations");
 
 pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
-    let connections = resolve(parts, &[])?;
+    let mut connections = resolve(parts, &[])?;
+    connections.check_open_inputs(parts, None)?;
     super::order::order(parts, &connections)?;
     let io = Error::io("write", path);
     let resources = resources(&parts.structure.components);

@@ -1,6 +1,7 @@
 //! The run of a system: options, the fixed step, and the result. The variable step is in `variable_step.rs`.
 use super::System;
 use super::connections::resolve;
+use super::inputs;
 use super::master::{Algorithm, Master, Outcome, Plan};
 use super::order::order;
 use super::parts::Parts;
@@ -8,7 +9,8 @@ use super::power_bonds::PowerBond;
 use super::record::Record;
 use super::variable_step::{self, Control};
 use crate::grid::Grid;
-use crate::{Error, Log, Recording};
+use crate::{Error, InputTable, Log, Recording};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Options of a run of a system. `None` means the value of the system, else of its FMUs.
@@ -25,6 +27,8 @@ pub struct SystemOptions {
     pub tolerance: Option<f64>,
     /// Settings `component.variable` or inputs of the system, as name and text; they win over the file's.
     pub sets: Vec<(String, String)>,
+    /// CSV file of inputs over time, with columns `component.variable` or inputs of the system.
+    pub input: Option<PathBuf>,
     /// Coupling algorithm.
     pub algorithm: Algorithm,
     /// Hold all inputs constant during a step, also where an FMU takes input derivatives.
@@ -73,7 +77,10 @@ pub fn cosimulate(
 ) -> Result<SystemRun, Error> {
     let parts = system.parts();
     let structure = parts.structure;
-    let connections = resolve(parts, &options.sets)?;
+    let mut connections = resolve(parts, &options.sets)?;
+    let table = options.input.as_deref().map(|path| inputs::read(path, parts, &connections)).transpose()?;
+    connections.check_open_inputs(parts, table.as_ref())?;
+    connections.notes.extend(table.iter().flat_map(InputTable::notes).cloned());
     let order = order(parts, &connections)?;
     let start = options.start.or(structure.start).unwrap_or(0.0);
     let stop = options.stop.or(structure.stop).unwrap_or(start + 1.0);
@@ -96,6 +103,8 @@ pub fn cosimulate(
         start,
         stop,
         tolerance: options.tolerance,
+        table: table.as_ref(),
+        slack: grid.slack,
         log: options.log.clone(),
     };
     let mut master = Master::start(parts, &connections, &order, &plan)?;

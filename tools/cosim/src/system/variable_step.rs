@@ -48,7 +48,10 @@ pub(crate) fn run(
     let mut outcome = Outcome::default();
     let mut reported = 0.0;
     while t < control.stop {
-        let rest = control.stop - t;
+        // Inputs over time have a kink at each row.
+        let row = master.next_row(t + least).filter(|row| *row < control.stop - least);
+        let end = row.unwrap_or(control.stop);
+        let rest = end - t;
         // Two equal steps to the end rather than a long and a tiny one; a last step that meets the end exactly.
         let last = h >= rest * (1.0 - 1e-12);
         let step = if last { rest } else { h.min(0.5 * rest) };
@@ -64,10 +67,13 @@ pub(crate) fn run(
         // The error of a step falls with one order more than that of the whole run.
         let factor = SAFETY * error.max(1e-12).powf(-1.0 / f64::from(control.order + 1));
         if error <= 1.0 {
-            t = if last { control.stop } else { t + step };
+            t = if last { end } else { t + step };
             outcome.steps += 1;
+            let last = t >= control.stop;
             record.point(master, t, last)?;
-            h = step * factor.clamp(SHRINK, GROW);
+            let proposed = step * factor.clamp(SHRINK, GROW);
+            // A row that cuts a step short says nothing about the next one.
+            h = if row.is_some() && step < h { proposed.max(h) } else { proposed };
             let share = (t - control.start) / span;
             if share - reported >= 0.005 || last {
                 progress(share);

@@ -1,0 +1,65 @@
+//! Inputs over time of a system: columns `component.variable`, or connectors of the system.
+use super::connections::Connections;
+use super::parts::{Parts, Port};
+use super::settings::owner;
+use super::units::{Affine, conversion, unit_of};
+use crate::input::{Target, from_unit};
+use crate::{Error, InputTable};
+use std::path::Path;
+
+/// Reads the table at `path` for the inputs of a system that nothing else sets.
+pub(crate) fn read(path: &Path, parts: Parts, connections: &Connections) -> Result<InputTable, Error> {
+    let bytes = std::fs::read(path).map_err(Error::io("read", path))?;
+    InputTable::parse_for(path, &bytes, &|name, unit| {
+        let targets = targets(name, unit, parts, connections)?;
+        for (_, port) in &targets {
+            if connections.sets[port.component].iter().any(|(v, _)| *v == port.variable) {
+                return Err(format!("column {name}: {} has a constant value already", parts.name(*port)));
+            }
+            if let Some(input) = connections.inputs.iter().find(|i| i.port == *port) {
+                let connection = &parts.structure.connections[input.connection];
+                let name = parts.name(*port);
+                return Err(format!("column {name}: {name} has a source already, the {connection}"));
+            }
+        }
+        Ok(targets.into_iter().map(|(target, _)| target).collect())
+    })
+}
+
+fn targets<'a>(
+    name: &str,
+    unit: Option<&str>,
+    parts: Parts<'a>,
+    connections: &Connections,
+) -> Result<Vec<(Target<'a>, Port)>, String> {
+    let mut targets = Vec::new();
+    for input in connections.system_inputs.iter().filter(|s| s.name == name) {
+        let (description, variable) = (parts.description(input.port.component), parts.variable(input.port));
+        // In the unit of the connector, else in another one, which the FMU defines.
+        let is_of_connector = unit.is_none() || input.unit.as_ref().map(|u| u.name.as_str()) == unit;
+        let to_connector = if is_of_connector {
+            Affine::IDENTITY
+        } else {
+            let inner = unit_of(description, variable);
+            let outward = conversion(inner.as_ref(), input.unit.as_ref(), variable.relative);
+            from_unit(description, variable, unit)?.then(outward.unwrap_or(Affine::IDENTITY))
+        };
+        let convert = to_connector.then(input.convert);
+        let target = Target { component: input.port.component, description, variable, convert };
+        targets.push((target, input.port));
+    }
+    if !targets.is_empty() {
+        return Ok(targets);
+    }
+    let Some((component, inner)) = owner(parts.structure, name) else {
+        return Err(format!(
+            "unknown column: {name} is neither component.variable nor an input of the system"
+        ));
+    };
+    let description = parts.description(component);
+    let variable = description.settable(inner).map_err(|e| format!("unknown column: {e}"))?;
+    let place = description.variables.iter().position(|v| v.name == inner).unwrap_or(0);
+    let convert = from_unit(description, variable, unit)?;
+    let port = Port { component, variable: place };
+    Ok(vec![(Target { component, description, variable, convert }, port)])
+}
