@@ -177,6 +177,47 @@ def test_fmpy_shows_the_error_of_the_report_with_fmi_3(closed, report, run):
     shows_the_error_of_the_report(report, run, dict(zip(OUTPUTS, np.array(shown).T)))
 
 
+def test_runs_that_start_warm_are_replayed_and_repeated_with_fmpy(program, run, tmp_path):
+    """The test runs begin in the middle of a warm run, one with a start value of its own; `replay.start_values` has both."""
+    with open(FOLDER / "run-4.csv") as file:
+        header, *rows = file.read().splitlines()
+    parts = {"warm.csv": slice(900, 1000), "windage.csv": slice(1200, 1300)}
+    for name, part in parts.items():
+        (tmp_path / name).write_text("\n".join([header, *rows[part]]) + "\n")
+    text = (FOLDER / "experiment.toml").read_text()
+    fit = f'[[run]]\nfile = "{FOLDER / "run-1.csv"}"\nrole = "fit"\nwindow_s = [0, 1200]\n'
+    test = "".join(f'[[run]]\nfile = "{name}"\nrole = "test"\nstart = "measured"\n' for name in parts)
+    own = '[run.set]\n"effect.windage.k" = 1e-8\n'
+    (tmp_path / "experiment.toml").write_text(text[: text.index("[[run]]")] + fit + test + own)
+    command = [program, "fit", tmp_path / "experiment.toml", "--out", tmp_path / "out", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stdout + done.stderr
+    report = json.loads(done.stdout)
+    replay = report["replay"]
+    assert replay["agrees"] and replay["replayed"] == list(parts)
+    # FMI 2.0 takes the input derivatives, so that nothing but rounding is left.
+    assert all(c["difference_of_a_value"] < 1e-12 for c in replay["channels"] if c["standard"] == "fmi2")
+    starts = replay["start_values"]
+    initial = {f"initial.{node}_temperature" for node in ("winding", "stator", "magnet", "housing")}
+    assert set(starts["warm.csv"]) == initial and set(starts["windage.csv"]) == initial | {"effect.windage.k"}
+    assert "initial." not in (tmp_path / "out" / "preset.toml").read_text(), "the exported model starts at ambient temperature"
+    measured = {name: {column: values[part] for column, values in run.items()} for name, part in parts.items()}
+    assert all(m["winding_temperature_degC"][0] > m["ambient_temperature_degC"][0] + 5.0 for m in measured.values())
+
+    def repeated(values):
+        path = tmp_path / "out" / "fmi2" / f"{MODEL}.fmu"
+        shown = [simulated(path, measured[name], start_values=values(name)) for name in parts]
+        return {column: np.concatenate([s[column] for s in shown]) for column in OUTPUTS}
+
+    both = {column: np.concatenate([m[column] for m in measured.values()]) for column in run}
+    shows_the_error_of_the_report(report, both, repeated(starts.get))
+    for name in ("effect.windage.k", "initial.winding_temperature"):
+        with pytest.raises(AssertionError, match="and not"):
+            shows_the_error_of_the_report(
+                report, both, repeated(lambda file, name=name: {k: v for k, v in starts[file].items() if k != name})
+            )
+
+
 def test_an_fmu_that_was_not_calibrated_shows_another_error(archive_paths, report, run):
     """The comparison can fail: the default archive has other start values (and needs the modes current, imposed_speed)."""
     modes = {"drive_mode": 3, "mechanical_mode": 2}

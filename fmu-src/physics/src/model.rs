@@ -315,28 +315,6 @@ impl Entry {
     }
 }
 
-/// A part of a motor whose temperature a bench measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Node {
-    /// The winding.
-    Winding,
-    /// The stator beside the winding.
-    Stator,
-    /// The rotor with its magnets.
-    Magnets,
-    /// Housing.
-    Housing,
-    /// The box around the motor.
-    Box,
-}
-
-impl Node {
-    /// The temperature of the first of these nodes that is known.
-    pub fn nearest(known: &[(Node, f64)], order: &[Node]) -> Option<f64> {
-        order.iter().find_map(|node| known.iter().find(|(n, _)| n == node).map(|(_, t)| *t))
-    }
-}
-
 /// Heat flow from the housing to ambient, and the temperatures at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HousingHeat {
@@ -371,12 +349,6 @@ pub trait Model: Exchange + Send + Sync {
     }
     /// Ends initialization at `time`: checks the parameters together, sets every state.
     fn start(&mut self, time: f64) -> Result<(), Fault>;
-    /// Puts the nodes at these temperatures, K, between [`start`](Model::start) and the first step; the books open
-    /// anew from there. A node that is not named takes the temperature of the nearest that is. False, and nothing
-    /// put, where the model has none of them.
-    fn warm_start(&mut self, _known: &[(Node, f64)]) -> bool {
-        false
-    }
     /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes, unless the model has
     /// [`ended`](Model::ended).
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;

@@ -19,5 +19,4 @@ mod short_cuts;
 mod states;
 mod terms;
 mod validity;
-mod warm_start;
 mod water_jacket;

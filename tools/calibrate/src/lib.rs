@@ -7,7 +7,7 @@
 //! | [`experiment`] | reads what was measured, and refuses what cannot be right |
 //! | [`intake`] | sets aside sensors that do not work, and refuses data that contradict the model |
 //! | [`noise`] | says how much of a channel is noise |
-//! | [`simulate`], [`change`] | the native model over a run, with what a trial changes of it |
+//! | [`simulate`], [`change`], [`initial`] | the native model over a run, with what a trial changes of it and where it starts |
 //! | [`hypothesis`], [`catalogue`] | a model that may be: parameters, effects of the list, terms of no list |
 //! | [`setup`] | all of it ready to be asked; residuals row by row and in blocks |
 //! | [`fit`] | the numbers of a hypothesis: bounded, with priors |
@@ -30,6 +30,7 @@ pub mod experiment;
 pub mod fit;
 mod hearing;
 pub mod hypothesis;
+pub mod initial;
 pub mod intake;
 pub mod noise;
 pub mod outcome;

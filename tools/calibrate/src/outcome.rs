@@ -224,7 +224,8 @@ pub struct Setting {
     pub file: String,
     /// Its role.
     pub role: Role,
-    /// Every value that differs from the model's own start values: full name and number.
+    /// Every value that differs from the model's own start values: full name and number. Initial temperatures that were measured are
+    /// among them.
     pub values: Vec<(String, f64)>,
     /// Terms.
     pub terms: Vec<GenericTerm>,

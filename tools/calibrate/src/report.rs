@@ -68,8 +68,8 @@ pub struct Replay {
     pub replayed: Vec<String>,
     /// The role whose runs were replayed.
     pub role: &'static str,
-    /// Runs of that role that an FMU cannot start as measured; the values of the others are compared then, not errors.
-    pub left_out: Vec<String>,
+    /// Start values of each run that differ from those of the archives (initial temperatures, `[run.set]`), in SI units.
+    pub start_values: BTreeMap<String, BTreeMap<String, f64>>,
     /// Every output in both standards.
     pub channels: Vec<ReplayedChannel>,
 }

@@ -7,7 +7,8 @@ use crate::CalibrateError;
 use crate::change::Change;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Run, Start};
-use physics::model::{Declaration, Model, ModelType, Node, Slot};
+use crate::initial::{self, Node};
+use physics::model::{Declaration, Model, ModelType, Slot};
 
 /// A model with the start values of an experiment, ready to be run with other parameters.
 #[derive(Clone)]
@@ -45,14 +46,14 @@ const REACH: usize = 6;
 const ALIKE: f64 = 4.0;
 /// Rows on either side over which the means of such rows are.
 const FAR: usize = 48;
-/// A sensor shows what was read to this, K.
+/// A sensor indicates its first reading to this, K.
 const SHOWN: f64 = 1e-9;
 /// Parameters that end a run; the lowest temperature is a lower limit.
 const VALIDITY: &str = "validity.";
 const LOWEST: &str = "validity.lowest_temperature";
 /// Rows from one look at the clock to the next.
 const ROWS_A_LOOK: usize = 16;
-/// Most tries until it does.
+/// Greatest number of starts until it does.
 const TRIES: usize = 50;
 
 impl Bench {
@@ -100,10 +101,27 @@ impl Bench {
         last.map_or_else(|| (self.kind.new)().get(slot), |(_, value)| *value)
     }
 
+    /// The initial temperatures of a run with a change, where it starts at measured ones, by full name.
+    ///
+    /// # Errors
+    /// What the model says where it cannot start.
+    pub fn initial(&self, drive: &Drive, change: &Change) -> Result<Vec<(String, f64)>, CalibrateError> {
+        if drive.warm.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut model = self.set_up(drive, change)?;
+        Ok(self.named(&self.start(model.as_mut(), drive)?))
+    }
+
     /// Every start value with a change and what a run says of itself, by full name; of several the last.
     pub fn values(&self, drive: &Drive, change: &Change) -> Vec<(String, f64)> {
+        self.named(self.starts.iter().chain(&change.values).chain(&drive.set))
+    }
+
+    /// Values by full name, within their limits; of several of one name the last.
+    fn named<'a>(&self, all: impl IntoIterator<Item = &'a (Slot, f64)>) -> Vec<(String, f64)> {
         let mut values: Vec<(String, f64)> = Vec::new();
-        for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
+        for (slot, value) in all {
             let entry = self.declaration().entries.iter().find(|e| e.slot == *slot);
             let Some(entry) = entry else { continue };
             // An FMU takes nothing beyond the limits.
@@ -126,6 +144,14 @@ impl Bench {
     /// # Errors
     /// What the model says where it cannot start.
     pub fn begin(&self, drive: &Drive, change: &Change) -> Result<Box<dyn Model>, CalibrateError> {
+        let mut model = self.set_up(drive, change)?;
+        self.start(model.as_mut(), drive)?;
+        model.ease(self.ease);
+        Ok(model)
+    }
+
+    /// The model changed, with the inputs of the first row.
+    fn set_up(&self, drive: &Drive, change: &Change) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = (self.kind.new)();
         // What a run says of itself holds in it, whatever is tried elsewhere.
         for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
@@ -140,9 +166,6 @@ impl Bench {
             return Err(CalibrateError(format!("{} carries no such terms", model.declaration().name)));
         }
         drive.hold(model.as_mut(), &self.inputs, 0);
-        model.start(drive.time[0]).map_err(refused)?;
-        self.warm(model.as_mut(), &drive.warm)?;
-        model.ease(self.ease);
         Ok(model)
     }
 
@@ -219,26 +242,30 @@ impl Bench {
         &self.inputs
     }
 
-    /// Puts the nodes where their sensors show the first readings. A sensor need not show its node's temperature (an
-    /// offset, a stem loss), so that each is moved by what its sensor is off until it is not.
-    fn warm(&self, model: &mut dyn Model, warm: &[(Node, usize, f64)]) -> Result<(), CalibrateError> {
-        let mut known: Vec<(Node, f64)> = warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
-        for _ in 0..if warm.is_empty() { 0 } else { TRIES } {
-            if !model.warm_start(&known) {
-                let name = model.declaration().name;
-                return Err(CalibrateError(format!("{name} cannot start at measured temperatures")));
+    /// Starts a model where a run starts. The nodes whose first readings are known get the initial temperatures with which their
+    /// sensors indicate these: a sensor with an offset or a stem loss does not indicate its node's temperature, so that each is moved
+    /// by the deviation of its sensor until there is none. Returns the initial temperatures.
+    fn start(&self, model: &mut dyn Model, drive: &Drive) -> Result<Vec<(Slot, f64)>, CalibrateError> {
+        let mut known: Vec<(Node, f64)> =
+            drive.warm.iter().map(|(node, _, reading)| (*node, *reading)).collect();
+        let mut tries = 0;
+        loop {
+            let initial = initial::temperatures(model.declaration(), &known);
+            for (slot, value) in &initial {
+                model.set(*slot, *value);
             }
+            model.start(drive.time[0]).map_err(refused)?;
             let mut worst = 0.0f64;
-            for ((_, at), (_, output, reading)) in known.iter_mut().zip(warm) {
+            for ((_, at), (_, output, reading)) in known.iter_mut().zip(&drive.warm) {
                 let off = reading - model.get(self.outputs[*output]);
                 *at += off;
                 worst = worst.max(off.abs());
             }
-            if worst <= SHOWN {
-                break;
+            tries += 1;
+            if worst <= SHOWN || tries == TRIES {
+                return Ok(initial);
             }
         }
-        Ok(())
     }
 }
 

@@ -129,10 +129,13 @@ pub fn outcome(
             }
         }
     }
-    let settings: Vec<Setting> = all.iter().map(|run| setting(setup, &hypothesis, *run)).collect();
+    let settings = all.iter().map(|run| setting(setup, &hypothesis, *run)).collect::<Result<Vec<_>, _>>()?;
     let exported =
         [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
-    let export = settings[exported.unwrap_or(0)].clone();
+    // The exported model starts at the ambient temperature, wherever that run did.
+    let exported = exported.unwrap_or(0);
+    let values = setup.bench.values(&setup.drives[exported], &setup.change(&hypothesis, exported));
+    let export = Setting { values, ..settings[exported].clone() };
     Ok(Outcome {
         name: experiment.name.clone(),
         model: setup.bench.declaration().name,
@@ -280,15 +283,15 @@ fn whiteness(setup: &Setup, first: &Point, point: &Point) -> Vec<Whiteness> {
     .collect()
 }
 
-fn setting(setup: &Setup, hypothesis: &Hypothesis, run: usize) -> Setting {
+fn setting(setup: &Setup, hypothesis: &Hypothesis, run: usize) -> Result<Setting, CalibrateError> {
     let change = setup.change(hypothesis, run);
     let of = &setup.experiment.runs[run];
-    Setting {
-        file: of.file.clone(),
-        role: of.role,
-        values: setup.bench.values(&setup.drives[run], &change),
-        terms: change.terms,
-    }
+    let drive = &setup.drives[run];
+    let initial = setup.bench.initial(drive, &change)?;
+    let mut values = setup.bench.values(drive, &change);
+    values.retain(|(name, _)| !initial.iter().any(|(known, _)| known == name));
+    values.extend(initial);
+    Ok(Setting { file: of.file.clone(), role: of.role, values, terms: change.terms })
 }
 
 fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3]) -> Curves {

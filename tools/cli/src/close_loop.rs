@@ -119,7 +119,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     }
     notes.extend(findings.iter().cloned());
     notes.extend(text::unused_inputs(exported.kind, &exported.preset.starts, &outcome.export.terms));
-    if !replay.agrees || !replay.left_out.is_empty() || replay.channels.is_empty() {
+    if !replay.agrees {
         notes.push(text::replay(&replay));
     }
     let report = Report::new(
@@ -134,9 +134,8 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let page = page::page(&experiment, &outcome, &replay, &notes, (exported.kind.declaration)());
     write(&args.out.join("report.html"), &page)?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
-    let faithful = replay.agrees || replay.channels.is_empty();
     outcome.endings.iter().for_each(|why| eprintln!("error: {why}"));
-    Ok(crate::outcome(faithful && findings.is_empty() && outcome.endings.is_empty()))
+    Ok(crate::outcome(replay.agrees && findings.is_empty() && outcome.endings.is_empty()))
 }
 
 /// Report and page on data of which nothing can be said. What an earlier run wrote beside them is no answer to these data.

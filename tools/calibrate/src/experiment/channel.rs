@@ -4,8 +4,9 @@
 //! model counts. What fits one model must not mean another thing in the next: power_electrical is what one motor takes
 //! at its terminals and the copper heat alone of the other, so supply_power stands before it.
 
+use crate::initial::Node;
 use physics::declare::{Causality, Unit};
-use physics::model::{Declaration, Node};
+use physics::model::Declaration;
 use physics::terms::Driver;
 
 /// A quantity that a bench records, with its column in a file.

@@ -9,7 +9,7 @@
 use super::export::{Exported, terms};
 use crate::Failure;
 use archive::build::{Contents, Standard, build};
-use calibrate::experiment::{Experiment, Role, Run, Start};
+use calibrate::experiment::{Experiment, Role, Run};
 use calibrate::outcome::{Outcome, Setting};
 use calibrate::report::{ROLES, Replay, ReplayedChannel, role_name};
 use calibrate::simulate::Drive;
@@ -22,20 +22,17 @@ const LIMIT: f64 = 1e-6;
 /// Pairs of parts of a step between rows for FMI 3.
 const PAIRS: usize = 16;
 
-/// Runs every test run (without such, every validation run, else those that were fitted) with both archives. A run that
-/// starts at measured temperatures is left out: an FMU starts where its ambient temperature is.
+/// Runs every test run (without readings in such, every validation run, else those that were fitted) with both archives.
 pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -> Result<Replay, Failure> {
-    let cold = |r: &&Run| r.start == Start::Ambient;
-    let has = |role: &Role| experiment.runs.iter().filter(cold).any(|r| r.role == *role);
+    let has = |role: &Role| outcome.errors.iter().any(|e| e.role == *role);
     let role = ROLES.into_iter().rev().find(has).unwrap_or(Role::Fit);
     let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
-    let left_out: Vec<String> = of_role().filter(|(r, _)| !cold(r)).map(|(r, _)| r.file.clone()).collect();
-    let mut replayed: Vec<String> = of_role().filter(|(r, _)| cold(r)).map(|(r, _)| r.file.clone()).collect();
+    let mut replayed: Vec<String> = of_role().map(|(r, _)| r.file.clone()).collect();
     replayed.dedup();
     let replay_one = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
         let archive = Archive::open(path)?;
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
-        for (run, setting) in of_role().filter(|(r, _)| cold(r)) {
+        for (run, setting) in of_role() {
             let drive = Drive::new(experiment, run)?;
             let shown = if carries(setting, outcome) {
                 shown(&archive, &differences(setting, outcome, exported), experiment, &drive)?
@@ -57,8 +54,6 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
             let error = outcome.errors.iter().find(|e| e.role == role && e.column == channel.column);
             let after = error.map_or(f64::NAN, |e| e.after);
             let rmse = (sum.squares / sum.count as f64).sqrt();
-            // The model's error is over all runs of the role; without some of them there are only the values.
-            let apart = if left_out.is_empty() { (rmse - after).abs() } else { sum.apart };
             // A single reading has no range; that of all runs is the scale then.
             let range = if sum.high > sum.low { sum.high - sum.low } else { span(experiment, n) };
             channels.push(ReplayedChannel {
@@ -67,7 +62,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
                 rmse,
                 after,
                 range,
-                difference: apart / range,
+                difference: (rmse - after).abs() / range,
                 difference_of_a_value: sum.apart / range,
             });
         }
@@ -89,7 +84,11 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         agrees: !channels.is_empty() && greatest_difference <= LIMIT,
         replayed,
         role: role_name(role),
-        left_out,
+        start_values: of_role()
+            .map(|(run, setting)| {
+                (run.file.clone(), differences(setting, outcome, exported).into_iter().collect())
+            })
+            .collect(),
         channels,
     })
 }

@@ -150,7 +150,8 @@ pub fn replay() -> Replay {
         agrees: true,
         replayed: vec!["run-2.csv".to_owned()],
         role: "test",
-        left_out: Vec::new(),
+        start_values: [("run-2.csv".to_owned(), [("initial.winding_temperature".to_owned(), 331.5)].into())]
+            .into(),
         channels: vec![channel],
     }
 }

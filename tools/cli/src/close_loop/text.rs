@@ -169,13 +169,8 @@ pub fn verdict(outcome: &Outcome) -> String {
 
 /// Agreement of the FMUs with the model.
 pub fn replay(replay: &Replay) -> String {
-    let left_out = if replay.left_out.is_empty() {
-        String::new()
-    } else {
-        format!("; {} is left out, since it starts at measured temperatures", list(&replay.left_out, "and"))
-    };
     let Some(worst) = replay.channels.iter().max_by(|a, b| a.difference.total_cmp(&b.difference)) else {
-        return format!("no run was replayed with the exported FMUs{left_out}");
+        return "no run was replayed with the exported FMUs: no role has a reading".to_owned();
     };
     let relation = if replay.agrees { "within the limit of" } else { "above the limit of" };
     let why = if !replay.agrees && worst.standard == "fmi3" {
@@ -186,7 +181,7 @@ pub fn replay(replay: &Replay) -> String {
     };
     format!(
         "replayed with the exported FMUs: {} ({} data); their outputs differ from the model's by at most {:.1e} of the channel's range ({} in {}), \
-         {relation} {:.0e}{left_out}{why}",
+         {relation} {:.0e}{why}",
         list(&replay.replayed, "and"),
         replay.role,
         replay.greatest_difference,

@@ -11,7 +11,7 @@ use crate::components::validity::Extremes;
 use crate::effects::{Effect, IMMINENT, PerNode, Port};
 use crate::ending::{Halt, approach};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Node, Slot};
+use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Slot};
 use crate::solver::split::{Split, State};
 use crate::terms::{Drivers, GenericTerm};
 
@@ -368,10 +368,6 @@ impl Model for AnnulusCooledMotor {
         self.stored_at_start = self.stored();
         self.hold_start();
         Ok(())
-    }
-
-    fn warm_start(&mut self, known: &[(Node, f64)]) -> bool {
-        self.put_temperatures(known).is_some()
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {

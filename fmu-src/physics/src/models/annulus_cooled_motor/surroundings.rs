@@ -1,14 +1,12 @@
 //! What stands around the equations: the drivers of terms that are data, the sensor of the housing, and the initial state.
 
-use super::equations::Temperatures;
 use super::motor::AnnulusCooledMotor;
-use super::network::{Network, TUBE};
+use super::network::Network;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::lagged;
 use crate::effects::{Effect, PerNode, Port};
 use crate::ending::Halt;
-use crate::model::Node;
 use crate::solver::split::Fast;
 use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
 use crate::terms::Drivers;
@@ -115,28 +113,6 @@ impl AnnulusCooledMotor {
     pub(super) fn follow_sensor(&mut self, before: f64, h: f64) {
         let tau = self.parameters.effects.housing_sensor_lag();
         self.t_sensor = lagged(self.t_sensor, tau, before, self.housing_temperature(), h);
-    }
-
-    /// [`Model::warm_start`](crate::model::Model::warm_start). The tube of an annulus stays at the ambient
-    /// temperature: the room and the passing air are nearer to it than the motor.
-    pub(super) fn put_temperatures(&mut self, known: &[(Node, f64)]) -> Option<()> {
-        use Node::{Housing, Magnets, Stator, Winding};
-        let winding = Node::nearest(known, &[Winding, Stator, Housing, Magnets])?;
-        let stator = Node::nearest(known, &[Stator, Housing, Winding, Magnets])?;
-        let magnets = Node::nearest(known, &[Magnets, Housing, Stator, Winding])?;
-        let housing = Node::nearest(known, &[Housing, Stator, Magnets, Winding])?;
-        // Two nodes alone: the second is the whole housing.
-        let core = if self.network.is_some() { stator } else { housing };
-        self.state.temperature = Temperatures::new(winding, core);
-        if let Some(network) = &mut self.network {
-            let tube = network.temperatures()[TUBE];
-            network.put_temperatures(magnets, housing, tube);
-        }
-        self.t_sensor = housing;
-        self.tell_effects(self.time);
-        self.stored_at_start = self.stored();
-        self.outdate();
-        Some(())
     }
 
     /// Puts the motor into its initial state; nodes without an initial value are at `ambient`, K.

@@ -1,6 +1,6 @@
 //! The gearmotor as a model: parameters, inputs, and the state it has reached.
 
-use super::equations::{Constants, NODES, State, Step, Temperatures};
+use super::equations::{Constants, NODES, State, Step};
 use super::held::{Held, LIST};
 use super::opening::Opening;
 use super::parameters::Parameters;
@@ -9,7 +9,7 @@ use crate::components::validity::Extremes;
 use crate::effects::{Effect, IMMINENT};
 use crate::ending::{Halt, approach};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, Model, ModelType, Node, Slot};
+use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
 use crate::solver::split::Split;
 use crate::terms::Drivers;
 
@@ -240,22 +240,6 @@ impl Model for BrushedGearmotor {
         self.outputs_are_stale = true;
         self.hold_start();
         Ok(())
-    }
-
-    fn warm_start(&mut self, known: &[(Node, f64)]) -> bool {
-        use Node::{Box, Housing, Magnets, Stator, Winding};
-        // The armature is winding and stator in one; magnets and gear go with the housing.
-        let from = |order: &[Node]| Node::nearest(known, order);
-        let winding = from(&[Winding, Stator, Housing, Magnets, Box]);
-        let housing = from(&[Housing, Magnets, Winding, Stator, Box]);
-        let enclosure = from(&[Box, Housing, Magnets, Winding, Stator]);
-        let (Some(winding), Some(housing), Some(enclosure)) = (winding, housing, enclosure) else {
-            return false;
-        };
-        self.state.temperature = Temperatures::new(winding, housing, enclosure);
-        self.opening = self.step_equations().opening(&self.state, self.t_start);
-        self.outputs_are_stale = true;
-        true
     }
 
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {

@@ -1,0 +1,66 @@
+//! Initial temperatures of a run that starts at measured ones: the parameters `initial.*` of a model, so that an FMU can start
+//! in the same state.
+
+use physics::model::{Declaration, Slot};
+
+/// A part of a motor whose temperature a bench measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Node {
+    /// The winding.
+    Winding,
+    /// The stator beside the winding.
+    Stator,
+    /// The rotor with its magnets.
+    Magnets,
+    /// Housing.
+    Housing,
+    /// The box around the motor.
+    Box,
+}
+
+use Node::{Box, Housing, Magnets, Stator, Winding};
+
+/// The initial temperature of each node, and the nodes whose temperature it takes, the nearest first. The tube of an annulus is
+/// not among them: ambient and the air flow are nearer to it than the motor, and it starts at the ambient temperature.
+const NEAREST: [(&str, [Node; 5]); 5] = [
+    ("initial.winding_temperature", [Winding, Stator, Housing, Magnets, Box]),
+    ("initial.stator_temperature", [Stator, Housing, Winding, Magnets, Box]),
+    ("initial.magnet_temperature", [Magnets, Housing, Stator, Winding, Box]),
+    ("initial.housing_temperature", [Housing, Stator, Magnets, Winding, Box]),
+    ("initial.box_temperature", [Box, Housing, Magnets, Winding, Stator]),
+];
+
+/// The initial temperatures of a model whose temperature is known at these nodes, K; none where none is known. A node that is not
+/// known takes the temperature of the nearest that is.
+pub fn temperatures(declaration: &Declaration, known: &[(Node, f64)]) -> Vec<(Slot, f64)> {
+    let of = |node: &Node| known.iter().find(|(n, _)| n == node).map(|(_, value)| *value);
+    let parameters = NEAREST.iter().filter_map(|(name, order)| Some((declaration.by_name(name)?, order)));
+    // 0 K would stand for the ambient temperature.
+    let inside = |value: f64, entry: &physics::model::Entry| value.clamp(f64::MIN_POSITIVE, entry.row.max);
+    parameters
+        .filter_map(|(entry, order)| Some((entry.slot, inside(order.iter().find_map(of)?, entry))))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(model: &str, known: &[(Node, f64)]) -> Vec<(String, f64)> {
+        let declaration = (physics::models::by_name(model).unwrap().declaration)();
+        let name = |slot: Slot| declaration.entries.iter().find(|e| e.slot == slot).unwrap().name.clone();
+        temperatures(declaration, known).into_iter().map(|(slot, value)| (name(slot), value)).collect()
+    }
+
+    #[test]
+    fn a_node_that_is_not_known_takes_the_nearest() {
+        let motor = named("AnnulusCooledMotor", &[(Winding, 360.0), (Housing, 330.0)]);
+        let values: Vec<f64> = motor.iter().map(|(_, value)| *value).collect();
+        assert_eq!(values, [360.0, 330.0, 330.0, 330.0], "{motor:?}");
+        let gearmotor = named("BrushedGearmotor", &[(Housing, 320.0), (Box, 305.0)]);
+        let (names, values): (Vec<_>, Vec<_>) = gearmotor.into_iter().unzip();
+        assert_eq!(names, ["winding", "housing", "box"].map(|n| format!("initial.{n}_temperature")));
+        assert_eq!(values, [320.0, 320.0, 305.0]);
+        assert!(named("BrushedGearmotor", &[]).is_empty());
+    }
+}
