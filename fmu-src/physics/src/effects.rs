@@ -52,6 +52,7 @@ pub use windage::Windage;
 pub use winding_sensor_offset::WindingSensorOffset;
 pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
+use crate::model::Unserved;
 pub use crate::number::Number;
 use crate::terms::{Driver, Drivers, GenericTerm};
 use num_dual::Dual64;
@@ -72,6 +73,13 @@ macro_rules! effects {
         $crate::groups! { Effects { $($prefix @ $base => $id: $type),* } }
 
         impl Effects {
+            /// The variables of the effects at ports that a model does not serve: `reason` says why not, and what to use instead.
+            pub fn unserved(reason: impl Fn(Port) -> Option<&'static str>) -> Vec<Unserved> {
+                let effects = [$(($prefix, Port::$port)),*];
+                let unserved = |(start, port)| reason(port).map(|reason| Unserved { start, reason });
+                effects.into_iter().filter_map(unserved).collect()
+            }
+
             /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts.
             pub fn acts_at(&self, port: Port) -> bool {
                 false $(|| (matches!(Port::$port, p if p == port || p == Port::Any) && self.$id.is_on()))*
@@ -252,7 +260,7 @@ effects! {
     /// Power lost in the drive.
     drive_loss: DriveLoss @ "effect.drive_loss." 1120 at DriveLoss;
     /// A stator with a temperature of its own.
-    stator_node: StatorNode @ "effect.stator_node." 1180 at HeatCapacity;
+    stator_node: StatorNode @ "effect.stator_node." 1180 at Stator;
     /// Copper loss of the ripple of a chopped current.
     pwm_ripple: PwmRipple @ "effect.pwm_ripple." 1200 at Ripple;
     /// Voltage lost in the drive's bridge.

@@ -60,6 +60,15 @@ pub struct Entry {
     pub element: Option<Element>,
 }
 
+/// Variables of shared parts that a model does not have, because they would change nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Unserved {
+    /// How their names begin.
+    pub start: &'static str,
+    /// Why the model does not have them, and what to use instead.
+    pub reason: &'static str,
+}
+
 /// Everything about a model that does not change at run time.
 #[derive(Debug)]
 pub struct Declaration {
@@ -81,22 +90,32 @@ pub struct Declaration {
     /// Hash of the variable table without the start values: FMI 2 GUID and FMI 3 instantiation token.
     pub token: String,
     by_reference: Vec<Option<u32>>,
+    /// Name and value reference of the variables of shared parts that the model does not have, with the reason.
+    unserved: Vec<(String, u32, &'static str)>,
 }
 
 impl Declaration {
-    /// The declaration made of a list of groups and of continuous states.
+    /// The declaration made of a list of groups and of continuous states, without the variables that the model does not serve.
     pub fn new(
         name: &'static str,
         description: &'static str,
         groups: Vec<GroupAt>,
         states: &'static [State],
+        without: &[Unserved],
     ) -> Declaration {
         let mut entries: Vec<Entry> = Vec::new();
+        let mut unserved = Vec::new();
         for (g, group) in groups.iter().enumerate() {
             for (r, row) in group.table.iter().enumerate() {
+                let name = format!("{}{}", group.prefix, row.name);
+                let value_reference = group.base + row.value_reference;
+                if let Some(absent) = without.iter().find(|absent| name.starts_with(absent.start)) {
+                    unserved.push((name, value_reference, absent.reason));
+                    continue;
+                }
                 entries.push(Entry {
-                    name: format!("{}{}", group.prefix, row.name),
-                    value_reference: group.base + row.value_reference,
+                    name,
+                    value_reference,
                     slot: Slot { group: g as u16, row: r as u16 },
                     row,
                     element: None,
@@ -126,7 +145,22 @@ impl Declaration {
             dimensions,
             token,
             by_reference,
+            unserved,
         }
+    }
+
+    /// One sentence about a variable of this name that other models have and this one does not serve.
+    pub fn unserved(&self, name: &str) -> Option<String> {
+        self.sentence(self.unserved.iter().find(|absent| absent.0 == name)?)
+    }
+
+    /// The same for a value reference.
+    pub fn unserved_reference(&self, value_reference: u32) -> Option<String> {
+        self.sentence(self.unserved.iter().find(|absent| absent.1 == value_reference)?)
+    }
+
+    fn sentence(&self, (name, _, reason): &(String, u32, &'static str)) -> Option<String> {
+        Some(format!("{} has no variable {name}: {reason}", self.name))
     }
 
     /// The variable with this value reference.

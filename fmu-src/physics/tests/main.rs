@@ -15,6 +15,7 @@ mod initial;
 mod limits;
 mod network;
 mod reading;
+mod served;
 mod short_cuts;
 mod states;
 mod terms;

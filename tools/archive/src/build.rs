@@ -85,7 +85,9 @@ pub fn build_all(
     let terms = contents.effects.map_or(Ok(Vec::new()), TermsFile::terms)?;
     if !terms.is_empty() && !(kind.new)().set_terms(&terms) {
         let file = terms::FILE_NAME;
-        return Err(BuildError(format!("{name} carries no terms, so it has no use for {file}")));
+        let why = (kind.declaration)().unserved("effect.generic_term.gain");
+        let why = why.map(|why| format!(": {why}")).unwrap_or_default();
+        return Err(BuildError(format!("{name} carries no terms, so it has no use for {file}{why}")));
     }
     let binaries = libraries.iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
     let (found, common) = rayon::join(

@@ -370,7 +370,9 @@ fn parameter<'a>(
     place: &Place,
 ) -> Result<&'a Entry, CalibrateError> {
     declaration.by_name(name.get_ref()).filter(|e| e.row.causality == Causality::Parameter).ok_or_else(|| {
-        place.at(name.span().start, &format!("{} is no parameter of {}", name.get_ref(), declaration.name))
+        let known = name.get_ref();
+        let unknown = || format!("{known} is no parameter of {}", declaration.name);
+        place.at(name.span().start, &declaration.unserved(known).unwrap_or_else(unknown))
     })
 }
 

@@ -51,10 +51,13 @@ impl Instance {
     pub(super) fn entry(&self, value_reference: u32, of: Type) -> Outcome<&'static Entry> {
         let declaration = self.model.declaration();
         let Some(entry) = declaration.by_reference(value_reference).filter(|e| self.shows(e)) else {
-            return Err(Refused::error(format!(
-                "{} has no variable with the value reference {value_reference}.",
-                declaration.name
-            )));
+            return Err(Refused::error(match declaration.unserved_reference(value_reference) {
+                Some(sentence) => format!("{sentence}."),
+                None => format!(
+                    "{} has no variable with the value reference {value_reference}.",
+                    declaration.name
+                ),
+            }));
         };
         let is = self.type_of(entry);
         if is != of {

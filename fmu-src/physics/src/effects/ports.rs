@@ -221,7 +221,7 @@ pub enum Port {
     WindingSensor,
     HousingSensor,
     DriveLoss,
-    HeatCapacity,
+    Stator,
     Bridge,
     Ripple,
 }

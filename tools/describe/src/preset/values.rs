@@ -150,6 +150,9 @@ impl<'a> Source<'a> {
 
 /// One sentence about an unknown name, with the most similar known one.
 pub fn unknown(declaration: &Declaration, name: &str) -> String {
+    if let Some(sentence) = declaration.unserved(name) {
+        return sentence;
+    }
     let hint = nearest(name, declaration.entries.iter().map(|e| e.name.as_str()));
     format!("{} has no variable {name}{hint}", declaration.name)
 }

@@ -119,6 +119,7 @@ impl AnnulusCooledMotor {
                 "Thermo-electromechanical motor with thermal network and cooling: electrical terminals, shaft, winding and housing temperature",
                 Self::groups(),
                 STATES,
+                &[],
             )
         })
     }

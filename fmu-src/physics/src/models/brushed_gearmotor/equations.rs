@@ -15,10 +15,8 @@
 //!
 //! *Effects* act as everywhere, with this meaning: drags at the output shaft; the contacts' drop at the mean
 //! current, all through the cycle; what leaves winding or housing for "ambient" (radiation, forced convection)
-//! reaches the box, whose temperature sensors of winding and housing see as their surroundings. There is no fan (its
-//! command is 0) and no input electrical_power, so `fan_back_pressure`, a `forced_convection` that follows the fan, and
-//! `drive_loss` do nothing; nor do `pwm_ripple`, `bridge_drop` and `dead_time`, whose place the bridge's own cycle takes.
-//! `stator_node` and `housing_sensor_lag` have no node and no state here, and `generic_term` is not taken.
+//! reaches the box, whose temperature sensors of winding and housing see as their surroundings. `parameters.rs` lists the ports
+//! that are not served; their effects are no variables of this model.
 //!
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
 //! the crate `reference`, which takes [`Step::rates`].

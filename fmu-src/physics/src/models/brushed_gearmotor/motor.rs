@@ -3,7 +3,7 @@
 use super::equations::{Constants, NODES, State, Step};
 use super::held::{Held, LIST};
 use super::opening::Opening;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, unserved};
 use super::variables::{Indicators, Inputs, Outputs};
 use crate::components::validity::Extremes;
 use crate::effects::{Effect, IMMINENT};
@@ -87,6 +87,7 @@ impl BrushedGearmotor {
                  mechanical voltage, power and work, and temperatures",
                 Self::groups(),
                 LIST,
+                &unserved(),
             )
         })
     }

@@ -6,8 +6,9 @@ use crate::components::chopper::Drive;
 use crate::components::enclosure::Enclosure;
 use crate::components::gear::Gear;
 use crate::components::validity::{BrushedValidity, Limits};
-use crate::effects::Effects;
+use crate::effects::{Effects, Port};
 use crate::groups;
+use crate::model::Unserved;
 
 /// What the gearmotor is made of, and how it is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,4 +45,39 @@ impl Parameters {
     pub fn limits(&self) -> Limits {
         Limits::new(self.validity.into(), self.motor.T_ref, self.motor.alpha_mag)
     }
+}
+
+/// Why a port of the effects does not exist here, and what to use instead; `None` for the ports that the equations serve.
+fn reason(port: Port) -> Option<&'static str> {
+    use Port::*;
+    match port {
+        DragTorque | LoadDrag | TerminalVoltage | TorqueConstant | WindingHousingResistance => None,
+        AmbientConductance | HousingToAmbient | AmbientSensor | WindingSensor | HousingSensor => None,
+        Any => Some("it takes no terms from data; its other effects (effect.*) act as parameters"),
+        WindingResistance => Some("motor.R_ref and motor.alpha are the resistance of the winding"),
+        FanFlow => Some("it has no fan; effect.forced_convection.G is an additional conductance"),
+        HousingSensorLag => {
+            Some("the housing sensor has no state; effect.housing_sensor_stem_loss.k is its static error")
+        }
+        DriveLoss => {
+            Some("no power is imposed; drive.drop and drive.freewheel_drop are the losses of the bridge")
+        }
+        Stator => Some(
+            "the armature includes the stator; thermal.C_w and thermal.R_wh are its capacity and resistance",
+        ),
+        Bridge => Some(
+            "its bridge has a model of its own; drive.drop and drive.freewheel_drop are the voltage drops",
+        ),
+        Ripple => Some("the switching cycle gives the ripple; drive.pwm_frequency is the frequency"),
+    }
+}
+
+/// The variables of shared parts that the gearmotor does not serve.
+pub(super) fn unserved() -> Vec<Unserved> {
+    let mut all = Effects::unserved(reason);
+    all.push(Unserved {
+        start: "effect.forced_convection.driver",
+        reason: "it has no fan command; effect.forced_convection.G is constant",
+    });
+    all
 }

@@ -60,6 +60,7 @@ impl Law<STATES, 0> for Walker {
                  gait of adults or children, with variation between strides, start and stop",
                 GaitLoad::groups(),
                 LIST,
+                &[],
             )
         })
     }

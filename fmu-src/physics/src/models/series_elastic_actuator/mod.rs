@@ -89,6 +89,7 @@ impl Law<STATES, OPENING> for Actuator {
                  and parallel spring, torque and current control within the limits of current and supply",
                 SeriesElasticActuator::groups(),
                 LIST,
+                &[],
             )
         })
     }
