@@ -5,6 +5,7 @@ Not part of the everyday tests, because two hundred crates have to be compiled.
 
 import json
 import os
+import re
 import subprocess
 
 import pytest
@@ -44,4 +45,5 @@ def test_what_the_docs_say_of_fmi_and_fmi_3(model, tmp_path):
     """docs/comparison.md states that the crate `fmi` cannot read FMI 3 archives, and why; if a later version can, this test fails."""
     done, _ = run("fmi-reads-3", paths.archive(model, 3), tmp_path)
     assert done.returncode == 1 and "UnknownField" in done.stderr
-    assert done.stderr.strip() in (paths.ROOT / "docs" / "comparison.md").read_text()
+    field = re.search(r'name: "\w+", field: "\w+"', done.stderr)[0]
+    assert field in (paths.ROOT / "docs" / "comparison.md").read_text()
