@@ -297,3 +297,16 @@ def test_fmpy_gets_the_closed_forms(model, fmi, interface, fmus):
     assert last["time"] == pytest.approx(stop)
     for variable, value in case["simulate"]["final"].items():
         assert last[variable] == pytest.approx(value, abs=1e-5), variable
+
+
+def test_integers_of_64_bits_pass_connections_exactly(motor_fmu, tmp_path):
+    """-9007199254740993 is no double. Here it passes two connections, the second one with direct feedthrough."""
+    corpus.build("types", 3, tmp_path / "types.fmu")
+    system = '[system]\nname = "whole"\nconnect = ["a.low_out -> b.in", "b.through -> c.in"]\n'
+    system += "".join(f'[[component]]\nname = "{component}"\nfmu = "types.fmu"\n' for component in "abc")
+    (tmp_path / "s.toml").write_text(system)
+    for algorithm in ("jacobi", "gauss-seidel"):
+        run = motor_fmu("cosim", "s.toml", "--algorithm", algorithm, "--json")
+        assert run.returncode == 0, run.stderr
+        final = json.loads(run.stdout)["final"]
+        assert [final[f"{component}.through"] for component in "abc"] == [0, -9007199254740993, -9007199254740993]

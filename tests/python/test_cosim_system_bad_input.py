@@ -46,12 +46,19 @@ def test_connections(cosim, command, connection, words):
 
 
 def test_an_algebraic_loop_is_named(cosim):
-    # An imposed speed is shown at once.
     loop = ["a.shaft_speed -> b.imposed_speed", "b.shaft_speed -> a.imposed_speed"]
+    # A free shaft does not follow the imposed speed: the loop is open.
+    free = cosim(described(loop), "--stop", "0.01")
+    assert free.returncode == 0 and "does not react to its inputs" in free.stderr
+    # An imposed speed is shown at once.
+    imposed = [part for name in "ab" for part in ("--set", f"{name}.mechanical_mode=imposed_speed")]
+    done = cosim(described(loop), *imposed)
+    done.stderr = "\n".join(line for line in done.stderr.splitlines() if not line.startswith("note: "))
     one_sentence(
-        cosim(described(loop)),
+        done,
         CANNOT,
         "algebraic loop",
+        "the gain around the loop is 1",
         "a.shaft_speed -> b.imposed_speed",
         "b.shaft_speed -> a.imposed_speed",
     )

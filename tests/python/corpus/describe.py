@@ -68,6 +68,8 @@ TYPES = (
     Variable("high_out", 5, "output", type="UInt64", variability="discrete"),
     Variable("size", 6, "output", type="UInt64", variability="discrete"),
     Variable("echo", 7, "output", type="Binary", variability="discrete"),
+    Variable("in", 8, "input", "0", type="Int64", variability="discrete"),
+    Variable("through", 9, "output", type="Int64", variability="discrete", depends_on=("in",)),
 )
 CLOCK = (
     Variable("tick", 1, "input", type="Clock"),

@@ -59,17 +59,40 @@ impl<'a> Drive<'a> {
         instances[group.component].set_number(group.kind, &group.vrs, &group.values)
     }
 
-    /// The mean derivatives over the step: the inputs meet the table at both ends of the step.
-    pub(crate) fn set_slopes(&mut self, instances: &mut [Instance], t: f64, h: f64) -> Result<(), Error> {
-        for group in &mut self.slopes {
-            for (slope, column) in group.values.iter_mut().zip(&group.slots) {
-                let (from, to) =
-                    (self.table.after(*column, t, self.slack), self.table.before(*column, t + h, self.slack));
-                *slope = (to - from) / h;
+    /// Sets the inputs of one component for a step of its own, with their derivatives.
+    pub(crate) fn set_component(
+        &mut self,
+        instances: &mut [Instance],
+        component: usize,
+        t: f64,
+        h: f64,
+    ) -> Result<(), Error> {
+        for place in 0..self.groups.len() {
+            if self.groups[place].component == component {
+                self.set_group(instances, place, t, false)?;
             }
-            instances[group.component].set_input_derivatives(&group.vrs, &group.values)?;
+        }
+        for place in 0..self.slopes.len() {
+            if self.slopes[place].component == component {
+                self.set_slope(instances, place, t, h)?;
+            }
         }
         Ok(())
+    }
+
+    /// The mean derivatives over the step: the inputs meet the table at both ends of the step.
+    pub(crate) fn set_slopes(&mut self, instances: &mut [Instance], t: f64, h: f64) -> Result<(), Error> {
+        (0..self.slopes.len()).try_for_each(|place| self.set_slope(instances, place, t, h))
+    }
+
+    fn set_slope(&mut self, instances: &mut [Instance], place: usize, t: f64, h: f64) -> Result<(), Error> {
+        let group = &mut self.slopes[place];
+        for (slope, column) in group.values.iter_mut().zip(&group.slots) {
+            let (from, to) =
+                (self.table.after(*column, t, self.slack), self.table.before(*column, t + h, self.slack));
+            *slope = (to - from) / h;
+        }
+        instances[group.component].set_input_derivatives(&group.vrs, &group.values)
     }
 }
 

@@ -209,6 +209,21 @@ impl Instance {
         self.call_optional(names, has, |raw| raw.set_input_derivatives(vrs, slopes))
     }
 
+    /// The derivatives of outputs over one real variable; `false` if the FMU provides none here.
+    pub(crate) fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        known: u32,
+        out: &mut [f64],
+    ) -> Result<bool, Error> {
+        let names = [names::directional2[0], names::directional3[1]];
+        match self.call(names, |raw| raw.directional_derivative(unknowns, &[known], &[1.0], out)) {
+            Ok(()) => Ok(out.iter().all(|slope| slope.is_finite())),
+            Err(Error::Call { status: Status::Discard, .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+
     /// One communication step from `t` to `t + h` (s).
     ///
     /// # Errors

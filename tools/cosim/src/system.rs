@@ -5,15 +5,18 @@
 //! | `structure.rs` | content of a file, with line numbers; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
 //! | `connections.rs`, `ends.rs`, `settings.rs`, `units.rs` | their names resolved in the FMUs: sources of inputs, unit conversions, values |
 //! | `inputs.rs` | tables of inputs over time |
-//! | `order.rs` | what passes through without a step; algebraic loops |
-//! | `master.rs`, `batch.rs` | instances and one macro step |
-//! | `master.rs`, `variable.rs` | the run, with a fixed or a variable step |
-//! | `energy.rs`, `record.rs` | the bonds of the coupling; the rows that are kept |
+//! | `order.rs`, `loops.rs` | what passes through without a step; algebraic loops and their solution |
+//! | `master.rs`, `memory.rs`, `component_steps.rs`, `batch.rs` | instances and one macro step |
+//! | `run.rs`, `variable_step.rs` | the run, with a fixed or a variable step |
+//! | `power_bonds.rs`, `record.rs` | the bonds of the coupling; the rows that are kept |
 mod batch;
+mod component_steps;
 mod connections;
 mod ends;
 mod inputs;
+mod loops;
 mod master;
+mod memory;
 mod order;
 mod package;
 mod parts;

@@ -13,5 +13,6 @@ mod simulations;
 mod system_allocation;
 mod system_faults;
 mod system_inputs;
+mod system_loops;
 mod system_ssp;
 mod systems;

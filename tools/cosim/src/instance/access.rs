@@ -49,6 +49,15 @@ impl Instance {
         self.read(kind, vrs, values, Kind::is_integer, "integer")
     }
 
+    /// Sets integers of any type without loss.
+    ///
+    /// # Errors
+    /// As [`Self::set_i64`].
+    pub fn set_integers(&mut self, kind: Kind, vrs: &[u32], values: &[i128]) -> Result<(), Error> {
+        let (low, high) = self.integer_limits(kind);
+        self.write(kind, vrs, values, (Kind::is_integer, "integer"), |v| (low..=high).contains(v))
+    }
+
     /// Reads binary variables.
     ///
     /// # Errors

@@ -1,15 +1,16 @@
 //! The co-simulation master: instances, the values of all connections, and one communication step.
 use super::batch::Batch;
+use super::component_steps::{ComponentStep, component_steps, takes_derivatives};
 use super::connections::Connections;
-use super::order::Order;
+use super::loops::LoopSolver;
+use super::memory::Memory;
+use super::order::{Loop, Order};
 use super::parts::Parts;
 use super::power_bonds::{PowerBonds, Stepped};
 use super::units::Affine;
 use crate::drive::Drive;
 use crate::simulate::initialise;
-use crate::{
-    Error, Experiment, FmiVersion, InputTable, Instance, Kind, Log, State, Step, Value, Variability, Variable,
-};
+use crate::{Error, Experiment, InputTable, Instance, Kind, Log, State, Step, Value, Variability, Variable};
 
 /// Coupling algorithm during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,35 +31,6 @@ pub enum Algorithm {
 struct Round {
     gets: Vec<Batch>,
     sets: Vec<Batch>,
-}
-
-/// State of the master, in addition to the states of the FMUs.
-#[derive(Clone, Debug)]
-struct Memory {
-    /// The communication point (s).
-    time: f64,
-    /// Connected outputs now.
-    outputs: Vec<f64>,
-    /// Connected inputs now, in the units of the inputs.
-    inputs: Vec<f64>,
-    /// Inputs one step ago, and the length of that step; 0 before the first.
-    earlier: Vec<f64>,
-    last_step: f64,
-    bonds: PowerBonds,
-}
-
-impl Memory {
-    /// As `clone_from`, without allocation.
-    fn copy(&mut self, other: &Self) {
-        self.outputs.copy_from_slice(&other.outputs);
-        self.inputs.copy_from_slice(&other.inputs);
-        self.earlier.copy_from_slice(&other.earlier);
-        (self.time, self.last_step) = (other.time, other.last_step);
-        for (own, bond) in self.bonds.bonds.iter_mut().zip(&other.bonds.bonds) {
-            (own.energy, own.throughput) = (bond.energy, bond.throughput);
-            (own.residual, own.gross_residual) = (bond.residual, bond.gross_residual);
-        }
-    }
 }
 
 /// Result of the steps of a run.
@@ -92,6 +64,9 @@ pub(crate) struct Master<'a> {
     memory: Memory,
     saved: Option<(Memory, Vec<State>)>,
     rounds: Vec<Round>,
+    loops: Vec<LoopSolver>,
+    /// Loops that the FMUs may close with a delay.
+    pub(crate) notes: Vec<String>,
     /// All connected inputs, to set them after a rollback.
     all_inputs: Vec<Batch>,
     /// Inputs with derivatives, by component.
@@ -105,16 +80,6 @@ pub(crate) struct Master<'a> {
     algorithm: Algorithm,
     /// The order of steps; for Gauss-Seidel also the inputs set before and the outputs read after each step.
     component_steps: Vec<ComponentStep>,
-}
-
-#[derive(Debug)]
-struct ComponentStep {
-    component: usize,
-    /// Inputs from components that have stepped already.
-    fresh: Vec<usize>,
-    /// Those of them without derivatives.
-    sets: Vec<Batch>,
-    gets: Vec<Batch>,
 }
 
 /// Largest number of iterations for consistent initial values.
@@ -147,6 +112,7 @@ impl<'a> Master<'a> {
         }
         // Some outputs have their values only now.
         master.exchange()?;
+        master.check_loops(parts, plan.start)?;
         master.memory.earlier.copy_from_slice(&master.memory.inputs);
         Ok(master)
     }
@@ -162,7 +128,15 @@ impl<'a> Master<'a> {
         let delayed = algorithm == Algorithm::JacobiDelayed;
         let count = if delayed { order.rounds.min(1) } else { order.rounds };
         let mut rounds: Vec<Round> = (0..count).map(|_| Round::default()).collect();
+        let loops = order.loops.iter().filter(|_| !delayed);
+        let loops: Vec<LoopSolver> = loops.map(|l| LoopSolver::new(parts, connections, l)).collect();
+        let solved = |of: fn(&Loop) -> &Vec<usize>, slot: &usize| {
+            !delayed && order.loops.iter().any(|l| of(l).contains(slot))
+        };
         for (slot, port) in connections.outputs.iter().enumerate() {
+            if solved(|l| &l.outputs, &slot) {
+                continue;
+            }
             let round = if delayed { 0 } else { order.read[slot] };
             Batch::add(&mut rounds[round].gets, port.component, parts.variable(*port), slot);
         }
@@ -171,7 +145,9 @@ impl<'a> Master<'a> {
         for (slot, input) in connections.inputs.iter().enumerate() {
             let (component, variable) = (input.port.component, parts.variable(input.port));
             let round = if delayed { 0 } else { order.set[slot] };
-            Batch::add(&mut rounds[round].sets, component, variable, slot);
+            if !solved(|l| &l.inputs, &slot) {
+                Batch::add(&mut rounds[round].sets, component, variable, slot);
+            }
             Batch::add(&mut all_inputs, component, variable, slot);
             has_derivative[slot] = plan.derivatives
                 && takes_derivatives(parts, component)
@@ -193,6 +169,7 @@ impl<'a> Master<'a> {
             memory: Memory {
                 time: plan.start,
                 outputs: vec![0.0; outputs],
+                integers: vec![0; outputs],
                 inputs: vec![f64::NAN; inputs],
                 earlier: vec![0.0; inputs],
                 last_step: 0.0,
@@ -200,6 +177,8 @@ impl<'a> Master<'a> {
             },
             saved: None,
             rounds,
+            loops,
+            notes: Vec::new(),
             all_inputs,
             derivative_sets,
             sources,
@@ -235,13 +214,32 @@ impl<'a> Master<'a> {
         if let Some(drive) = &mut self.drive {
             drive.set_values(&mut self.instances, self.memory.time)?;
         }
-        let Memory { outputs, inputs, .. } = &mut self.memory;
-        for round in &mut self.rounds {
+        let time = self.memory.time;
+        let mut signals = self.memory.signals(&mut self.instances, &self.sources);
+        for (place, round) in self.rounds.iter_mut().enumerate() {
             for batch in &mut round.gets {
-                batch.read(&mut self.instances, outputs)?;
+                batch.read(&mut signals)?;
+            }
+            for solver in self.loops.iter_mut().filter(|l| l.round == place) {
+                solver.solve(&mut signals, time)?;
             }
             for batch in &mut round.sets {
-                batch.pass(&mut self.instances, &self.sources, outputs, inputs)?;
+                batch.pass(&mut signals)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Each loop has one solution, and components that only react in steps are noted.
+    fn check_loops(&mut self, parts: Parts, start: f64) -> Result<(), Error> {
+        let mut signals = self.memory.signals(&mut self.instances, &self.sources);
+        for solver in &mut self.loops {
+            if let Some((path, component)) = solver.check(&mut signals, start)? {
+                let name = &parts.structure.components[component].name;
+                self.notes.push(format!(
+                    "algebraic loop: {path}: {name} does not react to its inputs at the start; if it evaluates its outputs in \
+                     steps alone, its values are delayed by one step"
+                ));
             }
         }
         Ok(())
@@ -322,20 +320,49 @@ impl<'a> Master<'a> {
         for batch in &mut self.derivative_sets {
             batch.set_derivatives(&mut self.instances, &self.derivatives)?;
         }
-        for component_step in &self.component_steps {
-            if self.instances[component_step.component].do_step(t, h)? == Step::Terminated {
-                return Ok(Some(component_step.component));
+        for place in 0..self.component_steps.len() {
+            if self.advance(place, t, h)? == Step::Terminated {
+                return Ok(Some(self.component_steps[place].component));
             }
         }
         Ok(None)
     }
 
+    /// The step of the component at this place of the order, or its shorter steps, in which inputs go on along their derivatives.
+    fn advance(&mut self, place: usize, t: f64, h: f64) -> Result<Step, Error> {
+        let (component, parts) =
+            (self.component_steps[place].component, self.component_steps[place].parts(h));
+        if parts == 1 {
+            return self.instances[component].do_step(t, h);
+        }
+        let length = h / parts as f64;
+        for part in 0..parts {
+            let after = part as f64 * length;
+            if part > 0 {
+                let mut signals = self.memory.signals(&mut self.instances, &self.sources);
+                for batch in self.derivative_sets.iter_mut().filter(|b| b.component == component) {
+                    batch.set_line(&mut signals, &self.derivatives, after)?;
+                }
+            }
+            if let Some(drive) = &mut self.drive {
+                drive.set_component(&mut self.instances, component, t + after, length)?;
+            }
+            if self.instances[component].do_step(t + after, length)? == Step::Terminated {
+                return Ok(Step::Terminated);
+            }
+        }
+        Ok(Step::Done)
+    }
+
     fn step_in_sequence(&mut self, t: f64, h: f64) -> Result<Option<usize>, Error> {
-        for component_step in &mut self.component_steps {
-            let Memory { outputs, inputs, .. } = &mut self.memory;
+        for place in 0..self.component_steps.len() {
+            let component_step = &mut self.component_steps[place];
+            let component = component_step.component;
+            let mut signals = self.memory.signals(&mut self.instances, &self.sources);
             for &slot in &component_step.fresh {
                 let (source, convert) = self.sources[slot];
-                let end = convert.of(outputs[source]);
+                let end = convert.of(signals.outputs[source]);
+                let inputs = &mut signals.inputs;
                 if self.has_derivative[slot] {
                     self.derivatives[slot] = (end - inputs[slot]) / h;
                 } else {
@@ -343,16 +370,17 @@ impl<'a> Master<'a> {
                 }
             }
             for batch in &mut component_step.sets {
-                batch.set(&mut self.instances, inputs)?;
+                batch.set(&mut signals)?;
             }
-            for batch in self.derivative_sets.iter_mut().filter(|b| b.component == component_step.component) {
-                batch.set_derivatives(&mut self.instances, &self.derivatives)?;
+            for batch in self.derivative_sets.iter_mut().filter(|b| b.component == component) {
+                batch.set_derivatives(signals.instances, &self.derivatives)?;
             }
-            if self.instances[component_step.component].do_step(t, h)? == Step::Terminated {
-                return Ok(Some(component_step.component));
+            if self.advance(place, t, h)? == Step::Terminated {
+                return Ok(Some(component));
             }
-            for batch in &mut component_step.gets {
-                batch.read(&mut self.instances, outputs)?;
+            let mut signals = self.memory.signals(&mut self.instances, &self.sources);
+            for batch in &mut self.component_steps[place].gets {
+                batch.read(&mut signals)?;
             }
         }
         Ok(None)
@@ -383,8 +411,9 @@ impl<'a> Master<'a> {
             instance.set_state(state)?;
         }
         // FMUs differ in whether inputs belong to the state.
+        let mut signals = self.memory.signals(&mut self.instances, &self.sources);
         for batch in &mut self.all_inputs {
-            batch.set(&mut self.instances, &self.memory.inputs)?;
+            batch.set(&mut signals)?;
         }
         match &mut self.drive {
             Some(drive) => drive.set_values(&mut self.instances, self.memory.time),
@@ -396,44 +425,4 @@ impl<'a> Master<'a> {
     pub(crate) fn terminate(&mut self) -> Result<(), Error> {
         self.instances.iter_mut().try_for_each(Instance::terminate)
     }
-}
-
-/// Whether a component takes input derivatives.
-fn takes_derivatives(parts: Parts, component: usize) -> bool {
-    let description = parts.description(component);
-    description.fmi_version == FmiVersion::V2
-        && description.co_simulation().is_some_and(|c| c.can_interpolate_inputs)
-}
-
-/// The order of component steps, and what is exchanged in between.
-fn component_steps(
-    parts: Parts,
-    connections: &Connections,
-    order: &Order,
-    algorithm: Algorithm,
-    has_derivative: &[bool],
-) -> Vec<ComponentStep> {
-    let in_file: Vec<usize> = (0..parts.structure.components.len()).collect();
-    let sequence = if algorithm == Algorithm::GaussSeidel { &order.components } else { &in_file };
-    let mut component_steps: Vec<ComponentStep> = Vec::new();
-    for &component in sequence {
-        let mut component_step =
-            ComponentStep { component, fresh: Vec::new(), sets: Vec::new(), gets: Vec::new() };
-        for (slot, input) in
-            connections.inputs.iter().enumerate().filter(|(_, f)| f.port.component == component)
-        {
-            let source = connections.outputs[input.source].component;
-            if component_steps.iter().any(|t| t.component == source) {
-                component_step.fresh.push(slot);
-                if !has_derivative[slot] {
-                    Batch::add(&mut component_step.sets, component, parts.variable(input.port), slot);
-                }
-            }
-        }
-        for (slot, port) in connections.outputs.iter().enumerate().filter(|(_, p)| p.component == component) {
-            Batch::add(&mut component_step.gets, component, parts.variable(*port), slot);
-        }
-        component_steps.push(component_step);
-    }
-    component_steps
 }

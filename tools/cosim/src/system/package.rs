@@ -30,7 +30,6 @@ const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatfor
 pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
     let mut connections = resolve(parts, &[])?;
     connections.check_open_inputs(parts, None)?;
-    super::order::order(parts, &connections)?;
     let io = Error::io("write", path);
     let resources = resources(&parts.structure.components);
     let document =

@@ -162,6 +162,7 @@ impl Reader {
             file.fault(node, format!("component {name}: the source {source:?} is not a file in the package"))
         })?;
         Ok(Component {
+            step: step(file, node)?,
             path,
             source,
             connectors: Some(connectors(file, node)?),

@@ -66,6 +66,8 @@ pub(crate) struct Setting {
 #[derive(Clone, Debug)]
 pub(crate) struct Component {
     pub(crate) name: String,
+    /// Its communication step (s), where it is shorter than that of the system.
+    pub(crate) step: Option<f64>,
     /// The FMU as the file names it, and where that is.
     pub(crate) source: String,
     pub(crate) path: PathBuf,

@@ -41,6 +41,7 @@ struct Experiment {
 struct Entry {
     name: Spanned<String>,
     fmu: String,
+    step: Option<f64>,
     #[serde(default)]
     set: BTreeMap<Spanned<String>, Value>,
 }
@@ -97,6 +98,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
         let place = lines.of(&entry.name);
         components.push(Component {
             name: entry.name.into_inner(),
+            step: entry.step,
             path: folder.join(&entry.fmu),
             source: entry.fmu,
             connectors: None,

@@ -1,8 +1,9 @@
-/* Three FMI 2.0 FMUs for tests of systems, written against the standard's text alone. The guid picks one:
+/* Four FMI 2.0 FMUs for tests of systems, written against the standard's text alone. The guid picks one:
  *
  *   rotor   J w' = -torque                                    torque in, speed out
  *   spring  phi' = speed - w2, J w2' = k phi, torque = k phi  speed in, torque out; the far end carries a mass of its own
  *   gain    y = g u                                           passes through without a step in between
+ *   mixer   y = g u + k tanh(v) + c                           as gain, with directional derivatives
  *
  * Both mechanical parts are solved exactly for inputs that are lines, so that all error is the coupling's. */
 #include <math.h>
@@ -21,7 +22,7 @@ typedef struct {
 
 enum { OK, WARNING, DISCARD, ERROR };
 /* Value references; `longest` is the longest step that is accepted, `until` the time at which the FMU wants to end. */
-enum { VR_U = 1, VR_Y, VR_J, VR_K, VR_W, VR_LONGEST, VR_G, VR_N, VR_TWICE, VR_UNTIL, COUNT };
+enum { VR_U = 1, VR_Y, VR_J, VR_K, VR_W, VR_LONGEST, VR_G, VR_N, VR_TWICE, VR_UNTIL, VR_V, COUNT };
 
 typedef struct {
     double v[COUNT], slope, phi, time;
@@ -45,7 +46,7 @@ static const Part start = {.v = {[VR_J] = 1, [VR_K] = 1, [VR_LONGEST] = 1e9, [VR
 void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *f, int visible, int logging)
 {
     (void)resources; (void)visible; (void)logging;
-    if (type != 1 || (strcmp(guid, "rotor") && strcmp(guid, "spring") && strcmp(guid, "gain"))) return NULL;
+    if (type != 1 || (strcmp(guid, "rotor") && strcmp(guid, "spring") && strcmp(guid, "gain") && strcmp(guid, "mixer"))) return NULL;
     Instance *i = f->allocate(1, sizeof *i);
     i->m = start;
     i->kind = guid[0];
@@ -68,6 +69,7 @@ int fmi2Reset(void *c) { ((Instance *)c)->m = start; return OK; }
 static double output(const Instance *i)
 {
     const Part *m = &i->m;
+    if (i->kind == 'm') return m->v[VR_G] * m->v[VR_U] + m->v[VR_K] * tanh(m->v[VR_V]) + m->v[VR_J];
     return i->kind == 'r' ? m->v[VR_W] : i->kind == 's' ? m->v[VR_K] * m->phi : m->v[VR_G] * m->v[VR_U];
 }
 
@@ -113,6 +115,16 @@ int fmi2SetRealInputDerivatives(void *c, const unsigned *vr, size_t n, const int
         if (vr[k] != VR_U || order[k] != 1) return ERROR;
         ((Instance *)c)->m.slope = v[k];
     }
+    return OK;
+}
+
+int fmi2GetDirectionalDerivative(void *c, const unsigned *z, size_t nz, const unsigned *x, size_t nx, const double *dx, double *dz)
+{
+    Instance *i = c;
+    if (i->kind != 'm' || nz != 1 || z[0] != VR_Y) return ERROR;
+    double t = tanh(i->m.v[VR_V]);
+    dz[0] = 0;
+    for (size_t k = 0; k < nx; k++) dz[0] += dx[k] * (x[k] == VR_U ? i->m.v[VR_G] : i->m.v[VR_K] * (1 - t * t));
     return OK;
 }
 

@@ -1,4 +1,4 @@
-//! Systems of tiny FMUs (`data/parts.c`): a rotor, a spring with a mass behind it, a gain.
+//! Systems of tiny FMUs (`data/parts.c`): a rotor, a spring with a mass behind it, a gain, a mixer.
 
 use crate::common::{binary_name, compile, data};
 use cosim::{Error, FmiVersion, System, SystemOptions, SystemRun, cosimulate};
@@ -27,7 +27,7 @@ pub fn zip(path: &Path, entries: &[(&str, &[u8])]) {
     zip.finish().unwrap();
 }
 
-/// A folder with the three FMUs and files of the test.
+/// A folder with the FMUs and files of the test.
 pub struct Folder {
     pub dir: tempfile::TempDir,
 }
@@ -35,7 +35,7 @@ pub struct Folder {
 impl Folder {
     pub fn new() -> Self {
         let folder = Self { dir: tempfile::tempdir().unwrap() };
-        for part in ["rotor", "spring", "gain"] {
+        for part in ["rotor", "spring", "gain", "mixer"] {
             folder.fmu(part, &xml(part));
         }
         folder
@@ -60,7 +60,7 @@ impl Folder {
     /// An SSP of this description, the FMUs, and further files.
     pub fn ssp(&self, ssd: &str, further: &[(&str, &str)]) -> Result<System, Error> {
         let path = self.path("s.ssp");
-        let fmus = ["rotor", "spring", "gain"].map(|part| {
+        let fmus = ["rotor", "spring", "gain", "mixer"].map(|part| {
             (format!("resources/{part}.fmu"), fs::read(self.path(&format!("{part}.fmu"))).unwrap())
         });
         let mut entries: Vec<(&str, &[u8])> = vec![("SystemStructure.ssd", ssd.as_bytes())];
