@@ -1,7 +1,7 @@
 //! Model Exchange through the C functions: the life cycle, what a state is, and that what is read depends on what was put alone.
 
 use crate::common::running::busy;
-use crate::common::{CS3, Importer, ME2, ME3, MODELS, MOTOR, Options, Succeeds, vr};
+use crate::common::{CS3, Importer, KINDS, LOGGED, ME2, ME3, MODELS, MOTOR, Options, Succeeds, vr};
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::{fmi3GetNumberOfContinuousStates, fmi3GetNumberOfEventIndicators};
 use motor_fmu::logger::Status;
@@ -221,6 +221,48 @@ fn a_duty_past_zero_waits_for_its_event() {
     me.update();
     assert_eq!(me.rates(), left);
     assert_ne!(open, left);
+}
+
+/// A turning motor at duty 0, with the bridge of `drive.zero_duty` (1 brake, 2 coast): every standard and interface type, both
+/// motors. Braked, the current opposes the motion; open, it stays zero.
+#[test]
+fn duty_zero_brakes_or_coasts() {
+    let motors: [(usize, &[(&str, f64)]); 2] = [(0, &[("voltage", 24.0)]), (1, &[("supply_voltage", 12.0)])];
+    for (number, inputs) in motors {
+        for how in KINDS {
+            for zero_duty in [1.0, 2.0] {
+                let one = Importer::instantiated(&MODELS[number], how, LOGGED);
+                if number == 0 {
+                    one.set("drive_mode", 2.0).ok();
+                }
+                one.set("drive.zero_duty", zero_duty).ok();
+                one.set("initial.shaft_speed", 8.0).ok();
+                let one = one.started(inputs);
+                let current = if one.exchange {
+                    // What the current is after a millisecond at this derivative.
+                    1e-3 * one.rates()[0]
+                } else {
+                    one.step(0.0, 1e-3).ok();
+                    one.get("current")
+                };
+                let brakes = zero_duty == 1.0;
+                assert_eq!(
+                    current < -1e-3,
+                    brakes,
+                    "{how:?} {} {zero_duty}: {current} A",
+                    one.declaration.name
+                );
+                assert!(brakes || current == 0.0, "{current} A");
+                // A duty that leaves zero drives the motor, in Model Exchange before any event.
+                one.set("duty", 1.0).ok();
+                if one.exchange {
+                    assert!(one.rates()[0] > 0.0);
+                    one.set("duty", 0.0).ok();
+                    assert_eq!(1e-3 * one.rates()[0], current);
+                }
+            }
+        }
+    }
 }
 
 #[test]

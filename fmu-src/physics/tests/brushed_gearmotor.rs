@@ -1,7 +1,7 @@
 //! The gearmotor: the split against diffsol, the books, the paper's numbers, limits with a known answer.
 
 use declare::Group;
-use physics::components::chopper::Decay;
+use physics::components::chopper::{Decay, ZeroDuty};
 use physics::effects::{CooledNode, Effects};
 use physics::model::{Model, Slot};
 use physics::models::brushed_gearmotor::{
@@ -382,6 +382,7 @@ fn no_jump_where_conduction_becomes_continuous() {
 #[test]
 fn reverse_and_coasting() {
     let (mut forward, mut reverse) = (started(0.4), started(-0.4));
+    forward.parameters.drive.zero_duty = ZeroDuty::Coast;
     run(&mut forward, 500, 1e-3);
     run(&mut reverse, 500, 1e-3);
     for name in ["voltage", "current", "shaft_speed", "shaft_angle"] {

@@ -21,3 +21,4 @@ mod states;
 mod terms;
 mod validity;
 mod water_jacket;
+mod zero_duty;

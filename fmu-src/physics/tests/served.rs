@@ -133,7 +133,9 @@ fn without_effect(kind: &ModelType) -> Vec<&'static str> {
             !others(entry, now, &mut rng).into_iter().any(|value| {
                 let mut moved = model.boxed_clone();
                 moved.set(entry.slot, value);
-                outputs(moved, point, &entry.name).zip(&before).any(|(after, before)| differ(&after, before))
+                let mut after = outputs(moved, point, &entry.name).peekable();
+                // A start that is refused, as at an ambient temperature below the limit of validity, is an effect.
+                after.peek().is_none() || after.zip(&before).any(|(after, before)| differ(&after, before))
             })
         });
     }

@@ -26,7 +26,11 @@
 //! V = V_s + V_f.
 //!
 //! *Decay*: slow (one switch stays closed): V_off = V_f. Fast (all switches open): V_off = V_s + V_f, and the current
-//! runs back into the supply. At duty 0 all switches are open.
+//! runs back into the supply.
+//! *Duty 0* (`zero_duty`). Brake: the switches of one side are closed, and the winding is short-circuited through a switch and a
+//! diode in either direction: |e| > V_f drives a current against V_f, none flows through the supply. This is the limit of
+//! small duties of a bridge whose switches carry both directions, and what a drive with slow decay does at standstill, so it is the
+//! default. Coast: all switches are open.
 //! *Assumes* a supply that takes current back, e and R constant over a cycle, drops that do not depend on the
 //! current; V_drop is never more than V_s. *Neglects* dead time, switching losses, and the bridge's own heat.
 //! *Sign*: as the duty, forward positive; a negative duty is the mirror image.
@@ -46,6 +50,24 @@ enumeration! {
     }
 }
 
+enumeration! {
+    /// State of the bridge at duty 0.
+    pub enum ZeroDuty {
+        /// Brake: the bridge short-circuits the winding.
+        Brake = 1, "brake";
+        /// Coast: all switches are open; no current flows unless the back-EMF exceeds the supply voltage.
+        Coast = 2, "coast";
+    }
+}
+
+variables! {
+    /// A drive whose mean voltage is duty times its supply's voltage.
+    pub struct Idle {
+        /// Bridge at duty 0 (drive_mode pwm)
+        zero_duty: ZeroDuty = Variable::choice(0, 1),
+    }
+}
+
 variables! {
     /// The H-bridge.
     pub struct Drive {
@@ -60,6 +82,8 @@ variables! {
             .source("fitted to the slopes 91.62 mV and 1.04 mA per per cent of the paper in seeds (gearmotor 37D)"),
         /// Freewheeling path of the current while the supply is off
         decay: Decay = Variable::choice(3, 1),
+        /// Bridge at duty 0
+        zero_duty: ZeroDuty = Variable::choice(4, 1),
     }
 }
 
@@ -111,12 +135,14 @@ pub struct SupplyPower {
 
 impl Bridge {
     /// A bridge on `supply` volts. `direction` decides at duty 0, where the switches of a slow decay stay as they
-    /// were; without a direction (0) all switches are open.
+    /// were; without a direction (0), `zero_duty` says whether they brake or are open.
     #[inline]
     pub fn new(drive: &Drive, duty: f64, direction: f64, supply: f64) -> Bridge {
         // A ramp may lead an input past its limits between two communication points.
-        let supply = supply.max(0.0);
-        let open = drive.decay == Decay::Fast || direction == 0.0;
+        let brakes = direction == 0.0 && drive.zero_duty == ZeroDuty::Brake;
+        // A winding that is short-circuited sees a supply of 0 V, which gives and takes nothing.
+        let supply = if brakes { 0.0 } else { supply.max(0.0) };
+        let open = !brakes && (drive.decay == Decay::Fast || direction == 0.0);
         let sign = if direction < 0.0 { -1.0 } else { 1.0 };
         Bridge {
             direction: sign,

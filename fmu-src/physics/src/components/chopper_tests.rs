@@ -8,7 +8,7 @@ const L: f64 = 1.803e-3;
 const SUPPLY: f64 = 12.0;
 
 fn drive(pwm_frequency: f64, decay: Decay) -> Drive {
-    Drive { drop: 2.2, freewheel_drop: 1.4, pwm_frequency, decay }
+    Drive { drop: 2.2, freewheel_drop: 1.4, pwm_frequency, decay, zero_duty: ZeroDuty::Coast }
 }
 
 /// Means over a cycle.

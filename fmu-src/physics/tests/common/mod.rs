@@ -4,7 +4,7 @@ use declare::Group;
 use physics::effects::*;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
-    AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, Parameters, STATES, Step,
+    AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
 };
 use reference::{Tolerance, integrate};
 use std::fmt;
@@ -120,9 +120,9 @@ impl Profile {
         for row in 0..Inputs::TABLE.len() {
             inputs.set(row, a.get(row) + (b.get(row) - a.get(row)) * share);
         }
-        // A product of two ramps is followed along its tangent only; the supply of the tests stands still.
+        // A supply beside the duty keeps its sign.
         if base.voltage != 0.0 {
-            inputs.voltage = base.voltage;
+            inputs.voltage = base.voltage + 0.3 * inputs.voltage;
         }
         inputs
     }
@@ -203,13 +203,7 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
             |y: &[f64; STATES], by: f64| std::array::from_fn(|s| y[s] + if RISE[s] { by } else { 0.0 });
         let rates = |t: f64, z: &[f64; STATES]| {
             let y = shift(z, ambient);
-            let mut dy = step.rates(t, &y);
-            // A step holds the ripple of its start; the reference follows the duty.
-            let now = profile.at(&base, t0 + if profile.slopes() { t } else { 0.0 });
-            let heat = ripple_heat(&parameters, &now, y[3]) - ripple_heat(&parameters, &inputs, y[3]);
-            dy[3] += heat / parameters.thermal.C_w;
-            dy[5] += heat;
-            dy
+            step.rates(t, &y)
         };
         let truth = integrate(rates, &shift(&y, -ambient), &times, TIGHT).unwrap();
         let truth: Vec<[f64; STATES]> = truth.iter().map(|z| shift(z, ambient)).collect();
@@ -235,15 +229,6 @@ pub fn compare(mut model: AnnulusCooledMotor, profile: &Profile, stop: f64, h: f
             |s| if size[s] <= TIGHT.absolute { error[s] } else { error[s] / size[s] },
         ),
     }
-}
-
-/// Copper loss of the ripple of a chopped current with the winding at `t_w`, W.
-fn ripple_heat(parameters: &Parameters, inputs: &Inputs, t_w: f64) -> f64 {
-    if parameters.choices.drive_mode != DriveMode::Pwm {
-        return 0.0;
-    }
-    let motor = &parameters.motor;
-    motor.resistance(t_w) * parameters.effects.ripple_square(inputs.duty, inputs.voltage, motor.L)
 }
 
 /// Lets a model see that its inputs were written directly.

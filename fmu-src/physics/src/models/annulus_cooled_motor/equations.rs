@@ -58,8 +58,10 @@ pub struct Step<'a> {
     inputs: &'a Inputs,
     slopes: &'a Inputs,
     constants: &'a Constants,
-    /// The voltage of the source, V.
+    /// The voltage of the source, V, but for its bend.
     voltage: Line,
+    /// What the voltage has beyond its line, V/s2: duty and supply are lines, and their product is a parabola.
+    voltage_bend: f64,
     /// The current, where it is imposed, A.
     current: Line,
     /// The torque of the load, N.m, where the rotor is free.
@@ -154,12 +156,12 @@ impl<'a> Step<'a> {
         let (u, s) = (inputs, slopes);
         let voltage = match model.choices.drive_mode {
             DriveMode::Voltage => Line { start: u.voltage, slope: s.voltage },
-            // A product of two lines: exact at the start, its tangent after.
             DriveMode::Pwm => {
                 Line { start: u.duty * u.voltage, slope: s.duty * u.voltage + u.duty * s.voltage }
             }
             DriveMode::Current | DriveMode::Power => none,
         };
+        let voltage_bend = if model.choices.drive_mode == DriveMode::Pwm { s.duty * s.voltage } else { 0.0 };
         let current = match model.choices.drive_mode {
             DriveMode::Current => Line { start: u.current_command, slope: s.current_command },
             _ => none,
@@ -180,6 +182,7 @@ impl<'a> Step<'a> {
             slopes,
             constants,
             voltage,
+            voltage_bend,
             current,
             load: if free { Line { start: u.load_torque, slope: s.load_torque } } else { none },
             speed: if free { none } else { Line { start: u.imposed_speed, slope: s.imposed_speed } },
@@ -191,7 +194,7 @@ impl<'a> Step<'a> {
             },
             strength: constants.torque_factor * model.effects.torque_constant(time),
             excess: 0.0,
-            chopper: Chopper::new(model, constants.chops, inputs),
+            chopper: Chopper::new(model, constants.chops, inputs, slopes),
             conductance,
             beyond: Beyond::default(),
         }
@@ -214,7 +217,7 @@ impl<'a> Step<'a> {
     pub(super) fn phase_load(&self, t: f64, state: &State<NODES>) -> PhaseLoad {
         let (i, t_w) = (state.x[0], state.temperature[WINDING]);
         let (motor, ports) = (&self.model.motor, self.ports());
-        let square = (i * i + self.ripple_square()) * ports.winding_resistance();
+        let square = (i * i + self.ripple_square(t)) * ports.winding_resistance();
         // The input heat_power heats all phases alike.
         let even = self.inputs.heat_power + self.slopes.heat_power * t;
         PhaseLoad {
@@ -353,7 +356,7 @@ impl<'a> Step<'a> {
         let (r, k) = (self.resistance(temperature[WINDING]), self.torque_constant(t, temperature));
         let (drag, bridge) = (self.drag(t, x, k), self.bridge(i));
         let voltage = if self.is_voltage_driven() {
-            self.voltage.at(t) - bridge - self.missed(i)
+            self.source(t, k * w) - bridge - self.missed(t, i)
         } else {
             r * i + self.ports().terminal_voltage(i) + k * w
         };
@@ -377,7 +380,7 @@ impl<'a> Step<'a> {
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Winding, r * i * i);
         ledger.transfer(Terminals, Winding, lost * i);
-        ledger.transfer(Terminals, Winding, self.heat.at(t) + self.ripple_loss(t_w));
+        ledger.transfer(Terminals, Winding, self.heat.at(t) + self.ripple_loss(t, t_w));
         ledger.transfer(Terminals, AirGap, k * w * i);
         let core = self.core();
         ledger.transfer(AirGap, core, self.drag_in_core(w, drag * w));
@@ -398,7 +401,7 @@ impl<'a> Step<'a> {
         let warming = self.network_rates(t, temperature)
             + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
         let to_ambient = self.outflow(t, temperature) + drive;
-        let power_in = voltage * i + self.heat.at(t) + self.ripple_loss(t_w) + drive;
+        let power_in = voltage * i + self.heat.at(t) + self.ripple_loss(t, t_w) + drive;
         Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 
@@ -442,27 +445,49 @@ impl Step<'_> {
         if self.chopper.loses { self.model.effects.bridge_voltage(i) } else { 0.0 }
     }
 
-    /// Volts that the supply gives less than duty times its voltage at the current `i`.
-    #[inline]
-    fn missed(&self, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.missed_voltage(i, self.chopper.supply) } else { 0.0 }
+    /// Voltage of the source `t` seconds after the start of the step, V; `e` is the back-EMF, which open switches follow.
+    #[inline(always)]
+    fn source(&self, t: f64, e: f64) -> f64 {
+        if self.chopper.coasts {
+            self.chopper.open_voltage(t, e).0
+        } else {
+            self.voltage.at(t) + self.voltage_bend * (t * t)
+        }
     }
 
-    /// Slope of both with the current, Ohm.
+    /// The supply whose dead time is lost, V: none where no switch is on.
     #[inline]
-    fn drive_slope(&self, i: f64) -> f64 {
-        if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopper.supply) } else { 0.0 }
+    fn chopped(&self, t: f64) -> f64 {
+        if self.chopper.coasts { 0.0 } else { self.chopper.supply(t) }
+    }
+
+    /// Volts that the supply gives less than duty times its voltage at the current `i`.
+    #[inline]
+    fn missed(&self, t: f64, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.missed_voltage(i, self.chopped(t)) } else { 0.0 }
+    }
+
+    /// Slope of bridge and missed volts with the current, Ohm.
+    #[inline]
+    fn drive_slope(&self, t: f64, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopped(t)) } else { 0.0 }
     }
 
     /// Mean square of the current's ripple, A2.
     #[inline]
-    fn ripple_square(&self) -> f64 {
-        self.chopper.ripple
+    fn ripple_square(&self, t: f64) -> f64 {
+        self.chopper.ripple_square(t, &self.model.effects, self.model.motor.L)
     }
 
     /// Copper loss of the ripple with the winding at `t_w`, W.
     #[inline(always)]
-    fn ripple_loss(&self, t_w: f64) -> f64 {
-        if self.chopper.ripple == 0.0 { 0.0 } else { self.resistance(t_w) * self.chopper.ripple }
+    fn ripple_loss(&self, t: f64, t_w: f64) -> f64 {
+        if self.chopper.loses { self.resistance(t_w) * self.ripple_square(t) } else { 0.0 }
+    }
+
+    /// The same equations with the switches as the last event has left them: open, or not.
+    pub fn with_open_switches(mut self, open: bool) -> Self {
+        self.chopper.coasts &= open;
+        self
     }
 }

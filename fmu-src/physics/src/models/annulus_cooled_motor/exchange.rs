@@ -128,6 +128,7 @@ impl Exchange for AnnulusCooledMotor {
             }
         }
         held.since = self.time;
+        held.idle = self.inputs.duty == 0.0;
         // At the border of a sector, where the rotor is heading decides.
         let ahead = NEAR_SECTOR * self.state.x[1].signum();
         held.sector = ((self.electrical_angle(&self.state) + ahead) / FRAC_PI_3).floor();

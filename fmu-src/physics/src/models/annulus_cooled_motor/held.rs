@@ -16,6 +16,8 @@ pub struct Held {
     pub(super) sector: f64,
     /// Whether the winding was above its limit at the last event.
     pub over_temperature: bool,
+    /// Whether the duty was zero at the last event.
+    pub(super) idle: bool,
     /// The factor on the heat capacities that the books know.
     pub(super) booked: f64,
 }
@@ -28,6 +30,7 @@ impl Held {
         since: 0.0,
         sector: 0.0,
         over_temperature: false,
+        idle: false,
         booked: 1.0,
     };
 
@@ -40,7 +43,13 @@ impl Held {
     pub fn to_numbers(self) -> impl Iterator<Item = f64> {
         let flags = self.moving.map(|m| f64::from(u8::from(m)));
         let over = f64::from(u8::from(self.over_temperature));
-        self.states.into_iter().chain(flags).chain([self.since, self.sector, over, self.booked])
+        self.states.into_iter().chain(flags).chain([
+            self.since,
+            self.sector,
+            over,
+            f64::from(u8::from(self.idle)),
+            self.booked,
+        ])
     }
 
     /// Takes back what [`to_numbers`](Held::to_numbers) gave; `None` where the numbers run out.
@@ -55,6 +64,7 @@ impl Held {
         held.since = next()?;
         held.sector = next()?;
         held.over_temperature = next()? != 0.0;
+        held.idle = next()? != 0.0;
         held.booked = next()?;
         Some(held)
     }

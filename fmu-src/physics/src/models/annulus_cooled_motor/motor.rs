@@ -154,7 +154,7 @@ impl AnnulusCooledMotor {
         let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, fan, self.time)
             .with_excess(self.excess());
         let step = match &self.held {
-            Some(held) => step.with_strength_since(held.since),
+            Some(held) => step.with_strength_since(held.since).with_open_switches(held.idle),
             None => step,
         };
         if self.network.is_some() { step.within(self.beyond()) } else { step }

@@ -3,6 +3,7 @@
 use super::initial::Initial;
 use super::variables::Choices;
 use crate::components::annulus::Annulus;
+use crate::components::chopper::Idle;
 use crate::components::conductance::Conductance;
 use crate::components::fan::Fan;
 use crate::components::housing::Housing;
@@ -18,6 +19,8 @@ use crate::groups;
 pub struct Parameters {
     /// What holds for the whole run.
     pub choices: Choices,
+    /// The drive.
+    pub drive: Idle,
     /// Winding and magnets.
     pub motor: Motor,
     /// Heat capacities and resistances.
@@ -43,6 +46,7 @@ pub struct Parameters {
 groups! {
     Parameters {
         "" @ 0 => choices: Choices,
+        "drive." @ 85 => drive: Idle,
         "motor." @ 100 => motor: Motor,
         "thermal." @ 200 => thermal: Thermal,
         "conductance." @ 300 => conductance: Conductance,

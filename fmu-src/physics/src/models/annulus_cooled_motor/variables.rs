@@ -69,7 +69,7 @@ variables! {
         voltage: f64 = Variable::input(1, 0.0, Unit::Volt, -1e4, 1e4).nominal(48.0),
         /// Imposed current (drive_mode current)
         current_command: f64 = Variable::input(2, 0.0, Unit::Ampere, -1e4, 1e4).nominal(5.0),
-        /// Duty cycle: mean terminal voltage over supply voltage, negative for reverse (drive_mode pwm)
+        /// Duty cycle: mean terminal voltage over supply voltage, negative for reverse (drive_mode pwm); 0: see drive.zero_duty
         duty: f64 = Variable::input(3, 0.0, Unit::One, -1.0, 1.0).saturates(),
         /// Load torque on the shaft (mechanical_mode free_shaft)
         load_torque: f64 = Variable::input(4, 0.0, Unit::NewtonMetre, -1e4, 1e4).nominal(0.1),

@@ -5,7 +5,7 @@ use declare::{Group, Unit, Variable, variables};
 variables! {
     /// What the importer sets at every communication point.
     pub struct Inputs {
-        /// Duty cycle: fraction of each switching period with the supply on, negative for reverse; 0 opens all switches
+        /// Duty cycle: fraction of each switching period with the supply on, negative for reverse; 0: see drive.zero_duty
         duty: f64 = Variable::input(1, 0.0, Unit::One, -1.0, 1.0).saturates(),
         /// Voltage of the supply in front of the H-bridge
         supply_voltage: f64 = Variable::input(2, 12.0, Unit::Volt, 0.0, 1e4).nominal(12.0)

@@ -1,34 +1,83 @@
-//! The drive between supply and terminals in drive_mode pwm: what it loses, and the ripple it leaves.
+//! The drive between supply and terminals in drive_mode pwm: losses, ripple, and open switches.
+//!
+//! Open switches (`drive.zero_duty` = coast, duty 0): the mean current falls to zero with L/R, and the terminals follow
+//! the back-EMF e. Beyond the supply's voltage V_s the diodes rectify:
+//! ```text
+//! L di/dt = u - R i - V_lost(i) - e,   u = min(max(e, -V_s), V_s)                          (1)
+//! ```
+//! The gearmotor's bridge has the same equation (`components/chopper.rs`). With brake, or at any other duty, u is duty
+//! times V_s.
 
-use crate::effects::{Effect, Port};
+use crate::components::chopper::ZeroDuty;
+use crate::effects::{Effect, Effects, Port};
+use crate::models::annulus_cooled_motor::line::Line;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, Inputs};
 
 /// The drive over one step.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Chopper {
-    /// Whether it loses volts.
+    /// Whether it loses volts or leaves a ripple.
     pub loses: bool,
-    /// Voltage of the supply at the start of the step, V.
-    pub supply: f64,
-    /// Mean square of the ripple at the start of the step, A2; it stays over the step.
-    pub ripple: f64,
+    /// Whether all switches are open.
+    pub coasts: bool,
+    /// Duty cycle.
+    duty: Line,
+    /// Voltage of the supply, V.
+    supply: Line,
 }
 
 impl Chopper {
+    /// No drive that chops.
+    const NONE: Chopper = Chopper {
+        loses: false,
+        coasts: false,
+        duty: Line { start: 0.0, slope: 0.0 },
+        supply: Line { start: 0.0, slope: 0.0 },
+    };
+
     /// The drive of a motor with these inputs; one that loses nothing in any other drive_mode.
     #[inline]
-    pub fn new(model: &Parameters, chops: bool, inputs: &Inputs) -> Chopper {
+    pub fn new(model: &Parameters, chops: bool, u: &Inputs, slopes: &Inputs) -> Chopper {
         if !chops {
-            return Chopper::default();
+            return Chopper::NONE;
         }
-        let ripple = model.effects.ripple_square(inputs.duty, inputs.voltage, model.motor.L);
-        Chopper { loses: true, supply: inputs.voltage, ripple }
+        let opens = model.drive.zero_duty == ZeroDuty::Coast;
+        Chopper {
+            loses: Chopper::loses(model),
+            coasts: opens && u.duty == 0.0 && slopes.duty == 0.0,
+            duty: Line { start: u.duty, slope: slopes.duty },
+            supply: Line { start: u.voltage, slope: slopes.voltage },
+        }
     }
 
-    /// Whether any effect makes a drive of this motor lose something.
+    /// Voltage of the supply after `t` seconds, V.
+    #[inline]
+    pub fn supply(&self, t: f64) -> f64 {
+        self.supply.at(t)
+    }
+
+    /// Voltage of eq. (1) at the terminals before losses, V, at the back-EMF `e`, and its slope with e.
+    #[inline]
+    pub fn open_voltage(&self, t: f64, e: f64) -> (f64, f64) {
+        let limit = self.supply.at(t).abs();
+        if e.abs() <= limit { (e, 1.0) } else { (limit.copysign(e), 0.0) }
+    }
+
+    /// Mean square of the ripple after `t` seconds, A2.
+    #[inline]
+    pub fn ripple_square(&self, t: f64, effects: &Effects, inductance: f64) -> f64 {
+        if self.loses { effects.ripple_square(self.duty.at(t), self.supply.at(t), inductance) } else { 0.0 }
+    }
+
+    /// Whether a drive of this motor chops otherwise than by duty times its supply's voltage.
     pub fn acts(model: &Parameters) -> bool {
-        model.choices.drive_mode == DriveMode::Pwm
-            && (model.effects.acts_at(Port::Bridge) || model.effects.acts_at(Port::Ripple))
+        let pwm = model.choices.drive_mode == DriveMode::Pwm;
+        pwm && (Chopper::loses(model) || model.drive.zero_duty == ZeroDuty::Coast)
+    }
+
+    /// Whether an effect acts at the drive.
+    fn loses(model: &Parameters) -> bool {
+        model.effects.acts_at(Port::Bridge) || model.effects.acts_at(Port::Ripple)
     }
 }

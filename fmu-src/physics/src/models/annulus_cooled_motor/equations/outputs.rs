@@ -110,7 +110,7 @@ impl Step<'_> {
             ]);
         let [energy_in, energy_out, energy_heat] = state.energy;
         let r = self.resistance(t_w);
-        let copper = r * i * i + model.effects.terminal_voltage(i) * i + self.ripple_loss(t_w);
+        let copper = r * i * i + model.effects.terminal_voltage(i) * i + self.ripple_loss(0.0, t_w);
         let copper = match model.choices.drive_mode {
             DriveMode::Power => copper + self.inputs.electrical_power - p.drive,
             _ => copper,

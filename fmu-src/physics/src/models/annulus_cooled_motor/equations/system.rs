@@ -28,8 +28,8 @@ impl System<NODES> for Step<'_> {
         let (i, w) = (x[0], x[1]);
         let k = instant.k;
         let di = if self.is_voltage_driven() {
-            let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(i);
-            (self.voltage.at(t) - self.resistance(temperature[WINDING]) * i - lost - k * w)
+            let lost = self.ports().terminal_voltage(i) + self.bridge(i) + self.missed(t, i);
+            (self.source(t, k * w) - self.resistance(temperature[WINDING]) * i - lost - k * w)
                 * self.constants.inverse_l
         } else {
             self.current.slope
@@ -45,7 +45,7 @@ impl System<NODES> for Step<'_> {
     #[inline(always)]
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Matrix2<f64> {
         let effects = self.ports();
-        let lost = effects.terminal_voltage_slope(x[0]) + self.drive_slope(x[0]);
+        let lost = effects.terminal_voltage_slope(x[0]) + self.drive_slope(t, x[0]);
         let r = self.resistance(temperature[WINDING]) + lost;
         let k = self.torque_constant(t, temperature);
         let slope = if self.is_free() {
@@ -55,7 +55,9 @@ impl System<NODES> for Step<'_> {
             0.0
         };
         let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
-        Matrix2::new(-r * l, -k * l, k * j, -slope * j)
+        // Open switches follow the back-EMF.
+        let followed = if self.chopper.coasts { self.chopper.open_voltage(t, k * x[1]).1 } else { 0.0 };
+        Matrix2::new(-r * l, -k * l * (1.0 - followed), k * j, -slope * j)
     }
 
     #[inline(always)]
@@ -102,7 +104,7 @@ impl System<NODES> for Step<'_> {
         let (i, w) = (x[0], x[1]);
         let t_w = temperature[WINDING];
         let volts = self.resistance(t_w) * i + self.ports().terminal_voltage(i);
-        let copper = volts * i + self.ripple_loss(t_w);
+        let copper = volts * i + self.ripple_loss(t, t_w);
         Temperatures::new(copper + self.heat.at(t), self.drag_in_core(w, instant.drag * w))
     }
 
@@ -113,6 +115,7 @@ impl System<NODES> for Step<'_> {
         let effects = self.ports();
         let (t, h) = (segment.t, segment.h);
         let [x0, xm, x1] = segment.x;
+        let at = [t, t + 0.5 * h, t + h];
         let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
         // A line times the solution: value at the step's start by the integral, slope by the moment.
         let line = |l: &Line, k: usize| l.at(t) * segment.integral[k] + l.slope * segment.moment[k];
@@ -149,15 +152,28 @@ impl System<NODES> for Step<'_> {
         };
         let mut heat = h * self.heat.at(t + 0.5 * h);
         if self.loses() {
-            let ripple = [0, 1, 2].map(|n| self.ripple_loss(segment.temperature[n][WINDING]));
-            heat += simpson(ripple[0], ripple[1], ripple[2]);
+            let ripple = [0, 1, 2].map(|n| self.ripple_loss(at[n], segment.temperature[n][WINDING]));
+            let over_step = simpson(ripple[0], ripple[1], ripple[2]);
+            heat += over_step;
+            doubt += (over_step - 0.5 * h * (ripple[0] + ripple[2])).abs();
         }
         let mut drive = h * self.drive.at(t + 0.5 * h);
         let (copper, electrical) = if self.is_voltage_driven() {
             let mut supplied = line(&self.voltage, 0);
+            if self.chopper.coasts {
+                let open = [0, 1, 2].map(|n| self.source(at[n], k_t(n) * segment.x[n][1]));
+                let doubt_of_open;
+                (supplied, doubt_of_open) = against(open, 0);
+                doubt += doubt_of_open;
+            } else if self.voltage_bend != 0.0 {
+                let (bend, doubt_of_bend) = against(at.map(|t| self.voltage_bend * (t * t)), 0);
+                supplied += bend;
+                doubt += doubt_of_bend;
+            }
             if self.loses() {
                 let (bridge, doubt_of_bridge) = against([x0, xm, x1].map(|x| self.bridge(x[0])), 0);
-                let (missed, doubt_of_missed) = against([x0, xm, x1].map(|x| self.missed(x[0])), 0);
+                let (missed, doubt_of_missed) =
+                    against([0, 1, 2].map(|n| self.missed(at[n], segment.x[n][0])), 0);
                 doubt += doubt_of_bridge + doubt_of_missed;
                 drive += bridge;
                 supplied = supplied - missed - bridge;
@@ -183,7 +199,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn bends_where_stiff(&self) -> bool {
         // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
-        self.constants.acts.terminal_voltage || self.constants.chops
+        self.constants.acts.terminal_voltage || self.chopper.loses || self.chopper.coasts
     }
 
     #[inline]
