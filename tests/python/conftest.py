@@ -12,7 +12,7 @@ from clients.fmu import Archive
 # `cargo xtask test` prints the durations.
 LONGEST = (
     "test_example[08_walking_study]",
-    "test_close_loop_hard",
+    "test_blind_sets",
     "test_preset_library",
     "test_validator_faults",
     "test_effects_file",

@@ -3,7 +3,4 @@
 `generator` integrates the motor, `effects` lists possible effects, `rig` combines motor and bench, `profiles` generates drive cycles,
 `sensors` adds noise and sensor faults, `detect` computes which effects are detectable, `write` writes the set, `make` is the command:
 `python -m bench.make --seed 1 --out sets`.
-
-Evaluation of a program: `run` runs it on each set, `judge` compares one report with the truth, `score` compares rates with criteria,
-`page` writes the tables.
 """

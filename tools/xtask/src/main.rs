@@ -59,7 +59,7 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
-    /// Run close-loop on 120 synthetic benches and write docs/blind-suite.md.
+    /// Run close-loop on 400 synthetic benches of a new seed and write docs/blind-suite.md.
     Blind(blind::Options),
     /// Random calls of both C interfaces, with each model in turn.
     Fuzz(fuzz::Options),

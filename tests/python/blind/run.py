@@ -1,6 +1,6 @@
-"""Runs the program on each set: `python -m bench.run SETS --program motor-fmu [--jobs J]`, in `tests/python`.
+"""Runs the program on each set: `python -m blind.run SETS --program motor-fmu [--jobs J]`, in `tests/python`.
 
-Each set gets a folder `result` with the output of the program, without the FMUs, and `run.json`: exit code, seconds, memory, and hashes
+Each set gets a folder `result` with the output of the program, without the FMUs, and `run.json`: exit code, wall seconds, seconds of CPU (user and system), memory, and hashes
 of program and set. A result of the same program and set is kept.
 """
 
@@ -19,6 +19,7 @@ from pathlib import Path
 from .judge import FINE, judge
 
 TIME_LIMIT = 600.0  # s for one set
+BUDGET = 45.0  # s of wall time, the default of the program
 LIBRARIES = (".so", ".dll", ".dylib")
 
 
@@ -50,24 +51,25 @@ def read_json(file: Path):
 
 
 def measured(command: list, errors: Path, limit: float):
-    """Exit code, seconds and the largest memory in MB, which is not known on every system."""
+    """Exit code, wall seconds, seconds of CPU (user and system) and the largest memory in MB, as far as the system knows them."""
     begin = time.monotonic()
     with errors.open("wb") as stderr:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr)
         watch = threading.Timer(limit, process.kill)
         watch.start()
-        memory = None
+        memory = cpu = None
         if hasattr(os, "wait4"):
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             memory = usage.ru_maxrss / (1024.0**2 if sys.platform == "darwin" else 1024.0)
+            cpu = usage.ru_utime + usage.ru_stime
         else:
             process.wait()
         watch.cancel()
-    return process.returncode, time.monotonic() - begin, memory
+    return process.returncode, time.monotonic() - begin, cpu, memory
 
 
-def ask(folder: Path, program: Path, program_digest: str, limit: float = TIME_LIMIT) -> dict:
+def ask(folder: Path, program: Path, program_digest: str, limit: float = TIME_LIMIT, budget: float | None = None) -> dict:
     """The content of the set's `run.json`."""
     result, file = folder / "result", folder / "result" / "run.json"
     whose = {"program": program_digest, "set": digest_of_set(folder)}
@@ -77,11 +79,13 @@ def ask(folder: Path, program: Path, program_digest: str, limit: float = TIME_LI
     shutil.rmtree(result, ignore_errors=True)
     result.mkdir()
     command = [str(program), "close-loop", str(folder / "experiment.toml"), "--out", str(result)]
-    code, seconds, memory = measured(command, result / "stderr.txt", limit)
+    command += ["--budget", f"{budget:g}"] if budget else []
+    code, seconds, cpu, memory = measured(command, result / "stderr.txt", limit)
     # A hundred sets with their FMUs would fill a disk.
     for fmu in result.rglob("*.fmu"):
         fmu.unlink()
-    run = whose | {"exit_code": code, "seconds": round(seconds, 3), "memory_MB": memory and round(memory, 1)}
+    whose |= {"exit_code": code, "seconds": round(seconds, 3)}
+    run = whose | {"budget": budget or BUDGET, "cpu_seconds": cpu and round(cpu, 3), "memory_MB": memory and round(memory, 1)}
     file.write_text(json.dumps(run) + "\n", encoding="utf-8")
     return run
 
@@ -96,9 +100,9 @@ def judged(folder: Path):
     """The report of a set compared with its truth. A report that violates the contract counts as none."""
     truth, run = read_json(folder / "truth.json"), read_json(folder / "result" / "run.json")
     try:
-        return judge(truth, report_of(folder), run)
+        return judge(truth, report_of(folder), run | {"error": why(folder)})
     except (AttributeError, KeyError, TypeError, ValueError) as breach:
-        broken = judge(truth, None, run)
+        broken = judge(truth, None, run | {"exit_code": 0, "error": ""})
         broken.said = f"a report that breaks the contract ({type(breach).__name__}: {breach})"
         return broken
 
@@ -112,11 +116,12 @@ def why(folder: Path) -> str:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m bench.run", description="Asks the program about each set of a folder.")
+    parser = argparse.ArgumentParser(prog="python -m blind.run", description="Asks the program about each set of a folder.")
     parser.add_argument("sets", type=Path)
     parser.add_argument("--program", type=Path, required=True)
     parser.add_argument("--count", type=int, help="the first sets only")
     parser.add_argument("--jobs", type=int, default=1, help="programs at a time")
+    parser.add_argument("--budget", type=float, help="wall time that the program is given for a set, s; for a machine that others use too")
     options = parser.parse_args(arguments)
     program = options.program.resolve()
     if not program.is_file():
@@ -124,7 +129,7 @@ def main(arguments=None):
     whose = digest_of_program(program)
     sets = in_order(options.sets)[: options.count]
     with ThreadPoolExecutor(options.jobs) as pool:
-        waiting = {pool.submit(ask, folder, program, whose): folder for folder in sets}
+        waiting = {pool.submit(ask, folder, program, whose, TIME_LIMIT, options.budget): folder for folder in sets}
         for count, done in enumerate(as_completed(waiting), 1):
             folder, run = waiting[done], done.result()
             one = judged(folder)
