@@ -26,7 +26,7 @@ fn known(kind: &ModelType) -> Known {
         state: "state.shaft_angle",
     };
     match name(kind) {
-        "AnnulusCooledMotor" => rotor(22),
+        "AnnulusCooledMotor" => rotor(25),
         "BrushedGearmotor" => rotor(11),
         "SeriesElasticActuator" => Known {
             states: 8,
@@ -141,7 +141,7 @@ fn unused_states_are_constant() {
     ];
     let me = continuous(MOTOR, &start);
     let entries = &me.declaration.entries;
-    let names = me.declaration.states[..22].iter().map(|[k, _]| entries[*k].name.as_str());
+    let names = me.declaration.states[..25].iter().map(|[k, _]| entries[*k].name.as_str());
     let still: Vec<(usize, &str)> =
         names.enumerate().zip(me.rates()).filter(|(_, rate)| *rate == 0.0).map(|(state, _)| state).collect();
     let first = still[..5].iter().map(|(_, name)| name.trim_start_matches("state.")).collect::<Vec<_>>();

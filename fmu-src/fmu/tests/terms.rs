@@ -55,6 +55,41 @@ fn a_term_reaches_the_motor_and_survives_reset_and_serialization() {
     assert_eq!(current(&braked).to_bits(), free.to_bits());
 }
 
+/// A lag of the speed in the housing's sensor: it rises with its time constant in Co-Simulation, is put back to the last bit with the
+/// state of the instance, and is a state with a derivative in Model Exchange.
+#[test]
+fn a_lag_is_a_state_of_the_motor() {
+    let lag = r#"{"format": "motor-fmu effects 1", "terms": [{"port": "housing_sensor", "coefficient": 1.0, "drivers":
+        [{"driver": "speed", "reference": 10.0}], "lag": {"driver": "speed", "tau": 20.0}}]}"#;
+    let folder = resources(lag);
+    for how in [CS2, CS3] {
+        let resources = if how == CS2 { uri(&folder) } else { format!("{}/", folder.path().display()) };
+        let motor = located(how, &resources).unwrap();
+        motor.initialize();
+        motor.set("voltage", 2.0).ok();
+        motor.step(0.0, 1.0).ok();
+        motor.step(1.0, 1.0).ok();
+        let speed = motor.get("shaft_speed");
+        let reached = 0.1 * (motor.get("housing_temperature") - motor.get("state.core_temperature"));
+        let share = 1.0 - (-2.0f64 / 20.0).exp();
+        assert!((100.0 * reached / (share * speed) - 1.0).abs() < 0.3, "{reached} of {speed} rad/s");
+        // FMI 3.0 gives the three states as one array.
+        if how == CS2 {
+            assert!((motor.get("state.term_lag[1]") - reached).abs() < 1e-9);
+            let rate = motor.get("der(state.term_lag[1])");
+            assert!((rate - (speed / 100.0 - reached) / 20.0).abs() < 1e-9, "{rate}");
+            assert_eq!(motor.get("der(state.term_lag[2])"), 0.0);
+        }
+        let other = located(how, &resources).unwrap();
+        other.initialize();
+        other.take_over(*motor);
+        for motor in [&motor, &other] {
+            motor.step(2.0, 1.0).ok();
+        }
+        assert_eq!(motor.outputs(), other.outputs());
+    }
+}
+
 #[test]
 fn resources_without_terms_are_fine_and_broken_terms_are_not() {
     for nowhere in ["", "file:///no/such/folder", "http://elsewhere/resources"] {

@@ -54,7 +54,7 @@ pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
 use crate::model::Unserved;
 pub use crate::number::Number;
-use crate::terms::{Driver, Drivers, GenericTerm};
+use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS};
 use num_dual::Dual64;
 pub use ports::{Effect, IMMINENT, PerNode, Port};
 
@@ -102,6 +102,11 @@ macro_rules! effects {
 
             fn holds(&self, driver: Driver) -> bool {
                 false $(|| self.$id.holds(driver))*
+            }
+
+            #[inline]
+            fn lag(&self, k: usize) -> Option<Lag> {
+                None $(.or_else(|| self.$id.lag(k)))*
             }
 
             #[inline]
@@ -284,6 +289,12 @@ effects! {
 
 /// Slopes of the ports with respect to their first argument, for Jacobians.
 impl Effects {
+    /// Whether a term that is data has a lag, whose state the model integrates.
+    #[inline]
+    pub fn has_lags(&self) -> bool {
+        (0..MOST_TERMS).any(|k| self.lag(k).is_some())
+    }
+
     /// Slope of [`drag_torque`](Effect::drag_torque), N.m.s/rad.
     #[inline]
     pub fn drag_torque_slope(&self, w: f64) -> f64 {

@@ -2,13 +2,19 @@
 //!
 //! y = c prod_i b_i^p_i,   b_i = (x_i - offset_i) / reference_i,   up to three drivers x_i      (1)
 //! y = a table in one driver: linear between its points, held at its ends beyond            (2)
+//! y = a grid over two drivers: bilinear between its points, held at its edges beyond       (3)
+//! tau dz/dt = x - z                                                                        (4)
+//!
+//! With a lag, z of eq. (4) stands in the law in place of the driver x; z starts at the x of the start, so that a motor at rest in
+//! its ambient temperature stays at rest. The driver of a lag may also be a heat flow, which no law follows without a lag: a node
+//! that the model lacks (magnets, a bearing) is a first-order lag of the temperature or of the heat beside it.
 //!
 //! A term is a port and one of these laws. What its value does at the port stands with the effect that carries
 //! terms, `effects/generic_term.rs`; the file that brings terms into an FMU is the matter of the crate `terms`.
 //! Speed, current and load torque count by their size, |b|^p, since a drag or a drop is the same either way. Temperatures, fan
 //! command and time have a side: below their offset the power is that of |b| with the other sign, so that p = 1 is a line.
-//! *Assumes* nothing: (1) and (2) are fits. *Range*: |p| up to [`GREATEST_EXPONENT`]; where p < 0, a base below
-//! [`LEAST_BASE`] counts as that. *Neglects* history: a term knows the present alone.
+//! *Assumes* nothing: (1) to (4) are fits. *Range*: |p| up to [`GREATEST_EXPONENT`]; where p < 0, a base below
+//! [`LEAST_BASE`] counts as that. *Neglects* history beyond eq. (4).
 
 use crate::number::Number;
 
@@ -18,6 +24,10 @@ pub const MOST_TERMS: usize = 3;
 pub const MOST_DRIVERS: usize = 3;
 /// Most points of a table.
 pub const MOST_POINTS: usize = 32;
+/// Most points of a grid along each of its drivers.
+pub const MOST_LINES: usize = 8;
+/// Limits of the time constant of a lag, s.
+pub const TIME_CONSTANT: (f64, f64) = (1e-3, 1e6);
 /// Greatest exponent, either way.
 pub const GREATEST_EXPONENT: f64 = 6.0;
 /// A base with a negative exponent is not taken below this.
@@ -116,6 +126,42 @@ named! {
         FanCommand = "fan_command",
         /// Time, s.
         Time = "time",
+        /// Heat set free in the winding, W: copper loss, and in drive_mode power what reaches the winding; only with a lag.
+        CopperLoss = "copper_loss",
+        /// Heat of all drags, W; only with a lag.
+        FrictionLoss = "friction_loss",
+    }
+}
+
+impl Driver {
+    /// Whether it is a heat flow, which is known only once the terms have acted.
+    pub fn is_heat(self) -> bool {
+        matches!(self, Driver::CopperLoss | Driver::FrictionLoss)
+    }
+
+    /// Unit of its values.
+    pub fn unit(self) -> declare::Unit {
+        use declare::Unit::*;
+        match self {
+            Driver::Speed => RadianPerSecond,
+            Driver::Current => Ampere,
+            Driver::LoadTorque => NewtonMetre,
+            Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => Kelvin,
+            Driver::FanCommand => One,
+            Driver::Time => Second,
+            Driver::CopperLoss | Driver::FrictionLoss => Watt,
+        }
+    }
+
+    /// A typical size of a change: the state of a lag is counted in it.
+    pub fn nominal(self) -> f64 {
+        match self {
+            Driver::Speed | Driver::WindingTemperature | Driver::HousingTemperature => 100.0,
+            Driver::AmbientTemperature | Driver::CopperLoss => 10.0,
+            Driver::Current | Driver::FanCommand | Driver::FrictionLoss => 1.0,
+            Driver::LoadTorque => 0.1,
+            Driver::Time => 1000.0,
+        }
     }
 }
 
@@ -131,6 +177,10 @@ pub struct Drivers {
     pub ambient_temperature: f64,
     pub fan_command: f64,
     pub time: f64,
+    pub copper_loss: f64,
+    pub friction_loss: f64,
+    /// What each term's lag has reached, in the unit of its driver; 0 without a lag.
+    pub lagged: [f64; MOST_TERMS],
 }
 
 impl Drivers {
@@ -146,6 +196,30 @@ impl Drivers {
             ambient_temperature: mean(|d| d.ambient_temperature),
             fan_command: mean(|d| d.fan_command),
             time: mean(|d| d.time),
+            copper_loss: mean(|d| d.copper_loss),
+            friction_loss: mean(|d| d.friction_loss),
+            lagged: std::array::from_fn(|k| 0.5 * (self.lagged[k] + to.lagged[k])),
+        }
+    }
+
+    /// The same with another value of one driver.
+    pub fn with(mut self, driver: Driver, value: f64) -> Drivers {
+        *self.place(driver) = value;
+        self
+    }
+
+    fn place(&mut self, driver: Driver) -> &mut f64 {
+        match driver {
+            Driver::Speed => &mut self.speed,
+            Driver::Current => &mut self.current,
+            Driver::LoadTorque => &mut self.load_torque,
+            Driver::WindingTemperature => &mut self.winding_temperature,
+            Driver::HousingTemperature => &mut self.housing_temperature,
+            Driver::AmbientTemperature => &mut self.ambient_temperature,
+            Driver::FanCommand => &mut self.fan_command,
+            Driver::Time => &mut self.time,
+            Driver::CopperLoss => &mut self.copper_loss,
+            Driver::FrictionLoss => &mut self.friction_loss,
         }
     }
 
@@ -161,6 +235,8 @@ impl Drivers {
             Driver::AmbientTemperature => self.ambient_temperature,
             Driver::FanCommand => self.fan_command,
             Driver::Time => self.time,
+            Driver::CopperLoss => self.copper_loss,
+            Driver::FrictionLoss => self.friction_loss,
         }
     }
 }
@@ -261,6 +337,88 @@ impl Table {
     }
 }
 
+/// Eq. (3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// The drivers, those of the rows first.
+    pub drivers: [Driver; 2],
+    counts: [usize; 2],
+    points: [[f64; MOST_LINES]; 2],
+    values: [[f64; MOST_LINES]; MOST_LINES],
+}
+
+impl Grid {
+    /// The grid through these values, a row for each point of the first driver; `None` unless there are 2 to [`MOST_LINES`] points of
+    /// each of two drivers, finite and ascending, with a value for each pair.
+    pub fn new(drivers: [Driver; 2], points: [&[f64]; 2], values: &[Vec<f64>]) -> Option<Grid> {
+        let fits = |line: &[f64]| {
+            (2..=MOST_LINES).contains(&line.len())
+                && line.windows(2).all(|pair| pair[0] < pair[1])
+                && line.iter().all(|x| x.is_finite())
+        };
+        let whole = values.len() == points[0].len()
+            && values.iter().all(|row| row.len() == points[1].len() && row.iter().all(|y| y.is_finite()));
+        if drivers[0] == drivers[1] || !points.iter().all(|line| fits(line)) || !whole {
+            return None;
+        }
+        let mut grid = Grid {
+            drivers,
+            counts: points.map(<[f64]>::len),
+            points: [[0.0; MOST_LINES]; 2],
+            values: [[0.0; MOST_LINES]; MOST_LINES],
+        };
+        for (own, line) in grid.points.iter_mut().zip(points) {
+            own[..line.len()].copy_from_slice(line);
+        }
+        for (own, row) in grid.values.iter_mut().zip(values) {
+            own[..row.len()].copy_from_slice(row);
+        }
+        Some(grid)
+    }
+
+    /// The points of one of the drivers.
+    pub fn points(&self, driver: usize) -> &[f64] {
+        &self.points[driver][..self.counts[driver]]
+    }
+
+    /// The values, a row for each point of the first driver.
+    pub fn values(&self) -> impl Iterator<Item = &[f64]> {
+        self.values[..self.counts[0]].iter().map(|row| &row[..self.counts[1]])
+    }
+
+    /// The interval of a driver in which `x` lies, its weight from 0 to 1, and whether it lies beyond the points.
+    fn place<D: Number>(&self, driver: usize, x: D) -> (usize, D, bool) {
+        let points = self.points(driver);
+        let last = points.len() - 1;
+        if x.re() < points[0] {
+            (0, D::from(0.0), true)
+        } else if x.re() > points[last] {
+            (last - 1, D::from(1.0), true)
+        } else {
+            let k = points[1..last].partition_point(|p| *p <= x.re());
+            (k, (x - points[k]) / (points[k + 1] - points[k]), false)
+        }
+    }
+
+    /// The value, and whether that lies beyond the points.
+    pub fn at<D: Number>(&self, x: D, y: D) -> (D, bool) {
+        let (a, s, below) = self.place(0, x);
+        let (b, t, above) = self.place(1, y);
+        let row = |k: usize| t * (self.values[k][b + 1] - self.values[k][b]) + self.values[k][b];
+        let (low, high) = (row(a), row(a + 1));
+        (low + s * (high - low), below || above)
+    }
+}
+
+/// Eq. (4): a state of its own in place of a driver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lag {
+    /// The driver that is followed late.
+    pub driver: Driver,
+    /// Time constant, s.
+    pub tau: f64,
+}
+
 /// How a term follows its drivers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // a box would be an allocation for each copy of a model
@@ -269,6 +427,20 @@ pub enum Law {
     Product(Product),
     /// Eq. (2).
     Table(Table),
+    /// Eq. (3).
+    Grid(Grid),
+}
+
+impl Law {
+    /// The drivers of the law.
+    pub fn drivers(&self) -> impl Iterator<Item = Driver> {
+        let all: [Option<Driver>; MOST_DRIVERS] = match self {
+            Law::Product(product) => product.factors.map(|f| f.map(|f| f.driver)),
+            Law::Table(table) => [Some(table.driver), None, None],
+            Law::Grid(grid) => [Some(grid.drivers[0]), Some(grid.drivers[1]), None],
+        };
+        all.into_iter().flatten()
+    }
 }
 
 /// A term: where it acts, and its law.
@@ -278,18 +450,28 @@ pub struct GenericTerm {
     pub port: Port,
     /// How much.
     pub law: Law,
+    /// The driver that the law follows late, if any.
+    pub lag: Option<Lag>,
 }
 
 impl GenericTerm {
-    /// The value, in the port's unit.
-    pub fn value(&self, drivers: &Drivers) -> f64 {
-        self.along(drivers, Driver::Speed, drivers.speed)
+    /// A term that follows the present values of its drivers.
+    pub const fn new(port: Port, law: Law) -> GenericTerm {
+        GenericTerm { port, law, lag: None }
     }
 
-    /// The value with one driver alive: `x` stands for `live`, and carries its derivative.
+    /// The value, in the port's unit; a lagged driver is one of the drivers.
+    pub fn value(&self, drivers: &Drivers) -> f64 {
+        self.along(drivers, None)
+    }
+
+    /// The value with one driver alive: its number stands in its place and carries its derivative.
     #[inline]
-    pub fn along<D: Number>(&self, drivers: &Drivers, live: Driver, x: D) -> D {
-        let of = |driver: Driver| if driver == live { x } else { D::from(drivers.of(driver)) };
+    pub fn along<D: Number>(&self, drivers: &Drivers, live: Option<(Driver, D)>) -> D {
+        let of = |driver: Driver| match live {
+            Some((alive, x)) if alive == driver => x,
+            _ => D::from(drivers.of(driver)),
+        };
         match &self.law {
             Law::Product(product) => {
                 let factors = product.factors.iter().flatten();
@@ -297,23 +479,44 @@ impl GenericTerm {
                     .fold(D::from(product.coefficient), |value, factor| value * factor.of(of(factor.driver)))
             }
             Law::Table(table) => table.at(of(table.driver)).0,
+            Law::Grid(grid) => grid.at(of(grid.drivers[0]), of(grid.drivers[1])).0,
         }
     }
 
-    /// Whether it follows this driver.
+    /// The `k`-th term of a model: its lagged driver as its state has it.
+    #[inline]
+    pub fn along_as<D: Number>(&self, k: usize, drivers: &Drivers, live: Option<(Driver, D)>) -> D {
+        match self.lag {
+            None => self.along(drivers, live),
+            Some(lag) => {
+                let live = live.filter(|(driver, _)| *driver != lag.driver);
+                self.along(&drivers.with(lag.driver, drivers.lagged[k]), live)
+            }
+        }
+    }
+
+    /// Whether it follows the present value of this driver.
     pub fn follows(&self, driver: Driver) -> bool {
-        match &self.law {
-            Law::Product(product) => product.factors.iter().flatten().any(|f| f.driver == driver),
-            Law::Table(table) => table.driver == driver,
-        }
+        self.lag.is_none_or(|lag| lag.driver != driver) && self.law.drivers().any(|d| d == driver)
     }
 
-    /// Whether the term is a table that is asked beyond its points.
+    /// Whether the term is a table or a grid that is asked beyond its points.
     pub fn is_held(&self, drivers: &Drivers) -> bool {
         match &self.law {
             Law::Product(_) => false,
             Law::Table(table) => table.at(drivers.of(table.driver)).1,
+            Law::Grid(grid) => grid.at(drivers.of(grid.drivers[0]), drivers.of(grid.drivers[1])).1,
         }
+    }
+
+    /// Whether its drivers go together: no heat flow without a lag, and a lag of a driver that the law follows.
+    pub fn is_whole(&self) -> bool {
+        let lagged = |driver: Driver| self.lag.is_some_and(|lag| lag.driver == driver);
+        self.law.drivers().all(|d| !d.is_heat() || lagged(d))
+            && self.lag.is_none_or(|lag| {
+                self.law.drivers().any(|d| d == lag.driver)
+                    && (TIME_CONSTANT.0..=TIME_CONSTANT.1).contains(&lag.tau)
+            })
     }
 }
 
@@ -327,7 +530,7 @@ mod tests {
     }
 
     fn product(coefficient: f64, factors: [Option<Factor>; 3]) -> GenericTerm {
-        GenericTerm { port: Port::DragTorque, law: Law::Product(Product { coefficient, factors }) }
+        GenericTerm::new(Port::DragTorque, Law::Product(Product { coefficient, factors }))
     }
 
     const AT: Drivers = Drivers {
@@ -339,6 +542,9 @@ mod tests {
         ambient_temperature: 300.0,
         fan_command: 0.25,
         time: 60.0,
+        copper_loss: 12.0,
+        friction_loss: 3.0,
+        lagged: [320.0, 0.0, 0.0],
     };
 
     /// 2 |-400/100|^0.5 ((350 - 300)/10)^2 (0.25/1)^-1 = 2 * 2 * 25 * 4 = 400.
@@ -365,7 +571,7 @@ mod tests {
         assert_eq!(line.value(&at), -6.0);
         let root = product(2.0, [factor(Driver::AmbientTemperature, 3.0, 293.0, 0.5), None, None]);
         assert_eq!(root.value(&at), -2.0);
-        let dual = line.along(&at, Driver::AmbientTemperature, Dual64::from(290.0).derivative());
+        let dual = line.along(&at, Some((Driver::AmbientTemperature, Dual64::from(290.0).derivative())));
         assert_eq!((dual.re, dual.eps), (-6.0, 2.0));
         assert_eq!(product(1.0, [factor(Driver::Speed, 1.0, 0.0, 1.0), None, None]).value(&at), 4.0);
     }
@@ -376,7 +582,7 @@ mod tests {
         assert_eq!(product(2.0, [factor(Driver::Speed, 100.0, 0.0, 0.5), None, None]).value(&still), 0.0);
         let reciprocal = product(2.0, [factor(Driver::Speed, 100.0, 0.0, -1.0), None, None]);
         assert!((reciprocal.value(&still) - 2000.0).abs() < 1e-9);
-        let dual = reciprocal.along(&AT, Driver::Speed, Dual64::from(0.0).derivative());
+        let dual = reciprocal.along(&AT, Some((Driver::Speed, Dual64::from(0.0).derivative())));
         assert!(dual.re.is_finite() && dual.eps.is_finite());
     }
 
@@ -395,10 +601,10 @@ mod tests {
         ] {
             assert_eq!(table.at(at), (value, held), "at {at}");
         }
-        let term = GenericTerm { port: Port::WindingHeat, law: Law::Table(table) };
+        let term = GenericTerm::new(Port::WindingHeat, Law::Table(table));
         assert_eq!((term.value(&AT), term.is_held(&AT)), (-1.0, false));
         assert!(term.is_held(&Drivers { winding_temperature: 401.0, ..AT }));
-        let dual = term.along(&AT, Driver::WindingTemperature, Dual64::from(350.0).derivative());
+        let dual = term.along(&AT, Some((Driver::WindingTemperature, Dual64::from(350.0).derivative())));
         assert_eq!((dual.re, dual.eps), (1.5, -0.05));
     }
 
@@ -412,6 +618,49 @@ mod tests {
         assert!(new(&[1.0, 1.0], &[1.0, 2.0]).is_none());
         assert!(new(&[1.0, 2.0], &[1.0]).is_none());
         assert!(new(&[1.0, 2.0], &[1.0, f64::NAN]).is_none());
+    }
+
+    /// Rows over speed 0 and 100 rad/s, columns over 300 and 400 K: (1, 2), (3, 8). In the middle 3.5; beyond an edge the edge.
+    #[test]
+    fn a_grid_is_bilinear_inside_and_held_outside() {
+        let drivers = [Driver::Speed, Driver::WindingTemperature];
+        let new = |points: [&[f64]; 2], rows: &[Vec<f64>]| Grid::new(drivers, points, rows);
+        let rows = [vec![1.0, 2.0], vec![3.0, 8.0]];
+        let grid = new([&[0.0, 100.0], &[300.0, 400.0]], &rows).unwrap();
+        for (x, y, value, held) in [
+            (50.0, 350.0, 3.5, false),
+            (100.0, 400.0, 8.0, false),
+            (100.0, 350.0, 5.5, false),
+            (200.0, 350.0, 5.5, true),
+            (50.0, 290.0, 2.0, true),
+        ] {
+            assert_eq!(grid.at(x, y), (value, held), "{x} {y}");
+        }
+        let term = GenericTerm::new(Port::WindingHeat, Law::Grid(grid));
+        let at = Drivers { speed: 50.0, winding_temperature: 350.0, ..AT };
+        let dual = term.along(&at, Some((Driver::WindingTemperature, Dual64::from(350.0).derivative())));
+        assert_eq!((dual.re, dual.eps), (3.5, 0.03));
+        assert!(term.follows(Driver::Speed) && !term.is_held(&at) && term.is_held(&AT));
+        assert!(new([&[0.0], &[300.0, 400.0]], &rows[..1]).is_none());
+        assert!(new([&[0.0, 100.0], &[400.0, 300.0]], &rows).is_none());
+        assert!(new([&[0.0, 100.0], &[300.0, 400.0]], &[vec![1.0, 2.0], vec![3.0, f64::NAN]]).is_none());
+        assert!(Grid::new([Driver::Speed; 2], [&[0.0, 1.0], &[0.0, 1.0]], &rows).is_none());
+    }
+
+    /// The state of a lag stands in place of its driver, and carries no derivative of it.
+    #[test]
+    fn a_lagged_driver_is_the_state_of_its_lag() {
+        let law = product(2.0, [factor(Driver::WindingTemperature, 10.0, 300.0, 1.0), None, None]).law;
+        let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 60.0 });
+        let term = GenericTerm { port: Port::TorqueConstant, law, lag };
+        let live = Some((Driver::WindingTemperature, Dual64::from(400.0).derivative()));
+        let late = term.along_as(0, &AT, live);
+        assert_eq!((late.re, late.eps), (4.0, 0.0));
+        assert!(!term.follows(Driver::WindingTemperature) && term.is_whole());
+        let heat = product(1.0, [factor(Driver::CopperLoss, 1.0, 0.0, 1.0), None, None]);
+        let lag = |driver, tau| GenericTerm { lag: Some(Lag { driver, tau }), ..heat };
+        assert!(!heat.is_whole() && lag(Driver::CopperLoss, 60.0).is_whole());
+        assert!(!lag(Driver::Speed, 60.0).is_whole() && !lag(Driver::CopperLoss, 0.0).is_whole());
     }
 
     #[test]

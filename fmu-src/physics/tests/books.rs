@@ -50,7 +50,7 @@ fn moving_term(port: Port) -> GenericTerm {
         Port::WindingHeat | Port::HousingHeat => 5.0,
         _ => 0.2,
     };
-    GenericTerm { port, law: Law::Product(Product { coefficient, factors }) }
+    GenericTerm::new(port, Law::Product(Product { coefficient, factors }))
 }
 
 /// A second of everything at once: volts, amperes, load, fan and room on ramps, reversing under friction.

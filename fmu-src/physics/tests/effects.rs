@@ -368,7 +368,7 @@ fn term(
     exponent: f64,
 ) -> GenericTerm {
     let factor = Factor { driver, offset, reference, exponent };
-    GenericTerm { port, law: Law::Product(Product { coefficient, factors: [Some(factor), None, None] }) }
+    GenericTerm::new(port, Law::Product(Product { coefficient, factors: [Some(factor), None, None] }))
 }
 
 /// What a term does at each port, by hand: 5 A at 500 rad/s with R = 0.386 Ohm and k_t = 27.6 mN.m/A at 25 degC.

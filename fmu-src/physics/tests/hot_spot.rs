@@ -68,10 +68,8 @@ fn stalled(i: f64, losses: Losses) -> AnnulusCooledMotor {
     effects.interface_temperature.beta = losses.beta;
     effects.forced_convection.G = losses.winding_to_ambient;
     effects.forced_convection.node = physics::effects::CooledNode::Winding;
-    let term = |port, coefficient| GenericTerm {
-        port,
-        law: Law::Product(Product { coefficient, factors: [None; 3] }),
-    };
+    let term =
+        |port, coefficient| GenericTerm::new(port, Law::Product(Product { coefficient, factors: [None; 3] }));
     let terms = [term(Port::WindingResistance, losses.resistance), term(Port::WindingHeat, losses.heat)];
     let acting: Vec<GenericTerm> = terms
         .into_iter()

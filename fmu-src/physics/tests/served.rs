@@ -107,7 +107,7 @@ fn without_effect(kind: &ModelType) -> Vec<&'static str> {
     };
     let table = |port| {
         Table::new(Driver::Speed, &[0.0, 1000.0], &[0.01, 0.02])
-            .map(|t| GenericTerm { port, law: Law::Table(t) })
+            .map(|t| GenericTerm::new(port, Law::Table(t)))
     };
     let terms: Vec<GenericTerm> =
         [Port::DragTorque, Port::WindingHeat].into_iter().filter_map(table).collect();

@@ -436,7 +436,7 @@ mod tests {
         truth[none] = 0.0;
         truth[grows] = 2e-5;
         let law = Law::Product(Product { coefficient: -1e-4, factors: [None; 3] });
-        trial::read(&mut experiment, &truth, Some(GenericTerm { port: Port::DragTorque, law }));
+        trial::read(&mut experiment, &truth, Some(GenericTerm::new(Port::DragTorque, law)));
         let setup = Setup::new(&experiment, &[]).unwrap();
         let found = setup.fit(setup.preset(), &[0]).unwrap();
         assert_eq!(found.hypothesis.declared[none], 0.0);

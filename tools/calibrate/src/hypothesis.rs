@@ -116,7 +116,7 @@ impl Addition {
                 Law::Table(Table::new(*driver, knots, &values)?)
             }
         };
-        Some(GenericTerm { port: self.port, law })
+        Some(GenericTerm::new(self.port, law))
     }
 
     /// Adds itself to a change.

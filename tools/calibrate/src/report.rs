@@ -43,14 +43,7 @@ pub fn role_name(role: Role) -> &'static str {
 
 /// Unit of a driver; 1 for a pure number.
 pub fn driver_unit(driver: Driver) -> &'static str {
-    match driver {
-        Driver::Speed => "rad/s",
-        Driver::Current => "A",
-        Driver::LoadTorque => "N.m",
-        Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => "K",
-        Driver::FanCommand => "1",
-        Driver::Time => "s",
-    }
+    driver.unit().name()
 }
 
 /// The exported FMUs against the model that they are made of.
@@ -176,8 +169,9 @@ struct Parameter {
     unit: &'static str,
 }
 
-/// A term's law: value = coefficient * product of ((driver - offset) / reference)^exponent, or a table.
-#[derive(Debug, Serialize)]
+/// A term's law: value = coefficient * product of ((driver - offset) / reference)^exponent, a table, or a grid over two drivers;
+/// with a lag, a first-order lag of a driver stands in its place.
+#[derive(Debug, Default, Serialize)]
 struct LawText {
     unit: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -186,6 +180,24 @@ struct LawText {
     drivers: Vec<FactorText>,
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<TableText>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grid: Option<GridText>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lag: Option<LagText>,
+}
+
+#[derive(Debug, Serialize)]
+struct GridText {
+    drivers: [&'static str; 2],
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<Vec<f64>>,
+}
+
+#[derive(Debug, Serialize)]
+struct LagText {
+    driver: &'static str,
+    tau: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -386,10 +398,10 @@ fn parameters(estimates: &[Estimate]) -> InOrder<'_, Parameter> {
 }
 
 fn law(term: &GenericTerm) -> LawText {
-    let unit = unit(term.port);
+    let lag = term.lag.map(|lag| LagText { driver: lag.driver.name(), tau: lag.tau });
+    let text = LawText { unit: unit(term.port), lag, ..LawText::default() };
     match &term.law {
         Law::Product(product) => LawText {
-            unit,
             coefficient: Some(product.coefficient),
             drivers: product
                 .factors
@@ -402,12 +414,18 @@ fn law(term: &GenericTerm) -> LawText {
                     exponent: f.exponent,
                 })
                 .collect(),
-            table: None,
+            ..text
         },
         Law::Table(table) => {
             let (x, y) = table.points();
             let table = TableText { driver: table.driver.name(), x: x.to_vec(), y: y.to_vec() };
-            LawText { unit, coefficient: None, drivers: Vec::new(), table: Some(table) }
+            LawText { table: Some(table), ..text }
+        }
+        Law::Grid(grid) => {
+            let drivers = grid.drivers.map(Driver::name);
+            let [x, y] = [0, 1].map(|k| grid.points(k).to_vec());
+            let z = grid.values().map(<[f64]>::to_vec).collect();
+            LawText { grid: Some(GridText { drivers, x, y, z }), ..text }
         }
     }
 }

@@ -302,7 +302,7 @@ impl Moved {
             Probe::Port(port) => {
                 way = 1e-3;
                 let law = Law::Product(Product { coefficient: way, factors: [None; 3] });
-                aside.terms.push(GenericTerm { port: *port, law });
+                aside.terms.push(GenericTerm::new(*port, law));
             }
             Probe::Input(k) => way = 1e-4 * drive.scale(*k),
         }
@@ -391,8 +391,7 @@ role = "fit"
         let size = 1e-5;
         let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 100.0, exponent: 0.5 };
         let law = Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] });
-        let dragged =
-            Change { terms: vec![GenericTerm { port: Port::DragTorque, law }], ..Change::default() };
+        let dragged = Change { terms: vec![GenericTerm::new(Port::DragTorque, law)], ..Change::default() };
         let warmer = drive.with_input_moved(3, 0.01);
         let heavier = Change { values: vec![(slot, bench.start_of(slot) + 1e-4)], ..Change::default() };
         let speed = |row: usize| (tangent.drivers[row].speed / 100.0).sqrt();

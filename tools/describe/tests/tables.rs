@@ -199,7 +199,7 @@ fn terms_bring_dependencies() {
     let index = |name: &str| entries.iter().position(|e| e.name == name).unwrap();
     let (x, y) = ([0.0, 1.0], [0.0, 0.01]);
     let table = Table::new(Driver::FanCommand, &x, &y).unwrap();
-    let terms = [GenericTerm { port: Port::DragTorque, law: Law::Table(table) }];
+    let terms = [GenericTerm::new(Port::DragTorque, Law::Table(table))];
     let found = Dependencies::of(kind, &terms, &StartValues::default());
     let friction = found.outputs.iter().find(|u| u.entry == index("loss_friction")).unwrap();
     assert!(friction.on.contains(&index("fan_command")));

@@ -18,13 +18,14 @@
 //!
 //! *Assumes* that drivers which are not alive stand still over a step, at the middle of where they begin and end, so that such a
 //! term is of second order in the step; of first where it acts on the very quantity that it follows and that answers within the step
-//! (heat in the winding by the winding's temperature). The energy books close all the same. *Neglects* history.
+//! (heat in the winding by the winding's temperature). The energy books close all the same. The state of a lag is advanced with its
+//! driver on a line over the step, and stands in the middle as well: second order.
 //! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
 //! *Source*: the data that the terms were found in.
 
 use super::ports::Effect;
 use crate::number::{Number, smooth_sign};
-use crate::terms::{Driver, Drivers, GenericTerm, MOST_TERMS, Port};
+use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS, Port};
 use declare::{Group, Unit, Variable, variables};
 
 /// Current below which a drop turns round, A.
@@ -85,9 +86,11 @@ impl GenericTerms {
         if !self.is_on() {
             return D::from(0.0);
         }
-        let here = self.terms.iter().flatten().filter(|term| term.port == port);
-        let live = live(port).unwrap_or(Driver::Speed);
-        here.fold(D::from(0.0), |sum, term| sum + term.along(&self.drivers, live, x)) * self.tuning.gain
+        let all = self.terms.iter().flatten().enumerate();
+        let live = Some((live(port).unwrap_or(Driver::Speed), x));
+        let here = all.filter(|(_, term)| term.port == port);
+        here.fold(D::from(0.0), |sum, (k, term)| sum + term.along_as(k, &self.drivers, live))
+            * self.tuning.gain
     }
 
     /// The sum at a port.
@@ -108,7 +111,7 @@ impl Effect for GenericTerms {
     }
 
     fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
-        let fit = terms.len() <= MOST_TERMS;
+        let fit = terms.len() <= MOST_TERMS && terms.iter().all(GenericTerm::is_whole);
         if fit {
             self.terms = std::array::from_fn(|k| terms.get(k).copied());
         }
@@ -126,6 +129,11 @@ impl Effect for GenericTerms {
     fn holds(&self, driver: Driver) -> bool {
         let here = self.terms.iter().flatten().filter(|_| self.is_on());
         here.filter(|term| live(term.port) != Some(driver)).any(|term| term.follows(driver))
+    }
+
+    #[inline]
+    fn lag(&self, k: usize) -> Option<Lag> {
+        self.terms[k].and_then(|term| term.lag)
     }
 
     #[inline]
@@ -210,7 +218,7 @@ mod tests {
         let factor = Factor { driver, offset: 0.0, reference, exponent };
         let law = Law::Product(Product { coefficient, factors: [Some(factor), None, None] });
         let mut terms = GenericTerms::default();
-        assert!(terms.take_terms(&[GenericTerm { port, law }]));
+        assert!(terms.take_terms(&[GenericTerm::new(port, law)]));
         terms
     }
 
@@ -273,9 +281,9 @@ mod tests {
     /// Terms at one port add up; those of others do not meddle; a fourth term is refused and changes nothing.
     #[test]
     fn up_to_three_terms_add_up() {
-        let table = |port: Port, y: f64| GenericTerm {
-            port,
-            law: Law::Table(Table::new(Driver::Time, &[0.0, 1.0], &[y, y]).unwrap_or_else(|| unreachable!())),
+        let table = |port: Port, y: f64| {
+            let table = Table::new(Driver::Time, &[0.0, 1.0], &[y, y]);
+            GenericTerm::new(port, Law::Table(table.unwrap_or_else(|| unreachable!())))
         };
         let three =
             [table(Port::WindingHeat, 1.0), table(Port::WindingSensor, 7.0), table(Port::WindingHeat, 2.0)];

@@ -1,7 +1,7 @@
 //! The ports of a model: where effects act, and what each may do there.
 
 use crate::number::Number;
-use crate::terms::{Driver, Drivers, GenericTerm};
+use crate::terms::{Driver, Drivers, GenericTerm, Lag};
 
 /// An event that is less than this ahead has come, s: times that differ by rounding are the same.
 pub const IMMINENT: f64 = 1e-9;
@@ -48,6 +48,12 @@ pub trait Effect {
     /// Whether it holds this driver over a step, as [`tell`](Effect::tell) told it.
     fn holds(&self, _driver: Driver) -> bool {
         false
+    }
+
+    /// The lag of the `k`-th term that is data, whose state the model integrates.
+    #[inline]
+    fn lag(&self, _k: usize) -> Option<Lag> {
+        None
     }
 
     /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.

@@ -2,7 +2,7 @@
 
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::Replay;
-use describe::{Driver, GenericTerm, Law, ModelType, Port, StartValues, usage};
+use describe::{Driver, GenericTerm, Lag, Law, ModelType, Port, StartValues, usage};
 pub use present::number;
 
 /// The port of a term, as text.
@@ -38,6 +38,8 @@ pub fn driver(follows: Follows) -> &'static str {
             Driver::AmbientTemperature => "follows the ambient temperature",
             Driver::FanCommand => "follows the fan's command",
             Driver::Time => "follows time",
+            Driver::CopperLoss => "follows the copper loss",
+            Driver::FrictionLoss => "follows the friction loss",
         },
     }
 }
@@ -61,8 +63,15 @@ pub fn with_unit(value: f64, unit: &str) -> String {
     if unit == "1" { number(value) } else { format!("{} {unit}", number(value)) }
 }
 
-/// A term's law: an equation, or a table.
+/// A term's law: an equation, a table or a grid, and its lag.
 pub fn law(term: &GenericTerm) -> String {
+    let late = |lag: Lag| {
+        format!("; {} with a first-order lag of {}", plain(lag.driver.name()), with_unit(lag.tau, "s"))
+    };
+    present_law(term) + &term.lag.map(late).unwrap_or_default()
+}
+
+fn present_law(term: &GenericTerm) -> String {
     match &term.law {
         Law::Product(product) => {
             let factors = product.factors.iter().flatten().map(|f| {
@@ -85,6 +94,22 @@ pub fn law(term: &GenericTerm) -> String {
                 plain(term.port.name()),
                 plain(table.driver.name()),
                 points.join(", ")
+            )
+        }
+        Law::Grid(grid) => {
+            let line = |k: usize| grid.points(k).iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ");
+            let rows: Vec<String> = grid
+                .values()
+                .map(|row| row.iter().map(|z| number(*z)).collect::<Vec<_>>().join(", "))
+                .collect();
+            format!(
+                "a grid of {} over {} ({}) and {} ({}), bilinear, held beyond its edges: {}",
+                plain(term.port.name()),
+                plain(grid.drivers[0].name()),
+                line(0),
+                plain(grid.drivers[1].name()),
+                line(1),
+                rows.join("; ")
             )
         }
     }

@@ -45,12 +45,16 @@ impl AnnulusCooledMotor {
     #[inline]
     pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.housing_temperature();
+        let lagging = self.parameters.effects.has_lags().then(|| self.lag_sources());
         if self.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else {
             self.advance_two_nodes(time, h)?;
         }
         self.follow_sensor(before, h);
+        if let Some(sources) = lagging {
+            self.follow_lags(&sources, h);
+        }
         Ok(())
     }
 

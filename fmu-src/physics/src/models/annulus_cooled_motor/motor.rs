@@ -13,7 +13,7 @@ use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Slot};
 use crate::solver::split::{Split, State};
-use crate::terms::{Drivers, GenericTerm};
+use crate::terms::{Drivers, GenericTerm, MOST_TERMS};
 
 /// The motor: parameters, inputs, and the state it has reached.
 #[derive(Clone, Debug)]
@@ -33,6 +33,8 @@ pub struct AnnulusCooledMotor {
     pub(super) state: State<NODES>,
     /// The temperature that the housing's sensor has reached, K.
     pub(super) t_sensor: f64,
+    /// What the lag of each term has reached, in the unit of its driver.
+    pub(super) term_lags: [f64; MOST_TERMS],
     /// The temperature at the start, K; stored heat counts from it.
     pub(super) t_start: f64,
     /// Multiplies the heat capacities of [`Constants`].
@@ -91,6 +93,7 @@ impl Default for AnnulusCooledMotor {
             time: 0.0,
             state: State::default(),
             t_sensor: 0.0,
+            term_lags: [0.0; MOST_TERMS],
             t_start: 0.0,
             capacity_factor: 1.0,
             stored_at_start: 0.0,
@@ -366,6 +369,7 @@ impl Model for AnnulusCooledMotor {
         self.put_initial(ambient);
         // Terms may follow the initial temperatures.
         self.tell_effects(time);
+        self.start_lags();
         self.stored_at_start = self.stored();
         self.hold_start();
         Ok(())
@@ -443,7 +447,7 @@ impl Model for AnnulusCooledMotor {
     }
 
     fn drivers(&self) -> Drivers {
-        self.drivers_over(self.time, 0.0)
+        self.observe(false, Self::drivers_with_heat)
     }
 
     crate::copies!();

@@ -19,6 +19,7 @@ impl AnnulusCooledMotor {
         }
         out.extend((0..Inputs::TABLE.len()).map(|row| self.slopes.get(row)));
         out.extend([self.time, self.t_sensor, self.t_start, self.capacity_factor]);
+        out.extend(self.term_lags);
         out.extend([self.stored_at_start, flag(self.outputs_are_stale), flag(self.books_are_stale)]);
         out.extend(self.state.to_numbers());
         out.extend(self.split.to_numbers());
@@ -51,6 +52,9 @@ impl AnnulusCooledMotor {
         copy.t_sensor = next()?;
         copy.t_start = next()?;
         copy.capacity_factor = next()?;
+        for reached in &mut copy.term_lags {
+            *reached = next()?;
+        }
         copy.stored_at_start = next()?;
         copy.outputs_are_stale = next()? != 0.0;
         copy.books_are_stale = next()? != 0.0;

@@ -1,6 +1,7 @@
 //! The list of the continuous states, and their places in it.
 
 use crate::components::housing::SEGMENTS;
+use crate::terms::MOST_TERMS;
 use declare::{Elements, State, Unit, states};
 
 states! {
@@ -30,6 +31,8 @@ states! {
         "state.energy_mechanical" = State::new(715, 815, Unit::Joule).unbounded().nominal(1000.0),
         /// Heat to ambient and coolant since the start, fan power excluded
         "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).unbounded().nominal(1000.0),
+        /// Lagged driver of each term of resources/effects.json, over a typical size of the driver; constant without a lag
+        "state.term_lag" = State::new(717, 817, Unit::One).elements(Elements::Fixed(3)),
         /// Temperature of each segment of the housing, from the air inlet on; constant in cooling_mode
         /// conductance, except the first with effect.stator_node, which is then the whole housing
         "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0)
@@ -47,7 +50,8 @@ pub(super) const TUBE: usize = 6;
 pub(super) const SENSOR: usize = 7;
 pub(super) const PHASES: usize = 8;
 pub(super) const ENERGIES: usize = 11;
-pub(super) const HOUSING: usize = 14;
+pub(super) const LAGS: usize = 14;
+pub(super) const HOUSING: usize = LAGS + MOST_TERMS;
 /// How many states there are, all segments counted.
 pub const ALL: usize = HOUSING + SEGMENTS;
 /// A number for each state.

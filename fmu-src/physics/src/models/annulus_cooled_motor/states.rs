@@ -7,7 +7,8 @@
 
 use super::motor::AnnulusCooledMotor;
 use super::state_list::{
-    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, Followed, HOUSING, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
+    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, Followed, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE,
+    WINDING,
 };
 use super::variables::{DriveMode, MechanicalMode};
 use crate::components::commutation::Commutation;
@@ -17,7 +18,7 @@ use crate::solver::split::System;
 
 /// Whether any rate but its own depends on a state; without angle and energies, and the phases, which follow the angle.
 fn counts(k: usize) -> bool {
-    k != ANGLE && !(PHASES..HOUSING).contains(&k)
+    k != ANGLE && !(PHASES..LAGS).contains(&k)
 }
 
 impl Followed {
@@ -33,6 +34,11 @@ impl Followed {
 }
 
 impl AnnulusCooledMotor {
+    /// What the state of a lag is counted in.
+    fn lag_size(&self, k: usize) -> f64 {
+        self.parameters.effects.lag(k).map_or(1.0, |lag| lag.driver.nominal())
+    }
+
     fn lags(&self) -> bool {
         self.parameters.effects.housing_sensor_lag() > 0.0
     }
@@ -53,6 +59,7 @@ impl AnnulusCooledMotor {
             CURRENT => matches!(choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm),
             SPEED => choices.mechanical_mode == MechanicalMode::FreeShaft,
             SENSOR => self.lags(),
+            LAGS..HOUSING => self.parameters.effects.lag(k - LAGS).is_some(),
             PHASES..ENERGIES => choices.commutation != Commutation::EquivalentDc,
             ROTOR | TUBE | HOUSING.. => self.network.as_ref().is_some_and(|n| n.body.holds(Self::node(k))),
             _ => true,
@@ -62,7 +69,8 @@ impl AnnulusCooledMotor {
     /// The value of a state; where it stands still, that of the start.
     pub(super) fn state_value(&self, k: usize) -> f64 {
         if !self.moves(k) {
-            return if matches!(k, CURRENT | SPEED | PHASES..ENERGIES) { 0.0 } else { self.t_start };
+            let is_zero = matches!(k, CURRENT | SPEED | PHASES..ENERGIES | LAGS..HOUSING);
+            return if is_zero { 0.0 } else { self.t_start };
         }
         match k {
             CURRENT | SPEED => self.state.x[k],
@@ -70,7 +78,8 @@ impl AnnulusCooledMotor {
             WINDING | CORE => self.state.temperature[k - WINDING],
             SENSOR => self.t_sensor,
             PHASES..ENERGIES => self.phases.above[k - PHASES],
-            ENERGIES..HOUSING => self.state.energy[k - ENERGIES],
+            ENERGIES..LAGS => self.state.energy[k - ENERGIES],
+            LAGS..HOUSING => self.term_lags[k - LAGS] / self.lag_size(k - LAGS),
             _ => self.network.as_ref().map_or(self.t_start, |n| n.temperatures()[Self::node(k)]),
         }
     }
@@ -83,7 +92,8 @@ impl AnnulusCooledMotor {
             WINDING | CORE => self.state.temperature[k - WINDING] = value,
             SENSOR => self.t_sensor = value,
             PHASES..ENERGIES => self.phases.above[k - PHASES] = value,
-            ENERGIES..HOUSING => self.state.energy[k - ENERGIES] = value,
+            ENERGIES..LAGS => self.state.energy[k - ENERGIES] = value,
+            LAGS..HOUSING => self.term_lags[k - LAGS] = value * self.lag_size(k - LAGS),
             _ => {
                 if let Some(network) = &mut self.network {
                     network.temperatures_mut()[Self::node(k)] = value;
@@ -146,7 +156,7 @@ impl AnnulusCooledMotor {
             }
         };
         all[ANGLE] = x[1];
-        all[ENERGIES..HOUSING].copy_from_slice(&[point.power_in, point.shaft_torque * x[1], to_ambient]);
+        all[ENERGIES..LAGS].copy_from_slice(&[point.power_in, point.shaft_torque * x[1], to_ambient]);
         all[PHASES..ENERGIES].copy_from_slice(&self.phase_rates());
         for (k, rate) in all.iter_mut().enumerate() {
             if !self.moves(k) {
@@ -182,6 +192,14 @@ impl AnnulusCooledMotor {
         if self.lags() {
             let tau = self.parameters.effects.housing_sensor_lag();
             all[SENSOR] = (self.housing_temperature() - self.t_sensor) / tau;
+        }
+        if self.parameters.effects.has_lags() {
+            let sources = self.lag_sources();
+            for (k, source) in sources.iter().enumerate() {
+                if let Some(lag) = self.parameters.effects.lag(k) {
+                    all[LAGS + k] = (source - self.term_lags[k]) / (lag.tau * lag.driver.nominal());
+                }
+            }
         }
     }
 }

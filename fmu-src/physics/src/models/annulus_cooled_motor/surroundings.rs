@@ -9,7 +9,7 @@ use crate::effects::{Effect, PerNode, Port};
 use crate::ending::Halt;
 use crate::solver::split::Fast;
 use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
-use crate::terms::Drivers;
+use crate::terms::{Drivers, Lag, MOST_TERMS};
 
 impl AnnulusCooledMotor {
     /// Tells the effects that are data where the motor stands at `time`, and follows what they do to capacities.
@@ -56,9 +56,10 @@ impl AnnulusCooledMotor {
     pub(super) fn holds_states(&self) -> bool {
         let effects = &self.parameters.effects;
         effects.acts_at(Port::Any)
-            && [Speed, Current, LoadTorque, WindingTemperature, HousingTemperature]
-                .iter()
-                .any(|d| effects.holds(*d))
+            && (effects.has_lags()
+                || [Speed, Current, LoadTorque, WindingTemperature, HousingTemperature]
+                    .iter()
+                    .any(|d| effects.holds(*d)))
     }
 
     /// Tells the effects that are data the middle of a step of `h` seconds, whose end a first pass finds: what they hold over it is
@@ -101,6 +102,49 @@ impl AnnulusCooledMotor {
             ambient_temperature: inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time,
             fan_command: inputs.fan_command,
             time,
+            // Known once the effects are told; only lags follow them ([`Self::lag_sources`]).
+            copper_loss: 0.0,
+            friction_loss: 0.0,
+            lagged: self.term_lags,
+        }
+    }
+
+    /// What terms may follow now, heat flows among it.
+    pub(super) fn drivers_with_heat(&self) -> Drivers {
+        let [copper_loss, friction_loss] = self.equations().heat_flows(&self.state);
+        Drivers { copper_loss, friction_loss, ..self.drivers_over(self.time, 0.0) }
+    }
+
+    /// What the lag of each term follows now; 0 without a lag.
+    pub(super) fn lag_sources(&self) -> [f64; MOST_TERMS] {
+        let effects = &self.parameters.effects;
+        let lags: [Option<Lag>; MOST_TERMS] = std::array::from_fn(|k| effects.lag(k));
+        let is_heat = lags.iter().flatten().any(|lag| lag.driver.is_heat());
+        let drivers = if is_heat { self.drivers_with_heat() } else { self.drivers_over(self.time, 0.0) };
+        lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
+    }
+
+    /// Puts the state of each lag where its driver stands.
+    pub(super) fn start_lags(&mut self) {
+        if !self.parameters.effects.has_lags() {
+            return;
+        }
+        self.term_lags = [0.0; MOST_TERMS];
+        self.tell_effects(self.time);
+        // First the drivers, then the heat flows that may depend on them.
+        for _ in 0..2 {
+            self.term_lags = self.lag_sources();
+            self.tell_effects(self.time);
+        }
+    }
+
+    /// The states of the lags follow a step of `h` seconds that began with their drivers at `before`.
+    pub(super) fn follow_lags(&mut self, before: &[f64; MOST_TERMS], h: f64) {
+        let after = self.lag_sources();
+        for k in 0..MOST_TERMS {
+            if let Some(lag) = self.parameters.effects.lag(k) {
+                self.term_lags[k] = lagged(self.term_lags[k], lag.tau, before[k], after[k], h);
+            }
         }
     }
 

@@ -354,8 +354,8 @@ impl Model for BrushedGearmotor {
             winding_temperature: temperature[0],
             housing_temperature: temperature[1],
             ambient_temperature: self.inputs.ambient_temperature,
-            fan_command: 0.0,
             time: self.time,
+            ..Drivers::default()
         }
     }
 

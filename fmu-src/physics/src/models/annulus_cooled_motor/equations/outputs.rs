@@ -51,6 +51,24 @@ impl Step<'_> {
         }
     }
 
+    /// Heat set free in the winding and by all drags, W.
+    pub fn heat_flows(&self, state: &State<NODES>) -> [f64; 2] {
+        let p = self.point(0.0, &state.x, &state.temperature);
+        [self.copper_loss(state, p.drive), p.drag * state.x[1]]
+    }
+
+    /// Copper loss with that of the contacts, and in drive_mode power what reaches the winding, W.
+    fn copper_loss(&self, state: &State<NODES>, drive: f64) -> f64 {
+        let (i, t_w) = (state.x[0], state.temperature[WINDING]);
+        let copper = self.resistance(t_w) * i * i
+            + self.model.effects.terminal_voltage(i) * i
+            + self.ripple_loss(0.0, t_w);
+        match self.model.choices.drive_mode {
+            DriveMode::Power => copper + self.inputs.electrical_power - drive,
+            _ => copper,
+        }
+    }
+
     /// The same equations with the magnets as an event at `time`, s, has left them.
     pub fn with_strength_since(mut self, time: f64) -> Self {
         self.strength = self.constants.torque_factor * self.model.effects.torque_constant(time);
@@ -87,7 +105,7 @@ impl Step<'_> {
         use Account::*;
         let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
-        let (i, w, t_w) = (x[0], x[1], temperature[WINDING]);
+        let w = x[1];
         let mut p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
         let outside = match network {
@@ -109,12 +127,7 @@ impl Step<'_> {
                 (self.core(), capacity[CORE] * p.warming[CORE]),
             ]);
         let [energy_in, energy_out, energy_heat] = state.energy;
-        let r = self.resistance(t_w);
-        let copper = r * i * i + model.effects.terminal_voltage(i) * i + self.ripple_loss(0.0, t_w);
-        let copper = match model.choices.drive_mode {
-            DriveMode::Power => copper + self.inputs.electrical_power - p.drive,
-            _ => copper,
-        };
+        let copper = self.copper_loss(state, p.drive);
         let stored = self.stored(state, origin) + network.map_or(0.0, |n| n.stored(origin));
         Books {
             air_outlet_temperature: outside.air_outlet,
