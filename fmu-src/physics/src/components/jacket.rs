@@ -113,6 +113,25 @@ mod tests {
         }
     }
 
+    /// Water that is heated by tens of kelvins has the properties at its bulk temperature: the jacket equals one without a temperature
+    /// difference at that temperature.
+    #[test]
+    fn properties_are_those_at_the_bulk_temperature() {
+        let jacket = Jacket::default();
+        let (inlet, surface) = (283.15, 353.15);
+        for q in [1e-7, 1e-6, 1e-5] {
+            let coolant = jacket.coolant(q, inlet, surface);
+            let ntu = coolant.conductance / coolant.stream;
+            let mean_effectiveness = 1.0 + (-ntu).exp_m1() / ntu;
+            let bulk = inlet + (surface - inlet) * mean_effectiveness;
+            let isothermal = jacket.coolant(q, bulk, bulk);
+            close(coolant.conductance, isothermal.conductance, 2e-3);
+            close(coolant.pressure_drop, isothermal.pressure_drop, 2e-2);
+            let cold = jacket.coolant(q, inlet, inlet);
+            assert!(coolant.pressure_drop < 0.97 * cold.pressure_drop, "{coolant:?} {cold:?}");
+        }
+    }
+
     /// Conductance and pressure are continuous where the flow becomes turbulent.
     #[test]
     fn through_the_transition() {
