@@ -1,10 +1,10 @@
-//! The effects: one line each. An effect acts at a port of the model, keeps the books, and is off by default.
+//! The effects: one line each. An effect acts at a port of the model, keeps the energy balance, and is off by default.
 //!
-//! A port is a method of [`Effect`] and a line of [`Effects`] that adds up (or multiplies) what all effects say
-//! there. The model's equations know ports alone, and enter what comes out of them in the ledger with both ends.
+//! A port is a line of `ports.rs`. The model's equations know ports alone, and enter what comes out of them in the ledger with both ends.
 
 mod ambient_drift;
 mod bridge_drop;
+mod candidate;
 mod contact_drop;
 mod coulomb_friction;
 mod dead_time;
@@ -30,6 +30,7 @@ mod winding_sensor_stem_loss;
 
 pub use ambient_drift::AmbientDrift;
 pub use bridge_drop::BridgeDrop;
+pub use candidate::{Candidate, Follows, Way};
 pub use contact_drop::ContactDrop;
 pub use coulomb_friction::CoulombFriction;
 pub use dead_time::DeadTime;
@@ -56,7 +57,8 @@ use crate::model::Unserved;
 pub use crate::number::Number;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS};
 use num_dual::Dual64;
-pub use ports::{Effect, IMMINENT, PerNode, Port};
+use ports::ports;
+pub use ports::{Acts, Effect, IMMINENT, PerNode, Port, Ports, Stator};
 
 /// The derivative of a port with respect to its argument, at `x`.
 #[inline]
@@ -80,159 +82,91 @@ macro_rules! effects {
                 effects.into_iter().filter_map(unserved).collect()
             }
 
+            /// The forms in which close-loop looks for each effect, by id.
+            pub const CANDIDATES: &'static [(&'static str, &'static [Candidate])] =
+                &[$((stringify!($id), <$type as Effect>::CANDIDATES)),*];
+
+            /// Every effect on, each of a size that a bench could have; terms come from data and are none here.
+            pub fn examples() -> Effects {
+                Effects { $($id: Effect::example()),* }
+            }
+
             /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts.
             pub fn acts_at(&self, port: Port) -> bool {
                 false $(|| (matches!(Port::$port, p if p == port || p == Port::Any) && self.$id.is_on()))*
             }
-        }
 
-        impl Effect for Effects {
-            fn is_on(&self) -> bool {
+            /// Whether any effect is on.
+            pub fn is_on(&self) -> bool {
                 false $(|| self.$id.is_on())*
             }
 
-            fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
+            /// Gives the terms to the effect that carries them; false where it does not take these.
+            pub fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
                 false $(| self.$id.take_terms(terms))*
             }
 
+            /// Tells all effects where the motor stands ([`Effect::tell`]).
             #[inline]
-            fn tell(&mut self, drivers: &Drivers) -> bool {
+            pub fn tell(&mut self, drivers: &Drivers) -> bool {
                 false $(| self.$id.tell(drivers))*
             }
 
-            fn holds(&self, driver: Driver) -> bool {
+            /// Whether any effect holds this driver over a step ([`Effect::holds`]).
+            pub fn holds(&self, driver: Driver) -> bool {
                 false $(|| self.$id.holds(driver))*
             }
 
+            /// The lag of the `k`-th term that is data ([`Effect::lag`]).
             #[inline]
-            fn lag(&self, k: usize) -> Option<Lag> {
+            pub fn lag(&self, k: usize) -> Option<Lag> {
                 None $(.or_else(|| self.$id.lag(k)))*
             }
+        }
 
-            #[inline]
-            fn winding_resistance(&self) -> f64 {
-                1.0 $(* self.$id.winding_resistance())*
-            }
+        ports!(combine ($($id)*));
+    };
+}
 
-            #[inline]
-            fn winding_heat(&self) -> f64 {
-                0.0 $(+ self.$id.winding_heat())*
-            }
+/// The methods of [`Effects`]: what all effects say at each port, and its derivative.
+macro_rules! combine {
+    (($effects:tt) $($(#[$doc:meta])* [$($port:ident)?] $rule:ident $name:ident [$($d:ident : $number:ident)?]
+        ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$($slope:ident)?];)*) => {
+        impl Effects {
+            $(one! { $(#[$doc])* $rule $name [$($d: $number)?] ($($argument: $type),*) ($($argument),*) -> $result, $effects })*
+            $(derivative! { [$($slope)?] $name ($($argument: $type),*) })*
+        }
+    };
+}
 
-            #[inline]
-            fn heat_capacity(&self) -> f64 {
-                1.0 $(* self.$id.heat_capacity())*
-            }
+/// What all effects say at one port.
+macro_rules! one {
+    ($(#[$doc:meta])* $rule:ident $name:ident [$($d:ident : $number:ident)?] ($($argument:ident : $type:ty),*) $call:tt -> $result:ty,
+        ($($id:ident)*)) => {
+        $(#[$doc])*
+        #[inline]
+        pub fn $name $(<$d: $number>)? (&self, $($argument: $type),*) -> $result {
+            add_up! { $rule $result, $($argument)*, ($(self.$id.$name $call),*) }
+        }
+    };
+}
 
-            #[inline]
-            fn ambient_offset(&self) -> f64 {
-                0.0 $(+ self.$id.ambient_offset())*
-            }
+/// The rules by which effects combine.
+macro_rules! add_up {
+    (sum $result:ty, $($argument:ident)*, ($($each:expr),*)) => { <$result>::from(0.0) $(+ $each)* };
+    (factor $result:ty, $($argument:ident)*, ($($each:expr),*)) => { <$result>::from(1.0) $(* $each)* };
+    (least $result:ty, $($argument:ident)*, ($($each:expr),*)) => { f64::INFINITY $(.min($each))* };
+    (chain $result:ty, $first:ident $($argument:ident)*, ($($each:expr),*)) => {{ $(let $first = $each;)* $first }};
+}
 
-            #[inline]
-            fn drag_torque<D: Number>(&self, w: D) -> D {
-                D::from(0.0) $(+ self.$id.drag_torque(w))*
-            }
-
-            #[inline]
-            fn load_drag<D: Number>(&self, w: D, tau: f64) -> D {
-                D::from(0.0) $(+ self.$id.load_drag(w, tau))*
-            }
-
-            #[inline]
-            fn terminal_voltage<D: Number>(&self, i: D) -> D {
-                D::from(0.0) $(+ self.$id.terminal_voltage(i))*
-            }
-
-            #[inline]
-            fn bridge_voltage<D: Number>(&self, i: D) -> D {
-                D::from(0.0) $(+ self.$id.bridge_voltage(i))*
-            }
-
-            #[inline]
-            fn missed_voltage<D: Number>(&self, i: D, supply: f64) -> D {
-                D::from(0.0) $(+ self.$id.missed_voltage(i, supply))*
-            }
-
-            #[inline]
-            fn ripple_square(&self, duty: f64, supply: f64, inductance: f64) -> f64 {
-                0.0 $(+ self.$id.ripple_square(duty, supply, inductance))*
-            }
-
-            #[inline]
-            fn torque_constant(&self, time: f64) -> f64 {
-                1.0 $(* self.$id.torque_constant(time))*
-            }
-
-            #[inline]
-            fn next_event(&self, time: f64) -> f64 {
-                f64::INFINITY $(.min(self.$id.next_event(time)))*
-            }
-
-            #[inline]
-            fn winding_housing_resistance<D: Number>(&self, t_w: D) -> D {
-                D::from(1.0) $(* self.$id.winding_housing_resistance(t_w))*
-            }
-
-            #[inline]
-            fn ambient_conductance(&self, flow: f64) -> PerNode {
-                PerNode::default() $(+ self.$id.ambient_conductance(flow))*
-            }
-
-            #[inline]
-            fn housing_to_ambient<D: Number>(&self, t_h: D, t_a: f64) -> D {
-                D::from(0.0) $(+ self.$id.housing_to_ambient(t_h, t_a))*
-            }
-
-            #[inline]
-            fn housing_heat<D: Number>(&self, t_h: D) -> D {
-                D::from(0.0) $(+ self.$id.housing_heat(t_h))*
-            }
-
-            #[inline]
-            fn stator(&self) -> (f64, f64) {
-                let both = (0.0, 0.0);
-                $(let (r, c) = self.$id.stator(); let both = (both.0 + r, both.1 + c);)*
-                both
-            }
-
-            #[inline]
-            fn fan_flow(&self, n: f64) -> f64 {
-                $(let n = self.$id.fan_flow(n);)*
-                n
-            }
-
-            #[inline]
-            fn ambient_sensor(&self) -> f64 {
-                0.0 $(+ self.$id.ambient_sensor())*
-            }
-
-            #[inline]
-            fn housing_sensor_lag(&self) -> f64 {
-                0.0 $(+ self.$id.housing_sensor_lag())*
-            }
-
-            #[inline]
-            fn winding_sensor(&self, t: f64, t_a: f64) -> f64 {
-                $(let t = self.$id.winding_sensor(t, t_a);)*
-                t
-            }
-
-            #[inline]
-            fn housing_sensor(&self, t: f64, t_a: f64) -> f64 {
-                $(let t = self.$id.housing_sensor(t, t_a);)*
-                t
-            }
-
-            #[inline]
-            fn iron_drag(&self, w: f64) -> f64 {
-                0.0 $(+ self.$id.iron_drag(w))*
-            }
-
-            #[inline]
-            fn drive_loss(&self) -> f64 {
-                0.0 $(+ self.$id.drive_loss())*
-            }
+/// The derivative of a port with respect to its first argument.
+macro_rules! derivative {
+    ([] $($rest:tt)*) => {};
+    ([$slope:ident] $name:ident ($first:ident : $first_type:ty $(, $argument:ident : $type:ty)*)) => {
+        #[doc = concat!("Derivative of [`", stringify!($name), "`](Effect::", stringify!($name), ") with respect to its first argument.")]
+        #[inline]
+        pub fn $slope(&self, $first: f64 $(, $argument: $type)*) -> f64 {
+            slope($first, |$first| self.$name($first $(, $argument)*))
         }
     };
 }
@@ -287,7 +221,6 @@ effects! {
     generic_term: GenericTerms @ "effect.generic_term." 1190 at Any;
 }
 
-/// Slopes of the ports with respect to their first argument, for Jacobians.
 impl Effects {
     /// Whether a term that is data has a lag, whose state the model integrates.
     #[inline]
@@ -295,46 +228,10 @@ impl Effects {
         (0..MOST_TERMS).any(|k| self.lag(k).is_some())
     }
 
-    /// Slope of [`drag_torque`](Effect::drag_torque), N.m.s/rad.
-    #[inline]
-    pub fn drag_torque_slope(&self, w: f64) -> f64 {
-        slope(w, |w| self.drag_torque(w))
-    }
-
-    /// Slope of [`load_drag`](Effect::load_drag) with the speed, s/rad.
-    #[inline]
-    pub fn load_drag_slope(&self, w: f64, tau: f64) -> f64 {
-        slope(w, |w| self.load_drag(w, tau))
-    }
-
-    /// Slope of [`winding_housing_resistance`](Effect::winding_housing_resistance), 1/K.
-    #[inline]
-    pub fn winding_housing_resistance_slope(&self, t_w: f64) -> f64 {
-        slope(t_w, |t_w| self.winding_housing_resistance(t_w))
-    }
-
-    /// Slope of [`housing_to_ambient`](Effect::housing_to_ambient) with the housing's temperature, W/K.
-    #[inline]
-    pub fn housing_to_ambient_slope(&self, t_h: f64, t_a: f64) -> f64 {
-        slope(t_h, |t_h| self.housing_to_ambient(t_h, t_a))
-    }
-
-    /// Slope of [`bridge_voltage`](Effect::bridge_voltage) and [`missed_voltage`](Effect::missed_voltage), Ohm.
+    /// Derivative of [`bridge_voltage`](Effect::bridge_voltage) and [`missed_voltage`](Effect::missed_voltage), Ohm.
     #[inline]
     pub fn drive_voltage_slope(&self, i: f64, supply: f64) -> f64 {
         slope(i, |i| self.bridge_voltage(i) + self.missed_voltage(i, supply))
-    }
-
-    /// Slope of [`housing_heat`](Effect::housing_heat), W/K.
-    #[inline]
-    pub fn housing_heat_slope(&self, t_h: f64) -> f64 {
-        slope(t_h, |t_h| self.housing_heat(t_h))
-    }
-
-    /// Slope of [`terminal_voltage`](Effect::terminal_voltage), Ohm.
-    #[inline]
-    pub fn terminal_voltage_slope(&self, i: f64) -> f64 {
-        slope(i, |i| self.terminal_voltage(i))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The split against diffsol (BDF at 1e-10) on the same equations, and what is left between them.
 
-use crate::common::{Errors, Profile, all_effects, compare, friction, motor};
+use crate::common::{Errors, Profile, compare, friction, motor};
 use physics::effects::{Effects, StatorNode};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
@@ -98,7 +98,7 @@ fn the_callers_step_does_not_matter() {
 /// terms come from a file (`terms.rs`).
 fn each_and_all() -> Vec<(String, Effects)> {
     let mut all = AnnulusCooledMotor::default();
-    all.parameters.effects = Effects { stator_node: StatorNode::default(), ..all_effects() };
+    all.parameters.effects = Effects { stator_node: StatorNode::default(), ..Effects::examples() };
     let entries = all.declaration().entries.iter().filter(|e| e.name.starts_with("effect."));
     let entries: Vec<_> = entries.map(|e| (e.name.split('.').nth(1).unwrap(), e.slot)).collect();
     let ids: BTreeSet<&str> = entries.iter().map(|(id, _)| *id).collect();
@@ -135,7 +135,7 @@ fn every_effect_follows_its_inputs_within_a_step() {
 /// All effects at a step of 1 ms.
 #[test]
 fn all_effects_on_ramps_in_every_mode() {
-    let effects = Effects { stator_node: StatorNode::default(), ..all_effects() };
+    let effects = Effects { stator_node: StatorNode::default(), ..Effects::examples() };
     for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
         for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
             let error = with_effects(drive, mechanical, effects, (0.5, 1e-3));

@@ -1,8 +1,8 @@
 //! The energy books, instantaneous and integrated, in every mode.
 
-use crate::common::{all_effects, friction, motor};
+use crate::common::{friction, motor};
 use physics::declare::{Causality, Kind};
-use physics::effects::{Effect, Effects};
+use physics::effects::Effects;
 use physics::model::{Entry, Model};
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
 use physics::terms::{Driver, Factor, GenericTerm, Law, MOST_TERMS, Port, Product};
@@ -32,7 +32,7 @@ fn cases() -> Vec<Effects> {
         assert!(effects.take_terms(&terms));
         effects
     });
-    [rubbing, all_effects()].into_iter().chain(with_terms).collect()
+    [rubbing, Effects::examples()].into_iter().chain(with_terms).collect()
 }
 
 /// A term that moves with temperature, current and speed, of a size that its port bears.

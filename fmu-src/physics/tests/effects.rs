@@ -1,7 +1,7 @@
 //! What single effects do to the motor as a whole, against numbers computed by hand.
 
-use crate::common::{all_effects, motor};
-use physics::effects::{ConvectionDriver, CooledNode, Effect, Effects, PerNode};
+use crate::common::motor;
+use physics::effects::{ConvectionDriver, CooledNode, Effects, PerNode};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode, Temperatures,
@@ -279,7 +279,7 @@ fn a_rollback_over_the_event_is_exact() {
 #[test]
 fn the_matrices_are_the_derivatives() {
     let mut m = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
-    m.parameters.effects = all_effects();
+    m.parameters.effects = Effects::examples();
     (m.inputs.load_torque, m.inputs.fan_command) = (0.05, 0.5);
     m.start(0.0).unwrap();
     let step = m.step_equations();
@@ -299,11 +299,11 @@ fn the_matrices_are_the_derivatives() {
     }
 }
 
-/// `all_effects` has every effect on: a parameter that switches an effect is 0 where the effect is off.
+/// `Effects::examples` has every effect on: a parameter that switches an effect is 0 where the effect is off.
 #[test]
 fn all_effects_are_on() {
     let mut m = motor(DriveMode::Pwm, MechanicalMode::FreeShaft);
-    m.parameters.effects = all_effects();
+    m.parameters.effects = Effects::examples();
     let switches = m.declaration().entries.iter();
     let switches = switches.filter(|e| e.name.starts_with("effect.") && e.row.start == 0.0);
     let off: Vec<&str> = switches.filter(|e| m.get(e.slot) == 0.0).map(|e| e.name.as_str()).collect();

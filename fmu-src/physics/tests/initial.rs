@@ -1,7 +1,7 @@
 //! Initial states that are set: a run goes on from the states of another one, a hot motor cools down, and a value outside the
 //! limits of validity is refused.
 
-use crate::common::{all_effects, motor};
+use crate::common::motor;
 use physics::effects::Effects;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
@@ -82,7 +82,9 @@ fn cases() -> Vec<(Box<dyn Model>, Vec<Pair>, String)> {
     for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
         for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
             for cooling in COOLING {
-                for (effects, name) in [(Effects::default(), "no effect"), (all_effects(), "all effects")] {
+                for (effects, name) in
+                    [(Effects::default(), "no effect"), (Effects::examples(), "all effects")]
+                {
                     let m = busy(drive, mechanical, cooling, effects);
                     let mut pairs = OF_MOTOR.to_vec();
                     if cooling == CoolingMode::Conductance && name == "no effect" {

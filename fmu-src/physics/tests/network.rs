@@ -1,8 +1,9 @@
 //! The network of rotor, housing segments and tube in every mode of cooling: books, accuracy, grid, rollback.
 
-use crate::common::{all_effects, motor};
+use crate::common::motor;
 use declare::Group;
 use physics::components::commutation::Commutation;
+use physics::effects::Effects;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::cooling::{Conditions, Cooling};
 use physics::models::annulus_cooled_motor::network::{Body, Network};
@@ -77,7 +78,7 @@ fn the_books_close_in_every_mode() {
                 let mut m = motor(drive_mode, mechanical);
                 m.parameters.choices.cooling_mode = mode;
                 m.parameters.choices.commutation = Commutation::Block;
-                m.parameters.effects = all_effects();
+                m.parameters.effects = Effects::examples();
                 m.parameters.thermal.G_mount = 0.02;
                 m.parameters.annulus.leak_area = 2e-4;
                 m.inputs.voltage = 24.0;

@@ -1,8 +1,8 @@
 //! Reading never writes: an instance whose variables are read in any order between its steps takes the same steps as one that
 //! nobody reads, bit for bit, in every model and mode.
 
-use crate::common::all_effects;
 use declare::Kind;
+use physics::effects::Effects;
 use physics::model::{Model, Slot};
 use physics::models;
 use physics::models::annulus_cooled_motor::AnnulusCooledMotor;
@@ -135,7 +135,7 @@ fn reading_changes_no_bit_with_effects_and_terms() {
     };
     for (seed, mode) in modes(&fresh).into_iter().enumerate() {
         let mut model = fresh.clone();
-        model.parameters.effects = all_effects();
+        model.parameters.effects = Effects::examples();
         for &(slot, value) in &mode {
             assert!(model.set(slot, value));
         }

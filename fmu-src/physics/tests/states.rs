@@ -1,6 +1,6 @@
 //! States and rates say what steps do, in every mode, and states that were set are those that come back.
 
-use crate::common::{all_effects, motor};
+use crate::common::motor;
 use physics::effects::Effects;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{CoolingMode, DriveMode, MechanicalMode};
@@ -40,7 +40,7 @@ fn rates_are_what_steps_do() {
                 CoolingMode::AnnulusPull,
                 CoolingMode::WaterJacket,
             ] {
-                for effects in [Effects::default(), all_effects()] {
+                for effects in [Effects::default(), Effects::examples()] {
                     let mut m = motor(drive, coupling);
                     m.parameters.choices.cooling_mode = cooling;
                     m.parameters.choices.air_segments = 3;

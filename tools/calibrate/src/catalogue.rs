@@ -1,105 +1,37 @@
 //! The effects of the list, as things that a model may lack.
 
 use crate::hypothesis::{Addition, Number, Shape};
-use crate::outcome::Follows;
 use crate::setup::Setup;
 use physics::declare::Kind;
+use physics::effects::{Candidate, Effects};
 use physics::model::Slot;
-use physics::terms::{Driver, Port};
+use std::sync::LazyLock;
 
-/// How the size of an effect is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// Along a slope at zero.
-    Slope,
-    /// A step at a time that is tried: size and time.
-    Step,
-    /// By simulations at a few sizes: the effect brings a store of its own.
-    Store,
-}
+pub use physics::effects::Way;
 
-/// An effect of the list.
+/// A form in which an effect is looked for; the effect itself declares it (`physics/src/effects`).
 #[derive(Clone, Copy, Debug)]
 pub struct Listed {
-    /// Its id.
+    /// Id of the effect.
     pub id: &'static str,
-    /// Symbols of its numbers, the size first.
-    pub symbols: &'static [&'static str],
-    /// Where it acts.
-    pub port: Port,
-    /// What it follows.
-    pub follows: Follows,
-    /// Settings that stand still: symbol and item.
-    settings: &'static [(&'static str, &'static str)],
-    /// How its size is found.
-    pub way: Way,
-    /// Whether it may act in some runs only: something on the bench, not in the motor.
-    pub may_vary: bool,
-    /// The most that one that grows with time may have done by the end of the clock: beyond, it is broken and has not drifted.
-    most: f64,
+    candidate: Candidate,
 }
 
-use Driver::{Current, FanCommand, HousingTemperature, LoadTorque, Speed, Time, WindingTemperature};
-use Follows::{History, Nothing};
-use Port::{
-    AmbientSensor, DragTorque, FanFlow, HeatCapacity, HousingAmbientConductance, HousingSensor,
-    TerminalVoltage, TorqueConstant, WindingHeat, WindingHousingResistance, WindingSensor,
-};
-
-const fn on(driver: Driver) -> Follows {
-    Follows::Driver(driver)
-}
-
-const fn listed(id: &'static str, symbols: &'static [&'static str], port: Port, follows: Follows) -> Listed {
-    Listed {
-        id,
-        symbols,
-        port,
-        follows,
-        settings: &[],
-        way: Way::Slope,
-        may_vary: false,
-        most: f64::INFINITY,
+impl std::ops::Deref for Listed {
+    type Target = Candidate;
+    fn deref(&self) -> &Candidate {
+        &self.candidate
     }
 }
 
-const fn of_the_bench(listed: Listed) -> Listed {
-    Listed { may_vary: true, ..listed }
-}
-
 /// Every effect that is looked for by name.
-pub const LISTED: &[Listed] = &[
-    listed("coulomb_friction", &["tau_c"], DragTorque, on(Speed)),
-    listed("iron_loss", &["k"], DragTorque, on(Speed)),
-    listed("viscous_friction", &["k"], DragTorque, on(Speed)),
-    listed("windage", &["k"], DragTorque, on(Speed)),
-    listed("load_dependent_friction", &["mu"], DragTorque, on(LoadTorque)),
-    listed("contact_drop", &["V_b"], TerminalVoltage, on(Current)),
-    listed("housing_radiation", &["k"], HousingAmbientConductance, on(HousingTemperature)),
-    Listed {
-        settings: &[("node", "housing"), ("driver", "constant")],
-        ..of_the_bench(listed("forced_convection", &["G"], HousingAmbientConductance, Nothing))
-    },
-    Listed {
-        settings: &[("node", "winding"), ("driver", "constant")],
-        ..of_the_bench(listed("forced_convection", &["G"], WindingHeat, Nothing))
-    },
-    Listed {
-        settings: &[("node", "winding"), ("driver", "fan_command")],
-        ..listed("forced_convection", &["G"], WindingHeat, on(FanCommand))
-    },
-    listed("fan_back_pressure", &["k"], FanFlow, on(FanCommand)),
-    listed("interface_temperature", &["beta"], WindingHousingResistance, on(WindingTemperature)),
-    Listed { way: Way::Store, ..listed("stator_node", &["C_s", "R_sh"], HeatCapacity, Nothing) },
-    Listed { way: Way::Step, ..listed("demagnetisation", &["fraction", "time"], TorqueConstant, on(Time)) },
-    Listed { most: 5.0, ..listed("ambient_drift", &["rate"], AmbientSensor, on(Time)) },
-    Listed { way: Way::Store, ..listed("housing_sensor_lag", &["tau"], HousingSensor, History) },
-    of_the_bench(listed("winding_sensor_offset", &["offset"], WindingSensor, Nothing)),
-    of_the_bench(listed("housing_sensor_offset", &["offset"], HousingSensor, Nothing)),
-    of_the_bench(listed("winding_sensor_stem_loss", &["k"], WindingSensor, on(WindingTemperature))),
-    of_the_bench(listed("housing_sensor_stem_loss", &["k"], HousingSensor, on(HousingTemperature))),
-    of_the_bench(listed("drive_loss", &["share"], WindingHeat, Nothing)),
-];
+pub static LISTED: LazyLock<Vec<Listed>> = LazyLock::new(|| {
+    let of = |(id, candidates): &(&'static str, &'static [Candidate])| {
+        let id = *id;
+        candidates.iter().map(move |candidate| Listed { id, candidate: *candidate })
+    };
+    Effects::CANDIDATES.iter().flat_map(of).collect()
+});
 
 impl Listed {
     /// The effect as an addition of size 0 to a model, acting in `active` runs; `None` where the model has no such effect.
@@ -145,13 +77,13 @@ mod tests {
     use super::*;
     use crate::experiment::Experiment;
 
-    /// Every line names an effect of the motor, with the symbols that it has.
+    /// Each effect of the motor that has a candidate is found, with the symbols that the candidate names.
     #[test]
     fn the_list_is_that_of_the_motor() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/bench-synthetic/iron-loss");
         let experiment = Experiment::read(&std::path::Path::new(folder).join("experiment.toml")).unwrap();
         let setup = Setup::new(&experiment, &[]).unwrap();
-        for listed in LISTED {
+        for listed in LISTED.iter() {
             let addition = listed.addition(&setup, &[true]).unwrap_or_else(|| panic!("{}", listed.id));
             let numbers = &addition.numbers;
             assert!(numbers.iter().all(|n| n.scale > 0.0 && n.limits.0 < n.limits.1), "{}", listed.id);

@@ -1,7 +1,7 @@
 //! What closing the loop has come to: everything that a report says, as data.
 
 use crate::experiment::Role;
-use physics::terms::{Driver, GenericTerm, Port};
+use physics::terms::{GenericTerm, Port};
 
 /// What the data says of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,27 +46,7 @@ pub struct Estimate {
     pub unit: &'static str,
 }
 
-/// Which time of a driver a term follows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Follows {
-    /// Nothing: it is constant.
-    Nothing,
-    /// The present value of a driver.
-    Driver(Driver),
-    /// What was before: it latches, has hysteresis or comes and goes.
-    History,
-}
-
-impl Follows {
-    /// Its name in reports; `None` where it is constant.
-    pub fn name(self) -> Option<&'static str> {
-        match self {
-            Follows::Nothing => None,
-            Follows::Driver(driver) => Some(driver.name()),
-            Follows::History => Some("history"),
-        }
-    }
-}
+pub use physics::effects::Follows;
 
 /// An effect, or a term of no list, that the model was given.
 #[derive(Clone, Debug)]

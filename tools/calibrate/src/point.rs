@@ -59,7 +59,7 @@ impl<'a> Point<'a> {
     /// # Errors
     /// What the model says where it cannot be run.
     pub fn new(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
-        Point::of(setup, fitted, runs, LISTED, Port::ALL)
+        Point::of(setup, fitted, runs, &LISTED, Port::ALL)
     }
 
     /// The same, from which nothing further is looked for: it knows what is left and how sure its numbers are.

@@ -3,7 +3,7 @@
 
 use cosim::Archive;
 use physics::declare::{Causality, Kind};
-use physics::effects::{Effect, Effects};
+use physics::effects::Effects;
 use physics::model::{Declaration, Entry};
 use std::path::{Path, PathBuf};
 use std::process::Command;

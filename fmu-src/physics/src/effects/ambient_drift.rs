@@ -6,7 +6,9 @@
 //! *Assumes* a drift linear in time, zero at time 0. *Neglects* everything else about the sensor.
 //! *Sign*: rate > 0 means that the surroundings get warmer than shown. *Source*: contract of the bench.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -18,6 +20,13 @@ variables! {
 }
 
 impl Effect for AmbientDrift {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate { most: 5.0, ..Candidate::on(Driver::Time, Port::AmbientSensor, &["rate"]) }];
+
+    fn example() -> Self {
+        AmbientDrift { rate: 0.01 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.rate != 0.0

@@ -8,6 +8,7 @@
 //! *Range*: V_0 is 0 for MOSFETs, 1.4 to 3 V for bipolar bridges (L298: 1.8 V typical at 1 A).
 //! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., ch. 2 and 20.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
@@ -26,6 +27,13 @@ variables! {
 }
 
 impl Effect for BridgeDrop {
+    // Terminal voltages on a bench are those behind the bridge, where it is not seen.
+    const CANDIDATES: &'static [Candidate] = &[];
+
+    fn example() -> Self {
+        BridgeDrop { V_0: 0.5, R_on: 0.05, ..Default::default() }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.V_0 != 0.0 || self.R_on != 0.0

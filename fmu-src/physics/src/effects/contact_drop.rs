@@ -6,8 +6,10 @@
 //! *Sign*: of the current; the terminals give V more than the winding sees, and its power V I >= 0 heats the winding.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.DCMachines.Brush, with a smooth passage.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::{Number, smooth_sign};
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -22,6 +24,13 @@ variables! {
 }
 
 impl Effect for ContactDrop {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate::on(Driver::Current, Port::TerminalVoltage, &["V_b"])];
+
+    fn example() -> Self {
+        ContactDrop { V_b: 0.4, ..Default::default() }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.V_b != 0.0

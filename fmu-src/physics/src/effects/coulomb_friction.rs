@@ -7,8 +7,10 @@
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing.
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::{Number, smooth_sign};
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -23,6 +25,12 @@ variables! {
 }
 
 impl Effect for CoulombFriction {
+    const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::Speed, Port::DragTorque, &["tau_c"])];
+
+    fn example() -> Self {
+        CoulombFriction { tau_c: 0.005, w_small: 1.0 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.tau_c != 0.0

@@ -6,6 +6,7 @@
 //! diodes, back to the supply. *Assumes* a bridge that switches both legs, diodes without drop (`bridge_drop.rs`).
 //! *Sign*: against the current; no heat. *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sec. 8-7.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
@@ -22,6 +23,13 @@ variables! {
 }
 
 impl Effect for DeadTime {
+    // Terminal voltages on a bench are those behind the bridge, where it is not seen.
+    const CANDIDATES: &'static [Candidate] = &[];
+
+    fn example() -> Self {
+        DeadTime { share: 0.01, ..Default::default() }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.share != 0.0

@@ -7,7 +7,9 @@
 //! *Assumes* a loss that is sudden and for good. *Neglects* what caused it.
 //! *Sign*: fraction > 0 weakens the motor. *Source*: irreversible loss of Nd-Fe-B beyond its knee.
 
+use super::candidate::{Candidate, Way};
 use super::ports::{Effect, IMMINENT};
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -21,6 +23,15 @@ variables! {
 }
 
 impl Effect for Demagnetisation {
+    const CANDIDATES: &'static [Candidate] = &[Candidate {
+        way: Way::Step,
+        ..Candidate::on(Driver::Time, Port::TorqueConstant, &["fraction", "time"])
+    }];
+
+    fn example() -> Self {
+        Demagnetisation { fraction: 0.1, time: 0.25 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.fraction != 0.0

@@ -7,7 +7,9 @@
 //! *Assumes* a share that does not depend on the power. *Neglects* the drive's own heat capacity.
 //! *Sign*: share > 0 leaves the winding cooler. *Source*: definition of an efficiency.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
+use crate::terms::Port;
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -19,6 +21,13 @@ variables! {
 }
 
 impl Effect for DriveLoss {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate::constant(Port::WindingHeat, &["share"]).of_the_bench()];
+
+    fn example() -> Self {
+        DriveLoss { share: 0.12 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.share != 0.0

@@ -6,7 +6,9 @@
 //! *Sign*: k > 0 takes flow away. *Range*: n from 0 to 1; an n beyond counts as its limit.
 //! *Source*: data of the synthetic bench; second order of a falling fan curve against a rising system curve.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -18,6 +20,12 @@ variables! {
 }
 
 impl Effect for FanBackPressure {
+    const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::FanCommand, Port::FanFlow, &["k"])];
+
+    fn example() -> Self {
+        FanBackPressure { k: 0.3 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.k != 0.0

@@ -6,7 +6,9 @@
 //! *Assumes* that it does not depend on temperature. *Neglects* the warming of the air on its way.
 //! *Sign*: Q_flow > 0 leaves the motor. *Source*: as components/conductance.rs.
 
+use super::candidate::Candidate;
 use super::ports::{Effect, PerNode};
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {
@@ -42,6 +44,25 @@ variables! {
 }
 
 impl Effect for ForcedConvection {
+    const CANDIDATES: &'static [Candidate] = &[
+        Candidate {
+            settings: &[("node", "housing"), ("driver", "constant")],
+            ..Candidate::constant(Port::HousingAmbientConductance, &["G"]).of_the_bench()
+        },
+        Candidate {
+            settings: &[("node", "winding"), ("driver", "constant")],
+            ..Candidate::constant(Port::WindingHeat, &["G"]).of_the_bench()
+        },
+        Candidate {
+            settings: &[("node", "winding"), ("driver", "fan_command")],
+            ..Candidate::on(Driver::FanCommand, Port::WindingHeat, &["G"])
+        },
+    ];
+
+    fn example() -> Self {
+        ForcedConvection { G: 0.03, node: CooledNode::Winding, driver: ConvectionDriver::FanCommand }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.G != 0.0

@@ -23,6 +23,7 @@
 //! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
 //! *Source*: the data that the terms were found in.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::{Number, smooth_sign};
 use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS, Port};
@@ -105,6 +106,13 @@ impl GenericTerms {
 }
 
 impl Effect for GenericTerms {
+    // Laws that no effect has are found by other means (calibrate).
+    const CANDIDATES: &'static [Candidate] = &[];
+
+    fn example() -> Self {
+        Self::default()
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.terms[0].is_some() && self.tuning.gain != 0.0

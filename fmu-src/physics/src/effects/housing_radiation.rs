@@ -6,8 +6,10 @@
 //! *Sign*: Q_flow > 0 leaves the housing. *Range*: kelvin.
 //! *Source*: Incropera, Fundamentals of Heat and Mass Transfer, 7th ed., eq. 1.7.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::Number;
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -19,6 +21,13 @@ variables! {
 }
 
 impl Effect for HousingRadiation {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate::on(Driver::HousingTemperature, Port::HousingAmbientConductance, &["k"])];
+
+    fn example() -> Self {
+        HousingRadiation { k: 6e-10 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.k != 0.0

@@ -8,7 +8,9 @@
 //! *Sign*: tau > 0 shows a warming housing too cold. *Range*: tau >= 0; 0 follows at once.
 //! *Source*: first-order response of a contact thermometer, VDI/VDE 3522-1.
 
+use super::candidate::{Candidate, Follows, Way};
 use super::ports::Effect;
+use crate::terms::Port;
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -20,6 +22,16 @@ variables! {
 }
 
 impl Effect for HousingSensorLag {
+    const CANDIDATES: &'static [Candidate] = &[Candidate {
+        way: Way::Store,
+        follows: Follows::History,
+        ..Candidate::constant(Port::HousingSensor, &["tau"])
+    }];
+
+    fn example() -> Self {
+        HousingSensorLag { tau: 20.0 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.tau != 0.0

@@ -7,7 +7,9 @@
 //! *Sign*: k > 0 shows too little of the rise. *Range*: k from 0 (no loss) to below 1 (shows the air).
 //! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
 
+use super::candidate::Candidate;
 use super::ports::Effect;
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -19,6 +21,13 @@ variables! {
 }
 
 impl Effect for HousingSensorStemLoss {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate::on(Driver::HousingTemperature, Port::HousingSensor, &["k"]).of_the_bench()];
+
+    fn example() -> Self {
+        HousingSensorStemLoss { k: 0.06 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.k != 0.0

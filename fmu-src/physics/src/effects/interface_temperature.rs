@@ -7,8 +7,10 @@
 //! *Sign*: beta > 0 insulates a hot winding better. *Range*: see the limit of the bracket.
 //! *Source*: data of the synthetic bench; first order of any smooth law.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::Number;
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 /// Temperature at which R_wh is given, K.
@@ -25,6 +27,13 @@ variables! {
 }
 
 impl Effect for InterfaceTemperature {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate::on(Driver::WindingTemperature, Port::WindingHousingResistance, &["beta"])];
+
+    fn example() -> Self {
+        InterfaceTemperature { beta: 0.004 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.beta != 0.0

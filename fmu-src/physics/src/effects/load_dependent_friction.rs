@@ -10,8 +10,10 @@
 //! *Source*: Modelica Standard Library, Rotational.Components.LossyGear: efficiency 1/(1 + mu) when the motor
 //! drives, 1 - mu when the load does.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use crate::number::{Number, smooth_sign};
+use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -29,6 +31,12 @@ variables! {
 }
 
 impl Effect for LoadDependentFriction {
+    const CANDIDATES: &'static [Candidate] = &[Candidate::on(Driver::LoadTorque, Port::DragTorque, &["mu"])];
+
+    fn example() -> Self {
+        LoadDependentFriction { mu: 0.06, ..Default::default() }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.mu != 0.0

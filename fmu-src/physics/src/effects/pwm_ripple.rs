@@ -8,6 +8,7 @@
 //! *Range*: f L/R above about 3; below, (1) overestimates. *Source*: Mohan, Undeland, Robbins, Power Electronics,
 //! 3rd ed., sec. 7-7.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
 use declare::{Unit, Variable, variables};
 
@@ -20,6 +21,13 @@ variables! {
 }
 
 impl Effect for PwmRipple {
+    // No size of it is 0: the loss falls with the square of the frequency.
+    const CANDIDATES: &'static [Candidate] = &[];
+
+    fn example() -> Self {
+        PwmRipple { f: 5e4 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.f != 0.0

@@ -8,7 +8,9 @@
 //! *Sign*: heat flows from the winding through the stator to the housing.
 //! *Source*: lumped-parameter network, e.g. Mellor, Roberts, Turner, IEE Proc. B 138 (1991) 205-218.
 
-use super::ports::Effect;
+use super::candidate::{Candidate, Way};
+use super::ports::{Effect, Stator};
+use crate::terms::Port;
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -22,14 +24,21 @@ variables! {
 }
 
 impl Effect for StatorNode {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate { way: Way::Store, ..Candidate::constant(Port::HeatCapacity, &["C_s", "R_sh"]) }];
+
+    fn example() -> Self {
+        StatorNode { R_sh: 0.3, C_s: 40.0 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.R_sh > 0.0 && self.C_s > 0.0
     }
 
     #[inline]
-    fn stator(&self) -> (f64, f64) {
-        if self.is_on() { (self.R_sh, self.C_s) } else { (0.0, 0.0) }
+    fn stator(&self) -> Stator {
+        if self.is_on() { Stator { resistance: self.R_sh, capacity: self.C_s } } else { Stator::from(0.0) }
     }
 }
 
@@ -41,7 +50,7 @@ mod tests {
     fn off_unless_it_has_both() {
         assert!(!StatorNode::default().is_on());
         assert!(!StatorNode { R_sh: 0.1, C_s: 0.0 }.is_on());
-        assert_eq!(StatorNode { R_sh: 0.1, C_s: 0.0 }.stator(), (0.0, 0.0));
-        assert_eq!(StatorNode { R_sh: 0.1, C_s: 50.0 }.stator(), (0.1, 50.0));
+        assert_eq!(StatorNode { R_sh: 0.1, C_s: 0.0 }.stator(), Stator::from(0.0));
+        assert_eq!(StatorNode { R_sh: 0.1, C_s: 50.0 }.stator(), Stator { resistance: 0.1, capacity: 50.0 });
     }
 }

@@ -6,7 +6,9 @@
 //! *Sign*: offset > 0 shows a winding that is warmer than it is. The motor itself does not feel its sensor.
 //! *Range*: any temperature. *Source*: tolerance of thermocouples, IEC 60584-1:2013, class 1: 1.5 K.
 
+use super::candidate::Candidate;
 use super::ports::Effect;
+use crate::terms::Port;
 use declare::{Unit, Variable, variables};
 
 variables! {
@@ -18,6 +20,13 @@ variables! {
 }
 
 impl Effect for WindingSensorOffset {
+    const CANDIDATES: &'static [Candidate] =
+        &[Candidate::constant(Port::WindingSensor, &["offset"]).of_the_bench()];
+
+    fn example() -> Self {
+        WindingSensorOffset { offset: 1.2 }
+    }
+
     #[inline]
     fn is_on(&self) -> bool {
         self.offset != 0.0

@@ -28,41 +28,6 @@ pub fn friction(tau_c: f64) -> CoulombFriction {
     CoulombFriction { tau_c, w_small: 1.0 }
 }
 
-/// Every effect on, each of a size that the bench could show. All are named, so that a new effect does not compile here
-/// until it has a size; `effects.rs` checks that each is on.
-pub fn all_effects() -> Effects {
-    Effects {
-        coulomb_friction: friction(0.005),
-        viscous_friction: ViscousFriction { k: 2e-6 },
-        iron_loss: IronLoss { k: 1e-4, ..Default::default() },
-        windage: Windage { k: 2e-9 },
-        load_dependent_friction: LoadDependentFriction { mu: 0.06, ..Default::default() },
-        contact_drop: ContactDrop { V_b: 0.4, ..Default::default() },
-        housing_radiation: HousingRadiation { k: 6e-10 },
-        interface_temperature: InterfaceTemperature { beta: 0.004 },
-        forced_convection: ForcedConvection {
-            G: 0.03,
-            node: CooledNode::Winding,
-            driver: ConvectionDriver::FanCommand,
-        },
-        fan_back_pressure: FanBackPressure { k: 0.3 },
-        demagnetisation: Demagnetisation { fraction: 0.1, time: 0.25 },
-        ambient_drift: AmbientDrift { rate: 0.01 },
-        drive_loss: DriveLoss { share: 0.12 },
-        stator_node: StatorNode { R_sh: 0.3, C_s: 40.0 },
-        pwm_ripple: PwmRipple { f: 5e4 },
-        bridge_drop: BridgeDrop { V_0: 0.5, R_on: 0.05, ..Default::default() },
-        dead_time: DeadTime { share: 0.01, ..Default::default() },
-        housing_sensor_lag: HousingSensorLag { tau: 20.0 },
-        winding_sensor_stem_loss: WindingSensorStemLoss { k: 0.04 },
-        housing_sensor_stem_loss: HousingSensorStemLoss { k: 0.06 },
-        winding_sensor_offset: WindingSensorOffset { offset: 1.2 },
-        housing_sensor_offset: HousingSensorOffset { offset: -0.8 },
-        // Terms come from a file and not from parameters; `books.rs` and `terms.rs` set them.
-        generic_term: GenericTerms::default(),
-    }
-}
-
 /// How the inputs run.
 pub struct Profile {
     /// Length of a line, s; infinite where the inputs stand still.

@@ -24,7 +24,6 @@
 mod constants;
 mod drive;
 mod outputs;
-mod ports;
 mod system;
 
 pub use constants::Constants;
@@ -33,12 +32,11 @@ use super::line::Line;
 use super::parameters::Parameters;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::commutation::PhaseLoad;
-use crate::effects::{Effect, PerNode};
+use crate::effects::{PerNode, Ports};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, State, System};
 use drive::Chopper;
 use nalgebra::SVector;
-use ports::Ports;
 
 /// Thermal nodes that a step solves: the winding, and what stands next to it. That is the stator where the model
 /// has a network beyond it (`network.rs`), else the whole housing.
@@ -252,7 +250,7 @@ impl<'a> Step<'a> {
 
     #[inline]
     fn ports(&self) -> Ports<'_> {
-        Ports { effects: &self.model.effects, acts: &self.constants.acts }
+        Ports { effects: &self.model.effects, acts: self.constants.acts }
     }
 
     /// The torque against the motion, N.m; `k` is the torque constant.

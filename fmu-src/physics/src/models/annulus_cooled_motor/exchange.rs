@@ -5,7 +5,6 @@ use super::motor::AnnulusCooledMotor;
 use super::state_list::ALL;
 use super::variables::Indicators;
 use crate::components::commutation::Commutation;
-use crate::effects::Effect;
 use crate::exchange::{Exchange, Update, is_above, is_reached};
 use crate::model::{Fault, Slot};
 use std::f64::consts::FRAC_PI_3;

@@ -13,7 +13,7 @@ use super::variables::Inputs;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
-use crate::effects::{Effect, PerNode};
+use crate::effects::PerNode;
 use crate::ending::Halt;
 use crate::model::Fault;
 use crate::solver::split::State;

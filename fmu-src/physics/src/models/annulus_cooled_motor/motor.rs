@@ -8,7 +8,7 @@ use super::state_list::{Followed, STATES};
 use super::variables::{Books, DriveMode, Indicators, Inputs, MechanicalMode, Outputs};
 use crate::components::commutation::Phases;
 use crate::components::validity::Extremes;
-use crate::effects::{Effect, IMMINENT, PerNode, Port};
+use crate::effects::{IMMINENT, PerNode, Port};
 use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Slot};

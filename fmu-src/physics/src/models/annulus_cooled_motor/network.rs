@@ -21,7 +21,6 @@ use super::cooling::{Coefficients, Conditions, Cooling, Tangent};
 use super::line::Line;
 use super::parameters::Parameters;
 use super::variables::Inputs;
-use crate::effects::Effect;
 use crate::solver::stabilized::{MOST, Stabilized, States, error};
 use body::FIRST;
 

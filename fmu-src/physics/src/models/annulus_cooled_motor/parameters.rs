@@ -11,7 +11,7 @@ use crate::components::jacket::Jacket;
 use crate::components::motor::Motor;
 use crate::components::thermal::Thermal;
 use crate::components::validity::{Limits, Validity};
-use crate::effects::{Effect, Effects, PerNode};
+use crate::effects::{Effects, PerNode};
 use crate::groups;
 
 /// What the motor is made of, and how it is used.

@@ -12,7 +12,6 @@ use super::state_list::{
 };
 use super::variables::{DriveMode, MechanicalMode};
 use crate::components::commutation::Commutation;
-use crate::effects::Effect;
 use crate::model::Fault;
 use crate::solver::split::System;
 

@@ -5,7 +5,7 @@ use super::network::Network;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::lagged;
-use crate::effects::{Effect, PerNode, Port};
+use crate::effects::{PerNode, Port};
 use crate::ending::Halt;
 use crate::solver::split::Fast;
 use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};

@@ -28,7 +28,7 @@ use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
 use crate::components::validity::Limits;
-use crate::effects::{Effect, Number, PerNode};
+use crate::effects::{Number, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::solver::split::{Fast, System};
 use nalgebra::SVector;

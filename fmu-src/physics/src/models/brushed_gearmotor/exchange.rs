@@ -5,7 +5,6 @@ use super::equations::{ENERGIES, NODES, STATES, State};
 use super::held::Held;
 use super::motor::BrushedGearmotor;
 use super::variables::Indicators;
-use crate::effects::Effect;
 use crate::exchange::{Exchange, Update, is_above, is_reached};
 use crate::model::{Fault, Slot};
 

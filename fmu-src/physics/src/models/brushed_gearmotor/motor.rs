@@ -6,7 +6,7 @@ use super::opening::Opening;
 use super::parameters::{Parameters, unserved};
 use super::variables::{Indicators, Inputs, Outputs};
 use crate::components::validity::Extremes;
-use crate::effects::{Effect, IMMINENT};
+use crate::effects::IMMINENT;
 use crate::ending::{Halt, approach};
 use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};

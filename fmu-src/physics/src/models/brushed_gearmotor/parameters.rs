@@ -53,7 +53,9 @@ fn reason(port: Port) -> Option<&'static str> {
     match port {
         DragTorque | LoadDrag | TerminalVoltage | TorqueConstant | WindingHousingResistance => None,
         AmbientConductance | HousingToAmbient | AmbientSensor | WindingSensor | HousingSensor => None,
-        Any => Some("it takes no terms from data; its other effects (effect.*) act as parameters"),
+        Any | WindingHeat | HousingHeat | HeatCapacity => {
+            Some("it takes no terms from data; its other effects (effect.*) act as parameters")
+        }
         WindingResistance => Some("motor.R_ref and motor.alpha are the resistance of the winding"),
         FanFlow => Some("it has no fan; effect.forced_convection.G is an additional conductance"),
         HousingSensorLag => {

@@ -19,7 +19,6 @@ use super::variables::CoolingMode;
 use crate::components::annulus::{FlowDirection, Gap};
 use crate::components::conductance::Conductance;
 use crate::components::housing::StillAir;
-use crate::effects::Effect;
 use std::fmt::Debug;
 
 /// A mode of cooling.

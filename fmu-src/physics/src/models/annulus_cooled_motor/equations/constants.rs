@@ -1,10 +1,9 @@
 //! Quantities that follow from the parameters alone.
 
 use super::drive::Chopper;
-use super::ports::Acts;
 use super::{DriveMode, MechanicalMode, Temperatures};
 use crate::components::validity::Limits;
-use crate::effects::Effect;
+use crate::effects::{Acts, Port};
 use crate::models::annulus_cooled_motor::network::Body;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
@@ -49,9 +48,9 @@ impl Constants {
         let free = parameters.choices.mechanical_mode == MechanicalMode::FreeShaft;
         let core = body.as_ref().map_or(parameters.thermal.C_h, |b| b.stator);
         let capacity = Temperatures::new(parameters.thermal.C_w, core);
-        let mut acts = Acts::of(&parameters.effects);
+        let acts = Acts::of(&parameters.effects);
         // Beyond the core, the network radiates.
-        acts.housing_to_ambient &= body.is_none();
+        let acts = if body.is_none() { acts } else { acts.without(Port::HousingToAmbient) };
         Constants {
             inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },
             inverse_j: if free { 1.0 / parameters.motor.J } else { 0.0 },

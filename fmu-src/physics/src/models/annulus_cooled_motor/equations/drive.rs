@@ -9,7 +9,7 @@
 //! times V_s.
 
 use crate::components::chopper::ZeroDuty;
-use crate::effects::{Effect, Effects, Port};
+use crate::effects::{Effects, Port};
 use crate::models::annulus_cooled_motor::line::Line;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, Inputs};

@@ -2,7 +2,6 @@
 
 use super::{CORE, Ends, NODES, Step, WINDING};
 use crate::components::commutation::Phases;
-use crate::effects::Effect;
 use crate::ledger::{Account, Ledger};
 use crate::model::HousingHeat;
 use crate::models::annulus_cooled_motor::cooling::mass;

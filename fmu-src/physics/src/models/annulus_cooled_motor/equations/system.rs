@@ -1,6 +1,7 @@
 //! The equations as the integrator takes them: rates and their slopes, and the energies of a step.
 
 use super::{CORE, NODES, Step, Temperatures, WINDING};
+use crate::effects::Port;
 use crate::models::annulus_cooled_motor::line::Line;
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
@@ -199,7 +200,7 @@ impl System<NODES> for Step<'_> {
     #[inline]
     fn bends_where_stiff(&self) -> bool {
         // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
-        self.constants.acts.terminal_voltage || self.chopper.loses || self.chopper.coasts
+        self.constants.acts.at(Port::TerminalVoltage) || self.chopper.loses || self.chopper.coasts
     }
 
     #[inline]

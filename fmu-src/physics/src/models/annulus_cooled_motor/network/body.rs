@@ -1,7 +1,7 @@
 //! What the network beyond winding and stator is made of.
 
 pub use crate::components::housing::SEGMENTS;
-use crate::effects::Effect;
+use crate::effects::Stator;
 use crate::models::annulus_cooled_motor::cooling::method;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
@@ -38,7 +38,8 @@ pub struct Body {
 impl Body {
     /// The network that these parameters ask for; `None` for two nodes alone.
     pub fn of(parameters: &Parameters) -> Option<Body> {
-        let (thermal, (resistance, capacity)) = (&parameters.thermal, parameters.effects.stator());
+        let thermal = &parameters.thermal;
+        let Stator { resistance, capacity } = parameters.effects.stator();
         let method = method(parameters.choices.cooling_mode);
         if !method.has_network() {
             // Winding and stator, with the housing as the one segment beyond.

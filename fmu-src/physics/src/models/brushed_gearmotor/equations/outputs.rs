@@ -1,7 +1,6 @@
 //! What the model shows of its state, and the check of the books.
 
 use super::{BOX, HOUSING, State, Step, WINDING};
-use crate::effects::Effect;
 use crate::ledger::Account;
 use crate::models::brushed_gearmotor::opening::Opening;
 use crate::models::brushed_gearmotor::variables::Outputs;

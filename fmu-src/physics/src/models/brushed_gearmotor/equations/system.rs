@@ -2,7 +2,6 @@
 
 use super::{BOX, HOUSING, NODES, Step, Temperatures, WINDING};
 use crate::components::chopper::Cycle;
-use crate::effects::Effect;
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, Matrix3, SMatrix};
 use num_dual::Dual64;
