@@ -23,7 +23,7 @@ def truth(kind=j.NULL, names=(), law=None, mistake=None, visible=True, name="bli
         "effective_parameters": {"motor.R_ref": 0.4, "thermal.C_h": 170.0},
         "floor": {"test": dict.fromkeys(CHANNELS, 0.1)},
         "structure_error_max": structure,
-        "structure_error": dict.fromkeys(CHANNELS, structure),
+        "structure_error_test": dict.fromkeys(CHANNELS, structure),
         "true_of_structure": {"ports": ["heat_capacity"], "effects": ["stator_node"]} if structure else {"ports": [], "effects": []},
         "wrong_prior": False,
         "warm": False,

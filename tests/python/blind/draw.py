@@ -111,37 +111,47 @@ class Refit:
     """Linear refit of the declared parameters of the two-node motor to a change of the outputs in the fit runs."""
 
     def __init__(self, s: Set):
-        self.s, self.fit, self.sigma = s, [k for k, run in enumerate(s.runs) if run.role == "fit"], sigma(s)
+        self.s, self.sigma = s, sigma(s)
+        self.fit, self.test = ([k for k, run in enumerate(s.runs) if run.role == role] for role in ("fit", "test"))
+        runs = [*self.fit, *self.test]
         moved = [{}] + [{n: s.parameters[n] + STEP * p * s.rig.nominal[n]} for n, p in s.prior.items()]
-        columns = [column(s, k, m) for m in moved for k in self.fit] + [column(s, k, scale=1.0) for k in self.fit]
+        columns = [column(s, k, m) for m in moved for k in runs] + [column(s, k, scale=1.0) for k in runs]
         made = Network(columns, s.rig.layout.drive, (), s.pieces).simulate()
-        groups = [made[n : n + len(self.fit)] for n in range(0, len(made), len(self.fit))]
-        self.base, self.structured = groups[0], groups[-1]
-        self.slopes = np.column_stack([np.concatenate(self.change(group, self.base)) / STEP for group in groups[1:-1]])
+        groups = [dict(zip(runs, made[n:])) for n in range(0, len(made), len(runs))]
+        self.base, self.structured, self.moved = groups[0], groups[-1], groups[1:-1]
+        self.slopes = self.slopes_in(self.fit)
 
-    def change(self, one, other) -> list:
-        """In standard deviations, an array a channel."""
+    def change(self, one: dict, other: dict, runs) -> list:
+        """In standard deviations, an array a channel; simulations by run."""
 
         def block(c):
-            parts = [(a[c] - b[c])[self.s.runs[k].kept] for k, a, b in zip(self.fit, one, other)]
-            return np.concatenate(parts) / self.sigma[c]
+            return np.concatenate([(one[k][c] - other[k][c])[self.s.runs[k].kept] for k in runs]) / self.sigma[c]
 
         return [block(c) for c in self.s.rig.layout.outputs]
 
-    def left(self, one):
-        """rms per channel that the refit leaves, and the shift of the parameters in priors."""
-        change = self.change(one, self.base)
-        size = self.slopes.shape[1]
+    def slopes_in(self, runs):
+        return np.column_stack([np.concatenate(self.change(group, self.base, runs)) / STEP for group in self.moved])
+
+    def rms(self, change: list, shift, slopes) -> dict:
+        """Per channel, of what a shift of the parameters leaves."""
+        rest = np.concatenate(change) - slopes @ shift
+        ends = np.cumsum([len(block) for block in change])[:-1]
+        return {c: float(np.sqrt(np.mean(part**2))) for c, part in zip(self.s.rig.layout.outputs, np.split(rest, ends))}
+
+    def left(self, one: dict):
+        """rms per channel that the refit leaves in the fit runs, and the shift of the parameters in priors."""
+        change, size = self.change(one, self.base, self.fit), self.slopes.shape[1]
         bent = np.vstack([self.slopes, np.eye(size)])
         shift = np.linalg.lstsq(bent, np.append(np.concatenate(change), np.zeros(size)), rcond=None)[0]
-        rest = np.concatenate(change) - self.slopes @ shift
-        ends = np.cumsum([len(block) for block in change])[:-1]
-        rms = [float(np.sqrt(np.mean(part**2))) for part in np.split(rest, ends)]
-        return dict(zip(self.s.rig.layout.outputs, rms)), shift
+        return self.rms(change, shift, self.slopes), shift
 
-    def with_laws(self, effects, scale=0.0):
+    def in_test(self, one: dict, shift) -> dict:
+        """The same in the test runs, which are hotter and faster."""
+        return self.rms(self.change(one, self.base, self.test), shift, self.slopes_in(self.test))
+
+    def with_laws(self, effects, scale=0.0) -> dict:
         columns = [column(self.s, k, laws_on=True, scale=scale) for k in self.fit]
-        return Network(columns, self.s.rig.layout.drive, effects, self.s.pieces).simulate()
+        return dict(zip(self.fit, Network(columns, self.s.rig.layout.drive, effects, self.s.pieces).simulate()))
 
 
 def unit_of(port: str, s: Set) -> float:
@@ -161,8 +171,8 @@ def draw_law(rng, s: Set, refit: Refit, name: str | None, noise: dict) -> float:
         law = laws.listed(rng, name, s.rig, len(refit.fit), len(s.runs))
         smallest, largest = 0.5, 2.0
     else:
-        drivers = refit.structured[0]["drivers"]
-        ranges = {d: (float(min(m["drivers"][d].min() for m in refit.structured)), float(max(m["drivers"][d].max() for m in refit.structured))) for d in drivers}
+        seen = [refit.structured[k]["drivers"] for k in refit.fit]
+        ranges = {d: (float(min(m[d].min() for m in seen)), float(max(m[d].max() for m in seen))) for d in seen[0]}
         law = laws.random_law(rng, s.kind, s.rig.layout.drive, ranges)
         most = laws.RANDOM[law.port][1] * unit_of(law.port, s)
         law, smallest, largest = law.sized(0.5 * most), 0.02, 2.0
@@ -179,15 +189,12 @@ def same_drivers(s: Set, refit: Refit, made) -> list:
     law = s.laws[0]
     if law.lag is not None or law.drivers == ("history",):
         return list(law.drivers)
-    y = np.concatenate([m["laws"][0][s.runs[k].kept] for k, m in zip(refit.fit, made)])
-    if law.port == "drag_torque":
-        w = np.concatenate([m["drivers"]["speed"][s.runs[k].kept] for k, m in zip(refit.fit, made)])
-        y = y[w > 20.0]
-    else:
-        w = np.full(len(y), 100.0)
-    found = list(law.drivers)
+    rows = lambda of: np.concatenate([of(made[k])[s.runs[k].kept] for k in refit.fit])  # noqa: E731
+    y = rows(lambda m: m["laws"][0])
+    counts = rows(lambda m: m["drivers"]["speed"]) > 4.0 * laws.W_SMALL if law.port == "drag_torque" else np.full(len(y), True)
+    y, found = y[counts], list(law.drivers)
     for name in laws.FIELDS:
-        x = np.concatenate([m["drivers"][name][s.runs[k].kept] for k, m in zip(refit.fit, made)])[w > 20.0]
+        x = rows(lambda m: m["drivers"][name])[counts]  # noqa: B023
         if len(law.drivers) == 1 and name not in found and name != "time" and explained(x, y) > SAME_DRIVER:
             found.append(name)
     return found
@@ -231,14 +238,15 @@ def drawn(rng, title: str, kind: str, name: str | None) -> Set:
     refit = Refit(s)
     aim, (size, shift) = structure.level(rng), refit.left(refit.structured)
     aim = 0.4 * aim if kind == MISTAKE else aim
-    s.scale = min(aim / max(max(size.values()), 1e-9), STRONGEST)
-    size = {c: s.scale * v for c, v in size.items()}
+    tested = refit.in_test(refit.structured, shift)
+    s.scale = min(aim / max(*size.values(), *tested.values(), 1e-9), STRONGEST)
+    size, tested = ({c: s.scale * v for c, v in by.items()} for by in (size, tested))
     signal = draw_law(rng, s, refit, name, {c: float(np.hypot(1.0, v)) for c, v in size.items()}) if kind in (LISTED, *RANDOM) else None
     made = measure(rng, s)
-    describe(s, size, s.scale * shift, wrong)
+    describe(s, size, tested, s.scale * shift, wrong)
     if s.laws:
         s.facts |= {"signal": float(f"{signal:.3g}"), "detectable": bool(signal >= VISIBLE)}
-        s.facts["drivers"] = same_drivers(s, refit, [made[k] for k in refit.fit])
+        s.facts["drivers"] = same_drivers(s, refit, made)
         s.facts["ports"] = [s.laws[0].port, *laws.SAME.get(s.laws[0].port, ())]
     return s
 
@@ -263,13 +271,14 @@ def measure(rng, s: Set):
     return made[::2]
 
 
-def describe(s: Set, size: dict, shift, wrong: bool):
+def describe(s: Set, size: dict, tested: dict, shift, wrong: bool):
     """Structure error in standard deviations of the sensors after a refit, and the parameters of that refit."""
     active = s.pieces if s.scale else {}
     ports, ids = structure.true_statements(active)
     s.facts |= {
         "structure_error": {c: float(f"{v:.3g}") for c, v in size.items()},
-        "structure_error_max": float(f"{max(size.values()):.3g}"),
+        "structure_error_test": {c: float(f"{v:.3g}") for c, v in tested.items()},
+        "structure_error_max": float(f"{max(*size.values(), *tested.values()):.3g}"),
         "pieces": {n: v if isinstance(v, float) else "offset of each run" for n, v in active.items()},
         "scale": s.scale,
         "true_of_structure": {"ports": ports, "effects": ids},

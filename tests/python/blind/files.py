@@ -74,8 +74,8 @@ def law_facts(s: Set, law) -> dict:
 def truth(s: Set) -> dict:
     """The content of `truth.json`."""
     found = {"effects": [law_facts(s, law) for law in s.laws if law.listed], "law": next((law_facts(s, law) for law in s.laws if not law.listed), None)}
-    kept = ("structure_error", "structure_error_max", "pieces", "scale", "true_of_structure", "wrong_prior", "effective_parameters")
-    kept += ("signal", "detectable", "drivers", "ports")
+    kept = ("structure_error", "structure_error_test", "structure_error_max", "pieces", "scale", "true_of_structure", "wrong_prior")
+    kept += ("effective_parameters", "signal", "detectable", "drivers", "ports")
     return {
         "name": s.name,
         "kind": s.kind,

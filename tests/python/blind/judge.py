@@ -238,7 +238,7 @@ def judge(truth: dict, report: dict | None, run: dict | None = None) -> Judged:
         inside = intervals(truth["effective_parameters"], report)
         j.effective_inside, j.effective_parameters = sum(inside), len(inside)
         floors, error = truth["floor"]["test"], report["error"].get("test") or {}
-        both = {c: floor * (1.0 + truth["structure_error"].get(c, 0.0) ** 2) ** 0.5 for c, floor in floors.items()}
+        both = {c: floor * (1.0 + truth["structure_error_test"].get(c, 0.0) ** 2) ** 0.5 for c, floor in floors.items()}
         j.over_floor, j.over_model = over(floors, error), over(both, error)
         j.over_refit, j.over_refit_worst = ratios(floors, error)
     return j
