@@ -1,4 +1,6 @@
-"""Evaluation of the blind suite, on reports with known content: outcomes, rates and their bounds, pages, and the run of a program."""
+"""Evaluation of the blind suite, on reports with known content: outcomes, rates and their bounds, pages, and the run
+of a program.
+"""
 
 import json
 import os
@@ -24,7 +26,9 @@ def truth(kind=j.NULL, names=(), law=None, mistake=None, visible=True, name="bli
         "floor": {"test": dict.fromkeys(CHANNELS, 0.1)},
         "structure_error_max": structure,
         "structure_error_test": dict.fromkeys(CHANNELS, structure),
-        "true_of_structure": {"ports": ["heat_capacity"], "effects": ["stator_node"]} if structure else {"ports": [], "effects": []},
+        "true_of_structure": {"ports": ["heat_capacity"], "effects": ["stator_node"]}
+        if structure
+        else {"ports": [], "effects": []},
         "wrong_prior": False,
         "warm": False,
         "signal": 5.0 if visible else 0.5,
@@ -42,8 +46,13 @@ def report(verdict, *ids, alternatives=(), law=None, channel=None, notes=(), aft
         "unexplained": {"port": law[0], "driver": law[1]} if law else None,
         "unusable": {"channel": channel, "reason": "unit", "suggestion": "rpm"} if channel else None,
         "notes": list(notes),
-        "parameters": {"motor.R_ref": {"value": 0.4, "ci95": [0.39, 0.41]}, "thermal.C_h": {"value": 170.0, "ci95": [165.0, 175.0]}},
-        "error": {"test": {c: {"before": 3.0, "refit": 0.2, "after": after, "blackbox": 0.3, "floor": 0.1} for c in CHANNELS}},
+        "parameters": {
+            "motor.R_ref": {"value": 0.4, "ci95": [0.39, 0.41]},
+            "thermal.C_h": {"value": 170.0, "ci95": [165.0, 175.0]},
+        },
+        "error": {
+            "test": {c: {"before": 3.0, "refit": 0.2, "after": after, "blackbox": 0.3, "floor": 0.1} for c in CHANNELS}
+        },
     }
 
 
@@ -89,9 +98,17 @@ ROUGH = truth(structure=3.0)
         (truth(j.MISTAKE, mistake=RPM), report("unusable", channel="voltage_V"), j.OTHER_CHANNEL),
         (truth(j.MISTAKE, mistake=RPM), report("named", "iron_loss"), j.TRACED),
         (truth(j.MISTAKE, mistake=RPM), NOTHING, j.UNNOTICED),
-        (truth(j.MISTAKE, mistake=FROZEN), report("nothing", notes=["run-1.csv: winding_temperature_degC is set aside"]), j.RIGHT),
+        (
+            truth(j.MISTAKE, mistake=FROZEN),
+            report("nothing", notes=["run-1.csv: winding_temperature_degC is set aside"]),
+            j.RIGHT,
+        ),
         (truth(j.MISTAKE, mistake=FROZEN), report("nothing", notes=["run-1.csv: voltage_V is set aside"]), j.UNNOTICED),
-        (truth(j.MISTAKE, mistake=FROZEN), report("named", "windage", notes=["winding_temperature_degC is set aside"]), j.TRACED),
+        (
+            truth(j.MISTAKE, mistake=FROZEN),
+            report("named", "windage", notes=["winding_temperature_degC is set aside"]),
+            j.TRACED,
+        ),
         (truth(j.MISTAKE, mistake=HARMLESS), NOTHING, j.RIGHT),
         (truth(j.MISTAKE, mistake=HARMLESS), report("unusable", channel="voltage_V"), j.REFUSED_GOOD),
     ],
@@ -116,7 +133,9 @@ def test_numbers_of_a_set():
 
 
 def sets(wrong: int, count: int = 100):
-    return [j.judge(truth(), report("named", "windage") if k < wrong else NOTHING, {"seconds": 1.0}) for k in range(count)]
+    return [
+        j.judge(truth(), report("named", "windage") if k < wrong else NOTHING, {"seconds": 1.0}) for k in range(count)
+    ]
 
 
 def test_a_criterion_is_judged_by_the_bound_of_the_interval():

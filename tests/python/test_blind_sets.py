@@ -7,7 +7,10 @@ from blind import draw, judge, make, run
 from blind.files import write_set
 
 SEED = 41
-SETS = {(4, draw.LISTED): "a contact drop in a motor with three further thermal effects", (2, draw.MISTAKE): "the voltage's sign"}
+SETS = {
+    (4, draw.LISTED): "a contact drop in a motor with three further thermal effects",
+    (2, draw.MISTAKE): "the voltage's sign",
+}
 
 
 @pytest.mark.parametrize(("number", "kind"), SETS)

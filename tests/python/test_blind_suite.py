@@ -1,4 +1,6 @@
-"""The blind suite: its motor against the two-node generator and its own energy balance, its laws, its mistakes, its judgement."""
+"""The blind suite: its motor against the two-node generator and its own energy balance, its laws, its mistakes, its
+judgement.
+"""
 
 from copy import deepcopy
 
@@ -40,7 +42,15 @@ def test_without_structure_the_network_is_the_two_node_motor(monkeypatch):
 @pytest.mark.parametrize("extra", [(), ("stator_node",), ("iron_loss", "contact_drop")])
 def test_energy_is_conserved_with_every_piece_of_structure(monkeypatch, extra):
     times, inputs = short_run(monkeypatch)
-    pieces = {"end_winding": 0.5, "stator": 0.8, "rotor": 1.0, "housing_ends": -0.5, "convection": 1.0, "fan_exponent": 0.1, "grease": 0.5}
+    pieces = {
+        "end_winding": 0.5,
+        "stator": 0.8,
+        "rotor": 1.0,
+        "housing_ends": -0.5,
+        "convection": 1.0,
+        "fan_exponent": 0.1,
+        "grease": 0.5,
+    }
     effects = [laws.listed(np.random.default_rng(1), name, PUBLIC, 1, 2) for name in extra]
     network = Network([Column(times, inputs, PUBLIC.nominal, structure=1.0)], "current", effects, pieces)
     made = network.simulate()[0]
@@ -66,7 +76,11 @@ def texts(s):
 def test_the_truth_file_states_what_the_set_has(small):
     stated = files.truth(small)
     law = stated["law"]
-    assert law["lag_s"] == small.laws[0].lag and stated["ports"][0] == law["port"] and law["drivers"][0] in stated["drivers"]
+    assert (
+        law["lag_s"] == small.laws[0].lag
+        and stated["ports"][0] == law["port"]
+        and law["drivers"][0] in stated["drivers"]
+    )
     assert stated["signal"] > 0.0 and set(stated["floor"]) == {"fit", "validate", "test"}
     # The floor is at least the noise of the sensor, less the scatter of few rows.
     assert all(v > 0.7 * small.bench.noise[c] for c, v in stated["floor"]["fit"].items())
@@ -74,16 +88,24 @@ def test_the_truth_file_states_what_the_set_has(small):
     assert text.count('start = "measured"') == sum(run.warm for run in small.runs) > 0
     for k, run in enumerate(small.runs):
         lines = files.csv(small, k).splitlines()
-        assert len(lines) == 1 + run.kept.sum() and float(lines[1].split(",")[0]) == pytest.approx(run.times[run.kept][0])
+        assert len(lines) == 1 + run.kept.sum() and float(lines[1].split(",")[0]) == pytest.approx(
+            run.times[run.kept][0]
+        )
 
 
 def test_the_law_changes_the_readings_by_its_size(small):
-    """The difference of the simulations with and without the law is that of the truth file, after the linear refit of the parameters."""
+    """The difference of the simulations with and without the law is that of the truth file, after the linear refit of
+    the parameters.
+    """
     refit = draw.Refit(small)
     shown, shift = refit.left(refit.with_laws(small.laws))
     none, still = refit.left(refit.with_laws([]))
     # The number of substeps depends on the other columns.
-    assert max(none.values()) < 1e-4 and np.all(np.abs(still) < 1e-4) and max(refit.in_test(refit.base, still).values()) < 1e-4
+    assert (
+        max(none.values()) < 1e-4
+        and np.all(np.abs(still) < 1e-4)
+        and max(refit.in_test(refit.base, still).values()) < 1e-4
+    )
     assert 0.5 * small.facts["signal"] < max(shown.values()) < 20.0 * small.facts["signal"] and np.any(shift)
 
 

@@ -16,7 +16,9 @@ PAUSE = 8400.0
 
 @dataclass
 class Bench:
-    """Noise of one bench: standard deviations by column, slow waves as (size in standard deviations, period s, phase), correlation."""
+    """Noise of one bench: standard deviations by column, slow waves as (size in standard deviations, period s,
+    phase), correlation.
+    """
 
     noise: dict
     waves: dict
@@ -30,7 +32,11 @@ def draw_bench(rng, rig) -> Bench:
     waves = {}
     for c in columns:
         if rng.random() < 0.4:
-            waves[c] = (float(rng.uniform(0.1, 1.0)), float(rng.uniform(8000.0, 30000.0)), float(rng.uniform(0.0, 2.0 * np.pi)))
+            waves[c] = (
+                float(rng.uniform(0.1, 1.0)),
+                float(rng.uniform(8000.0, 30000.0)),
+                float(rng.uniform(0.0, 2.0 * np.pi)),
+            )
     return Bench(noise, waves, float(rng.uniform(0.3, 0.8)) if rng.random() < 0.3 else 0.0)
 
 
@@ -58,7 +64,10 @@ def draw_inputs(rng, times, role: str, rig) -> dict:
     speed = driven * shape()(rng, times, rig.scaled(demand.speed, {"speed": 1}))
     inputs = {COLUMNS["current"]: current}
     if rig.layout.drive == "power":
-        inputs = {COLUMNS["power"]: driven * shape()(rng, times, rig.scaled(NOMINAL["motor.R_ref"] * demand.current**2, {"power": 1}))}
+        inputs = {
+            COLUMNS["power"]: driven
+            * shape()(rng, times, rig.scaled(NOMINAL["motor.R_ref"] * demand.current**2, {"power": 1}))
+        }
     if SPEED in rig.layout.inputs:
         inputs[SPEED] = speed
     begin = round(demand.room + rng.uniform(-1.0, 1.0) * ROOM_SPREAD, 1)

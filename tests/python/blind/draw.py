@@ -1,4 +1,6 @@
-"""Draws one set: motor, structure, effect of a size that the data can show, runs, noise; and computes what the data can show."""
+"""Draws one set: motor, structure, effect of a size that the data can show, runs, noise; and computes what the data
+can show.
+"""
 
 from dataclasses import dataclass, field
 
@@ -15,7 +17,8 @@ RANDOM = (FUNCTION, PRODUCT, HIDDEN)
 RUNS = {3: 0.15, 4: 0.6, 5: 0.25}
 DRIVES = {"current": 0.75, "voltage": 0.15, "power": 0.1}
 OTHER_MOTOR, WRONG_PRIOR, WARM, STATED = 0.7, 0.25, 0.25, 0.6  # fractions of sets
-SCATTER = 2.0  # largest deviation of a specimen in standard deviations; a wrong prior states a half to a third of the true one
+SCATTER = 2.0  # largest deviation of a specimen, in standard deviations
+UNDERSTATED = (0.33, 0.5)  # of the true standard deviation, in a wrong prior
 STEP = 0.1  # of a prior, for sensitivities
 SIGNAL = (3.0, 30.0)  # size of an effect after a refit, in standard deviations of noise and structure error
 NONLINEAR = ("stator_node", "demagnetisation", "housing_sensor_lag")  # as drawn
@@ -160,12 +163,14 @@ def unit_of(port: str, s: Set) -> float:
     loss = p["motor.R_ref"] * (0.6 * current) ** 2
     units = {"drag_torque": p["motor.k_t"] * current, "torque_sensor": p["motor.k_t"] * current}
     units |= {"terminal_voltage": p["motor.R_ref"] * current, "winding_heat": loss, "housing_heat": loss}
-    return (units | {"housing_ambient_conductance": p["conductance.G_still"] + 0.3 * p["conductance.G_forced"]}).get(port, 1.0)
+    return (units | {"housing_ambient_conductance": p["conductance.G_still"] + 0.3 * p["conductance.G_forced"]}).get(
+        port, 1.0
+    )
 
 
 def draw_law(rng, s: Set, refit: Refit, name: str | None, noise: dict) -> float:
-    """Gives the set a law of a size that the fit runs show: `SIGNAL` times noise and structure error after a refit, within what is plausible;
-    returns its size in these units.
+    """Gives the set a law of a size that the fit runs show: `SIGNAL` times noise and structure error after a refit,
+    within what is plausible; returns its size in these units.
     """
     if name:
         law = laws.listed(rng, name, s.rig, len(refit.fit), len(s.runs))
@@ -191,7 +196,11 @@ def same_drivers(s: Set, refit: Refit, made) -> list:
         return list(law.drivers)
     rows = lambda of: np.concatenate([of(made[k])[s.runs[k].kept] for k in refit.fit])  # noqa: E731
     y = rows(lambda m: m["laws"][0])
-    counts = rows(lambda m: m["drivers"]["speed"]) > 4.0 * laws.W_SMALL if law.port == "drag_torque" else np.full(len(y), True)
+    counts = (
+        rows(lambda m: m["drivers"]["speed"]) > 4.0 * laws.W_SMALL
+        if law.port == "drag_torque"
+        else np.full(len(y), True)
+    )
     y, found = y[counts], list(law.drivers)
     for name in laws.FIELDS:
         x = rows(lambda m: m["drivers"][name])[counts]  # noqa: B023
@@ -228,11 +237,19 @@ def drawn(rng, title: str, kind: str, name: str | None) -> Set:
         runs = draw_runs(rng, rig, warm)
     deviation = {n: float(np.clip(rng.standard_normal(), -SCATTER, SCATTER)) for n in rig.prior}
     specimen = {n: float(rig.nominal[n] * np.exp(rig.prior[n] * d)) for n, d in deviation.items()}
-    prior = {n: float(f"{v * (rng.uniform(0.33, 0.5) if wrong and rng.random() < 0.5 else 1.0):.2g}") for n, v in rig.prior.items()}
-    ambiguous = {"stator_node": ("stator", "rotor", "end_winding", "housing_ends"), "housing_sensor_lag": ("sensor_lag",)}
+    prior = {
+        n: float(f"{v * (rng.uniform(*UNDERSTATED) if wrong and rng.random() < 0.5 else 1.0):.2g}")
+        for n, v in rig.prior.items()
+    }
+    ambiguous = {
+        "stator_node": ("stator", "rotor", "end_winding", "housing_ends"),
+        "housing_sensor_lag": ("sensor_lag",),
+    }
     without = ambiguous.get(name, ()) + (("rotor",) if rig.layout.drive == "power" else ())
     pieces = structure.draw(rng, len(runs), without)
-    s = Set(title, kind, rig, specimen, prior, cycles.draw_bench(rng, rig), bool(rng.random() < STATED), runs, [], pieces)
+    s = Set(
+        title, kind, rig, specimen, prior, cycles.draw_bench(rng, rig), bool(rng.random() < STATED), runs, [], pieces
+    )
     if rig.layout.drive == "voltage":
         impose_voltage(s)
     refit = Refit(s)
@@ -241,7 +258,11 @@ def drawn(rng, title: str, kind: str, name: str | None) -> Set:
     tested = refit.in_test(refit.structured, shift)
     s.scale = min(aim / max(*size.values(), *tested.values(), 1e-9), STRONGEST)
     size, tested = ({c: s.scale * v for c, v in by.items()} for by in (size, tested))
-    signal = draw_law(rng, s, refit, name, {c: float(np.hypot(1.0, v)) for c, v in size.items()}) if kind in (LISTED, *RANDOM) else None
+    signal = (
+        draw_law(rng, s, refit, name, {c: float(np.hypot(1.0, v)) for c, v in size.items()})
+        if kind in (LISTED, *RANDOM)
+        else None
+    )
     made = measure(rng, s)
     describe(s, size, tested, s.scale * shift, wrong)
     if s.laws:
@@ -252,11 +273,15 @@ def drawn(rng, title: str, kind: str, name: str | None) -> Set:
 
 
 def measure(rng, s: Set):
-    """Readings of all runs, and the noise floor: the truth's own simulation with the measured inputs, against the readings."""
+    """Readings of all runs, and the noise floor: the truth's own simulation with the measured inputs, against the
+    readings.
+    """
     imposed = [{c: cycles.measured(rng, s.bench, run.times, c, v) for c, v in run.inputs.items()} for run in s.runs]
     for run, inputs in zip(s.runs, imposed):
         inputs[AMBIENT][0] = run.inputs[AMBIENT][0]
-    columns = [column(s, k, laws_on=True, scale=s.scale, inputs=i) for k in range(len(s.runs)) for i in (None, imposed[k])]
+    columns = [
+        column(s, k, laws_on=True, scale=s.scale, inputs=i) for k in range(len(s.runs)) for i in (None, imposed[k])
+    ]
     made = Network(columns, s.rig.layout.drive, s.laws, s.pieces).simulate()
     misses: dict = {}
     for k, run in enumerate(s.runs):
@@ -283,5 +308,7 @@ def describe(s: Set, size: dict, tested: dict, shift, wrong: bool):
         "scale": s.scale,
         "true_of_structure": {"ports": ports, "effects": ids},
         "wrong_prior": wrong,
-        "effective_parameters": {n: s.specimen[n] + float(d) * s.prior[n] * s.rig.nominal[n] for n, d in zip(s.prior, shift)},
+        "effective_parameters": {
+            n: s.specimen[n] + float(d) * s.prior[n] * s.rig.nominal[n] for n, d in zip(s.prior, shift)
+        },
     }

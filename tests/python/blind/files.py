@@ -28,17 +28,27 @@ FOREIGN = {
 def experiment(s: Set) -> str:
     head = {"name": s.name, "model": "AnnulusCooledMotor", "preset": "maxon-305015"}
     head |= {"inputs": list(s.rig.layout.inputs), "outputs": list(s.rig.layout.outputs)}
-    tables = [toml_table("[experiment]", head), toml_table("[set]", {"cooling_mode": "conductance", "commutation": "equivalent_dc"} | s.rig.nominal)]
+    tables = [
+        toml_table("[experiment]", head),
+        toml_table("[set]", {"cooling_mode": "conductance", "commutation": "equivalent_dc"} | s.rig.nominal),
+    ]
     if not s.facts.get("no_prior"):
         tables.append(toml_table("[prior]", s.prior))
     if s.stated:
         tables.append(toml_table("[noise]", s.bench.noise))
     if s.facts.get("foreign"):
         columns = ["time_s", *s.rig.layout.inputs, *s.rig.layout.outputs]
-        lines = [f'{json.dumps(h, ensure_ascii=False)} = {{ name = "{q}", unit = "{u}" }}' for h, q, u, _ in (FOREIGN[c] for c in columns)]
+        lines = [
+            f'{json.dumps(h, ensure_ascii=False)} = {{ name = "{q}", unit = "{u}" }}'
+            for h, q, u, _ in (FOREIGN[c] for c in columns)
+        ]
         tables.append("\n".join(["[columns]", *lines]) + "\n")
     for k, run in enumerate(s.runs):
-        tables.append(toml_table("[[run]]", {"file": file_name(k), "role": run.role} | ({"start": "measured"} if run.warm else {})))
+        tables.append(
+            toml_table(
+                "[[run]]", {"file": file_name(k), "role": run.role} | ({"start": "measured"} if run.warm else {})
+            )
+        )
     return "# Synthetic. See truth.json beside this set.\n" + "\n".join(tables)
 
 
@@ -66,15 +76,32 @@ def csv(s: Set, k: int) -> str:
 
 
 def law_facts(s: Set, law) -> dict:
-    facts = {"id": law.id, "port": law.port, "driver": law.drivers[0], "drivers": list(law.drivers), "parameters": law.parameters | law.fixed}
+    facts = {
+        "id": law.id,
+        "port": law.port,
+        "driver": law.drivers[0],
+        "drivers": list(law.drivers),
+        "parameters": law.parameters | law.fixed,
+    }
     facts["runs"] = [file_name(k) for k in range(len(s.runs)) if law.acts_in(k)]
     return facts | ({"lag_s": law.lag} if law.lag is not None else {})
 
 
 def truth(s: Set) -> dict:
     """The content of `truth.json`."""
-    found = {"effects": [law_facts(s, law) for law in s.laws if law.listed], "law": next((law_facts(s, law) for law in s.laws if not law.listed), None)}
-    kept = ("structure_error", "structure_error_test", "structure_error_max", "pieces", "scale", "true_of_structure", "wrong_prior")
+    found = {
+        "effects": [law_facts(s, law) for law in s.laws if law.listed],
+        "law": next((law_facts(s, law) for law in s.laws if not law.listed), None),
+    }
+    kept = (
+        "structure_error",
+        "structure_error_test",
+        "structure_error_max",
+        "pieces",
+        "scale",
+        "true_of_structure",
+        "wrong_prior",
+    )
     kept += ("effective_parameters", "signal", "detectable", "drivers", "ports")
     return {
         "name": s.name,
@@ -95,7 +122,8 @@ def truth(s: Set) -> dict:
 def correct(s: Set) -> str:
     """One sentence: what a correct report says."""
     if s.mistake and "works" not in s.mistake["answers"]:
-        return f"{' or '.join(s.mistake['answers'])}: {', '.join(filter(None, s.mistake['channels'])) or 'the experiment'}; nothing is named"
+        channels = ", ".join(filter(None, s.mistake["channels"])) or "the experiment"
+        return f"{' or '.join(s.mistake['answers'])}: {channels}; nothing is named"
     if not s.laws:
         return "nothing; or a statement that is true of the structure"
     law = s.laws[0]

@@ -31,7 +31,9 @@ LOW = 0.5  # structure error, in standard deviations of the sensors, below which
 
 @dataclass
 class Said:
-    """Content of a report: names, classes of names, port and drivers of a law without a name, unusable channel, notes."""
+    """Content of a report: names, classes of names, port and drivers of a law without a name, unusable channel,
+    notes.
+    """
 
     names: list
     classes: list
@@ -74,7 +76,9 @@ class Judged:
     effective_inside: int = 0
     effective_parameters: int = 0
     over_floor: dict = field(default_factory=dict)  # by model: test error over the floor, in the worst channel
-    over_model: dict = field(default_factory=dict)  # the same over floor and structure error: what the best two-node model with the law would have
+    over_model: dict = field(
+        default_factory=dict
+    )  # the same over floor and structure error: what the best two-node model with the law would have
     over_refit: float | None = None  # error after the repair over the refit's, all channels together
     over_refit_worst: float | None = None  # in the worst channel
     seconds: float | None = None
@@ -87,7 +91,8 @@ class Judged:
         ratios = ", ".join(f"{m} {v:.3g}" for m, v in self.over_floor.items())
         signal = "" if self.signal is None else f", effect {self.signal:.3g} sigma"
         errors = f"; test error / floor: {ratios}" if ratios else ""
-        return f"{self.name}: {self.outcome}: {self.truth} (structure error {self.structure:.2g} sigma{signal}); reported {self.said}{errors}"
+        true = f"{self.truth} (structure error {self.structure:.2g} sigma{signal})"
+        return f"{self.name}: {self.outcome}: {true}; reported {self.said}{errors}"
 
 
 def said_in(report: dict) -> Said:
@@ -196,13 +201,20 @@ def sizes(truth: dict, report: dict) -> list:
 
 def over(floors: dict, error: dict) -> dict:
     """By model the test error over the floor, in the worst channel."""
-    by = {m: [error[c][m] / floor for c, floor in floors.items() if (error.get(c) or {}).get(m) is not None] for m in MODELS}
+    by = {
+        m: [error[c][m] / floor for c, floor in floors.items() if (error.get(c) or {}).get(m) is not None]
+        for m in MODELS
+    }
     return {m: max(values) for m, values in by.items() if values}
 
 
 def ratios(floors: dict, error: dict) -> tuple:
     """Error after the repair over the refit's, all channels together and in the worst one."""
-    pairs = [(error[c]["after"], error[c]["refit"], f) for c, f in floors.items() if c in error and error[c].get("after") is not None]
+    pairs = [
+        (error[c]["after"], error[c]["refit"], f)
+        for c, f in floors.items()
+        if c in error and error[c].get("after") is not None
+    ]
     if not pairs:
         return None, None
     together = (sum((a / f) ** 2 for a, _, f in pairs) / sum((r / f) ** 2 for _, r, f in pairs)) ** 0.5
@@ -210,7 +222,9 @@ def ratios(floors: dict, error: dict) -> tuple:
 
 
 def judge(truth: dict, report: dict | None, run: dict | None = None) -> Judged:
-    """`report` is None if the program gave none; `run` has `exit_code`, `error`, `seconds`, `cpu_seconds`, `memory_MB`."""
+    """`report` is None if the program gave none; `run` has `exit_code`, `error`, `seconds`, `cpu_seconds`,
+    `memory_MB`.
+    """
     run, kind = run or {}, truth["kind"]
     said = said_in(report) if report else None
     if kind == MISTAKE:
@@ -224,9 +238,23 @@ def judge(truth: dict, report: dict | None, run: dict | None = None) -> Judged:
     else:
         outcome = (of_listed if kind == LISTED else of_random)(truth, said)
     text = said.text if said else run.get("error") or "no report"
-    j = Judged(truth["name"], kind, label(truth), text, outcome, truth["structure_error_max"], truth.get("signal"), truth.get("detectable", True))
+    j = Judged(
+        truth["name"],
+        kind,
+        label(truth),
+        text,
+        outcome,
+        truth["structure_error_max"],
+        truth.get("signal"),
+        truth.get("detectable", True),
+    )
     j.warm, j.verdict = truth["warm"], report and report["verdict"]
-    j.seconds, j.budget, j.cpu, j.memory = run.get("seconds"), run.get("budget"), run.get("cpu_seconds"), run.get("memory_MB")
+    j.seconds, j.budget, j.cpu, j.memory = (
+        run.get("seconds"),
+        run.get("budget"),
+        run.get("cpu_seconds"),
+        run.get("memory_MB"),
+    )
     if kind in RANDOM and j.detectable:
         law = said.law if said else None
         j.port = bool(law and law[0] in truth["ports"])

@@ -1,7 +1,10 @@
-"""What a specimen has that the preset lacks: listed effects, random functions, and functions of a lagged driver; all on arrays.
+"""What a specimen has that the preset lacks: listed effects, random functions, and functions of a lagged driver; all on
+arrays.
 
-A law adds at its port: N m of drag, V of drop, W of heat, W/K of conductance, K at a sensor, N m at the torque sensor, else a fraction.
-*Source*: the table of effects in the design; ranges of sizes as in `bench.effects`, for the public motor, carried over by the units of a rig.
+A law adds at its port: N m of drag, V of drop, W of heat, W/K of conductance, K at a sensor, N m at the torque sensor,
+else a fraction.
+*Source*: the table of effects in the design; ranges of sizes as in `bench.effects`, for the public motor, carried over
+by the units of a rig.
 """
 
 from collections.abc import Callable
@@ -26,7 +29,9 @@ FIELDS = {
 
 @dataclass(frozen=True)
 class Law:
-    """A law with its size; `shape` gives the value of a random one from its drivers, `lag` s delays the driver of a hidden state."""
+    """A law with its size; `shape` gives the value of a random one from its drivers, `lag` s delays the driver of a
+    hidden state.
+    """
 
     id: str
     port: str
@@ -80,7 +85,8 @@ def radiation(x, k):
     return k * (h * h + a * a) * (h + a)
 
 
-# Name: function of the point and its parameters, drivers that state the same law. Ports and ranges come from the catalogue of `bench`.
+# Name: function of the point and its parameters, drivers that state the same law. Ports and ranges come from the
+# catalogue of `bench`.
 LISTED = {
     "iron_loss": lambda x, k: k * power(x.w, 0.5),
     "viscous_friction": lambda x, k: k * x.w,
@@ -104,13 +110,25 @@ LISTED = {
 
 
 def listed(rng, name: str, rig, fitted: int, count: int) -> Law:
-    """A listed effect of random size; one that a declared parameter could replace acts in some runs, in and outside of the fitted ones."""
+    """A listed effect of random size; one that a declared parameter could replace acts in some runs, in and outside
+    of the fitted ones.
+    """
     entry = CATALOGUE[name]
     effect = entry.draw(rng, rig)
     runs = (int(rng.integers(fitted)), int(rng.integers(fitted, count))) if entry.some_runs else None
     parameters = {key: value for key, value in effect.parameters.items()}
     filtered = name == "housing_sensor_lag"
-    return Law(name, entry.port, (entry.driver,), parameters, True, LISTED[name], runs=runs, filter=filtered, fixed=dict(entry.fixed))
+    return Law(
+        name,
+        entry.port,
+        (entry.driver,),
+        parameters,
+        True,
+        LISTED[name],
+        runs=runs,
+        filter=filtered,
+        fixed=dict(entry.fixed),
+    )
 
 
 # --- random functions
@@ -118,7 +136,9 @@ def listed(rng, name: str, rig, fitted: int, count: int) -> Law:
 
 @dataclass(frozen=True)
 class Curve:
-    """A smooth random function on [low, high], constant outside: a Gaussian process at knots; its mean and slope are free too."""
+    """A smooth random function on [low, high], constant outside: a Gaussian process at knots; its mean and slope are
+    free too.
+    """
 
     low: float
     high: float
@@ -143,7 +163,8 @@ def curve(rng, low: float, high: float, positive: bool = False) -> Curve:
     return Curve(low, high, g / max(float(np.max(np.abs(g))), 1e-3))
 
 
-# Port: its drivers and the largest size, a fraction of the nominal quantity of that port (see `draw.unit_of`), K at temperature sensors.
+# Port: its drivers and the largest size, a fraction of the nominal quantity of that port (see `draw.unit_of`), K at
+# temperature sensors.
 RANDOM = {
     "drag_torque": (("speed", "current", "winding_temperature", "housing_temperature", "load_torque"), 0.25),
     "terminal_voltage": (("current", "speed", "winding_temperature"), 0.25),
@@ -159,12 +180,18 @@ RANDOM = {
     "housing_sensor": (("housing_temperature", "fan_command", "speed"), 6.0),
     "torque_sensor": (("current", "housing_temperature"), 0.25),
 }
-SAME = {"terminal_voltage": ("winding_resistance",), "winding_resistance": ("terminal_voltage",), "fan_flow": ("housing_ambient_conductance",)}
+SAME = {
+    "terminal_voltage": ("winding_resistance",),
+    "winding_resistance": ("terminal_voltage",),
+    "fan_flow": ("housing_ambient_conductance",),
+}
 FAST = ("speed", "current", "load_torque", "fan_command")
 
 
 def names_at(drive: str, port: str) -> tuple:
-    """Drivers that a bench of this drive has at a port; an imposed voltage has one current only if no terminal law depends on it."""
+    """Drivers that a bench of this drive has at a port; an imposed voltage has one current only if no terminal law
+    depends on it.
+    """
     names = RANDOM[port][0]
     if drive == "voltage" and port in ("terminal_voltage", "winding_resistance", "torque_constant"):
         names = tuple(n for n in names if n != "current")
@@ -176,10 +203,14 @@ def ports(drive: str) -> list:
 
 
 def random_law(rng, kind: str, drive: str, ranges: dict) -> Law:
-    """`function` of one driver, `product` of two, or `hidden`: of a driver behind a first-order lag. `ranges` has (low, high) by driver."""
+    """`function` of one driver, `product` of two, or `hidden`: of a driver behind a first-order lag. `ranges` has
+    (low, high) by driver.
+    """
     possible = ports(drive)
     if kind == "hidden":
-        possible = [p for p in possible if set(names_at(drive, p)) & set(FAST) and p not in ("fan_flow", "torque_sensor")]
+        possible = [
+            p for p in possible if set(names_at(drive, p)) & set(FAST) and p not in ("fan_flow", "torque_sensor")
+        ]
     port = str(rng.choice(possible))
     names = names_at(drive, port)
     size = {"size": float(rng.choice([-1.0, 1.0]))}
@@ -189,7 +220,11 @@ def random_law(rng, kind: str, drive: str, ranges: dict) -> Law:
         return Law("product", port, tuple(pair), size, shape=lambda a, b: one(a) * other(b))
     if kind == "hidden":
         driver = str(rng.choice([n for n in names if n in FAST]))
-        bent = curve(rng, *ranges[driver]) if rng.random() < 0.5 else Curve(*ranges[driver], np.linspace(0.0, 1.0, KNOTS))
-        return Law("hidden", port, (driver,), size, shape=bent, lag=float(np.exp(rng.uniform(np.log(60.0), np.log(900.0)))))
+        bent = (
+            curve(rng, *ranges[driver]) if rng.random() < 0.5 else Curve(*ranges[driver], np.linspace(0.0, 1.0, KNOTS))
+        )
+        return Law(
+            "hidden", port, (driver,), size, shape=bent, lag=float(np.exp(rng.uniform(np.log(60.0), np.log(900.0))))
+        )
     driver = str(rng.choice(names))
     return Law("function", port, (driver,), size, shape=curve(rng, *ranges[driver]))

@@ -1,7 +1,8 @@
-"""Draws the sets of a seed: `python -m blind.make --seed N --out DIR [--count K] [--kind KIND] [--name ID] [--jobs J]`, in `tests/python`.
+"""Draws the sets of a seed: `python -m blind.make --seed N --out DIR [--count K] [--kind KIND] [--name ID] [--jobs J]`,
+in `tests/python`.
 
-Of twenty sets five are null, five have a listed effect, five a random law (three a function, one a product, one behind a lag) and five an
-ordinary mistake. The same seed gives the same files, in any number of processes.
+Of twenty sets five are null, five have a listed effect, five a random law (two a function, one a product, two behind
+a lag) and five an ordinary mistake. The same seed gives the same files, in any number of processes.
 """
 
 import argparse
@@ -15,7 +16,14 @@ import numpy as np
 from . import draw, laws, mistakes
 from .files import write_set
 
-KINDS = (draw.NULL,) * 5 + (draw.LISTED,) * 5 + (draw.FUNCTION,) * 2 + (draw.PRODUCT,) + (draw.HIDDEN,) * 2 + (draw.MISTAKE,) * 5
+KINDS = (
+    (draw.NULL,) * 5
+    + (draw.LISTED,) * 5
+    + (draw.FUNCTION,) * 2
+    + (draw.PRODUCT,)
+    + (draw.HIDDEN,) * 2
+    + (draw.MISTAKE,) * 5
+)
 STAMP = "generator.stamp"
 EVALUATION = ("judge", "page", "run", "score")
 
@@ -66,11 +74,15 @@ def make_one(options, number: int) -> str:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m blind.make", description="Draws sets of synthetic bench experiments.")
+    parser = argparse.ArgumentParser(
+        prog="python -m blind.make", description="Draws sets of synthetic bench experiments."
+    )
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--kind", choices=sorted(set(KINDS)))
-    parser.add_argument("--name", choices=[*laws.LISTED, *mistakes.ALL], metavar="ID", help="a listed effect or a mistake, with --kind")
+    parser.add_argument(
+        "--name", choices=[*laws.LISTED, *mistakes.ALL], metavar="ID", help="a listed effect or a mistake, with --kind"
+    )
     parser.add_argument("--count", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first set")
     parser.add_argument("--jobs", type=int, default=1, help="processes")

@@ -1,7 +1,8 @@
 """Ordinary mistakes of data: each spoils the readings or the files of a set, and says which answers are correct.
 
-Answers: `unusable` (verdict, with one of `channels`), `set aside` (a note that says so and names one of `channels`), `refused` (exit code 2),
-`works` (the mistake is declared or harmless: the set is evaluated as one without it). Nothing may be named on data that are wrong.
+Answers: `unusable` (verdict, with one of `channels`), `set aside` (a note that says so and names one of `channels`),
+`refused` (exit code 2), `works` (the mistake is declared or harmless: the set is evaluated as one without it).
+Nothing may be named on data that are wrong.
 """
 
 from collections.abc import Callable
@@ -16,7 +17,9 @@ WRONG, ASIDE, REFUSED, WORKS = "unusable", "set aside", "refused", "works"
 
 @dataclass(frozen=True)
 class Mistake:
-    """`apply(rng, set)` changes the readings in place and returns the channels concerned; `needs` are columns the set must have."""
+    """`apply(rng, set)` changes the readings in place and returns the channels concerned; `needs` are columns the set
+    must have.
+    """
 
     id: str
     apply: Callable
@@ -176,7 +179,9 @@ def spikes(rng, s):
     size = 40.0 * s.bench.noise[channel] + 0.3 * max(float(np.ptp(run.readings[channel])) for run in s.runs)
     for run in s.runs:
         hit = rng.random(len(run.readings[channel])) < 0.01
-        run.readings[channel] = run.readings[channel] + hit * size * rng.choice([-1.0, 1.0], len(hit)) * rng.uniform(0.5, 2.0, len(hit))
+        run.readings[channel] = run.readings[channel] + hit * size * rng.choice([-1.0, 1.0], len(hit)) * rng.uniform(
+            0.5, 2.0, len(hit)
+        )
     return [channel]
 
 

@@ -1,12 +1,17 @@
 """A motor of seven thermal nodes, integrated for many columns (run, specimen, inputs) at once.
 
-    0 slot winding   1 end winding   2 stator core   3 housing front   4 housing back   5 rotor   6 core of `stator_node`
+    0 slot winding   1 end winding   2 stator core   3 housing front   4 housing back   5 rotor   6 core of
+    `stator_node`
 
-The winding's heat goes to core and housing, friction heat to the bearings, both housing ends release heat to ambient. With the strength 0 of
-every piece of structure each node has the fraction of heat, capacity and conductance of its part, so that all nodes of a part have one
-temperature, and the network is the two-node motor of `bench.generator`. The strengths move these fractions: no time constant becomes short.
+The winding's heat goes to core and housing, friction heat to the bearings, both housing ends release heat to ambient.
+With the strength 0 of
+every piece of structure each node has the fraction of heat, capacity and conductance of its part, so that all nodes of
+a part have one
+temperature, and the network is the two-node motor of `bench.generator`. The strengths move these fractions: no time
+constant becomes short.
 
-*Assumes* linear inputs between rows. *Integrates* with the classical Runge-Kutta method, equal substeps of at most `SUBSTEP` of the fastest time
+*Assumes* linear inputs between rows. *Integrates* with the classical Runge-Kutta method, equal substeps of at most
+`SUBSTEP` of the fastest time
 constant. *Source*: README of the public bench sets for the two-node limit.
 """
 
@@ -41,7 +46,9 @@ NAMES = {
 
 @dataclass
 class Column:
-    """One simulated run: times s, imposed columns, parameters by their name in the product, which laws act, strength of the structure."""
+    """One simulated run: times s, imposed columns, parameters by their name in the product, which laws act, strength
+    of the structure.
+    """
 
     times: np.ndarray
     inputs: dict
@@ -53,7 +60,7 @@ class Column:
 
 @dataclass
 class Point:
-    """What a law may depend on, one value a column: s, A, rad/s, 1, degC, N m; `lagged` has the hidden states by law."""
+    """What a law may depend on, one value a column: s, A, rad/s, 1, degC, N m; hidden states by law."""
 
     t: np.ndarray
     w: np.ndarray
@@ -100,7 +107,9 @@ class Network:
         self.into = np.array([CORE + core * (1.0 - CORE), shell * (1.0 - core), shell * (1.0 - core)])
         left = CORE * core / 2.0
         self.out = np.array([CORE * (1.0 - core), (shell + left) * (1.0 - ends), (shell + left) * (1.0 + ends)])
-        self.rub = np.array([CORE * (1.0 - core), (shell + left) * (1.0 + 0.5 * ends), (shell + left) * (1.0 - 0.5 * ends)])
+        self.rub = np.array(
+            [CORE * (1.0 - core), (shell + left) * (1.0 + 0.5 * ends), (shell + left) * (1.0 - 0.5 * ends)]
+        )
         self.end = np.clip(self.strength("end_winding"), 0.0, 0.95)
         self.rotor = np.clip(self.strength("rotor"), 0.0, 1.0)
 
@@ -194,7 +203,9 @@ class Network:
         for k, law in enumerate(self.hidden):
             dy[NODES + k] = (law.driver_value(x) - y[NODES + k]) / law.lag
         shaft = self.torque * x.w
-        self.supplied = self.voltage * x.i + total.get("winding_heat", 0.0) + x.power - shaft + total.get("housing_heat", 0.0)
+        self.supplied = (
+            self.voltage * x.i + total.get("winding_heat", 0.0) + x.power - shaft + total.get("housing_heat", 0.0)
+        )
         self.released = np.sum(leaving, axis=0)
         return dy
 
@@ -215,7 +226,9 @@ class Network:
         u = np.zeros((rows, 5, len(self.columns)))
         for k, c in enumerate(self.columns):
             still = np.zeros(len(c.times))
-            for q, values in enumerate((c.times, c.inputs[COLUMNS[self.drive]], c.inputs.get(SPEED, still), c.inputs[FAN], c.inputs[AMBIENT])):
+            for q, values in enumerate(
+                (c.times, c.inputs[COLUMNS[self.drive]], c.inputs.get(SPEED, still), c.inputs[FAN], c.inputs[AMBIENT])
+            ):
                 u[: len(c.times), q, k], u[len(c.times) :, q, k] = values, values[-1]
         for law, mask in self.laws:
             if law.port == "ambient_sensor":
@@ -267,7 +280,13 @@ class Network:
         housing = x.T_h + np.clip(seat, -1.0, 1.0) * 0.5 * (y[4] - y[3])
         moved = np.array([self.pieces.get("moved", {}).get(run, (0.0, 0.0)) for run in self.runs]).reshape(-1, 2)
         winding, housing = winding + self.s * moved[:, 0], housing + self.s * moved[:, 1]
-        read = {TORQUE: terminals[:, 2], WINDING: winding, HOUSING: housing, COLUMNS["voltage"]: terminals[:, 0], COLUMNS["current"]: x.i}
+        read = {
+            TORQUE: terminals[:, 2],
+            WINDING: winding,
+            HOUSING: housing,
+            COLUMNS["voltage"]: terminals[:, 0],
+            COLUMNS["current"]: x.i,
+        }
         at = {"torque_sensor": TORQUE, "winding_sensor": WINDING, "housing_sensor": HOUSING}
         for law, mask in self.laws:
             if law.port in at:

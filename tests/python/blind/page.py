@@ -59,8 +59,13 @@ def outcomes(sets) -> str:
 def section(stored: dict, newest: bool) -> str:
     """One seed: criteria, outcomes by kind, and the sets that are not right."""
     sets = [j.Judged(**s) for s in stored["sets"]]
-    parts = [f"## Seed {stored['seed']} ({stored['date']})\n", f"{len(sets)} sets; `{stored['command']}`.\n" if stored["command"] else f"{len(sets)} sets.\n"]
-    parts.append(table(["quantity", "result", "criterion", ""], [[r.what, r.text, r.bar, r.verdict] for r in criteria(sets)]))
+    parts = [
+        f"## Seed {stored['seed']} ({stored['date']})\n",
+        f"{len(sets)} sets; `{stored['command']}`.\n" if stored["command"] else f"{len(sets)} sets.\n",
+    ]
+    parts.append(
+        table(["quantity", "result", "criterion", ""], [[r.what, r.text, r.bar, r.verdict] for r in criteria(sets)])
+    )
     parts.append(outcomes(sets))
     if newest:
         parts.append(table(["for information", "result"], [[r.what, r.text] for r in information(sets)]))

@@ -1,6 +1,7 @@
 """Runs the program on each set: `python -m blind.run SETS --program motor-fmu [--jobs J]`, in `tests/python`.
 
-Each set gets a folder `result` with the output of the program, without the FMUs, and `run.json`: exit code, wall seconds, seconds of CPU (user and system), memory, and hashes
+Each set gets a folder `result` with the output of the program, without the FMUs, and `run.json`: exit code, wall
+seconds, seconds of CPU (user and system), memory, and hashes
 of program and set. A result of the same program and set is kept.
 """
 
@@ -51,7 +52,9 @@ def read_json(file: Path):
 
 
 def measured(command: list, errors: Path, limit: float):
-    """Exit code, wall seconds, seconds of CPU (user and system) and the largest memory in MB, as far as the system knows them."""
+    """Exit code, wall seconds, seconds of CPU (user and system) and the largest memory in MB, as far as the system
+    knows them.
+    """
     begin = time.monotonic()
     with errors.open("wb") as stderr:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr)
@@ -69,7 +72,9 @@ def measured(command: list, errors: Path, limit: float):
     return process.returncode, time.monotonic() - begin, cpu, memory
 
 
-def ask(folder: Path, program: Path, program_digest: str, limit: float = TIME_LIMIT, budget: float | None = None) -> dict:
+def ask(
+    folder: Path, program: Path, program_digest: str, limit: float = TIME_LIMIT, budget: float | None = None
+) -> dict:
     """The content of the set's `run.json`."""
     result, file = folder / "result", folder / "result" / "run.json"
     whose = {"program": program_digest, "set": digest_of_set(folder)}
@@ -85,7 +90,11 @@ def ask(folder: Path, program: Path, program_digest: str, limit: float = TIME_LI
     for fmu in result.rglob("*.fmu"):
         fmu.unlink()
     whose |= {"exit_code": code, "seconds": round(seconds, 3)}
-    run = whose | {"budget": budget or BUDGET, "cpu_seconds": cpu and round(cpu, 3), "memory_MB": memory and round(memory, 1)}
+    run = whose | {
+        "budget": budget or BUDGET,
+        "cpu_seconds": cpu and round(cpu, 3),
+        "memory_MB": memory and round(memory, 1),
+    }
     file.write_text(json.dumps(run) + "\n", encoding="utf-8")
     return run
 
@@ -116,12 +125,18 @@ def why(folder: Path) -> str:
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python -m blind.run", description="Asks the program about each set of a folder.")
+    parser = argparse.ArgumentParser(
+        prog="python -m blind.run", description="Asks the program about each set of a folder."
+    )
     parser.add_argument("sets", type=Path)
     parser.add_argument("--program", type=Path, required=True)
     parser.add_argument("--count", type=int, help="the first sets only")
     parser.add_argument("--jobs", type=int, default=1, help="programs at a time")
-    parser.add_argument("--budget", type=float, help="wall time that the program is given for a set, s; for a machine that others use too")
+    parser.add_argument(
+        "--budget",
+        type=float,
+        help="wall time that the program is given for a set, s; for a machine that others use too",
+    )
     options = parser.parse_args(arguments)
     program = options.program.resolve()
     if not program.is_file():

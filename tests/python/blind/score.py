@@ -1,7 +1,10 @@
-"""Rates with binomial intervals, compared with the criteria: `python -m blind.score SETS [--tables DIR --page FILE]`, in `tests/python`.
+"""Rates with binomial intervals, compared with the criteria: `python -m blind.score SETS [--tables DIR --page FILE]`,
+in `tests/python`.
 
-A criterion is met only if the 95 % interval (Clopper and Pearson, Biometrika 26, 1934) ends on the right side of its bound. Exit code 1 if one is
-not. With `--tables` the table of this seed is stored beside those of all seeds before, and the page is made of all of them.
+A criterion is met only if the 95 % interval (Clopper and Pearson, Biometrika 26, 1934) ends on the right side of its
+bound. Exit code 1 if one is
+not. With `--tables` the table of this seed is stored beside those of all seeds before, and the page is made of all of
+them.
 """
 
 import argparse
@@ -57,7 +60,9 @@ class Rate:
 
     @property
     def bar(self) -> str:
-        side = f">= {self.least:.0%}" if self.least is not None else f"<= {self.most:.0%}" if self.most is not None else ""
+        side = (
+            f">= {self.least:.0%}" if self.least is not None else f"<= {self.most:.0%}" if self.most is not None else ""
+        )
         which = "lower" if self.least is not None else "upper"
         return f"{side}, {which} bound {self.bound:.0%}" if side and self.bound is not None else side
 
@@ -137,19 +142,47 @@ def criteria(sets: list) -> list:
     hidden = [s for s in seen if s.kind == "hidden"]
     return [
         Rate("listed effects named, of visible ones", count(visible, j.RIGHT), len(visible), least=0.95, bound=0.90),
-        Rate("wrong names, of sets with an effect", count([*listed, *random], j.WRONG_NAME), len(listed) + len(random), most=0.02, bound=0.04),
+        Rate(
+            "wrong names, of sets with an effect",
+            count([*listed, *random], j.WRONG_NAME),
+            len(listed) + len(random),
+            most=0.02,
+            bound=0.04,
+        ),
         Rate("false alarms, of sets without an effect", count(nulls, j.FALSE_ALARM), len(nulls), most=0.02, bound=0.04),
         Rate("random laws: correct port, of visible ones", sum(s.port for s in seen), len(seen), least=0.90),
         Rate("random laws: correct driver, of visible ones", sum(s.driver for s in seen), len(seen), least=0.80),
         Number("random laws: test error after the repair / floor, median", after(plain), 0.5, 1.3),
         Number("random laws: test error after the repair / floor, 90th percentile", after(plain), 0.9, 3.0),
         Number("hidden states: test error after the repair / floor, median", after(hidden), 0.5, 1.5),
-        Rate("test error larger than the refit's by more than 2 %", sum(s.over_refit > MARGIN for s in repaired), len(repaired), most=0.0, bound=0.04),
-        Coverage("true parameters inside their 95 % interval", sum(s.inside for s in sets), sum(s.parameters for s in sets)),
+        Rate(
+            "test error larger than the refit's by more than 2 %",
+            sum(s.over_refit > MARGIN for s in repaired),
+            len(repaired),
+            most=0.0,
+            bound=0.04,
+        ),
+        Coverage(
+            "true parameters inside their 95 % interval", sum(s.inside for s in sets), sum(s.parameters for s in sets)
+        ),
         Rate("mistakes in the data handled", count(mistakes, j.RIGHT), len(mistakes), least=0.95, bound=0.90),
-        Rate("mistakes in the data traced to an effect", count(mistakes, j.TRACED), len(mistakes), most=0.02, bound=0.04),
-        Rate("good data refused, or no report", count(sets, j.REFUSED_GOOD, j.NO_REPORT), len(sets), most=0.02, bound=0.04),
-        Rate("wall time above the budget", sum((s.seconds or 0.0) > (s.budget or BUDGET) for s in sets), len(sets), most=0.0, bound=0.04),
+        Rate(
+            "mistakes in the data traced to an effect", count(mistakes, j.TRACED), len(mistakes), most=0.02, bound=0.04
+        ),
+        Rate(
+            "good data refused, or no report",
+            count(sets, j.REFUSED_GOOD, j.NO_REPORT),
+            len(sets),
+            most=0.02,
+            bound=0.04,
+        ),
+        Rate(
+            "wall time above the budget",
+            sum((s.seconds or 0.0) > (s.budget or BUDGET) for s in sets),
+            len(sets),
+            most=0.0,
+            bound=0.04,
+        ),
         Number("seconds of CPU, median", [s.cpu for s in sets if s.cpu is not None], 0.5, 5.0),
         Number("seconds of CPU, 95th percentile", [s.cpu for s in sets if s.cpu is not None], 0.95, 30.0),
         Number("peak memory in MB, largest", [s.memory for s in sets if s.memory is not None], 1.0, 500.0),
@@ -161,8 +194,14 @@ def information(sets: list) -> list:
     groups = {kind: [s for s in sets if s.kind == kind] for kind in (j.NULL, j.LISTED, *j.RANDOM)}
     visible = [s for s in groups[j.LISTED] if s.detectable]
     rows = [
-        Rate("listed effects named or in a class with the true one", count(visible, j.RIGHT, j.CLASS_WITH), len(visible)),
-        Rate("any name, law or alarm on sets without an effect", sum(s.said != "nothing" for s in groups[j.NULL]), len(groups[j.NULL])),
+        Rate(
+            "listed effects named or in a class with the true one", count(visible, j.RIGHT, j.CLASS_WITH), len(visible)
+        ),
+        Rate(
+            "any name, law or alarm on sets without an effect",
+            sum(s.said != "nothing" for s in groups[j.NULL]),
+            len(groups[j.NULL]),
+        ),
         Coverage(
             "parameters of the best two-node model inside, all sets",
             sum(s.effective_inside for s in sets),
@@ -177,19 +216,32 @@ def information(sets: list) -> list:
     ]
     for low, high in ((0.0, 0.3), (0.3, 2.0), (2.0, 99.0)):
         some = [s for s in sets if low <= s.structure < high and s.kind not in (j.MISTAKE,)]
-        rows.append(Rate(f"right, structure error {low:g} to {high:g} sigma" if high < 99 else f"right, structure error above {low:g} sigma", count(some, *j.FINE), len(some)))
+        rows.append(
+            Rate(
+                f"right, structure error {low:g} to {high:g} sigma"
+                if high < 99
+                else f"right, structure error above {low:g} sigma",
+                count(some, *j.FINE),
+                len(some),
+            )
+        )
     for kind, group in groups.items():
         for model in j.MODELS:
             values = [s.over_floor[model] for s in group if model in s.over_floor]
             if values:
-                rows += [Number(f"{kind}: test error {model} / floor, {name}", values, q) for name, q in (("median", 0.5), ("90th percentile", 0.9))]
+                rows += [
+                    Number(f"{kind}: test error {model} / floor, {name}", values, q)
+                    for name, q in (("median", 0.5), ("90th percentile", 0.9))
+                ]
         both = [s.over_model["after"] for s in group if "after" in s.over_model]
         rows.append(Number(f"{kind}: test error after / floor with structure error, median", both, 0.5))
     return rows
 
 
 def main(arguments=None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m blind.score", description="Rates of a folder of reports, with intervals, against the criteria.")
+    parser = argparse.ArgumentParser(
+        prog="python -m blind.score", description="Rates of a folder of reports, with intervals, against the criteria."
+    )
     parser.add_argument("sets", type=Path)
     parser.add_argument("--count", type=int, help="the first sets only")
     parser.add_argument("--tables", type=Path, help="folder with the tables of all seeds; that of this seed is added")
@@ -208,7 +260,12 @@ def main(arguments=None) -> int:
         print(f"{rate.what}: {rate.text}{f', criterion {rate.bar}: {rate.verdict}' if rate.bar else ''}")
     if options.tables:
         options.tables.mkdir(parents=True, exist_ok=True)
-        table = {"seed": asked[0].name.split("-")[1], "date": str(date.today()), "command": options.command, "sets": [asdict(s) for s in sets]}
+        table = {
+            "seed": asked[0].name.split("-")[1],
+            "date": str(date.today()),
+            "command": options.command,
+            "sets": [asdict(s) for s in sets],
+        }
         file = options.tables / f"{table['seed']}.json"
         file.write_text(json.dumps(table, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")
     if options.tables and options.page:

@@ -1,4 +1,6 @@
-"""Physics of a specimen beyond two nodes: pieces with a strength each, and the true statements that a report could make about them."""
+"""Physics of a specimen beyond two nodes: pieces with a strength each, and the true statements that a report could
+make about them.
+"""
 
 import numpy as np
 
@@ -33,7 +35,9 @@ NONE_IN = 0.25  # fraction of sets without structure error
 
 
 def draw(rng, runs: int, without=()) -> dict:
-    """Two to five pieces at the strengths that a whole structure has; those of `without` would make an effect of the set ambiguous."""
+    """Two to five pieces at the strengths that a whole structure has; those of `without` would make an effect of the
+    set ambiguous.
+    """
     names = [p for p in PIECES if p not in without]
     chosen = rng.choice(names, int(rng.integers(2, 6)), replace=False)
     pieces: dict = {}
