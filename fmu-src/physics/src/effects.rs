@@ -91,7 +91,9 @@ macro_rules! effects {
                 Effects { $($id: Effect::example()),* }
             }
 
-            /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts.
+            /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts. Inlined, so that for a
+            /// known port only its own effects are asked.
+            #[inline(always)]
             pub fn acts_at(&self, port: Port) -> bool {
                 false $(|| (matches!(Port::$port, p if p == port || p == Port::Any) && self.$id.is_on()))*
             }

@@ -82,11 +82,14 @@ impl Group for GenericTerms {
 
 impl GenericTerms {
     /// The sum at a port, with the driver that it keeps alive at `x`; nothing where no term is on.
-    #[inline]
+    #[inline(always)]
     fn along<D: Number>(&self, port: Port, x: D) -> D {
-        if !self.is_on() {
-            return D::from(0.0);
-        }
+        if self.is_on() { self.evaluate(port, x) } else { D::from(0.0) }
+    }
+
+    /// Apart from [`along`](Self::along), so that a motor without terms only asks whether there is one.
+    #[inline(never)]
+    fn evaluate<D: Number>(&self, port: Port, x: D) -> D {
         let all = self.terms.iter().flatten().enumerate();
         let live = Some((live(port).unwrap_or(Driver::Speed), x));
         let here = all.filter(|(_, term)| term.port == port);
@@ -95,7 +98,7 @@ impl GenericTerms {
     }
 
     /// The sum at a port.
-    #[inline]
+    #[inline(always)]
     fn sum(&self, port: Port) -> f64 {
         self.along(port, self.drivers.of(live(port).unwrap_or(Driver::Speed)))
     }

@@ -13,7 +13,7 @@ use super::variables::Inputs;
 use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
-use crate::effects::PerNode;
+use crate::effects::{PerNode, Port};
 use crate::ending::Halt;
 use crate::model::Fault;
 use crate::solver::split::State;
@@ -45,7 +45,8 @@ impl AnnulusCooledMotor {
     #[inline]
     pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.housing_temperature();
-        let lagging = self.parameters.effects.has_lags().then(|| self.lag_sources());
+        let effects = &self.parameters.effects;
+        let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_sources());
         if self.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else {

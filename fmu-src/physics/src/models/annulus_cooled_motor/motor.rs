@@ -71,8 +71,11 @@ groups! {
 const INPUTS: usize = 0;
 /// Index of the outputs in the list of groups.
 const OUTPUTS: usize = 1;
-/// The first of the outputs, current, shaft_angle and shaft_speed, are states and shown as they are.
-const STRAIGHT: usize = 3;
+/// Last of the outputs that are states and shown as they are: current, shaft_angle and shaft_speed come first.
+const LAST_STATE: usize = 2;
+/// Rows of the outputs that sensors of winding and housing indicate.
+pub(super) const WINDING_SENSOR: usize = 4;
+pub(super) const HOUSING_SENSOR: usize = 7;
 /// Index of the flows of power in the list of groups.
 const BOOKS: usize = 2;
 /// Index of the event indicators in the list of groups; parameters follow.
@@ -226,6 +229,14 @@ impl AnnulusCooledMotor {
         self.outputs.shaft_angle = self.state.angle;
     }
 
+    /// Outputs of the sensors, which need no equations of the motor.
+    #[inline]
+    fn show_sensors(&mut self) {
+        let (effects, ambient) = (&self.parameters.effects, self.ambient(self.time).start);
+        self.outputs.winding_temperature = effects.winding_sensor(self.state.temperature[0], ambient);
+        self.outputs.housing_temperature = effects.housing_sensor(self.t_sensor, ambient);
+    }
+
     /// The state, an input or a parameter has changed.
     #[inline]
     pub(super) fn outdate(&mut self) {
@@ -298,7 +309,10 @@ impl Model for AnnulusCooledMotor {
         match slot.group as usize {
             OUTPUTS if self.outputs_are_stale => match row {
                 // What a coupled system reads at every step costs nothing.
-                0..STRAIGHT => self.show_straight(),
+                0..=LAST_STATE => self.show_straight(),
+                WINDING_SENSOR | HOUSING_SENSOR if !self.parameters.effects.acts_at(Port::Any) => {
+                    self.show_sensors();
+                }
                 _ => (self.outputs, self.outputs_are_stale) = (self.outputs_now(), false),
             },
             BOOKS if self.books_are_stale => {

@@ -39,7 +39,8 @@ impl AnnulusCooledMotor {
     }
 
     fn follow_capacity(&mut self) {
-        let factor = self.parameters.effects.heat_capacity();
+        let effects = &self.parameters.effects;
+        let factor = if effects.acts_at(Port::HeatCapacity) { effects.heat_capacity() } else { 1.0 };
         if factor != self.capacity_factor {
             let before = self.constants.heat(&self.state.temperature, self.t_start);
             self.capacity_factor = factor;

@@ -215,3 +215,16 @@ impl Inputs {
         inputs
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `motor.rs` computes these outputs without the others.
+    #[test]
+    fn the_rows_of_the_sensors_are_those_of_their_outputs() {
+        use crate::models::annulus_cooled_motor::motor::{HOUSING_SENSOR, WINDING_SENSOR};
+        assert_eq!(Outputs::TABLE[WINDING_SENSOR].name, "winding_temperature");
+        assert_eq!(Outputs::TABLE[HOUSING_SENSOR].name, "housing_temperature");
+    }
+}
