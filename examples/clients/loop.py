@@ -18,7 +18,7 @@ def summary(report: dict) -> dict:
     return {
         "verdict": report["verdict"],
         "effects": [effect["id"] for effect in report["effects"]],
-        "error": report["error"],
+        "error": {role: {name: _of_physics(error) for name, error in of_role.items()} for role, of_role in report["error"].items()},
         "parameters": {
             name: {"prior": p["prior"], "value": p["value"], "ci95": p["ci95"]} for name, p in report["parameters"].items()
         },
@@ -26,3 +26,8 @@ def summary(report: dict) -> dict:
         "fmu_agrees": report["replay"]["agrees"],
         "notes": [note for note in report["notes"] if "clock" in note],
     }
+
+
+def _of_physics(error: dict) -> dict:
+    """An error without that of the black box, which is another model and none of the result."""
+    return {stage: value for stage, value in error.items() if stage != "blackbox"}

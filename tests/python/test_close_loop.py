@@ -70,11 +70,12 @@ def test_the_report_has_the_keys_of_the_format(report):
     for role in report["error"].values():
         assert set(role) == set(OUTPUTS)
         for error in role.values():
-            assert set(error) == {"before", "refit", "after", "floor"}
+            assert set(error) == {"before", "refit", "after", "floor", "blackbox"}
             assert min(error.values()) > 0.0
     fitted = report["error"]["fit"].values()
     misfit = {name: sum((error[name] / error["floor"]) ** 2 for error in fitted) for name in ("before", "refit", "after")}
     assert misfit["before"] > misfit["refit"] >= 0.999 * misfit["after"] > 0.8 * len(OUTPUTS)
+    assert set(report["blackbox"]) == set(OUTPUTS) and all("ARX" in kind or "RC" in kind or "static" in kind for kind in report["blackbox"].values())
     for parameter in report["parameters"].values():
         low, high = parameter["ci95"]
         assert low < parameter["value"] < high

@@ -57,6 +57,7 @@ pub fn run(
     let begun = Instant::now();
     progress(0.0, "fitting the declared parameters");
     let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
+    let for_boxes = options.budget.map_or(BOXES.0, |budget| budget.mul_f64(BOXES.1));
     let mut setup = Setup::new(experiment, preset)?.until(deadline.clone());
     let fit = setup.runs(Role::Fit);
     // What time cuts off is answered with what there is by then.
@@ -88,6 +89,7 @@ pub fn run(
         let point = Point::judged(&setup, refit.clone(), &fit)?;
         let verdict = if options.fit_only { Verdict::Fitted } else { Verdict::Nothing };
         let mut judgement = Judgement::of(verdict, &point);
+        judgement.time_for_boxes = for_boxes;
         if !options.fit_only && is_thin {
             judgement.notes.push(format!(
                 "{readings} readings and {} parameters: too few readings to look for missing effects",
@@ -114,7 +116,8 @@ pub fn run(
     search_of.is_cut = is_cut;
     deadline.lift();
     progress(0.85, "judging what was found");
-    let verdict = search_of.verdict()?;
+    let mut verdict = search_of.verdict()?;
+    verdict.time_for_boxes = for_boxes;
     let mut outcome = telling::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
     outcome.is_cut = is_cut;
     outcome.seconds = begun.elapsed().as_secs_f64();
@@ -161,13 +164,19 @@ pub struct Judgement<'a> {
     pub ladder: Vec<Evidence>,
     /// What is odd.
     pub notes: Vec<String>,
+    /// Time for the black boxes.
+    pub time_for_boxes: Duration,
 }
+
+/// Time for the black boxes: this without a budget, else this fraction of it.
+const BOXES: (Duration, f64) = (Duration::from_secs(60), 0.15);
 
 impl Judgement<'_> {
     /// A verdict on a model to which nothing was added.
     fn of(verdict: Verdict, point: &Point) -> Self {
         Judgement {
             verdict,
+            time_for_boxes: BOXES.0,
             point: None,
             hypothesis: point.fitted.hypothesis.clone(),
             effects: Vec::new(),

@@ -58,6 +58,8 @@ pub struct Run {
     pub start: Start,
     /// Start values that hold in this run alone: name and number.
     pub set: Vec<(String, f64)>,
+    /// Parameters that are unknown in this run alone.
+    pub priors: Vec<Prior>,
     /// Inputs, then outputs, in the experiment's order.
     pub table: Table,
 }
@@ -67,8 +69,35 @@ pub struct Run {
 pub struct Prior {
     /// Its name.
     pub name: String,
-    /// Relative standard deviation.
-    pub relative: f64,
+    /// Standard deviation.
+    pub deviation: Deviation,
+}
+
+/// A standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Deviation {
+    /// Relative to the parameter's value; to its nominal value where that is 0.
+    Relative(f64),
+    /// In the parameter's unit.
+    Absolute(f64),
+}
+
+impl Deviation {
+    /// In the unit of a parameter with this value and nominal value.
+    pub fn of(self, value: f64, nominal: f64) -> f64 {
+        match self {
+            Deviation::Relative(share) => (share * if value == 0.0 { nominal } else { value }).abs(),
+            Deviation::Absolute(size) => size,
+        }
+    }
+}
+
+/// A prior as a file has it: a relative standard deviation, or one with a unit.
+#[derive(Clone, Deserialize)]
+#[serde(untagged)]
+enum PriorText {
+    Relative(f64),
+    Absolute(String),
 }
 
 /// An experiment that has been read and checked.
@@ -105,7 +134,7 @@ struct Document {
     #[serde(default)]
     set: BTreeMap<Spanned<String>, Value>,
     #[serde(default)]
-    prior: BTreeMap<Spanned<String>, f64>,
+    prior: BTreeMap<Spanned<String>, PriorText>,
     #[serde(default)]
     noise: BTreeMap<Spanned<String>, f64>,
     run: Vec<Spanned<RunText>>,
@@ -129,6 +158,10 @@ struct RunText {
     window_s: Option<(f64, f64)>,
     #[serde(default)]
     start: Start,
+    #[serde(default)]
+    prior: BTreeMap<Spanned<String>, PriorText>,
+    #[serde(default)]
+    not_measured: Vec<Spanned<String>>,
     #[serde(default)]
     set: BTreeMap<Spanned<String>, Value>,
 }
@@ -189,15 +222,7 @@ impl Experiment {
         let mapped = columns::read(&document.columns, &place)?;
         let mut set = modes(&inputs, declaration);
         set.extend(settings(&document.set, declaration, &place)?);
-        let mut priors = Vec::new();
-        for (name, &relative) in &document.prior {
-            let entry = parameter(name, declaration, &place)?;
-            if !(relative > 0.0 && relative.is_finite()) {
-                let message = format!("the prior of {} is {relative}; it must be above 0", entry.name);
-                return Err(place.at(name.span().start, &message));
-            }
-            priors.push(Prior { name: entry.name.clone(), relative });
-        }
+        let priors = priors_of(&document.prior, declaration, &place)?;
         let all: Vec<&'static Channel> = inputs.iter().chain(&outputs).copied().collect();
         let mut noise = BTreeMap::new();
         for (name, &deviation) in &document.noise {
@@ -222,13 +247,15 @@ impl Experiment {
                 return Err(place.at(start, &format!("window_s = [{from}, {to}] is empty in {}", run.file)));
             }
             let path = folder.join(&run.file);
-            let mut table = Table::read(&path, &all, &mapped)?;
+            let blank = not_measured(&run.not_measured, &all[inputs.len()..], &run.file, &place)?;
+            let mut table = Table::read(&path, &all, &mapped, &blank)?;
             table.set_clipped_aside(&path.display().to_string(), &all, inputs.len()..all.len());
             let set = settings(&run.set, declaration, &place)?;
-            for name in run.set.keys() {
+            let own = priors_of(&run.prior, declaration, &place)?;
+            for name in run.set.keys().chain(run.prior.keys()) {
                 if priors.iter().any(|p| p.name == *name.get_ref()) {
                     let message = format!(
-                        "{} has a prior, so it is one number for all runs, and cannot be set in {} alone",
+                        "{} has a prior in [prior], so it is one number for all runs, and cannot be set or fitted in {} alone",
                         name.get_ref(),
                         run.file
                     );
@@ -246,7 +273,7 @@ impl Experiment {
                 return Err(place.at(start, &message));
             }
             let (file, role, window, start) = (run.file.clone(), run.role, run.window_s, run.start);
-            runs.push(Run { file, role, window, start, set, table });
+            runs.push(Run { file, role, window, start, set, priors: own, table });
         }
         if !runs.iter().any(|r| r.role == Role::Fit) {
             return Err(CalibrateError(format!("{}: no run has role = \"fit\"", place.file)));
@@ -314,19 +341,78 @@ fn channels(
     place: &Place,
 ) -> Result<Vec<&'static Channel>, CalibrateError> {
     let mut found: Vec<&'static Channel> = Vec::new();
+    // A model has one input of a kind, and as many sensors as somebody mounts.
+    let further: Vec<&'static Channel> = if word == "output" { possible.clone() } else { Vec::new() };
     for column in columns {
         let name = column.get_ref();
-        let channel = possible.iter().find(|c| c.is_named(name)).ok_or_else(|| {
+        let first = possible.iter().find(|c| c.is_named(name)).copied();
+        let channel = first.or_else(|| Channel::further(name, &further)).ok_or_else(|| {
             let all: Vec<&str> = possible.iter().map(|c| c.column).collect();
             let message = format!("{name} is no {word} of {}; there is {}", declaration.name, all.join(", "));
             place.at(column.span().start, &message)
         })?;
-        if found.contains(channel) {
+        if found.contains(&channel) {
             return Err(place.at(column.span().start, &format!("{name} stands twice among the {word}s")));
         }
         found.push(channel);
     }
     Ok(found)
+}
+
+/// The priors of a table.
+fn priors_of(
+    table: &BTreeMap<Spanned<String>, PriorText>,
+    declaration: &Declaration,
+    place: &Place,
+) -> Result<Vec<Prior>, CalibrateError> {
+    let one = |(name, text): (&Spanned<String>, &PriorText)| {
+        let entry = parameter(name, declaration, place)?;
+        let wrong = |message: String| place.at(name.span().start, &message);
+        let (deviation, size) = match text {
+            PriorText::Relative(share) => (Deviation::Relative(*share), *share),
+            PriorText::Absolute(text) => {
+                let own = entry.row.unit.name();
+                let (number, unit) = ::units::split(text).ok_or_else(|| {
+                    let message = format!(
+                        "the prior of {} is \"{text}\"; it is a relative standard deviation such as 0.1, or one with a unit such as \
+                         \"0.1 {own}\"",
+                        entry.name
+                    );
+                    wrong(message)
+                })?;
+                let way = ::units::conversion(unit, own, true);
+                let way = way.map_err(|e| wrong(format!("the prior of {}: {e}", entry.name)))?;
+                (Deviation::Absolute(way.of(number)), number)
+            }
+        };
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(wrong(format!("the prior of {} is {size}; it must be above 0", entry.name)));
+        }
+        Ok(Prior { name: entry.name.clone(), deviation })
+    };
+    table.iter().map(one).collect()
+}
+
+/// The outputs that a file does not have.
+fn not_measured(
+    names: &[Spanned<String>],
+    outputs: &[&'static Channel],
+    file: &str,
+    place: &Place,
+) -> Result<Vec<&'static str>, CalibrateError> {
+    let one = |name: &Spanned<String>| {
+        let found = outputs.iter().find(|c| c.is_named(name.get_ref()));
+        found.map(|c| c.column).ok_or_else(|| {
+            let known: Vec<&str> = outputs.iter().map(|c| c.column).collect();
+            let message = format!(
+                "not_measured of {file} names {}, which is no output of the experiment; there is {}",
+                name.get_ref(),
+                known.join(", ")
+            );
+            place.at(name.span().start, &message)
+        })
+    };
+    names.iter().map(one).collect()
 }
 
 /// Start values of a table: name and number.

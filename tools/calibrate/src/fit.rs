@@ -60,6 +60,8 @@ pub struct Slopes {
     pub tangents: Vec<Tangent>,
     /// What leads to each number that slopes find: a probe, and which number of which addition its shape is.
     leads: Vec<(usize, Option<(usize, usize)>)>,
+    /// The runs in which a number acts, where they are not all.
+    acts: Vec<Option<Vec<usize>>>,
     runs: Vec<usize>,
 }
 
@@ -112,7 +114,9 @@ impl Slopes {
                 Tangent::new(&setup.bench, &setup.smooth[run], &setup.change(hypothesis, run), &probes)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Slopes { tangents, leads, runs: runs.to_vec() })
+        let mut acts: Vec<Option<Vec<usize>>> = setup.declared.iter().map(|d| d.runs.clone()).collect();
+        acts.resize(leads.len(), None);
+        Ok(Slopes { tangents, leads, acts, runs: runs.to_vec() })
     }
 
     /// Directions of the further probes of a run, from the `k`-th on.
@@ -123,6 +127,9 @@ impl Slopes {
 
     /// What the outputs of the `r`-th run answer to a unit of the `k`-th number, rows times outputs; `None` for nothing.
     pub fn answer(&self, hypothesis: &Hypothesis, r: usize, k: usize) -> Option<Vec<f64>> {
+        if self.acts[k].as_ref().is_some_and(|runs| !runs.contains(&self.runs[r])) {
+            return None;
+        }
         let tangent = &self.tangents[r];
         let (probe, shape) = self.leads[k];
         let direction = tangent.directions[probe].as_ref()?;
@@ -145,7 +152,7 @@ impl Slopes {
 impl Setup<'_> {
     /// Units in which numbers are fitted, their limits, and for the declared ones the prior.
     pub fn scales(&self, hypothesis: &Hypothesis) -> Vec<(f64, (f64, f64), Option<f64>)> {
-        let declared = self.declared.iter().map(|d| (d.deviation, d.limits, Some(d.prior)));
+        let declared = self.declared.iter().map(|d| (d.deviation, d.limits, (!d.is_free).then_some(d.prior)));
         let added = hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped));
         declared.chain(added.map(|n| (n.scale, n.limits, None))).collect()
     }
@@ -161,6 +168,7 @@ impl Setup<'_> {
             .declared
             .iter()
             .zip(&hypothesis.declared)
+            .filter(|(d, _)| !d.is_free)
             .map(|(d, value)| ((value - d.prior) / d.deviation).powi(2))
             .sum();
         Ok(Fitted { hypothesis, shown, chi_square, cost: chi_square + prior, readings })
@@ -252,7 +260,7 @@ impl Setup<'_> {
 }
 
 /// Whether a parameter can be wrong by a factor.
-fn is_wide(declared: &Declared) -> bool {
+pub fn is_wide(declared: &Declared) -> bool {
     declared.prior > 0.0 && declared.limits.0 >= 0.0 && declared.deviation > WIDE * declared.prior
 }
 
@@ -422,6 +430,45 @@ mod tests {
             assert!((found / told - 1.0).abs() < 2e-3, "{}: {found} instead of {told}", d.name);
         }
         assert_eq!(found.readings, 1200);
+    }
+
+    /// Two runs whose winding sensor sits elsewhere each time: its offset is an unknown of each run, and what is common to both is found
+    /// beside it.
+    #[test]
+    fn unknowns_of_single_runs_come_back() {
+        use crate::experiment::{Deviation, Prior, Role};
+        let mut experiment = trial::experiment(PRIORS, true);
+        let mut truth = preset(&experiment);
+        truth.iter_mut().zip([1.03, 0.93, 1.4, 1.08]).for_each(|(x, share)| *x *= share);
+        trial::read(&mut experiment, &truth, None);
+        let deviation = Deviation::Absolute(2.0);
+        let offset = "effect.winding_sensor_offset.offset";
+        experiment.runs[0].priors = vec![Prior { name: offset.to_string(), deviation }];
+        let mut second = experiment.runs[0].clone();
+        second.file = "second.csv".to_string();
+        // The same file once more, where nothing is fitted.
+        let again = crate::experiment::Run { role: Role::Test, priors: Vec::new(), ..second.clone() };
+        experiment.runs.extend([second, again]);
+        let winding = experiment.inputs.len() + 2;
+        for (run, off) in experiment.runs.iter_mut().zip([1.5, -0.8, -0.8]) {
+            run.table.columns[winding].iter_mut().for_each(|x| *x += off);
+        }
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let found = setup.fit(setup.preset(), &[0, 1]).unwrap();
+        let names: Vec<&str> = setup.declared.iter().map(|d| d.name.as_str()).collect();
+        assert_eq!(names[4..], [format!("{offset} [run.csv]"), format!("{offset} [second.csv]")]);
+        for ((found, told), name) in
+            found.hypothesis.declared.iter().zip(truth.iter().chain(&[1.5, -0.8])).zip(names)
+        {
+            assert!((found / told - 1.0).abs() < 5e-3, "{name}: {found} instead of {told}");
+        }
+        // The second file is as it is wherever it stands; a model for other runs has no such offset.
+        let slot = setup.declared[4].slot;
+        let of =
+            |change: crate::change::Change| change.values.iter().find(|(s, _)| *s == slot).map(|(_, v)| *v);
+        assert_eq!(of(setup.change(&found.hypothesis, 2)), Some(found.hypothesis.declared[5]));
+        assert_eq!(of(setup.common_change(&found.hypothesis, 0)), None);
+        assert_eq!(of(setup.common_change(&found.hypothesis, 2)), None);
     }
 
     /// A torque that drives asks for less than no friction. It stops at none, and what grows with the speed, which could not be

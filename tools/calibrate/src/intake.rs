@@ -150,8 +150,8 @@ fn outside_limits(experiment: &mut Experiment) -> Option<Unusable> {
 }
 
 fn other_units(channel: &Channel) -> String {
-    let all = crate::experiment::units::units(channel.unit);
-    all.iter().map(|u| u.names[0]).filter(|n| !channel.column.ends_with(n)).collect::<Vec<_>>().join(", ")
+    let all = crate::experiment::units::names(channel.unit).iter().copied();
+    all.filter(|name| !channel.column.ends_with(name)).collect::<Vec<_>>().join(", ")
 }
 
 fn declaration(experiment: &Experiment) -> Option<&'static Declaration> {

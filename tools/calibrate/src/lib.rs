@@ -18,12 +18,15 @@
 //! | [`search`] | scores effects, shapes over drivers, forces free in time, and what knows its past |
 //! | [`rounds`] | the best are fitted, compete, and pass a gate |
 //! | [`close_loop`] | the whole way, and the verdict |
+//! | `blackbox`, `comparison` | models without physics from the same inputs, and where the repair is not the best |
 //! | [`separate`] | the run or reading that would tell two models apart |
 //! | `telling`, [`outcome`], [`report`] | intervals, errors, words: as data, and as `report.json` |
 
+mod blackbox;
 pub mod catalogue;
 pub mod change;
 pub mod close_loop;
+mod comparison;
 mod deadline;
 pub mod evidence;
 pub mod experiment;

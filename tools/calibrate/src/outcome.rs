@@ -107,6 +107,19 @@ pub struct ChannelError {
     pub after: f64,
     /// Of the noise: what a perfect model would leave.
     pub floor: f64,
+    /// Of the black box of this channel, where there was time for one.
+    pub blackbox: Option<f64>,
+}
+
+/// The black box of a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlackBox {
+    /// The column.
+    pub column: &'static str,
+    /// What it is, in words.
+    pub kind: String,
+    /// Its errors (RMSE) in SI units, by role; none of a role without readings.
+    pub errors: Vec<(Role, f64)>,
 }
 
 /// A candidate that was looked at, and what became of it.
@@ -228,6 +241,8 @@ pub struct Outcome {
     pub parameters: Vec<Estimate>,
     /// Declared parameters of the naive fit.
     pub refit: Vec<Estimate>,
+    /// The unknowns of single runs, with the file.
+    pub of_runs: Vec<(String, Estimate)>,
     /// Pairs of declared parameters that the data hardly separates, with their correlation.
     pub correlated: Vec<(String, String, f64)>,
     /// Errors by role and output.
@@ -252,6 +267,8 @@ pub struct Outcome {
     pub endings: Vec<String>,
     /// Whether the time budget ended the search.
     pub is_cut: bool,
+    /// The black boxes beside it.
+    pub boxes: Vec<BlackBox>,
     /// Wall time, s.
     pub seconds: f64,
 }

@@ -151,7 +151,8 @@ impl<'a> Point<'a> {
     pub fn base(&self, addition: &Addition) -> f64 {
         match &addition.shape {
             Shape::Listed { slots, .. } => {
-                let declared = self.setup.declared.iter().position(|d| d.slot == slots[0]);
+                let declared =
+                    self.setup.declared.iter().position(|d| d.slot == slots[0] && d.runs.is_none());
                 declared.map_or_else(
                     || self.setup.bench.start_of(slots[0]),
                     |k| self.fitted.hypothesis.declared[k],

@@ -5,7 +5,7 @@
 
 use crate::experiment::Role;
 use crate::intake::Unusable;
-use crate::outcome::{self, Estimate, Found, Outcome};
+use crate::outcome::{self, ChannelError as Error, Estimate, Found, Outcome};
 use physics::terms::{Driver, GenericTerm, Law, Port};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -99,7 +99,10 @@ pub struct Report<'a> {
     unexplained: Option<Unexplained>,
     unusable: Option<UnusableText<'a>>,
     parameters: InOrder<'a, Parameter>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    run_parameters: BTreeMap<&'a str, BTreeMap<&'a str, Parameter>>,
     error: BTreeMap<&'static str, InOrder<'a, Errors>>,
+    blackbox: InOrder<'a, &'a str>,
     fmu: &'a [String],
     replay: Option<&'a Replay>,
     notes: &'a [String],
@@ -238,6 +241,8 @@ struct Errors {
     refit: f64,
     after: f64,
     floor: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    blackbox: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -294,10 +299,15 @@ impl<'a> Report<'a> {
         let errors = |role: Role| {
             let of_role = outcome.errors.iter().filter(|e| e.role == role);
             let numbers = of_role.map(|e| {
-                (e.column, Errors { before: e.before, refit: e.refit, after: e.after, floor: e.floor })
+                let Error { before, refit, after, floor, blackbox, .. } = *e;
+                (e.column, Errors { before, refit, after, floor, blackbox })
             });
             (role_name(role), InOrder(numbers.collect()))
         };
+        let mut run_parameters: BTreeMap<&str, BTreeMap<&str, Parameter>> = BTreeMap::new();
+        for (file, e) in &outcome.of_runs {
+            run_parameters.entry(file).or_default().insert(&e.name, parameter(e));
+        }
         Report {
             name: &outcome.name,
             model: outcome.model,
@@ -309,7 +319,9 @@ impl<'a> Report<'a> {
             unexplained: outcome.unexplained.as_ref().map(unexplained),
             unusable: None,
             parameters: parameters(&outcome.parameters),
+            run_parameters,
             error: ROLES.map(errors).into_iter().collect(),
+            blackbox: InOrder(outcome.boxes.iter().map(|b| (b.column, b.kind.as_str())).collect()),
             fmu,
             replay,
             notes,
@@ -358,7 +370,9 @@ impl<'a> Report<'a> {
                 suggestion: &why.suggestion,
             }),
             parameters: InOrder(Vec::new()),
+            run_parameters: BTreeMap::new(),
             error: ROLES.map(|role| (role_name(role), InOrder(Vec::new()))).into_iter().collect(),
+            blackbox: InOrder(Vec::new()),
             fmu: &[],
             replay: None,
             notes,
@@ -393,8 +407,11 @@ fn effect(found: &Found) -> Effect<'_> {
 }
 
 fn parameters(estimates: &[Estimate]) -> InOrder<'_, Parameter> {
-    let text = |e: &'_ Estimate| Parameter { value: e.value, ci95: e.ci95, prior: e.prior, unit: e.unit };
-    InOrder(estimates.iter().map(|e| (e.name.as_str(), text(e))).collect())
+    InOrder(estimates.iter().map(|e| (e.name.as_str(), parameter(e))).collect())
+}
+
+fn parameter(e: &Estimate) -> Parameter {
+    Parameter { value: e.value, ci95: e.ci95, prior: e.prior, unit: e.unit }
 }
 
 fn law(term: &GenericTerm) -> LawText {

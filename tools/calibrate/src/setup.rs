@@ -3,7 +3,7 @@
 use crate::CalibrateError;
 use crate::change::Change;
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Role, Run};
+use crate::experiment::{Channel, Experiment, Prior, Role, Run};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::simulate::{Bench, Drive};
@@ -28,8 +28,10 @@ const ASTRAY: f64 = 2.5;
 /// A declared parameter that may differ from specimen to specimen.
 #[derive(Clone, Debug)]
 pub struct Declared {
-    /// Its name.
+    /// Its name; of an unknown of one run with its file.
     pub name: String,
+    /// The runs in which it acts, where it is an unknown of one file alone.
+    pub runs: Option<Vec<usize>>,
     /// Its place in the model.
     pub slot: Slot,
     /// The preset's value.
@@ -40,9 +42,16 @@ pub struct Declared {
     pub limits: (f64, f64),
     /// Its unit.
     pub unit: &'static str,
+    /// Whether its prior does not count: of one that can be wrong by a factor, no value of the preset contradicts the data.
+    pub is_free: bool,
 }
 
 impl Declared {
+    /// Whether it acts in a run.
+    pub fn acts_in(&self, run: usize) -> bool {
+        self.runs.as_ref().is_none_or(|runs| runs.contains(&run))
+    }
+
     /// Whether a value is so far from the prior that it stands in for something else.
     pub fn astray(&self, value: f64) -> bool {
         (value - self.prior).abs() > ASTRAY * self.deviation
@@ -103,28 +112,33 @@ impl<'a> Setup<'a> {
         bench.lenient = true;
         let drives =
             experiment.runs.iter().map(|run| Drive::new(experiment, run)).collect::<Result<Vec<_>, _>>()?;
-        let declared = experiment.priors.iter().map(|p| {
+        let of_all = experiment.priors.iter().map(|p| (p, None));
+        let declared = of_all.chain(of_one_run(experiment)).map(|(p, runs)| {
             let entry = bench
                 .declaration()
                 .by_name(&p.name)
                 .ok_or_else(|| CalibrateError(format!("{} has no {}", experiment.model, p.name)))?;
-            let prior = bench.start_of(entry.slot);
-            // A prior around 0 is relative to the parameter's usual size.
-            let size = if prior == 0.0 { entry.row.nominal } else { prior };
-            let deviation = (p.relative * size).abs();
+            let own = runs.as_ref().and_then(|runs: &Vec<usize>| experiment.runs.get(*runs.first()?));
+            let set =
+                own.and_then(|run| run.set.iter().find(|(name, _)| *name == p.name)).map(|(_, value)| *value);
+            let prior = set.unwrap_or_else(|| bench.start_of(entry.slot));
+            let deviation = p.deviation.of(prior, entry.row.nominal);
             let mut limits = (entry.row.min, entry.row.max);
             // Of what cannot be zero, ten deviations of its logarithm: less is no capacity of a motor.
-            if prior > 0.0 && limits.0 > 0.0 && p.relative > WIDE && p.relative < HARDLY {
-                let factor = (1.0 + p.relative).powf(FAR);
+            let relative = deviation / prior.abs();
+            if prior > 0.0 && limits.0 > 0.0 && relative > WIDE && relative < HARDLY {
+                let factor = (1.0 + relative).powf(FAR);
                 limits = (limits.0.max(prior / factor), limits.1.min(prior * factor));
             }
             Ok(Declared {
-                name: p.name.clone(),
+                name: own.map_or_else(|| p.name.clone(), |run| format!("{} [{}]", p.name, run.file)),
+                runs,
                 slot: entry.slot,
                 prior,
                 deviation,
                 limits,
                 unit: entry.row.unit.name(),
+                is_free: false,
             })
         });
         let declared = declared.collect::<Result<Vec<_>, CalibrateError>>()?;
@@ -233,9 +247,21 @@ impl<'a> Setup<'a> {
     /// The change that a hypothesis makes in a run.
     pub fn change(&self, hypothesis: &Hypothesis, run: usize) -> Change {
         let mut change = Change::default();
-        let declared = self.declared.iter().zip(&hypothesis.declared);
+        let declared = self.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.acts_in(run));
         change.values.extend(declared.map(|(d, value)| (d.slot, *value)));
         hypothesis.additions.iter().filter(|a| a.active[run]).for_each(|a| a.apply(&mut change));
+        change
+    }
+
+    /// The same without the unknowns of that run alone: as another run would have it.
+    pub fn common_change(&self, hypothesis: &Hypothesis, run: usize) -> Change {
+        let mut change = self.change(hypothesis, run);
+        change.values.retain(|(slot, _)| {
+            !self
+                .declared
+                .iter()
+                .any(|d| d.slot == *slot && d.runs.as_ref().is_some_and(|runs| runs.contains(&run)))
+        });
         change
     }
 
@@ -319,6 +345,24 @@ impl<'a> Setup<'a> {
         self.each(run, shown, |row, output, value| off[row * m + output] = value);
         self.means(run, &off, out);
     }
+}
+
+/// The unknowns of one file alone, with its runs, where it is fitted: the others keep their values.
+fn of_one_run(experiment: &Experiment) -> Vec<(&Prior, Option<Vec<usize>>)> {
+    let mut found: Vec<(&Prior, Option<Vec<usize>>)> = Vec::new();
+    let mut known: Vec<(&str, &str)> = Vec::new();
+    for run in &experiment.runs {
+        let same: Vec<usize> =
+            (0..experiment.runs.len()).filter(|k| experiment.runs[*k].file == run.file).collect();
+        let is_fitted = same.iter().any(|k| experiment.runs[*k].role == Role::Fit);
+        for prior in run.priors.iter().filter(|_| is_fitted) {
+            if !known.contains(&(&run.file, &prior.name)) {
+                known.push((&run.file, &prior.name));
+                found.push((prior, Some(same.clone())));
+            }
+        }
+    }
+    found
 }
 
 fn within((from, to): (f64, f64), time: f64) -> bool {

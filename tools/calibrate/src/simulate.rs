@@ -6,7 +6,7 @@
 use crate::CalibrateError;
 use crate::change::Change;
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Run, Start};
+use crate::experiment::{Channel, Experiment, Role, Run, Start};
 use crate::initial::{self, Node};
 use physics::model::{Declaration, Model, ModelType, Slot};
 
@@ -290,12 +290,20 @@ impl Drive {
             .collect::<Result<Vec<_>, _>>()?;
         let model = physics::models::by_name(&experiment.model);
         let slot = |name: &str| model.and_then(|m| Some((m.declaration)().by_name(name)?.slot));
-        let set = run.set.iter().filter_map(|(name, value)| Some((slot(name)?, *value))).collect();
-        let mut warm = Vec::new();
+        // What is unknown in this run is no fixed value of it.
+        let same = || experiment.runs.iter().filter(|r| r.file == run.file);
+        let is_unknown = |name: &String| {
+            same().any(|r| r.role == Role::Fit) && same().any(|r| r.priors.iter().any(|p| p.name == *name))
+        };
+        let set = run.set.iter().filter(|(name, _)| !is_unknown(name));
+        let set = set.filter_map(|(name, value)| Some((slot(name)?, *value))).collect();
+        let mut warm: Vec<(Node, usize, f64)> = Vec::new();
         if run.start == Start::Measured {
             for (k, channel) in experiment.outputs.iter().enumerate() {
                 let first = run.table.columns[experiment.inputs.len() + k].iter().find(|v| v.is_finite());
-                warm.extend(channel.node().zip(first).map(|(node, first)| (node, k, *first)));
+                // Of several sensors on a node the first.
+                let node = channel.node().filter(|node| warm.iter().all(|(known, ..)| known != node));
+                warm.extend(node.zip(first).map(|(node, first)| (node, k, *first)));
             }
         }
         // Noise around a limit, as of a power of zero, stays within: an FMU takes nothing beyond.

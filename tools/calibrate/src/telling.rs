@@ -1,14 +1,17 @@
 //! What closing the loop has come to, put into the words and numbers of a report.
 
 use crate::CalibrateError;
+use crate::blackbox::black_boxes;
 use crate::close_loop::Judgement;
+use crate::comparison;
+use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
 use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Setting, Verdict, Whiteness};
 use crate::point::Point;
 use crate::report::{ROLES, column_words};
 use crate::rounds::LEAST;
-use crate::setup::{Setup, Shown};
+use crate::setup::{Declared, Setup, Shown};
 use nalgebra::DMatrix;
 use physics::terms::Port;
 
@@ -16,7 +19,7 @@ use physics::terms::Port;
 const PLOTTED: usize = 600;
 /// Mean square of what is left, up to which the numbers take their last step.
 const TRUSTED: f64 = 1.3;
-/// Sum of squares of a model whose numbers allow for drift and input noise, over that of the fitted one, that is taken at most.
+/// Sum of squares of a model whose numbers allow for drift and input noise, over that of the fitted one, up to which it is taken.
 const NO_WORSE: f64 = 1.02;
 /// Of a normal distribution, 95 % lie within this many deviations.
 const SURE: f64 = 1.96;
@@ -45,7 +48,7 @@ pub fn outcome(
     let exact = setup.exact();
     // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read. Nor is one taken that errs more.
     let is_repaired = !matches!(judged.verdict, Verdict::Nothing | Verdict::Fitted);
-    if is_repaired && misfit(&exact, &corrected)? <= NO_WORSE * misfit(&exact, &hypothesis)? {
+    if is_repaired && is_no_worse(&exact, &corrected, &hypothesis)? {
         hypothesis = corrected;
     }
     if let Some((beside, port)) = &judged.beside {
@@ -84,6 +87,18 @@ pub fn outcome(
         }
         found.term = addition.term();
     }
+    // The unknowns of single runs stand behind those of all.
+    let common = setup.declared.iter().filter(|d| d.runs.is_none()).count();
+    naive.truncate(common);
+    let file = |d: &Declared| Some(experiment.runs[*d.runs.as_ref()?.first()?].file.clone());
+    let name = |d: &Declared, file: &str| d.name.trim_end_matches(&format!(" [{file}]")).to_string();
+    let of_runs: Vec<(String, Estimate)> = setup.declared[common..]
+        .iter()
+        .zip(&estimates_of[common..])
+        .filter_map(|(d, e)| {
+            file(d).map(|file| (file.clone(), Estimate { name: name(d, &file), ..e.clone() }))
+        })
+        .collect();
     let all: Vec<usize> = (0..experiment.runs.len()).collect();
     let before = exact.show(&setup.preset(), &all)?;
     let fitted = exact.show(refit, &all)?;
@@ -96,6 +111,7 @@ pub fn outcome(
         }));
     }
     notes.extend(endings.iter().cloned());
+    let boxes = black_boxes(setup, &Deadline::after(judged.time_for_boxes));
     let mut errors = Vec::new();
     for role in ROLES {
         let runs = setup.runs(role);
@@ -110,9 +126,21 @@ pub fn outcome(
             // The noise of an output holds already what the inputs' noise does to it at once.
             let floor = (setup.sigma(k).powi(2) + (whole[k] - direct[k]).max(0.0)).sqrt();
             let column = channel.column;
-            errors.push(ChannelError { role, column, before: b[k], refit: r[k], after: a[k], floor });
+            let of_box =
+                |b: &crate::outcome::BlackBox| b.errors.iter().find(|(r, _)| *r == role).map(|(_, e)| *e);
+            let blackbox = boxes.iter().find(|b| b.column == column).and_then(of_box);
+            errors.push(ChannelError {
+                role,
+                column,
+                before: b[k],
+                refit: r[k],
+                after: a[k],
+                floor,
+                blackbox,
+            });
         }
     }
+    notes.extend(comparison::notes(&errors, &boxes, judged.verdict));
     let added =
         hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped).map(move |n| (a, n)));
     let names: Vec<String> = setup
@@ -134,7 +162,7 @@ pub fn outcome(
         [Role::Test, Role::Validate, Role::Fit].iter().find_map(|role| setup.runs(*role).first().copied());
     // The exported model starts at the ambient temperature, wherever that run did.
     let exported = exported.unwrap_or(0);
-    let values = setup.bench.values(&setup.drives[exported], &setup.change(&hypothesis, exported));
+    let values = setup.bench.values(&setup.drives[exported], &setup.common_change(&hypothesis, exported));
     let export = Setting { values, ..settings[exported].clone() };
     Ok(Outcome {
         name: experiment.name.clone(),
@@ -142,7 +170,8 @@ pub fn outcome(
         verdict: judged.verdict,
         effects,
         unexplained: judged.unexplained,
-        parameters: estimates_of[..declared].to_vec(),
+        parameters: estimates_of[..common].to_vec(),
+        of_runs,
         refit: naive,
         correlated,
         errors,
@@ -158,15 +187,24 @@ pub fn outcome(
         export,
         notes,
         endings,
+        boxes,
         is_cut: false,
         seconds: 0.0,
     })
 }
 
-/// The sum of squares over all that is not test, in units of the noise, at the model's own accuracy.
-fn misfit(exact: &Setup, hypothesis: &Hypothesis) -> Result<f64, CalibrateError> {
-    let runs: Vec<usize> = [Role::Fit, Role::Validate].iter().flat_map(|role| exact.runs(*role)).collect();
-    Ok(exact.chi_square(&runs, &exact.show(hypothesis, &runs)?).0)
+/// Whether the simulated errors allow one hypothesis in place of another: those of all runs but the test runs increase hardly, or
+/// those of the validation runs do not, which neither of the two was fitted to.
+fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bool, CalibrateError> {
+    let [fit, validation] = [Role::Fit, Role::Validate].map(|role| exact.runs(role));
+    let of = |hypothesis: &Hypothesis, runs: &[usize]| -> Result<f64, CalibrateError> {
+        Ok(exact.chi_square(runs, &exact.show(hypothesis, runs)?).0)
+    };
+    let validated = (of(one, &validation)?, of(other, &validation)?);
+    if !validation.is_empty() && validated.0 <= NO_WORSE * validated.1 {
+        return Ok(true);
+    }
+    Ok(of(one, &fit)? + validated.0 <= NO_WORSE * (of(other, &fit)? + validated.1))
 }
 
 /// Every number that slopes find, with its interval, and their correlations: beside drifting sensors, and beside a force at a port

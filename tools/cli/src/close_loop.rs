@@ -193,13 +193,17 @@ fn preset(experiment: &Experiment, file: &Path) -> Result<Preset, Failure> {
 fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> String {
     let mut text = format!("{}: {}\n", outcome.name, text::verdict(outcome));
     text += &format!(
-        "\n{:8} {:30} {:>10} {:>10} {:>10} {:>10}\n",
-        "role", "error (RMSE) of", "before", "refit", "after", "noise"
+        "\n{:8} {:30} {:>10} {:>10} {:>10} {:>10} {:>10}\n",
+        "role", "error (RMSE) of", "before", "refit", "after", "noise", "black box"
     );
     for e in &outcome.errors {
         let [before, refit, after, floor] = [e.before, e.refit, e.after, e.floor].map(text::number);
         let role = calibrate::report::role_name(e.role);
-        text += &format!("{role:8} {:30} {before:>10} {refit:>10} {after:>10} {floor:>10}\n", e.column);
+        let blackbox = e.blackbox.map_or(String::new(), text::number);
+        text += &format!(
+            "{role:8} {:30} {before:>10} {refit:>10} {after:>10} {floor:>10} {blackbox:>10}\n",
+            e.column
+        );
     }
     text += &format!("\n{}\n", text::replay(replay));
     for note in notes.iter().filter(|n| **n != text::replay(replay)) {

@@ -82,7 +82,7 @@ fn normalised(text: &str) -> String {
 
 /// All readings of a text; none for a text that is no unit.
 pub(crate) fn readings(text: &str) -> Vec<Reading> {
-    let plain = normalised(&text.replace("percent", "%"));
+    let plain = normalised(&text.replace("percent", "%").replace("permille", "‰"));
     let mut parser = Parser { rest: &plain };
     let found = parser.quotient();
     if parser.rest.is_empty() { found.unwrap_or_default() } else { Vec::new() }
@@ -139,7 +139,10 @@ impl Parser<'_> {
         }
         // Units of water columns have a digit inside.
         let column = ["mmH2O", "inH2O"].into_iter().find(|name| self.rest.starts_with(name));
-        let letters = self.rest.find(|c: char| !(c.is_alphabetic() || c == '%')).unwrap_or(self.rest.len());
+        let letters = self
+            .rest
+            .find(|c: char| !(c.is_alphabetic() || matches!(c, '%' | '‰')))
+            .unwrap_or(self.rest.len());
         let (name, rest) = self.rest.split_at(column.map_or(letters, str::len));
         self.rest = rest;
         let halves = self.halves()?;

@@ -8,6 +8,7 @@ use crate::initial::Node;
 use physics::declare::{Causality, Unit};
 use physics::model::Declaration;
 use physics::terms::Driver;
+use std::sync::{Mutex, PoisonError};
 
 /// A quantity that a bench records, with its column in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,31 @@ impl Channel {
     /// The channel of a column, whatever the model.
     pub fn of(column: &str) -> Option<&'static Channel> {
         CHANNELS.iter().find(|c| c.column == column)
+    }
+
+    /// The channel of a further sensor of an output, by its column or its quantity with a number before the unit:
+    /// `housing_temperature_2_degC` or `housing_temperature_2`. It is compared with the same output of the model.
+    pub fn further(name: &str, outputs: &[&'static Channel]) -> Option<&'static Channel> {
+        static KNOWN: Mutex<Vec<&'static Channel>> = Mutex::new(Vec::new());
+        let numbered = |channel: &&&'static Channel| {
+            let (quantity, unit) = channel.column.split_at(channel.quantity().len());
+            let number = name.strip_prefix(quantity)?.strip_prefix('_')?;
+            let number = number.strip_suffix(unit).unwrap_or(number);
+            // 2 and not 02, so that a sensor has one name.
+            let counts = number.parse::<u8>().is_ok_and(|n| n >= 2 && n.to_string() == number);
+            counts.then(|| format!("{quantity}_{number}{unit}"))
+        };
+        let (channel, column) = outputs.iter().find_map(|c| Some((**c, numbered(&c)?)))?;
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |c: &&&'static Channel| c.column == column && c.output == channel.output;
+        if let Some(found) = known.iter().find(same) {
+            return Some(found);
+        }
+        // One for each sensor that an experiment names: kept for the whole run of the program, as the others are.
+        let column: &'static str = Box::leak(column.into_boxed_str());
+        let found: &'static Channel = Box::leak(Box::new(Channel { column, input: None, ..channel }));
+        known.push(found);
+        Some(found)
     }
 
     /// The channels that can drive a model.
@@ -142,6 +168,25 @@ mod tests {
             }
             let roles = [channel.input, channel.output].into_iter().flatten().count();
             assert!(roles > 0 && found >= roles, "{}", channel.column);
+        }
+    }
+
+    /// A number of 2 or more before the unit names a further sensor, whose output is that of the first.
+    #[test]
+    fn further_sensors_have_numbers() {
+        let outputs: Vec<_> = Channel::outputs_of(declaration("AnnulusCooledMotor")).collect();
+        let second = Channel::further("housing_temperature_2_degC", &outputs).unwrap();
+        assert_eq!(
+            (second.column, second.output),
+            ("housing_temperature_2_degC", Some("housing_temperature"))
+        );
+        assert_eq!((second.quantity(), second.offset), ("housing_temperature_2", 273.15));
+        assert!(std::ptr::eq(second, Channel::further("housing_temperature_2", &outputs).unwrap()));
+        assert_eq!(Channel::further("shaft_torque_3", &outputs).map(|c| c.column), Some("shaft_torque_3_Nm"));
+        for none in
+            ["housing_temperature_1", "housing_temperature_02_degC", "housing_temperature_2_K", "housing_2"]
+        {
+            assert_eq!(Channel::further(none, &outputs), None, "{none}");
         }
     }
 

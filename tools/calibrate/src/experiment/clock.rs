@@ -199,6 +199,7 @@ mod tests {
         ];
         let table = Table { time, columns, dated: false, notes: Vec::new() };
         Run {
+            priors: Vec::new(),
             file: file.to_string(),
             role: Role::Fit,
             window: None,

@@ -44,18 +44,21 @@ pub fn read(
             known.extend(CHANNELS.iter().map(Channel::quantity));
             // A channel of several models stands there for each, one after the other.
             known.dedup();
-            place.at(at, &format!("{name} is no quantity of a bench; there is {}", known.join(", ")))
+            place.at(
+                at,
+                &format!(
+                    "{name} is no quantity of a bench; there is {}; a further sensor of an output has a number, as housing_temperature_2",
+                    known.join(", ")
+                ),
+            )
         })?;
-        let unit = match &text.unit {
-            None => &units::units(si)[0],
-            Some(unit) => units::by_name(si, unit.get_ref()).ok_or_else(|| {
-                let known: Vec<&str> = units::units(si).iter().map(|u| u.names[0]).collect();
-                let message =
-                    format!("{} is no unit of {name}; there is {}", unit.get_ref(), known.join(", "));
-                place.at(unit.span().start, &message)
-            })?,
-        };
-        Ok(Column { header: header.get_ref().clone(), column, unit: *unit })
+        let stated = text.unit.as_ref().map_or(units::names(si)[0], |unit| unit.get_ref());
+        let unit = units::by_name(si, stated).ok_or_else(|| {
+            let known = units::names(si).join(", ");
+            let at = text.unit.as_ref().map_or(at, |unit| unit.span().start);
+            place.at(at, &format!("{stated} is no unit of {name}; there is {known}"))
+        })?;
+        Ok(Column { header: header.get_ref().clone(), column, unit })
     };
     table.iter().map(one).collect()
 }
@@ -65,7 +68,9 @@ fn quantity(name: &str) -> Option<(&'static str, Unit)> {
     if name == TIME_QUANTITY || name == TIME {
         return Some((TIME, Unit::Second));
     }
-    CHANNELS.iter().find(|c| c.is_named(name)).map(|c| (c.column, c.unit))
+    let first = || CHANNELS.iter().find(|c| c.is_named(name));
+    let outputs = || CHANNELS.iter().filter(|c| c.output.is_some()).collect::<Vec<_>>();
+    first().or_else(|| Channel::further(name, &outputs())).map(|c| (c.column, c.unit))
 }
 
 impl Channel {

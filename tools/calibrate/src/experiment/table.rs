@@ -32,7 +32,7 @@ const GAP: f64 = 5.0;
 
 impl Table {
     /// Reads the channels that an experiment wants from a file; `wanted` in the order of [`Table::columns`], `mapped` the
-    /// headers of `[columns]`.
+    /// headers of `[columns]`, `blank` the columns that the file does not have.
     ///
     /// # Errors
     /// One sentence with file and line: no such file, a missing column, no number, time that does not rise.
@@ -40,13 +40,14 @@ impl Table {
         path: &Path,
         wanted: &[&'static Channel],
         mapped: &[Column],
+        blank: &[&str],
     ) -> Result<Table, CalibrateError> {
         let file = path.display();
         let bytes = std::fs::read(path).map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
         // What is no UTF-8 is ISO 8859-1, whose bytes are code points.
         let text = String::from_utf8(bytes)
             .unwrap_or_else(|e| e.into_bytes().iter().map(|byte| char::from(*byte)).collect());
-        Table::parse(&text, &file.to_string(), wanted, mapped)
+        Table::parse(&text, &file.to_string(), wanted, mapped, blank)
     }
 
     /// The table of a text; `file` names it in errors.
@@ -55,6 +56,7 @@ impl Table {
         file: &str,
         wanted: &[&'static Channel],
         mapped: &[Column],
+        blank: &[&str],
     ) -> Result<Table, CalibrateError> {
         let at = |line: u64, message: String| CalibrateError(format!("{file}:{line}: {message}"));
         let text = text.trim_start_matches('\u{feff}');
@@ -68,7 +70,17 @@ impl Table {
         let line = header.position().map_or(1, csv::Position::line);
         let place = |column: &str| source(&header, column, mapped).map_err(|message| at(line, message));
         let (time_at, time_unit) = place(TIME)?;
-        let places = wanted.iter().map(|c| place(c.column)).collect::<Result<Vec<_>, _>>()?;
+        let places = wanted.iter().map(|c| {
+            let found = place(c.column);
+            match (blank.contains(&c.column), found) {
+                (false, found) => found.map(Some),
+                (true, Err(_)) => Ok(None),
+                (true, Ok(_)) => {
+                    Err(at(line, format!("not_measured names {}, and the file has this column", c.column)))
+                }
+            }
+        });
+        let places = places.collect::<Result<Vec<_>, _>>()?;
         let mut table = Table {
             time: Vec::new(),
             columns: vec![Vec::new(); wanted.len()],
@@ -113,7 +125,11 @@ impl Table {
                 }
             }
             table.time.push(time);
-            for ((channel, (k, unit)), column) in wanted.iter().zip(&places).zip(&mut table.columns) {
+            for ((channel, source), column) in wanted.iter().zip(&places).zip(&mut table.columns) {
+                let Some((k, unit)) = source else {
+                    column.push(f64::NAN);
+                    continue;
+                };
                 let value = number(&record[*k], channel.column, has_comma).map_err(|m| at(line, m))?;
                 column.push(unit.map_or(value + channel.offset, |u| u.factor * value + u.offset));
             }
@@ -227,8 +243,8 @@ fn source(
                 mapped.iter().filter(|c| c.column == column).map(|c| c.header.as_str()).collect();
             let or = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
             format!(
-                "the column {column}{or} is missing; there is {}. [columns] can map another header to it; leave the cells of a \
-                 channel blank that this run did not measure",
+                "the column {column}{or} is missing; there is {}. [columns] can map another header to it; not_measured = \
+                 [\"{column}\"] in [[run]] states that this run did not measure an output",
                 headers.join(", ")
             )
         }),
@@ -278,7 +294,7 @@ mod tests {
 
     fn read(text: &str) -> Result<Table, CalibrateError> {
         let wanted = ["current_A", "winding_temperature_degC"].map(|c| Channel::of(c).unwrap());
-        Table::parse(text, "run.csv", &wanted, &[])
+        Table::parse(text, "run.csv", &wanted, &[], &[])
     }
 
     const HEADER: &str = "time_s,winding_temperature_degC,current_A\n";

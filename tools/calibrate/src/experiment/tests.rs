@@ -44,7 +44,10 @@ fn an_experiment_in_full() {
     assert_eq!(value("drive_mode"), Some(3.0));
     assert_eq!(value("mechanical_mode"), Some(2.0));
     assert_eq!(value("conductance.G_still"), Some(0.2));
-    assert_eq!(found.priors, [Prior { name: "motor.R_ref".to_string(), relative: 0.03 }]);
+    assert_eq!(
+        found.priors,
+        [Prior { name: "motor.R_ref".to_string(), deviation: Deviation::Relative(0.03) }]
+    );
     assert_eq!(found.noise["winding_temperature_degC"], 0.1);
     assert_eq!(found.runs.len(), 2);
     let last = &found.runs[1];
@@ -119,6 +122,30 @@ fn what_a_file_has_wrong_is_named_when_the_experiment_is_read() {
     }
     let sentence = Experiment::read(Path::new("no/such/EXPERIMENT.toml")).unwrap_err().to_string();
     assert!(sentence.contains("no/such/EXPERIMENT.toml cannot be read"), "{sentence}");
+}
+
+/// Unknowns of one run, relative or with a unit.
+#[test]
+fn priors_of_one_run() {
+    let of = |text: &str| read(&format!("{HEAD}{REST}[run.prior]\n{text}\n"));
+    let stem = "\"effect.winding_sensor_stem_loss.k\" = 0.5";
+    let offset = "\"effect.winding_sensor_offset.offset\" = \"1500 mK\"";
+    let found = of(&format!("{stem}\n{offset}")).unwrap();
+    assert_eq!(found.runs[0].priors, []);
+    let deviations: Vec<Deviation> = found.runs[1].priors.iter().map(|p| p.deviation).collect();
+    assert_eq!(deviations, [Deviation::Absolute(1.5), Deviation::Relative(0.5)]);
+    assert_eq!(Deviation::Relative(0.5).of(0.0, 0.05), 0.025);
+    for (text, parts) in [
+        (offset.replace("mK", "mV"), "mV"),
+        (offset.replace("1500 mK", "wide"), "a relative standard deviation such as 0.1"),
+        (stem.replace("0.5", "-0.5"), "must be above 0"),
+        (stem.replace("0.5", "\"0 %\""), "must be above 0"),
+        (stem.replace("effect.winding_sensor_stem_loss.k", "motor.R_ref"), "one number for all runs"),
+        (stem.replace("stem_loss.k", "stem.k"), "is no parameter"),
+    ] {
+        let sentence = of(&text).unwrap_err().to_string();
+        assert!(sentence.starts_with("e.toml:") && sentence.contains(parts), "{text}: {sentence}");
+    }
 }
 
 #[test]
@@ -225,6 +252,53 @@ fn clocks_and_names_of_the_contract() {
         (read(&short).unwrap().inputs[1].column, read(&short).unwrap().outputs[0].column),
         ("speed_rad_per_s", "voltage_V")
     );
+}
+
+/// Two thermocouples on the housing, of which one run has the second only, and says so.
+#[test]
+fn several_sensors_on_a_node_and_channels_that_a_file_lacks() {
+    let outputs = "\"winding_temperature_degC\", \"housing_temperature_degC\", \"housing_temperature_2\"]";
+    let rest = "[columns]\n\"T3\" = { name = \"housing_temperature_2\", unit = \"K\" }\n\
+                [[run]]\nfile = \"a.csv\"\nrole = \"fit\"\nnot_measured = [\"housing_temperature\"]\n";
+    let text = format!("{}{rest}", HEAD.replace("\"winding_temperature_degC\"]", outputs));
+    let rows = "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,winding_temperature_degC,T3\n\
+                0,1,100,20,3,20,293\n2,1,100,20,3,21,294\n";
+    let folder = tempfile::tempdir().unwrap();
+    let parse = |text: &str, rows: &str| {
+        std::fs::write(folder.path().join("a.csv"), rows).unwrap();
+        Experiment::parse(text, "e.toml".to_string(), folder.path())
+    };
+    let found = parse(&text, rows).unwrap();
+    let columns: Vec<&str> = found.outputs.iter().map(|c| c.column).collect();
+    let place = |column: &str| columns.iter().position(|c| *c == column).unwrap();
+    let of = |column: &str| &found.runs[0].table.columns[found.inputs.len() + place(column)];
+    assert!(of("housing_temperature_degC").iter().all(|x| x.is_nan()));
+    assert_eq!(of("housing_temperature_2_degC")[..], [293.0, 294.0]);
+    let whole = rows
+        .replace(",T3", ",T3,housing_temperature_degC")
+        .replace("293\n", "293,20\n")
+        .replace("294\n", "294,21\n");
+    for (text, rows, parts) in [
+        (
+            text.replace("not_measured", "#"),
+            rows,
+            ["a.csv:1:", "not_measured = [\"housing_temperature_degC\"]"],
+        ),
+        (
+            text.replace("[\"housing_temperature\"]\n", "[\"housing\"]\n"),
+            rows,
+            ["e.toml:", "housing, which is no output"],
+        ),
+        (text.clone(), whole.as_str(), ["a.csv:1:", "the file has this column"]),
+        (
+            text.replace("housing_temperature_2\"]", "housing_temperature_1\"]"),
+            rows,
+            ["e.toml:", "is no output"],
+        ),
+    ] {
+        let sentence = parse(&text, rows).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| sentence.contains(part)), "{sentence}");
+    }
 }
 
 #[test]

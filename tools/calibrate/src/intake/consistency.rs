@@ -27,6 +27,7 @@ use super::{Unusable, ambient, sorted};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Start};
+use crate::fit::is_wide;
 use crate::setup::Setup;
 use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
@@ -438,6 +439,7 @@ impl Cost {
 /// The cost of the best values of the declared parameters, with structure errors for the noise.
 fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, CalibrateError> {
     let mut setup = Setup::new(experiment, judge.preset)?.until(Deadline::after(FIT));
+    setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
     let fit: Vec<usize> =
         judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
     let runs = if fit.is_empty() { judge.runs.to_vec() } else { fit };

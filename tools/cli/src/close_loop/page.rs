@@ -94,14 +94,20 @@ fn errors(outcome: &Outcome) -> Markup {
     let row = |e: &calibrate::outcome::ChannelError| {
         let mut cells: Vec<Cell> = vec![role_name(e.role).into(), channel(e.column).into()];
         cells.extend([e.before, e.refit, e.after, e.floor, e.after / e.floor].map(Cell::number));
+        cells.push(Cell::maybe(e.blackbox));
         cells
     };
-    let headers = ["runs", "output", "before", "refit", "after", "noise", "after / noise"];
+    let headers = ["runs", "output", "before", "refit", "after", "noise", "after / noise", "black box"];
+    let boxes: Vec<String> =
+        outcome.boxes.iter().map(|b| format!("{}: {}", column_words(b.column).0, b.kind)).collect();
     html! {
         h2 { "Errors (RMSE)" }
         p {
             "Before: the preset. Refit: parameters fitted, model unchanged. After: the extended model. Noise: the error of a perfect \
              model."
+            @if !boxes.is_empty() {
+                " Black box: a model without physics, fitted to the same runs and simulated from the same inputs (" (list(&boxes, "and")) ")."
+            }
         }
         (table(&headers, outcome.errors.iter().map(row).collect()))
     }
@@ -276,6 +282,13 @@ fn parameters(experiment: &Experiment, outcome: &Outcome) -> Markup {
             unit(p.unit),
         ]
     };
+    let own = |(file, p): &(String, calibrate::outcome::Estimate)| {
+        let cells = [Cell::from(file.as_str()), Cell::Code(p.name.clone())];
+        cells
+            .into_iter()
+            .chain([Cell::number(p.prior), Cell::number(p.value), interval(p.ci95), unit(p.unit)])
+            .collect()
+    };
     let headers = ["parameter", "preset", "refit", "after", "95 % interval", "unit"];
     let pairs: Vec<String> =
         outcome.correlated.iter().map(|(a, b, r)| format!("{a} with {b} ({})", number(*r))).collect();
@@ -283,6 +296,10 @@ fn parameters(experiment: &Experiment, outcome: &Outcome) -> Markup {
         @if !outcome.parameters.is_empty() {
             h2 { "Parameters" }
             (table(&headers, outcome.parameters.iter().map(row).collect()))
+            @if !outcome.of_runs.is_empty() {
+                h3 { "Unknowns of single runs" }
+                (table(&["run", "parameter", "prior", "value", "95 % interval", "unit"], outcome.of_runs.iter().map(own).collect()))
+            }
             @if !pairs.is_empty() { p { "Strongly correlated estimates, with their correlation: " (list(&pairs, "and")) "." } }
             (plates(&[figures::forest(experiment, outcome)]))
         }

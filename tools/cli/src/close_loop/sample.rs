@@ -2,8 +2,8 @@
 
 use calibrate::experiment::Role;
 use calibrate::outcome::{
-    ChannelError, Curve, Curves, Estimate, Evidence, Follows, Found, Limit, Localised, Outcome, Setting,
-    Unexplained, Verdict, Whiteness,
+    BlackBox, ChannelError, Curve, Curves, Estimate, Evidence, Follows, Found, Limit, Localised, Outcome,
+    Setting, Unexplained, Verdict, Whiteness,
 };
 use calibrate::report::{Replay, ReplayedChannel};
 use describe::{Driver, GenericTerm, Port};
@@ -79,8 +79,15 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         accepted,
         reason: reason.to_owned(),
     };
-    let error =
-        |role, column, before| ChannelError { role, column, before, refit: 0.5, after: 0.11, floor: 0.1 };
+    let error = |role, column, before| ChannelError {
+        role,
+        column,
+        before,
+        refit: 0.5,
+        after: 0.11,
+        floor: 0.1,
+        blackbox: Some(0.7),
+    };
     let export = Setting {
         file: "run-2.csv".to_owned(),
         role: Role::Test,
@@ -101,6 +108,10 @@ pub fn outcome(verdict: Verdict) -> Outcome {
             estimate("motor.R_ref", 0.402, 0.002, 0.386, "Ohm"),
             estimate("thermal.C_w", 14.2, 0.6, 10.05, "J/K"),
         ],
+        of_runs: vec![(
+            "run-1.csv".to_owned(),
+            estimate("effect.winding_sensor_offset.offset", 0.7, 0.2, 0.0, "K"),
+        )],
         correlated: vec![("thermal.C_w".to_owned(), "thermal.R_wh".to_owned(), -0.97)],
         errors: vec![
             error(Role::Fit, "voltage_V", 1.9),
@@ -127,6 +138,11 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         settings: vec![export.clone(), export.clone()],
         export,
         endings: Vec::new(),
+        boxes: vec![BlackBox {
+            column: "voltage_V",
+            kind: "ARX of order 2, interval 10.0 s".to_owned(),
+            errors: vec![(Role::Fit, 0.7)],
+        }],
         is_cut: false,
         notes: vec!["run-1.csv: housing_temperature_degC reads -40 degC and is set aside as dead".to_owned()],
         seconds: 3.2,

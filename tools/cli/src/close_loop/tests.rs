@@ -36,7 +36,7 @@ fn the_report_is_that_of_the_contract() {
     assert_eq!(effect["evidence"]["validation_rmse_ratio"], json!(0.41));
     assert!(effect["separating_experiment"].is_string() && found["unexplained"].is_null());
     assert_eq!(found["parameters"]["motor.R_ref"]["prior"], json!(0.386));
-    let voltage = json!({"before": 1.9, "refit": 0.5, "after": 0.11, "floor": 0.1});
+    let voltage = json!({"before": 1.9, "refit": 0.5, "after": 0.11, "floor": 0.1, "blackbox": 0.7});
     assert_eq!(found["error"]["fit"]["voltage_V"], voltage);
     assert_eq!(found["error"]["validate"], json!({}), "a role without runs is there and empty");
     assert_eq!(found["fmu"], json!(["fmi2/AnnulusCooledMotor.fmu"]));

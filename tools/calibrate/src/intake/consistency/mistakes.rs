@@ -1,7 +1,7 @@
 //! Mistakes in the columns of an experiment: units, signs, exchanged columns.
 
 use super::super::ambient;
-use crate::experiment::units::units;
+use crate::experiment::units::{names, units};
 use crate::experiment::{Channel, Experiment};
 use physics::declare::Unit;
 
@@ -124,7 +124,7 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
     let mut all: Vec<(f64, f64, String)> = Vec::new();
     let contract = |name: &str| match of {
         Unit::Kelvin => name == "degC",
-        _ => units(of).first().is_some_and(|u| u.names[0] == name),
+        _ => names(of).first() == Some(&name),
     };
     let mut add = |factor: f64, offset: f64, words: String| {
         let same =
@@ -133,19 +133,20 @@ fn unit_mistakes(of: Unit) -> Vec<(f64, f64, String)> {
             all.push((factor, offset, words));
         }
     };
-    if units(of).is_empty() {
+    let known = units(of);
+    if known.is_empty() {
         return all;
     }
     add(-1.0, if of == Unit::Kelvin { 2.0 * 273.15 } else { 0.0 }, "the opposite sign".to_string());
     // First those that stand for the contract's own unit: their words are the plainest.
-    let pairs = || units(of).iter().flat_map(|stated| units(of).iter().map(move |meant| (stated, meant)));
+    let pairs = || known.iter().flat_map(|stated| known.iter().map(move |meant| (stated, meant)));
     for plain in [true, false] {
-        for (stated, meant) in pairs().filter(|(s, _)| contract(s.names[0]) == plain) {
+        for ((as_stated, stated), (as_meant, meant)) in pairs().filter(|(s, _)| contract(s.0) == plain) {
             let factor = meant.factor / stated.factor;
             let words = if plain {
-                format!("readings in {}", meant.names[0])
+                format!("readings in {as_meant}")
             } else {
-                format!("readings times {factor:.4} (as of {} and {})", meant.names[0], stated.names[0])
+                format!("readings times {factor:.4} (as of {as_meant} and {as_stated})")
             };
             add(factor, meant.offset - factor * stated.offset, words);
         }

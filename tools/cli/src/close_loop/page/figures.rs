@@ -105,7 +105,8 @@ pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
         };
         let mut marks = Vec::new();
         if let Some(prior) = experiment.priors.iter().find(|q| q.name == p.name) {
-            let half = 100.0 * WITHIN_95 * prior.relative;
+            // Priors around zero are not in the figure, so that a nominal value is not needed.
+            let half = 100.0 * WITHIN_95 * prior.deviation.of(p.prior, f64::NAN) / p.prior.abs();
             marks.push((2, Mark::Span(-half, half)));
         }
         if let Some(refit) = outcome.refit.iter().find(|r| r.name == p.name) {

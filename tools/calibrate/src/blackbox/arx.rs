@@ -1,0 +1,217 @@
+//! A linear difference equation with functions of the inputs, simulated.
+//!
+//! y_k = sum_{j=1..n} a_j y_{k-j} + sum_{j=0..n} sum_f b_{jf} f(u_{k-j}) + c                        (1)
+//!
+//! over means of cells of equal length. y is a temperature above ambient, or any other output; the functions f are each input, its size,
+//! its square and the products of two inputs. a, b and c minimise the error of one step (1) over the fit runs; the prediction is the
+//! simulation of (1) from the first cell.
+
+use super::{Candidate, Series};
+use crate::deadline::Deadline;
+use crate::experiment::Role;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Orders n, and lengths of cells in rows.
+const ORDERS: [usize; 4] = [0, 1, 2, 3];
+const CELLS: [usize; 4] = [1, 5, 20, 80];
+/// Fewest cells of a run.
+const FEWEST: usize = 12;
+/// Eigenvalues below this fraction of the greatest count as zero: functions that the data cannot distinguish.
+const SINGULAR: f64 = 1e-11;
+
+/// The equations of every order and length of cells.
+pub fn candidates(
+    all: &[Series],
+    output: usize,
+    is_temperature: bool,
+    deadline: &Deadline,
+) -> Vec<Candidate> {
+    let mut found = Vec::new();
+    for order in ORDERS {
+        for rows in CELLS.into_iter().filter(|rows| order > 0 || *rows == 1) {
+            if !deadline.is_near() {
+                found.extend(candidate(all, output, is_temperature, order, rows));
+            }
+        }
+    }
+    found
+}
+
+/// A run in cells.
+struct Cells {
+    time: Vec<f64>,
+    /// Functions of the inputs, cell by cell.
+    functions: Vec<Vec<f64>>,
+    /// The output, above ambient where it is a temperature; NaN where not measured or not counted.
+    output: Vec<f64>,
+    first: f64,
+}
+
+fn candidate(
+    all: &[Series],
+    output: usize,
+    is_temperature: bool,
+    order: usize,
+    rows: usize,
+) -> Option<Candidate> {
+    let fit = || all.iter().filter(|s| s.role == Role::Fit);
+    let mut steps: Vec<f64> = fit().flat_map(|s| s.time.windows(2).map(|w| w[1] - w[0])).collect();
+    steps.sort_by(f64::total_cmp);
+    let length = steps.get(steps.len() / 2)? * rows as f64;
+    let cells: Vec<Cells> = all.iter().map(|run| cut(run, output, is_temperature, order, length)).collect();
+    if rows > 1 && cells.iter().any(|c| c.time.len() < FEWEST) {
+        return None;
+    }
+    let p = order + (order + 1) * cells.first()?.functions.first()?.len() + 1;
+    let (mut normal, mut right) = (DMatrix::<f64>::zeros(p, p), DVector::<f64>::zeros(p));
+    let mut count = 0;
+    for run in cells.iter().zip(all).filter(|(_, s)| s.role == Role::Fit).map(|(c, _)| c) {
+        for k in order..run.time.len() {
+            let (x, y) = (regressors(run, &run.output, order, k), run.output[k]);
+            if y.is_finite() && x.iter().all(|v| v.is_finite()) {
+                normal.ger(1.0, &x, &x, 1.0);
+                right.axpy(y, &x, 1.0);
+                count += 1;
+            }
+        }
+    }
+    if count <= p {
+        return None;
+    }
+    // Each regressor by its own size, so that one limit counts for all.
+    let size = DVector::from_fn(p, |k, _| normal[(k, k)].sqrt().max(f64::MIN_POSITIVE));
+    let scaled = DMatrix::from_fn(p, p, |a, b| normal[(a, b)] / (size[a] * size[b]));
+    let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
+    let most = eigenvalues.max();
+    let along = eigenvectors.transpose() * right.component_div(&size);
+    let along =
+        DVector::from_fn(
+            p,
+            |k, _| {
+                if eigenvalues[k] > SINGULAR * most { along[k] / eigenvalues[k] } else { 0.0 }
+            },
+        );
+    let free = eigenvalues.iter().filter(|e| **e > SINGULAR * most).count();
+    let numbers = (eigenvectors * along).component_div(&size);
+    let predicted = all.iter().zip(&cells).map(|(run, cells)| {
+        let mut shown = vec![0.0; cells.time.len()];
+        for k in 0..shown.len() {
+            shown[k] =
+                if k < order { cells.first } else { numbers.dot(&regressors(cells, &shown, order, k)) };
+        }
+        let zero = |row: usize| if is_temperature { run.ambient[row] } else { 0.0 };
+        run.time.iter().enumerate().map(|(row, t)| zero(row) + between(&cells.time, &shown, *t)).collect()
+    });
+    let kind = match order {
+        0 => "static functions of the inputs".to_string(),
+        n => format!("ARX of order {n}, interval {length:.3} s"),
+    };
+    Some(Candidate { kind, predicted: predicted.collect(), parameters: free })
+}
+
+fn regressors(run: &Cells, output: &[f64], order: usize, k: usize) -> DVector<f64> {
+    let past = (1..=order).map(|j| output[k - j]);
+    let inputs = (0..=order).flat_map(|j| run.functions[k - j].iter().copied());
+    let all: Vec<f64> = past.chain(inputs).chain(std::iter::once(1.0)).collect();
+    DVector::from_vec(all)
+}
+
+fn cut(run: &Series, output: usize, is_temperature: bool, order: usize, length: f64) -> Cells {
+    let rows = run.time.len();
+    let own = |row: usize| -> Vec<f64> {
+        let u: Vec<f64> = run.inputs.iter().map(|x| x[row]).collect();
+        let single = u.iter().flat_map(|x| [*x, x.abs(), x * x]);
+        let pairs = (0..u.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+        let products = pairs.map(|(a, b)| u[a] * u[b]);
+        single.chain(products).collect()
+    };
+    let zero = |row: usize| if is_temperature { run.ambient[row] } else { 0.0 };
+    let reading = |row: usize| run.outputs[output][row] - zero(row);
+    let first = match (0..rows).find(|row| reading(*row).is_finite()) {
+        Some(row) if run.is_warm || !is_temperature => reading(row),
+        _ => 0.0,
+    };
+    // The rows themselves, where nothing is remembered.
+    if order == 0 {
+        let kept = |row: usize| if run.counts[row] { reading(row) } else { f64::NAN };
+        return Cells {
+            time: run.time.clone(),
+            functions: (0..rows).map(own).collect(),
+            output: (0..rows).map(kept).collect(),
+            first,
+        };
+    }
+    let start = run.time[0];
+    let count = ((run.time[rows - 1] - start) / length).floor() as usize + 1;
+    let mut found = Cells {
+        time: (0..count).map(|k| start + k as f64 * length).collect(),
+        functions: Vec::with_capacity(count),
+        output: Vec::with_capacity(count),
+        first,
+    };
+    let mut row = 0;
+    for k in 0..count {
+        let end = found.time[k] + 0.5 * length;
+        let begin = row;
+        while row < rows && run.time[row] < end {
+            row += 1;
+        }
+        // A gap between rows holds the inputs of the row before it.
+        let inside = if row > begin { begin..row } else { begin.max(1) - 1..begin.max(1) };
+        let mut sum = vec![0.0; own(0).len()];
+        for r in inside.clone() {
+            sum.iter_mut().zip(own(r)).for_each(|(s, x)| *s += x / inside.len() as f64);
+        }
+        found.functions.push(sum);
+        let readings: Vec<f64> =
+            (begin..row).filter(|r| run.counts[*r]).map(reading).filter(|y| y.is_finite()).collect();
+        found.output.push(readings.iter().sum::<f64>() / readings.len() as f64);
+    }
+    found
+}
+
+/// A line between points, constant beyond its ends.
+fn between(x: &[f64], y: &[f64], at: f64) -> f64 {
+    let k = x.partition_point(|v| *v <= at);
+    if k == 0 {
+        return y[0];
+    }
+    if k == x.len() {
+        return y[k - 1];
+    }
+    let share = (at - x[k - 1]) / (x[k] - x[k - 1]);
+    if share == 0.0 { y[k - 1] } else { y[k - 1] + share * (y[k] - y[k - 1]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y_k = 0.9 y_{k-1} + 0.5 u_k + 0.2 u_{k-1}, with an input that switches; `noise` on the readings.
+    fn run(role: Role, seed: u64, noise: f64) -> Series {
+        let mut rng = crate::trial::rng(seed);
+        let inputs: Vec<f64> =
+            (0..800u64).map(|k| f64::from(u8::from((k / 37 + seed).is_multiple_of(3)))).collect();
+        let mut y = vec![0.0; 800];
+        for k in 1..800 {
+            y[k] = 0.9 * y[k - 1] + 0.5 * inputs[k] + 0.2 * inputs[k - 1];
+        }
+        let outputs = vec![y.iter().map(|y| y + noise * crate::trial::normal(&mut rng)).collect()];
+        let time: Vec<f64> = (0..800).map(f64::from).collect();
+        let counts = vec![true; 800];
+        Series { role, time, inputs: vec![inputs], ambient: vec![0.0; 800], outputs, counts, is_warm: false }
+    }
+
+    #[test]
+    fn the_equation_that_made_the_data_is_found_and_simulated() {
+        let all = [run(Role::Fit, 1, 0.01), run(Role::Validate, 2, 0.01), run(Role::Test, 4, 0.0)];
+        let candidates = candidates(&all, 0, false, &Deadline::default());
+        let scored = candidates.iter().map(|c| (super::super::score(&all, 0, c).unwrap(), c));
+        let (_, best) = scored.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        let (error, count) = super::super::rmse(&all, 0, best, Role::Test).unwrap();
+        // The output moves by 7; a static function of the input is off by 1 and more.
+        assert!(error < 0.1 && count == 800, "{}: {error}", best.kind);
+        let (worst, _) = super::super::rmse(&all, 0, &candidates[0], Role::Test).unwrap();
+        assert!(candidates[0].kind.starts_with("static") && worst > 0.5, "{worst}");
+    }
+}

@@ -1,0 +1,103 @@
+//! The repaired model beside the plain refit and a black box: where it is not the best of the three, and the likely reason.
+
+use crate::experiment::Role;
+use crate::outcome::{BlackBox, ChannelError, Verdict};
+use crate::report::column_words;
+
+/// Ratio of two errors from which on they differ.
+const DIFFERENT: f64 = 1.02;
+/// Error over the noise up to which nothing is left to gain: block means of noise vary by as much.
+const AT_THE_NOISE: f64 = 1.3;
+
+/// Channels in which the repaired model predicts the test runs worse than the refit or the black box, in sentences.
+pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> Vec<String> {
+    let of = |role: Role, column: &str| errors.iter().find(|e| e.role == role && e.column == column);
+    let mut notes = Vec::new();
+    for test in errors.iter().filter(|e| e.role == Role::Test) {
+        let (name, unit) = column_words(test.column);
+        let with_unit = |x: f64| format!("{} {unit}", digits(x)).trim_end().to_string();
+        if test.after <= AT_THE_NOISE * test.floor {
+            continue;
+        }
+        if test.after > DIFFERENT * test.refit {
+            let validated = of(Role::Validate, test.column).is_some_and(|v| v.after < v.refit);
+            let reason = if validated {
+                "the validation error of this channel falls, so the test runs contain conditions that neither fit nor validation runs have"
+            } else {
+                "the law was accepted for other channels, and this one has no part in it"
+            };
+            notes.push(format!(
+                "{name}: the error of the repaired model on the test runs, {}, is above that of the refit, {}; {reason}",
+                with_unit(test.after),
+                with_unit(test.refit)
+            ));
+        }
+        let Some((other, error)) = boxes.iter().find(|b| b.column == test.column).zip(test.blackbox) else {
+            continue;
+        };
+        if test.after <= DIFFERENT * error {
+            continue;
+        }
+        let fit = of(Role::Fit, test.column).and_then(|f| Some((f.after, f.blackbox?)));
+        let reason = match fit {
+            Some((own, box_of_it)) if own > DIFFERENT * box_of_it => format!(
+                "it also follows the fit runs better ({} against {}), so the physical model lacks a path, a node or a dependence that free \
+                 parameters can replace{}",
+                with_unit(box_of_it),
+                with_unit(own),
+                if verdict == Verdict::Nothing { "; none of the listed effects is that one" } else { "" }
+            ),
+            Some(_) => "the physical model follows the fit runs at least as well, so the difference comes from conditions that the fit runs \
+                        do not contain or from differences between the runs"
+                .to_string(),
+            None => "the fit runs have no reading of it".to_string(),
+        };
+        notes.push(format!(
+            "{name}: a black box ({}) predicts the test runs better than the {} model, {} against {}; {reason}",
+            other.kind,
+            if matches!(verdict, Verdict::Nothing | Verdict::Fitted) { "fitted" } else { "repaired" },
+            with_unit(error),
+            with_unit(test.after)
+        ));
+    }
+    notes
+}
+
+/// A number with three significant digits.
+fn digits(x: f64) -> String {
+    let places = (2.0 - x.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    if x.is_finite() { format!("{x:.places$}") } else { "no number".to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(role: Role, refit: f64, after: f64, blackbox: f64) -> ChannelError {
+        let column = "winding_temperature_degC";
+        ChannelError { role, column, before: 9.0, refit, after, floor: 0.1, blackbox: Some(blackbox) }
+    }
+
+    #[test]
+    fn a_repair_that_is_not_the_best_is_named_with_its_reason() {
+        let boxes = [BlackBox {
+            column: "winding_temperature_degC",
+            kind: "ARX of order 1".to_string(),
+            errors: Vec::new(),
+        }];
+        let of = |errors: &[ChannelError]| notes(errors, &boxes, Verdict::Named).join("\n");
+        let better = [error(Role::Fit, 2.0, 0.5, 1.0), error(Role::Test, 2.0, 0.5, 1.0)];
+        assert_eq!(of(&better), "");
+        let lacks = of(&[error(Role::Fit, 2.0, 1.5, 0.5), error(Role::Test, 2.0, 1.5, 0.75)]);
+        assert!(lacks.contains("0.750 K against 1.50 K") && lacks.contains("lacks a path"), "{lacks}");
+        let overfits = of(&[error(Role::Fit, 2.0, 0.5, 1.0), error(Role::Test, 2.0, 7.3, 8.0)]);
+        assert!(
+            overfits.contains("above that of the refit, 2.00 K") && !overfits.contains("black box"),
+            "{overfits}"
+        );
+        let range = of(&[error(Role::Fit, 2.0, 0.5, 1.0), error(Role::Test, 4.0, 3.0, 1.0)]);
+        assert!(range.contains("conditions that the fit runs do not contain"), "{range}");
+        // At the noise floor nothing is left to gain.
+        assert_eq!(of(&[error(Role::Fit, 2.0, 0.1, 0.1), error(Role::Test, 0.12, 0.13, 0.1)]), "");
+    }
+}
