@@ -47,6 +47,8 @@ pub struct Instance {
     step_start: Option<Box<dyn Model>>,
     /// The model at the start of a step with intermediate updates.
     update_start: Option<Box<dyn Model>>,
+    /// The model at the start of the last part of such a step.
+    part_start: Option<Box<dyn Model>>,
     /// Number of elements of the arrays whose size is a structural parameter; in FMI 2 that of the archive.
     elements: u32,
     mode: Mode,
@@ -118,6 +120,7 @@ impl Instance {
             discrete,
             step_start: None,
             update_start: None,
+            part_start: None,
             scratch: None,
             elements: counted(model.as_mut()),
             model,

@@ -1,6 +1,6 @@
 //! FMI 3 Co-Simulation where the importer takes part: events, early return, looks into steps.
 
-use crate::common::{CS3, Fmu, Importer, Look, MOTOR, Options, Succeeds, vr};
+use crate::common::{CS2, CS3, Fmu, Importer, Look, MOTOR, Options, Succeeds, vr};
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
 use std::cell::RefCell;
@@ -191,18 +191,101 @@ fn an_importer_looks_into_steps() {
     assert_eq!(motor.get("shaft_speed"), looks[3].1);
 }
 
-#[test]
-fn an_importer_sets_inputs_in_the_middle_of_a_step() {
-    let (motor, _) = looked_at(false, Some(0.05), None);
-    motor.ended(0.0, 0.04);
-    let plain = three(false, false).started(&[("voltage", 12.0)]);
-    plain.ended(0.0, 0.01);
-    plain.set("load_torque", 0.05);
-    for k in 1..4 {
-        plain.ended(0.01 * f64::from(k), 0.01);
+/// Sets the load along a line from 0 at the start, N.m/s.
+fn loader(slope: f64) -> Look {
+    Box::new(move |fmu: Fmu, time, sets, _| {
+        assert!(sets);
+        fmu.set_reals(&[vr("load_torque")], &[slope * time]).ok();
+        None
+    })
+}
+
+/// A motor whose load the importer moves in intermediate update mode.
+fn loaded(look: Look, options: Options) -> Importer {
+    let named = [vr("shaft_speed"), vr("load_torque")];
+    let motor = Importer::tried(MOTOR, CS3, options, Some((&named, look))).expect("an instance");
+    motor.started(&[("voltage", 12.0)])
+}
+
+/// The speed after steps of length `h` to 40 ms, with the input derivatives of FMI 2.
+fn sloped(h: f64, slope: f64) -> f64 {
+    let plain = Importer::instantiated(MOTOR, CS2, Options::default()).started(&[("voltage", 12.0)]);
+    for k in 0..(0.04 / h).round() as u32 {
+        plain.set_slopes(&[vr("load_torque")], &[1], &[slope]).ok();
+        plain.step(h * f64::from(k), h).ok();
     }
-    let (ours, theirs) = (motor.get("shaft_speed"), plain.get("shaft_speed"));
-    assert!((ours / theirs - 1.0).abs() < 1e-12, "{ours} and {theirs}");
+    plain.get("shaft_speed")
+}
+
+/// Inputs that are set after each part are lines over it: the result is that of input derivatives in FMI 2.
+#[test]
+fn inputs_that_an_importer_sets_within_a_step_are_lines() {
+    for event_mode in [false, true] {
+        let motor = loaded(loader(2.0), Options { event_mode, ..Options::default() });
+        if event_mode {
+            motor.handle_event();
+        }
+        assert_eq!(motor.ended(0.0, 0.04), (false, false, 0.04));
+        let (ours, theirs) = (motor.get("shaft_speed"), sloped(0.01, 2.0));
+        assert!((ours / theirs - 1.0).abs() < 1e-12, "{ours} and {theirs}");
+        assert_eq!(motor.get("load_torque"), 2.0 * 0.04);
+        // Held in each part, the load would be too low on average.
+        let held = three(false, false).started(&[("voltage", 12.0)]);
+        for k in 0..4 {
+            held.set("load_torque", 0.02 * f64::from(k));
+            held.ended(0.01 * f64::from(k), 0.01);
+        }
+        assert!((held.get("shaft_speed") / theirs - 1.0).abs() > 1e-3);
+    }
+}
+
+/// The load is t^2, which lines follow with second order of the part.
+#[test]
+fn a_curved_input_converges_with_second_order() {
+    let speed = |steps: u32| {
+        let look: Look = Box::new(|fmu: Fmu, time, _, _| {
+            fmu.set_reals(&[vr("load_torque")], &[50.0 * time * time]).ok();
+            None
+        });
+        let motor = loaded(look, Options::default());
+        let h = 0.04 / f64::from(steps);
+        for k in 0..steps {
+            motor.ended(h * f64::from(k), h);
+        }
+        motor.get("shaft_speed")
+    };
+    let exact = speed(128);
+    let errors = [4, 8, 16].map(|steps| (speed(steps) - exact).abs());
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 2.0).abs() < 0.2, "order {order}, {errors:?}");
+    }
+}
+
+/// A part that ends the run at a limit of validity stays ended.
+#[test]
+fn a_line_over_the_limit_of_validity_ends_the_run() {
+    let named = [vr("current_command")];
+    let look: Look = Box::new(|fmu: Fmu, time, _, _| {
+        let _ = fmu.set_reals(&[vr("current_command")], &[200.0 * time]);
+        None
+    });
+    let motor = Importer::tried(MOTOR, CS3, Options::default(), Some((&named, look))).expect("an instance");
+    let motor = motor.started(&[("mechanical_mode", 2.0), ("drive_mode", 3.0)]);
+    let mut at = 0.0;
+    for _ in 0..1000 {
+        let (mut terminate, mut reached) = (0, at);
+        let terminated: *mut u8 = &mut terminate;
+        unsafe { fmi3DoStep(motor.handle, at, 0.1, 1, null_mut(), terminated, null_mut(), &mut reached) }
+            .ok();
+        if terminate != 0 {
+            assert!(reached >= at && reached <= at + 0.1, "{at} {reached}");
+            assert!(motor.get("winding_temperature") <= 543.15 + 1e-6);
+            return;
+        }
+        at = reached;
+    }
+    panic!("the run did not end");
 }
 
 #[test]

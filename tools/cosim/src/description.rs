@@ -135,6 +135,8 @@ pub struct Interface {
     pub can_handle_variable_step: bool,
     /// Co-Simulation, FMI 2: derivatives of inputs are understood.
     pub can_interpolate_inputs: bool,
+    /// Co-Simulation, FMI 3: inputs can be set within a step.
+    pub provides_intermediate_update: bool,
     /// Co-Simulation: highest order of output derivatives.
     pub max_output_derivative_order: u32,
     /// Co-Simulation, FMI 3: the internal step size (s).
@@ -406,6 +408,8 @@ pub struct Variable {
     pub max: Option<f64>,
     /// Meaning.
     pub description: Option<String>,
+    /// FMI 3: can be used in intermediate update mode.
+    pub intermediate_update: bool,
     /// Line in the file.
     pub line: u32,
     /// Dimensions; empty for a scalar.
@@ -440,6 +444,20 @@ impl ModelDescription {
     pub fn feedthrough(&self, output: usize) -> Option<Vec<usize>> {
         let on = self.output_dependencies.iter().find(|d| d.output == output)?.on.as_ref()?;
         Some(on.iter().copied().filter(|i| self.variables[*i].causality == Causality::Input).collect())
+    }
+
+    /// Whether a continuous input takes a derivative in a step of Co-Simulation: FMI 2 with a call, FMI 3 in intermediate update mode.
+    pub fn takes_input_derivative(&self, variable: &Variable) -> bool {
+        let Some(interface) = self.co_simulation() else { return false };
+        let allowed = match self.fmi_version {
+            FmiVersion::V2 => interface.can_interpolate_inputs,
+            FmiVersion::V3 => interface.provides_intermediate_update && variable.intermediate_update,
+        };
+        allowed
+            && variable.kind == Kind::Float64
+            && variable.causality == Causality::Input
+            && variable.variability == Variability::Continuous
+            && variable.dimensions.is_empty()
     }
 
     /// The enumeration type of a variable.

@@ -1,4 +1,5 @@
 //! Sets the inputs of an input table: of one FMU, or of the components of a system.
+use crate::input::InputColumn;
 use crate::integrator::Inputs;
 use crate::system::Batch;
 use crate::{Error, InputTable, Instance};
@@ -14,8 +15,8 @@ pub(crate) struct Drive<'a> {
 }
 
 impl<'a> Drive<'a> {
-    /// `takes_slopes` says whether a component takes input derivatives.
-    pub(crate) fn new(table: &'a InputTable, takes_slopes: &dyn Fn(usize) -> bool, slack: f64) -> Self {
+    /// `takes_slope` says whether a column takes input derivatives.
+    pub(crate) fn new(table: &'a InputTable, takes_slope: &dyn Fn(&InputColumn) -> bool, slack: f64) -> Self {
         let (mut groups, mut slopes) = (Vec::new(), Vec::new());
         for (index, column) in table.columns().iter().enumerate() {
             let add = |groups: &mut Vec<Batch>| {
@@ -24,7 +25,7 @@ impl<'a> Drive<'a> {
                 group.push(index);
             };
             add(&mut groups);
-            if column.continuous && takes_slopes(column.component) {
+            if takes_slope(column) {
                 add(&mut slopes);
             }
         }

@@ -67,15 +67,16 @@ impl Instance {
     /// No Co-Simulation interface, no binary for this platform, a binary that cannot be loaded or lacks functions,
     /// an FMU that refuses.
     pub fn instantiate(archive: &Archive, name: &str, log: Log) -> Result<Self, Error> {
-        Self::instantiate_as(archive, name, log, InterfaceType::CoSimulation)
+        Self::instantiate_as(archive, name, log, InterfaceType::CoSimulation, &[])
     }
 
-    /// As [`Self::instantiate`], for an interface type.
+    /// As [`Self::instantiate`], for an interface type. FMI 3: the inputs in `intermediate` (value references) may have derivatives.
     pub(crate) fn instantiate_as(
         archive: &Archive,
         name: &str,
         log: Log,
         kind: InterfaceType,
+        intermediate: &[u32],
     ) -> Result<Self, Error> {
         let description = archive.description();
         let Some(interface) = description.interface(kind) else {
@@ -99,7 +100,7 @@ impl Instance {
         let event_mode = kind == InterfaceType::CoSimulation
             && interface.has_event_mode
             && description.variables.iter().any(|v| v.clock.is_some());
-        let setup = RawSetup { interface: kind, token, name, event_mode };
+        let setup = RawSetup { interface: kind, token, name, event_mode, intermediate };
         let mark = log.mark();
         let Some(mut raw) = binary.instantiate(&setup, &log) else {
             let words = because(&log.since(mark));
@@ -196,14 +197,19 @@ impl Instance {
         Ok(())
     }
 
-    /// FMI 2: the derivatives (per s) of real inputs over the next step.
+    /// The derivatives (per s) of real inputs over the next step, from their present values on: see
+    /// [`ModelDescription::takes_input_derivative`](crate::ModelDescription::takes_input_derivative). In FMI 3 the FMU sets them in
+    /// intermediate update mode; they must be named at instantiation.
     ///
     /// # Errors
-    /// [`Error::Call`], [`Error::Misuse`] for lists of different length, [`Error::Unsupported`] for FMI 3.
+    /// [`Error::Call`], [`Error::Misuse`] for lists of different length, [`Error::Unsupported`] for an FMU without them.
     pub fn set_input_derivatives(&mut self, vrs: &[u32], slopes: &[f64]) -> Result<(), Error> {
-        let names = [names::set_input_derivatives[0], "derivatives of inputs"];
+        let names = [names::set_input_derivatives[0], "fmi3GetFloat64"];
         if !self.fits(names, vrs.len(), slopes.len())? {
             return Ok(());
+        }
+        if !self.is_fmi2() {
+            return self.call(names, |raw| raw.set_lines(vrs, slopes));
         }
         let has = |f: &Functions| f.set_input_derivatives.is_some();
         self.call_optional(names, has, |raw| raw.set_input_derivatives(vrs, slopes))

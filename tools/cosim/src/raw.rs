@@ -17,6 +17,7 @@ mod accessor;
 mod calls;
 mod continuous;
 mod functions;
+mod intermediate;
 mod values;
 
 pub use crate::description::InterfaceType;
@@ -52,6 +53,8 @@ pub struct RawSetup<'a> {
     pub name: &'a str,
     /// FMI 3 Co-Simulation: event mode is used.
     pub event_mode: bool,
+    /// FMI 3 Co-Simulation: inputs that will have derivatives, set in intermediate update mode.
+    pub intermediate: &'a [u32],
 }
 
 /// An instance. Freed when dropped, unless the FMU reported Fatal.
@@ -60,6 +63,8 @@ pub struct RawInstance {
     handle: Handle,
     log: Log,
     dead: bool,
+    /// Derivatives of inputs over the next step of FMI 3.
+    lines: intermediate::Lines,
     /// Initialized, and neither terminated nor reset.
     runs: bool,
     page: &'static Page,
@@ -151,6 +156,7 @@ impl RawBinary {
             handle,
             log: log.clone(),
             dead: false,
+            lines: intermediate::Lines::default(),
             runs: false,
             page: page::current(),
             number,
@@ -188,7 +194,11 @@ impl RawBinary {
         Some(unsafe {
             match setup.interface {
                 InterfaceType::CoSimulation => {
-                    let (event_mode, inputs) = (setup.event_mode, ptr::null());
+                    let (event_mode, named) = (setup.event_mode, setup.intermediate);
+                    let (inputs, update) = match named {
+                        [] => (ptr::null(), none),
+                        _ => (named.as_ptr(), intermediate::CALLBACK),
+                    };
                     let new = f.co_simulation?;
                     new(
                         n,
@@ -199,10 +209,10 @@ impl RawBinary {
                         event_mode,
                         false,
                         inputs,
-                        0,
+                        named.len(),
                         environment,
                         log_message,
-                        none,
+                        update,
                     )
                 }
                 InterfaceType::ModelExchange => {

@@ -1,11 +1,11 @@
 //! The master for one FMU: settings, initialization, steps, recording.
 use crate::drive::Drive;
 use crate::grid::Grid;
-use crate::input::InputTable;
+use crate::input::{InputColumn, InputTable};
 use crate::integrator::{Inputs, Integrator};
 use crate::system::Batch;
 use crate::{
-    Archive, Causality, Column, Error, Experiment, FmiVersion, Instance, Interface, InterfaceType, Kind, Log,
+    Archive, Causality, Column, Error, Experiment, Instance, Interface, InterfaceType, Kind, Log,
     ModelDescription, Recording, Step, Value, Variable,
 };
 use std::slice::from_mut;
@@ -30,7 +30,7 @@ pub struct Options {
     pub records: Vec<String>,
     /// Inputs over time.
     pub input: Option<InputTable>,
-    /// Set the derivatives of continuous inputs of FMI 2 FMUs that take them; otherwise inputs are constant during a step.
+    /// Set the derivatives of continuous inputs of FMUs that take them (FMI 3: intermediate update); otherwise inputs are constant during a step.
     pub input_slopes: bool,
     /// Log of the FMU's messages.
     pub log: Log,
@@ -76,12 +76,16 @@ pub fn simulate(
     let grid = grid(description, &interface, options)?;
 
     let begun = Instant::now();
-    let mut instance = Instance::instantiate_as(archive, &description.model_name, options.log.clone(), kind)?;
+    let takes_slope = |column: &InputColumn| {
+        options.input_slopes && description.takes_input_derivative(&description.variables[column.variable])
+    };
+    let columns = options.input.iter().flat_map(InputTable::columns);
+    let sloped: Vec<u32> = columns.filter(|c| takes_slope(c)).map(|c| c.value_reference).collect();
+    let (name, log) = (&description.model_name, options.log.clone());
+    let mut instance = Instance::instantiate_as(archive, name, log, kind, &sloped)?;
     let tolerance = tolerance(description, options)?;
     initialise(&mut instance, &sets, &Experiment { start: grid.start, stop: Some(grid.stop), tolerance })?;
-    let slopes =
-        options.input_slopes && description.fmi_version == FmiVersion::V2 && interface.can_interpolate_inputs;
-    let mut drive = options.input.as_ref().map(|table| Drive::new(table, &|_| slopes, grid.slack));
+    let mut drive = options.input.as_ref().map(|table| Drive::new(table, &takes_slope, grid.slack));
     if let Some(drive) = &mut drive {
         drive.set_values(from_mut(&mut instance), grid.start)?;
     }

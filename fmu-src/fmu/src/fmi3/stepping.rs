@@ -132,8 +132,16 @@ unsafe fn step_with_updates(
             );
         }
         let until = (requested != 0 && view.may_return).then_some(until);
-        let status = unsafe { enter(instance, "fmi3DoStep", |i| Instance::after_update(i, parts, until)) };
-        if status != Status::Ok {
+        let status = unsafe {
+            enter(instance, "fmi3DoStep", |i| {
+                let outcome = i.after_update(parts, until);
+                write(last_successful_time, i.time());
+                *over = i.end().is_some();
+                parts.ended.early |= *over && i.may_return_early();
+                i.unless_over(outcome)
+            })
+        };
+        if status != Status::Ok || *over {
             return status;
         }
     }

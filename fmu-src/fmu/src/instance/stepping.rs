@@ -5,7 +5,9 @@
 //! not use event mode. A discrete output is constant between two events.
 //! *Early return*: the step ends at an event. The event time is located by bisection to [`NEAR`] of the step, just after the event.
 //! *Intermediate update*: a step is divided into [`PARTS`] equal parts, each within the tolerance. After each part the importer may
-//! read intermediate variables, set continuous inputs, and end the step there or later. If a part fails, the step is undone.
+//! read intermediate variables, set continuous inputs, and end the step there or later. If a part fails, the step is undone. Inputs that
+//! are set after a part have the new value at its end and are lines over it (recommendedIntermediateInputSmoothness is 0 by default:
+//! inputs are continuous): the part is repeated with their derivatives, if no event has ended it.
 //!
 //! Without these features the result is that of the plain step, bit for bit.
 
@@ -97,6 +99,8 @@ pub struct StepInParts {
     h: f64,
     /// Parts taken.
     taken: u32,
+    /// Start and length of the present part, s.
+    part: (f64, f64),
     done: bool,
     /// How it has ended so far.
     pub ended: Ended,
@@ -252,7 +256,15 @@ impl Instance {
         self.require_step(at, h)?;
         let earlier = self.update_start.take();
         self.update_start = Some(copy(earlier, self.model.as_ref()));
-        Ok(StepInParts { start: at, end: at + h, h, taken: 0, done: false, ended: Ended::default() })
+        Ok(StepInParts {
+            start: at,
+            end: at + h,
+            h,
+            taken: 0,
+            part: (at, 0.0),
+            done: false,
+            ended: Ended::default(),
+        })
     }
 
     /// The next part of a step; `None` when it has ended.
@@ -266,6 +278,8 @@ impl Instance {
         let share = f64::from(parts.taken) / f64::from(PARTS);
         let next = if parts.taken >= PARTS { whole } else { parts.start + parts.h * share };
         let to = next.min(parts.end);
+        parts.part = (at, to - at);
+        self.part_start = Some(copy(self.part_start.take(), self.model.as_ref()));
         let before = self.model.rejected_steps();
         let outcome = if self.part.event_mode {
             self.advance_to_event(at, to - at)
@@ -274,17 +288,15 @@ impl Instance {
         };
         let ended = match outcome {
             Ok(ended) => ended,
-            Err(refused) => {
-                if let (Some(before), None) = (&self.update_start, &self.ended) {
-                    self.model.copy_from(before.as_ref());
-                }
-                return Err(refused);
-            }
+            Err(refused) => return Err(self.undone(refused)),
         };
         if self.log.is_on() {
             self.report_step(at, to - at, before);
         }
         parts.ended.event |= ended.event;
+        if ended.event || ended.early {
+            self.part_start = None;
+        }
         parts.ended.early |= ended.early || (to >= parts.end && parts.end < whole);
         parts.done = ended.early || to >= parts.end;
         let Some(updates) = &self.part.updates else { return Ok(None) };
@@ -301,6 +313,7 @@ impl Instance {
     pub fn after_update(&mut self, parts: &mut StepInParts, until: Option<f64>) -> Outcome {
         self.require(&[Mode::Intermediate])?;
         self.mode = Mode::Step;
+        self.repeat_with_lines(parts)?;
         let now = self.model.time();
         if let Some(until) = until.filter(|until| until.is_finite() && !parts.done && self.part.early_return)
         {
@@ -310,6 +323,52 @@ impl Instance {
             }
         }
         Ok(())
+    }
+}
+
+impl Instance {
+    /// Undoes the step after an error that does not end the run.
+    fn undone(&mut self, refused: Refused) -> Refused {
+        if let (Some(before), None) = (&self.update_start, &self.ended) {
+            self.model.copy_from(before.as_ref());
+        }
+        refused
+    }
+
+    /// Repeats the part that has ended with lines for the inputs that were set since.
+    fn repeat_with_lines(&mut self, parts: &mut StepInParts) -> Outcome {
+        let (Some(mut start), Some(updates)) = (self.part_start.take(), self.part.updates.take()) else {
+            return Ok(());
+        };
+        let (at, h) = parts.part;
+        let declaration = self.model.declaration();
+        let inputs = || updates.references.iter().filter_map(|r| declaration.by_reference(*r));
+        let inputs = || inputs().filter(|entry| entry.is_continuous_input());
+        let has_moved = inputs().any(|entry| self.model.get(entry.slot) != start.get(entry.slot));
+        let mut outcome = Ok(());
+        if has_moved {
+            let (mut event, before) = (false, self.model.rejected_steps());
+            for entry in inputs() {
+                // The end of the line, until the model is there.
+                let (from, to) = (start.get(entry.slot), self.model.get(entry.slot));
+                start.set_slope(entry.slot, (to - from) / h);
+            }
+            std::mem::swap(&mut self.model, &mut start);
+            outcome = self.take_step(at, h);
+            if outcome.is_ok() {
+                for entry in inputs() {
+                    self.model.set(entry.slot, start.get(entry.slot));
+                }
+                event = self.part.event_mode && self.is_due();
+            }
+            if self.log.is_on() {
+                self.report_step(at, h, before);
+            }
+            parts.ended.event |= event;
+        }
+        self.part_start = Some(start);
+        self.part.updates = Some(updates);
+        outcome.map_err(|refused| self.undone(refused))
     }
 }
 

@@ -208,9 +208,9 @@ impl RawInstance {
                 let status = if terminated { Status::Ok } else { status };
                 RawStep { status, terminated, event: false, early: false, reached: None }
             }
-            FmiVersion::V3 => {
+            FmiVersion::V3 => self.do_step_along(t, |raw| {
                 let (mut event, mut terminated, mut early, mut reached) = (0, 0, 0, t + h);
-                let status = self.status(ids::do_step3, |f, instance| {
+                let status = raw.status(ids::do_step3, |f, instance| {
                     let step = f.do_step3?;
                     let (event, terminated) = (&mut event, &mut terminated);
                     // SAFETY: see above.
@@ -220,7 +220,7 @@ impl RawInstance {
                 });
                 let (event, terminated, early) = (event != 0, terminated != 0, early != 0);
                 RawStep { status, terminated, event, early, reached: Some(reached) }
-            }
+            }),
         }
     }
 

@@ -1,10 +1,11 @@
 //! The steps of the components: their order, what is exchanged in between, and shorter steps of single components.
 use super::batch::Batch;
-use super::connections::Connections;
+use super::connections::{Connections, InputConnection};
 use super::master::Algorithm;
 use super::order::Order;
 use super::parts::Parts;
-use crate::FmiVersion;
+use crate::Variability;
+use crate::input::InputColumn;
 
 #[derive(Debug)]
 pub(super) struct ComponentStep {
@@ -59,9 +60,15 @@ pub(super) fn component_steps(
     component_steps
 }
 
-/// Whether a component takes input derivatives.
-pub(super) fn takes_derivatives(parts: Parts, component: usize) -> bool {
-    let description = parts.description(component);
-    description.fmi_version == FmiVersion::V2
-        && description.co_simulation().is_some_and(|c| c.can_interpolate_inputs)
+/// Whether a connected input gets a derivative.
+pub(super) fn has_derivative(parts: Parts, connections: &Connections, input: &InputConnection) -> bool {
+    let from = parts.variable(connections.outputs[input.source]);
+    parts.description(input.port.component).takes_input_derivative(parts.variable(input.port))
+        && from.variability == Variability::Continuous
+}
+
+/// Whether a column of the input table gets derivatives.
+pub(super) fn has_slope(parts: Parts, column: &InputColumn) -> bool {
+    let description = parts.description(column.component);
+    description.takes_input_derivative(&description.variables[column.variable])
 }

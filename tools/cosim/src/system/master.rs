@@ -1,6 +1,6 @@
 //! The co-simulation master: instances, the values of all connections, and one communication step.
 use super::batch::Batch;
-use super::component_steps::{ComponentStep, component_steps, takes_derivatives};
+use super::component_steps::{ComponentStep, component_steps, has_derivative, has_slope};
 use super::connections::Connections;
 use super::loops::LoopSolver;
 use super::memory::Memory;
@@ -9,8 +9,9 @@ use super::parts::Parts;
 use super::power_bonds::{PowerBonds, Stepped};
 use super::units::Affine;
 use crate::drive::Drive;
+use crate::input::InputColumn;
 use crate::simulate::initialise;
-use crate::{Error, Experiment, InputTable, Instance, Kind, Log, State, Step, Value, Variability, Variable};
+use crate::{Error, Experiment, InputTable, Instance, InterfaceType, Log, State, Step, Value, Variable};
 
 /// Coupling algorithm during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,7 +96,16 @@ impl<'a> Master<'a> {
     ) -> Result<Self, Error> {
         let mut instances = Vec::new();
         for (index, component) in parts.structure.components.iter().enumerate() {
-            instances.push(Instance::instantiate(&parts.archives[index], &component.name, plan.log.clone())?);
+            let inputs = connections.inputs.iter().filter(|i| i.port.component == index);
+            let inputs = inputs.filter(|i| has_derivative(parts, connections, i));
+            let columns = plan.table.iter().flat_map(|table| table.columns());
+            let columns = columns.filter(|c| c.component == index && has_slope(parts, c));
+            let sloped = inputs.map(|i| parts.variable(i.port).value_reference);
+            let sloped: Vec<u32> = sloped.chain(columns.map(|c| c.value_reference)).collect();
+            let sloped = if plan.derivatives { &sloped[..] } else { &[] };
+            let (archive, log) = (&parts.archives[index], plan.log.clone());
+            let kind = InterfaceType::CoSimulation;
+            instances.push(Instance::instantiate_as(archive, &component.name, log, kind, sloped)?);
         }
         let mut master = Self::new(parts, connections, order, plan, instances);
         for (index, sets) in connections.sets.iter().enumerate() {
@@ -141,7 +151,7 @@ impl<'a> Master<'a> {
             Batch::add(&mut rounds[round].gets, port.component, parts.variable(*port), slot);
         }
         let (mut all_inputs, mut derivative_sets) = (Vec::new(), Vec::new());
-        let mut has_derivative = vec![false; connections.inputs.len()];
+        let mut sloped = vec![false; connections.inputs.len()];
         for (slot, input) in connections.inputs.iter().enumerate() {
             let (component, variable) = (input.port.component, parts.variable(input.port));
             let round = if delayed { 0 } else { order.set[slot] };
@@ -149,23 +159,19 @@ impl<'a> Master<'a> {
                 Batch::add(&mut rounds[round].sets, component, variable, slot);
             }
             Batch::add(&mut all_inputs, component, variable, slot);
-            has_derivative[slot] = plan.derivatives
-                && takes_derivatives(parts, component)
-                && variable.kind == Kind::Float64
-                && variable.variability == Variability::Continuous
-                && parts.variable(connections.outputs[input.source]).variability == Variability::Continuous;
-            if has_derivative[slot] {
+            sloped[slot] = plan.derivatives && has_derivative(parts, connections, input);
+            if sloped[slot] {
                 Batch::add(&mut derivative_sets, component, variable, slot);
             }
         }
         let sources: Vec<(usize, Affine)> =
             connections.inputs.iter().map(|f| (f.source, f.convert)).collect();
-        let component_steps = component_steps(parts, connections, order, algorithm, &has_derivative);
+        let component_steps = component_steps(parts, connections, order, algorithm, &sloped);
         let (outputs, inputs) = (connections.outputs.len(), connections.inputs.len());
-        let takes_slopes = |component: usize| plan.derivatives && takes_derivatives(parts, component);
+        let takes_slope = |column: &InputColumn| plan.derivatives && has_slope(parts, column);
         Self {
             instances,
-            drive: plan.table.map(|table| Drive::new(table, &takes_slopes, plan.slack)),
+            drive: plan.table.map(|table| Drive::new(table, &takes_slope, plan.slack)),
             memory: Memory {
                 time: plan.start,
                 outputs: vec![0.0; outputs],
@@ -182,7 +188,7 @@ impl<'a> Master<'a> {
             all_inputs,
             derivative_sets,
             sources,
-            has_derivative,
+            has_derivative: sloped,
             derivatives: vec![0.0; inputs],
             before: vec![0.0; outputs],
             algorithm,

@@ -45,7 +45,7 @@ impl<'a> Subject<'a> {
             return Some(raw);
         }
         let event_mode = self.event_mode();
-        let setup = RawSetup { interface: self.interface.kind, token, name, event_mode };
+        let setup = RawSetup { interface: self.interface.kind, token, name, event_mode, intermediate: &[] };
         self.binary.instantiate(&setup, log)
     }
 

@@ -107,6 +107,7 @@ pub(super) fn with_events(subject: &Subject, _: &mut Seen) -> Result<(), Fault> 
         token: &subject.facts.token,
         name: "probe",
         event_mode: true,
+        intermediate: &[],
     };
     let Some(raw) = subject.binary.instantiate(&setup, &log) else {
         return Fault::new(&subject.interface.place(), rules::refused_with_event_mode());
