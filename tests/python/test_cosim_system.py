@@ -170,7 +170,7 @@ def test_a_variable_step_walks_as_well(cosim, toml):
 
 def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
     """With constant inputs FMI 3 gives the bits of FMI 2. Standards can be mixed. FMI 3 takes input derivatives in intermediate update
-    mode: its coupling energy residual is at most three times that of FMI 2, and decreases with the square of the step."""
+    mode: its coupling energy residuals are those of FMI 2, and decrease with the square of the step."""
     held, three = (tmp_path / f"{name}.csv" for name in ("held", "three"))
     cosim(toml, "--stop", "2", "--no-slopes", "--output", held)
     fmi3 = tmp_path / "fmi3.toml"
@@ -186,8 +186,10 @@ def test_both_standards_walk_alike(cosim, toml, description, tmp_path):
     final, coarse = residuals(fmi3, 1e-3)
     final_2, coarse_2 = residuals(toml, 1e-3)
     _, fine = residuals(fmi3, 5e-4)
-    assert all(three < 3.0 * two for three, two in zip(coarse, coarse_2))
-    assert all(a / b == pytest.approx(4.0, rel=0.25) for a, b in zip(coarse, fine))
+    assert coarse == pytest.approx(coarse_2, rel=0.01)
+    # The first bond, of the joint; the others have not reached the order of the coupling at 1 ms.
+    assert coarse[0] / fine[0] == pytest.approx(4.0, rel=0.05)
+    assert all(a > 3.0 * b for a, b in zip(coarse, fine))
     for name in ("motor.winding_temperature", "actuator.joint_torque"):
         assert final[name] == pytest.approx(final_2[name], rel=1e-4)
     mixed = tmp_path / "mixed.toml"
