@@ -60,6 +60,13 @@ BALL = (
     Variable("distance", 7, "local"),
 )
 STAIR = (Variable("level", 1, "output", type="Int32", variability="discrete"),)
+SUM = (
+    Variable("y", 1, "output", depends_on=("u", "v")),
+    Variable("u", 2, "input", "0"),
+    Variable("v", 3, "input", "0"),
+    parameter("a", 4, "1"),
+    parameter("b", 5, "1"),
+)
 TYPES = (
     parameter("low", 1, "-9007199254740993", "Int64"),
     parameter("high", 2, "18446744073709551615", "UInt64"),
@@ -80,6 +87,7 @@ MODELS = {
     "lag": Model(LAG),
     "ball": Model(BALL, stop="2", event_indicator="distance"),
     "stair": Model(STAIR),
+    "sum": Model(SUM, interfaces=("CoSimulation",)),
     "types": Model(TYPES, standards=(3,), interfaces=("CoSimulation",)),
     "clock": Model(CLOCK, stop="0.95", standards=(3,), interfaces=("CoSimulation",), event_mode=True),
 }
