@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Run a system of Co-Simulation FMUs: SSP 1.0 (flat), or the TOML file that `motor-fmu ssp` takes.
+/// Run a system of Co-Simulation FMUs: SSP 1.0 or 2.0, or the TOML file that `motor-fmu ssp` takes.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The system: SYSTEM.ssp or SYSTEM.toml
@@ -130,7 +130,14 @@ pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
     if out == args.system {
         return Err(Failure::new(format!("{} would be written over itself, give --out", out.display())));
     }
-    System::open(&args.system)?.write_ssp(&out)?;
+    let system = System::open(&args.system)?;
+    system.write_ssp(&out)?;
+    let note = |name: &str| {
+        format!(
+            "component {name} has variables that begin with {name}., and OMSimulator cannot read such a system; rename it for this tool"
+        )
+    };
+    crate::remark(&system.ambiguous_names().map(note).collect::<Vec<_>>());
     crate::say(&format!("{}\n", out.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -48,6 +48,8 @@ pub struct Instance {
     declared_clocks: Vec<(u32, IntervalVariability, Option<f64>)>,
     /// Start time (s).
     start: f64,
+    /// FMI 3: inputs were named that may have derivatives.
+    has_intermediate: bool,
 }
 
 // SAFETY: as for `RawInstance`; saved states are used with this instance alone.
@@ -134,6 +136,7 @@ impl Instance {
                 .filter(|(_, variability, _)| *variability != IntervalVariability::Triggered)
                 .collect(),
             start: 0.0,
+            has_intermediate: !intermediate.is_empty(),
         })
     }
 
@@ -209,6 +212,9 @@ impl Instance {
             return Ok(());
         }
         if !self.is_fmi2() {
+            if !self.has_intermediate {
+                return Err(Error::unsupported(&self.name, "does not provide derivatives of inputs"));
+            }
             return self.call(names, |raw| raw.set_lines(vrs, slopes));
         }
         let has = |f: &Functions| f.set_input_derivatives.is_some();

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `structure.rs` | content of a file, with line numbers; read by `text.rs` (TOML) and `ssd.rs` (SSP), written by `package.rs` |
+//! | `structure.rs` | content of a file, with line numbers; read by `text.rs` (TOML) and `ssd.rs`, `bindings.rs`, `flatten.rs` (SSP), written by `package.rs` |
 //! | `connections.rs`, `ends.rs`, `settings.rs`, `units.rs` | their names resolved in the FMUs: sources of inputs, unit conversions, values |
 //! | `inputs.rs` | tables of inputs over time |
 //! | `order.rs`, `loops.rs` | what passes through without a step; algebraic loops and their solution |
@@ -10,9 +10,11 @@
 //! | `run.rs`, `variable_step.rs` | the run, with a fixed or a variable step |
 //! | `power_bonds.rs`, `record.rs` | the bonds of the coupling; the rows that are kept |
 mod batch;
+mod bindings;
 mod component_steps;
 mod connections;
 mod ends;
+mod flatten;
 mod inputs;
 mod loops;
 mod master;
@@ -110,6 +112,15 @@ impl System {
     /// All that is wrong with connections and values; [`Error::Io`].
     pub fn write_ssp(&self, path: &Path) -> Result<(), Error> {
         package::write(self.parts(), path)
+    }
+
+    /// Components whose name is a prefix of names of their variables, which OMSimulator cannot read.
+    pub fn ambiguous_names(&self) -> impl Iterator<Item = &str> {
+        let begins =
+            |name: &str, v: &crate::Variable| v.name.strip_prefix(name).is_some_and(|r| r.starts_with('.'));
+        let all = self.structure.components.iter().zip(&self.archives);
+        all.filter(move |(c, a)| a.description().variables.iter().any(|v| begins(&c.name, v)))
+            .map(|(c, _)| c.name.as_str())
     }
 
     fn parts(&self) -> Parts<'_> {

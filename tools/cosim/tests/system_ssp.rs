@@ -142,3 +142,75 @@ fn one_archive_for_several_components_is_unpacked_once() {
     let names: Vec<String> = archive.file_names().map(|n| n.unwrap().into_owned()).collect();
     assert_eq!(names, ["SystemStructure.ssd", "resources/gain.fmu"]);
 }
+
+/// SSP 2.0: a system in a system in a system, a signal dictionary, a parameter mapping.
+const NESTED: &str = include_str!("data/nested.ssd");
+const SSM: &str = r#"<ssm:ParameterMapping version="1.0"
+    xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping"
+    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
+  <ssm:MappingEntry source="of.start" target="drive.inner.rotor.w"><ssc:LinearTransformation factor="0.5" offset="1"/></ssm:MappingEntry>
+  <ssm:MappingEntry source="of.switch" target="a.g">
+    <ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="3"/></ssc:BooleanMappingTransformation>
+  </ssm:MappingEntry>
+</ssm:ParameterMapping>"#;
+const SSB: &str = r#"<ssb:SignalDictionary version="1.0" name="bus"
+    xmlns:ssb="http://ssp-standard.org/SSP1/SystemStructureSignalDictionary"
+    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
+  <ssb:DictionaryEntry name="speed"><ssc:Real unit="rpm"/></ssb:DictionaryEntry>
+  <ssb:Units><ssc:Unit name="rpm"><ssc:BaseUnit s="-1" rad="1" factor="0.10471975511965977"/></ssc:Unit></ssb:Units>
+</ssb:SignalDictionary>"#;
+
+#[test]
+fn nested_systems_dictionaries_and_mappings_are_flattened() {
+    let folder = Folder::new();
+    let further = [("resources/all.ssm", SSM), ("resources/bus.ssb", SSB)];
+    let system = folder.ssp(NESTED, &further).unwrap();
+    assert_eq!(system.components().collect::<Vec<_>>(), ["drive.inner.rotor", "a", "b"]);
+    // Start: 60 rpm in rad/s, then half of it and 1 more; 1 s of 2 N.m at 1 kg.m2.
+    let speed = 0.5 * 60.0 * RPM + 1.0 + 2.0;
+    let check = |system: &cosim::System| {
+        let r = cosimulate(system, &SystemOptions::default(), &mut |_| ()).unwrap();
+        close(last(&r, "drive.inner.rotor.speed"), speed);
+        close(last(&r, "a.y"), 3.0 * (2.0 * speed / RPM + 1.0));
+        close(last(&r, "b.y"), speed / RPM);
+        close(last(&r, "result"), -speed / RPM);
+    };
+    check(&system);
+    // Written again it is flat, and means the same.
+    let path = folder.path("flat.ssp");
+    system.write_ssp(&path).unwrap();
+    check(&cosim::System::open(&path).unwrap());
+    // Two sources for one entry.
+    let twice = "<ssd:Connection startElement=\"b\" startConnector=\"y\" endElement=\"line\" endConnector=\"speed\"/>";
+    let ssd = NESTED.replace(
+        "      <ssd:Connection startElement=\"b\"",
+        &format!("      {twice}\n      <ssd:Connection startElement=\"b\""),
+    );
+    let sentence = folder.ssp(&ssd, &further).unwrap_err().to_string();
+    assert!(
+        sentence.contains("bus.speed has a source already: drive.inner.rotor.speed, line "),
+        "{sentence}"
+    );
+}
+
+#[test]
+fn an_archive_has_what_other_tools_need() {
+    let folder = Folder::new();
+    let text = PAIR.replace("fmu = \"rotor.fmu\"", "fmu = \"rotor.fmu\"\nstep = 0.005");
+    let path = folder.path("pair.ssp");
+    folder.toml(&text).unwrap().write_ssp(&path).unwrap();
+    let mut ssd = String::new();
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
+    std::io::Read::read_to_string(&mut archive.by_name("SystemStructure.ssd").unwrap(), &mut ssd).unwrap();
+    // A start time, although the description has none, and parameter sets of one name.
+    assert!(ssd.contains("startTime=\"0\" stopTime=\"6\""), "{ssd}");
+    assert_eq!(ssd.matches("<ssv:ParameterSet version=\"1.0\" name=\"initialValues\">").count(), 2);
+    // The step of the component is read again.
+    let again = cosim::System::open(&path).unwrap();
+    let options = |longest: &str| SystemOptions {
+        sets: crate::common::sets(&[("rotor.longest", longest)]),
+        ..SystemOptions::default()
+    };
+    assert!(cosimulate(&again, &options("0.00501"), &mut |_| ()).is_ok());
+    assert!(cosimulate(&again, &options("0.00499"), &mut |_| ()).is_err());
+}

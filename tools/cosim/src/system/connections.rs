@@ -212,8 +212,7 @@ impl Connections {
             )));
         }
         self.check_free(parts, index, target)?;
-        let linear = Affine { factor: connection.factor, offset: connection.offset };
-        if linear != Affine::IDENTITY && !y.kind.is_float() {
+        if connection.is_linear() && !y.kind.is_float() {
             return Err(fault("a linear transformation is for real values".to_owned()));
         }
         let units = between(connection, from_unit.as_ref(), to_unit.as_ref(), u.relative)
@@ -222,7 +221,7 @@ impl Connections {
             self.outputs.push(source);
             self.outputs.len() - 1
         });
-        let convert = to_connector.then(units).then(linear).then(from_connector);
+        let convert = to_connector.then(units).then(from_connector);
         self.inputs.push(InputConnection { port: target, source: slot, convert, connection: index });
         Ok(())
     }
@@ -277,11 +276,19 @@ impl Connections {
 }
 
 /// The conversion that a connection makes between the units of two connectors.
-fn between(
+pub(crate) fn between(
     connection: &Connection,
     from: Option<&Unit>,
     to: Option<&Unit>,
     relative: bool,
 ) -> Option<Affine> {
-    if connection.convert_units { conversion(from, to, relative) } else { Some(Affine::IDENTITY) }
+    let (mut unit, mut all) = (from, Affine::IDENTITY);
+    for (place, leg) in connection.legs.iter().enumerate() {
+        let is_last = place + 1 == connection.legs.len();
+        let next = if is_last { to } else { leg.unit.as_ref().or(unit) };
+        let units = if leg.convert_units { conversion(unit, next, relative)? } else { Affine::IDENTITY };
+        all = all.then(units).then(Affine { factor: leg.factor, offset: leg.offset });
+        unit = next;
+    }
+    Some(all)
 }

@@ -3,11 +3,11 @@
 //! Other tools support only a part of the standard, so the file uses the common part: the usual prefixes; only connected inputs are
 //! connectors; values of enumerations are integers, as in FMI 2; units are those of the FMUs; the step size is in an
 //! annotation that other masters read as well.
-use super::connections::{Connections, resolve};
+use super::connections::{Connections, between, resolve};
 use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
-use super::structure::{Component, Connection, Connector, End};
-use super::units::unit_of;
+use super::structure::{Component, Connection, Connector, End, Leg};
+use super::units::{Affine, unit_of};
 use crate::raw::encoded;
 use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
 use quick_xml::Writer;
@@ -25,6 +25,8 @@ const NAMESPACES: [(&str, &str); 3] = [
     ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
     ("xmlns:ssv", "http://ssp-standard.org/SSP1/SystemStructureParameterValues"),
 ];
+/// The name of the parameter sets of all components: some tools read those of one name only.
+const PARAMETER_SET: &str = "initialValues";
 const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatform.com/SSP/OSPAnnotations");
 
 pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
@@ -127,7 +129,8 @@ impl Document<'_> {
         let structure = self.parts.structure;
         let mut root: Vec<(&str, &str)> = NAMESPACES.to_vec();
         // At the root: libcosim takes an attribute of its own element for an algorithm.
-        root.extend(structure.step.map(|_| STEP_NAMESPACE));
+        let has_step = structure.step.is_some() || structure.components.iter().any(|c| c.step.is_some());
+        root.extend(has_step.then_some(STEP_NAMESPACE));
         root.extend([("name", structure.name.as_str()), ("version", "1.0"), ("generationTool", "motor-fmu")]);
         let mut system: Vec<Tag> = self.system_connectors().into_iter().collect();
         let components = (0..structure.components.len()).map(|index| self.component(index)).collect();
@@ -192,6 +195,7 @@ impl Document<'_> {
         }
         let mut children = vec![node("ssd:Connectors", &[], connectors)];
         children.extend(self.values(index));
+        children.extend(component.step.map(step_annotation));
         node("ssd:Component", &attributes, children)
     }
 
@@ -239,8 +243,7 @@ impl Document<'_> {
             node("ssv:Parameter", &[("name", name)], vec![leaf(tag, &[("value", &text)])])
         };
         let parameters = list("ssv:Parameters", self.connections.sets[index].iter().map(value).collect())?;
-        let name = self.parts.structure.components[index].name.as_str();
-        let set = node("ssv:ParameterSet", &[("version", "1.0"), ("name", name)], vec![parameters]);
+        let set = node("ssv:ParameterSet", &[("version", "1.0"), ("name", PARAMETER_SET)], vec![parameters]);
         Some(within(&["ssd:ParameterBindings", "ssd:ParameterBinding", "ssd:ParameterValues"], set))
     }
 
@@ -260,11 +263,37 @@ impl Document<'_> {
         attributes.push(("startConnector", &from.connector));
         attributes.extend(to.component.as_deref().map(|element| ("endElement", element)));
         attributes.push(("endConnector", &to.connector));
-        attributes.extend((!connection.convert_units).then_some(("suppressUnitConversion", "true")));
-        if (connection.factor, connection.offset) == (1.0, 0.0) {
+        // A connection through nested systems becomes one, with the numbers of all its legs.
+        let leg = match &connection.legs[..] {
+            [leg] => leg.clone(),
+            _ => {
+                let unit = |end: &End| {
+                    let (port, own) = (self.port(end), end.component.as_ref());
+                    let component =
+                        own.and_then(|n| self.parts.structure.components.iter().find(|c| c.name == *n));
+                    let connectors = match component {
+                        Some(component) => component.connectors.as_deref(),
+                        None => self.parts.structure.connectors.as_deref(),
+                    };
+                    let inner = || {
+                        port.and_then(|p| {
+                            unit_of(self.parts.description(p.component), self.parts.variable(p))
+                        })
+                    };
+                    unit_in(connectors, &end.connector).or_else(inner)
+                };
+                let relative = self.port(&connection.end).is_some_and(|p| self.parts.variable(p).relative);
+                let (a, b) = (unit(&connection.start), unit(&connection.end));
+                let Affine { factor, offset } =
+                    between(connection, a.as_ref(), b.as_ref(), relative).unwrap_or(Affine::IDENTITY);
+                Leg { convert_units: false, factor, offset, unit: None }
+            }
+        };
+        attributes.extend((!leg.convert_units).then_some(("suppressUnitConversion", "true")));
+        if (leg.factor, leg.offset) == (1.0, 0.0) {
             return leaf("ssd:Connection", &attributes);
         }
-        let (factor, offset) = (connection.factor.to_string(), connection.offset.to_string());
+        let (factor, offset) = (leg.factor.to_string(), leg.offset.to_string());
         let linear = leaf("ssc:LinearTransformation", &[("factor", &factor), ("offset", &offset)]);
         node("ssd:Connection", &attributes, vec![linear])
     }
@@ -283,16 +312,12 @@ impl Document<'_> {
 
     fn experiment(&self) -> Option<Tag> {
         let structure = self.parts.structure;
-        let times = [("startTime", structure.start), ("stopTime", structure.stop)];
+        // Some tools need a start time.
+        let times = [("startTime", structure.start.or(Some(0.0))), ("stopTime", structure.stop)];
         let attributes: Vec<_> = times.into_iter().filter_map(|(n, t)| Some((n, t?.to_string()))).collect();
-        let children = structure.step.map(|step| {
-            let algorithm = leaf("osp:FixedStepAlgorithm", &[("baseStepSize", &step.to_string())]);
-            let annotation = [("type", STEP_ANNOTATION)];
-            let annotation = node("ssc:Annotation", &annotation, vec![within(&["osp:Algorithm"], algorithm)]);
-            vec![within(&["ssd:Annotations"], annotation)]
-        });
+        let children = structure.step.map(|step| vec![step_annotation(step)]);
         let name = "ssd:DefaultExperiment";
-        (children.is_some() || !attributes.is_empty()).then_some(Tag { name, attributes, children })
+        Some(Tag { name, attributes, children })
     }
 
     /// The variable at an end of a connection; none for connectors of the system.
@@ -302,6 +327,14 @@ impl Document<'_> {
         let variables = &self.parts.description(component).variables;
         Some(Port { component, variable: variables.iter().position(|v| v.name == end.connector)? })
     }
+}
+
+/// The communication step, for which SSP 1.0 has no element.
+fn step_annotation(step: f64) -> Tag {
+    let algorithm = leaf("osp:FixedStepAlgorithm", &[("baseStepSize", &step.to_string())]);
+    let annotation = [("type", STEP_ANNOTATION)];
+    let annotation = node("ssc:Annotation", &annotation, vec![within(&["osp:Algorithm"], algorithm)]);
+    within(&["ssd:Annotations"], annotation)
 }
 
 /// The unit that a declared connector has.

@@ -19,6 +19,7 @@ pub(crate) fn given(structure: &Structure, overrides: &[(String, String)]) -> Ve
         name: name.clone(),
         text: text.clone(),
         unit: None,
+        linear: Affine::IDENTITY,
         place: nowhere.clone(),
     });
     let own = structure.settings.iter().cloned().map(|setting| Given { setting, asked: false, used: false });
@@ -49,7 +50,7 @@ pub(crate) fn value(
         let reason = format!("is in {inner}, its value in {unit}: these cannot be converted");
         return Err(Error::unsupported(&variable.name, reason));
     };
-    let convert = convert.then(way);
+    let convert = convert.then(setting.linear).then(way);
     let number: Option<f64> = setting.text.trim().parse().ok();
     let text = match number.filter(|_| convert != Affine::IDENTITY && variable.kind.is_float()) {
         Some(number) => convert.of(number).to_string(),

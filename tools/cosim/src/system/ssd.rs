@@ -1,5 +1,9 @@
-//! The reader of SSP 1.0: the archive, `SystemStructure.ssd` in it, and parameter sets inline or in files.
-use super::structure::{Component, Connection, Connector, Direction, End, Place, Setting, Sort, Structure};
+//! The reader of SSP 1.0 and 2.0: the archive and `SystemStructure.ssd` in it. Nested systems become flat (`flatten.rs`), parameter sets
+//! and mappings are read in `bindings.rs`.
+use super::flatten::{Edge, Joint, flat};
+use super::structure::{
+    Component, Connection, Connector, Direction, End, Leg, Place, Setting, Sort, Structure,
+};
 use crate::archive::unpacked;
 use crate::xml::{Fault, Xml, child, elements};
 use crate::{Error, Unit};
@@ -40,50 +44,51 @@ pub(crate) fn read(path: &Path) -> Result<Structure, Error> {
     Ok(structure)
 }
 
-struct Reader {
-    package: String,
+pub(super) struct Reader {
+    pub(super) package: String,
     dir: PathBuf,
 }
 
 /// A file of the package with the units that it defines.
-struct File<'x> {
-    name: Arc<str>,
-    xml: &'x Xml<'x>,
-    units: Vec<Unit>,
+pub(super) struct File<'x> {
+    pub(super) name: Arc<str>,
+    pub(super) xml: &'x Xml<'x>,
+    pub(super) units: Vec<Unit>,
 }
 
 /// A fault in the file called `name`.
-fn in_file(name: &Arc<str>) -> impl Fn(Fault) -> Error {
+pub(super) fn in_file(name: &Arc<str>) -> impl Fn(Fault) -> Error {
     |Fault { line, message }| Place { file: name.clone(), line }.fault(message)
 }
 
 impl File<'_> {
-    fn place(&self, node: Node) -> Place {
+    pub(super) fn place(&self, node: Node) -> Place {
         Place { file: self.name.clone(), line: self.xml.line(node) }
     }
 
-    fn fault(&self, node: Node, message: impl Into<String>) -> Error {
+    pub(super) fn fault(&self, node: Node, message: impl Into<String>) -> Error {
         self.place(node).fault(message)
     }
 
-    fn required<'a>(&self, node: Node<'a, '_>, name: &str) -> Result<&'a str, Error> {
+    pub(super) fn required<'a>(&self, node: Node<'a, '_>, name: &str) -> Result<&'a str, Error> {
         self.xml.required(node, name).map_err(in_file(&self.name))
     }
 
-    fn number<T: FromStr>(&self, node: Node, name: &str) -> Result<Option<T>, Error> {
+    pub(super) fn number<T: FromStr>(&self, node: Node, name: &str) -> Result<Option<T>, Error> {
         self.xml.number(node, name).map_err(in_file(&self.name))
     }
 
     /// The unit that an attribute refers to.
-    fn unit(&self, node: Node) -> Result<Option<Unit>, Error> {
-        let Some(name) = node.attribute("unit") else { return Ok(None) };
+    pub(super) fn unit(&self, node: Node) -> Result<Option<Unit>, Error> {
+        // Some tools write an empty unit where there is none.
+        let Some(name) = node.attribute("unit").filter(|name| !name.is_empty()) else { return Ok(None) };
         let defined = self.units.iter().find(|u| u.name == name).cloned();
         defined
             .map(Some)
             .ok_or_else(|| self.fault(node, format!("the unit {name:?} is not defined in the file")))
     }
 
-    fn units(&mut self, parent: Option<Node>) -> Result<(), Error> {
+    pub(super) fn units(&mut self, parent: Option<Node>) -> Result<(), Error> {
         for node in elements(parent).filter(|n| n.tag_name().name() == "Unit") {
             self.units.push(self.xml.unit(node).map_err(in_file(&self.name))?);
         }
@@ -103,45 +108,162 @@ impl Reader {
             return Err(file.fault(root, message));
         }
         let version = file.required(root, "version")?;
-        if !version.starts_with("1.") {
-            return Err(
-                file.fault(root, format!("version {version:?} is not supported; only SSP 1 is supported"))
-            );
+        if !["1.", "2."].iter().any(|known| version.starts_with(known)) {
+            let message = format!("version {version:?} is not supported; SSP 1 and SSP 2 are supported");
+            return Err(file.fault(root, message));
         }
         file.units(child(root, "Units"))?;
         let system = child(root, "System").ok_or_else(|| file.fault(root, "there is no <System>"))?;
         let experiment = child(root, "DefaultExperiment");
         let time = |name| experiment.map_or(Ok(None), |n| file.number(n, name));
 
-        let mut components = Vec::new();
-        for node in elements(child(system, "Elements")) {
-            components.push(self.component(&file, node)?);
-        }
-        let mut connections = Vec::new();
-        for node in elements(child(system, "Connections")) {
-            connections.push(connection(&file, node)?);
-        }
+        let mut whole = Whole::default();
+        self.system(&file, system, "", &[], &mut whole)?;
+        let Whole { components, settings, edges, joints } = whole;
+        let connectors = connectors(&file, system)?;
+        let is_source = |end: &End| {
+            let (of, gives) = match &end.component {
+                None => (Some(&connectors), Direction::Input),
+                Some(name) => {
+                    let component = components.iter().find(|c| c.name == *name);
+                    (component.and_then(|c| c.connectors.as_ref()), Direction::Output)
+                }
+            };
+            let declared = of.and_then(|all| all.iter().find(|c| c.name == end.connector));
+            declared.is_some_and(|c| c.direction == gives)
+        };
+        let connections = flat(edges, &joints, &is_source)?;
         Ok(Structure {
             name: root.attribute("name").or(system.attribute("name")).unwrap_or("system").to_owned(),
             start: time("startTime")?,
             stop: time("stopTime")?,
             step: experiment.map_or(Ok(None), |n| step(&file, n))?,
             components,
-            connectors: Some(connectors(&file, system)?),
-            settings: self.settings(&file, system)?,
+            connectors: Some(connectors),
+            settings,
             connections,
             files: None,
         })
+    }
+
+    /// What a system has, below `path`, which ends with a dot if it is not empty. `dictionaries` are those of the systems around it: name,
+    /// name of the element that stands for it, entries.
+    fn system(
+        &self,
+        file: &File,
+        system: Node,
+        path: &str,
+        dictionaries: &[Dictionary],
+        whole: &mut Whole,
+    ) -> Result<(), Error> {
+        let mut dictionaries = dictionaries.to_vec();
+        for node in elements(child(system, "SignalDictionaries")) {
+            dictionaries.push(self.dictionary(file, node, path)?);
+        }
+        for mut setting in self.settings(file, system)? {
+            setting.name.insert_str(0, path);
+            whole.settings.push(setting);
+        }
+        // Names of references to dictionaries, and the elements that they stand for.
+        let mut references: Vec<(String, String)> = Vec::new();
+        for node in elements(child(system, "Elements")) {
+            let name = file.required(node, "name")?;
+            match node.tag_name().name() {
+                "System" => {
+                    let element = format!("{path}{name}");
+                    for connector in connectors(file, node)? {
+                        whole.joints.push(Joint { element: element.clone(), connector, is_entry: false });
+                    }
+                    self.system(file, node, &format!("{element}."), &dictionaries, whole)?;
+                }
+                "SignalDictionaryReference" => {
+                    let meant = file.required(node, "dictionary")?;
+                    let known = dictionaries.iter().rev().find(|d| d.name == meant);
+                    let known = known.ok_or_else(|| {
+                        file.fault(node, format!("element {name}: there is no signal dictionary {meant:?}"))
+                    })?;
+                    references.push((name.to_owned(), known.element.clone()));
+                }
+                _ => {
+                    let mut component = self.component(file, node)?;
+                    component.name.insert_str(0, path);
+                    whole.components.push(component);
+                }
+            }
+        }
+        for dictionary in dictionaries.iter().filter(|d| d.path == path) {
+            for connector in dictionary.entries.iter().cloned() {
+                whole.joints.push(Joint { element: dictionary.element.clone(), connector, is_entry: true });
+            }
+        }
+        for node in elements(child(system, "Connections")) {
+            let mut connection = connection(file, node)?;
+            let full = |end: &mut End| {
+                let inside = end.component.is_none();
+                end.component = match &end.component {
+                    None if path.is_empty() => None,
+                    None => Some(path.trim_end_matches('.').to_owned()),
+                    Some(name) => {
+                        let element = references.iter().find(|(reference, _)| reference == name);
+                        Some(element.map_or_else(|| format!("{path}{name}"), |(_, element)| element.clone()))
+                    }
+                };
+                inside
+            };
+            let (start_inside, end_inside) = (full(&mut connection.start), full(&mut connection.end));
+            whole.edges.push(Edge { connection, start_inside, end_inside });
+        }
+        Ok(())
+    }
+
+    /// A signal dictionary, inline or in a file.
+    fn dictionary(&self, file: &File, node: Node, path: &str) -> Result<Dictionary, Error> {
+        let name = file.required(node, "name")?.to_owned();
+        let mut entries = Vec::new();
+        let mut read = |file: &File, root: Node| -> Result<(), Error> {
+            for entry in root.descendants().filter(|n| n.tag_name().name() == "DictionaryEntry") {
+                let name = file.required(entry, "name")?.to_owned();
+                let (sort, unit) = typed(file, entry)?;
+                let direction = Direction::Input;
+                entries.push(Connector { name, direction, sort, unit, place: file.place(entry) });
+            }
+            Ok(())
+        };
+        match node.attribute("source") {
+            None => read(file, node)?,
+            Some(source) => self.with_file(file, node, source, "signal dictionary", |file| {
+                let mut own = File { name: file.name.clone(), xml: file.xml, units: Vec::new() };
+                own.units(child(file.xml.root(), "Units"))?;
+                read(&own, file.xml.root())
+            })?,
+        }
+        // No element can have this name, as a tab is none of its characters.
+        let element = format!("{path}\t{name}");
+        Ok(Dictionary { name, element, path: path.to_owned(), entries })
+    }
+
+    /// Reads a further file of the package.
+    pub(super) fn with_file<T>(
+        &self,
+        file: &File,
+        node: Node,
+        source: &str,
+        what: &str,
+        read: impl FnOnce(&File) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let readable = self.resource(source).and_then(|p| fs::read_to_string(p).ok());
+        let text = readable.ok_or_else(|| {
+            file.fault(node, format!("the {what} file {source:?} is not in the package or is not text"))
+        })?;
+        let name: Arc<str> = format!("{}: {source}", self.package).into();
+        let xml = Xml::read(&text).map_err(in_file(&name))?;
+        read(&File { name, xml: &xml, units: Vec::new() })
     }
 
     fn component(&self, file: &File, node: Node) -> Result<Component, Error> {
         let name = file.required(node, "name")?.to_owned();
         match node.tag_name().name() {
             "Component" => {}
-            "System" => {
-                let message = format!("element {name} is a nested system; only flat systems are supported");
-                return Err(file.fault(node, message));
-            }
             other => {
                 return Err(
                     file.fault(node, format!("element {name} is a <{other}>, which is not supported"))
@@ -173,7 +295,7 @@ impl Reader {
     }
 
     /// The unpacked file behind a relative URI; `None` if it leads elsewhere.
-    fn resource(&self, uri: &str) -> Option<PathBuf> {
+    pub(super) fn resource(&self, uri: &str) -> Option<PathBuf> {
         let mut bytes = Vec::new();
         let mut rest = uri.bytes();
         while let Some(byte) = rest.next() {
@@ -189,60 +311,43 @@ impl Reader {
         let within = Path::new(&text).components().all(|c| matches!(c, Normal(_) | CurDir));
         (within && !text.is_empty()).then(|| self.dir.join(text))
     }
-
-    /// All values that the bindings of an element give.
-    fn settings(&self, file: &File, element: Node) -> Result<Vec<Setting>, Error> {
-        let mut settings = Vec::new();
-        for binding in elements(child(element, "ParameterBindings")) {
-            let refuse =
-                |what: &str| Err(file.fault(binding, format!("{what} of a binding is not supported")));
-            if child(binding, "ParameterMapping").is_some() {
-                return refuse("the mapping of names");
-            }
-            if binding.attribute("sourceBase") == Some("component") {
-                return refuse("a source within the FMU");
-            }
-            let prefix = binding.attribute("prefix").unwrap_or("");
-            if let Some(source) = binding.attribute("source") {
-                let readable = self.resource(source).and_then(|p| fs::read_to_string(p).ok());
-                let text = readable.ok_or_else(|| {
-                    file.fault(
-                        binding,
-                        format!("the parameter file {source:?} is not in the package or is not text"),
-                    )
-                })?;
-                let name: Arc<str> = format!("{}: {source}", self.package).into();
-                let xml = Xml::read(&text).map_err(in_file(&name))?;
-                let own = File { name, xml: &xml, units: Vec::new() };
-                parameters(own, xml.root(), prefix, &mut settings)?;
-            }
-            for values in elements(child(binding, "ParameterValues")) {
-                let inline = File { name: file.name.clone(), units: file.units.clone(), ..*file };
-                parameters(inline, values, prefix, &mut settings)?;
-            }
-        }
-        Ok(settings)
-    }
 }
 
-/// The values of one `ParameterSet`.
-fn parameters(mut file: File, set: Node, prefix: &str, settings: &mut Vec<Setting>) -> Result<(), Error> {
-    if set.tag_name().name() != "ParameterSet" {
-        return Err(file.fault(set, format!("<{}> is not a <ParameterSet>", set.tag_name().name())));
+/// What the systems of a package have, with full names.
+#[derive(Default)]
+struct Whole {
+    components: Vec<Component>,
+    settings: Vec<Setting>,
+    edges: Vec<Edge>,
+    joints: Vec<Joint>,
+}
+
+/// A signal dictionary of a system.
+#[derive(Clone)]
+struct Dictionary {
+    name: String,
+    /// The element that stands for it in connections.
+    element: String,
+    /// The path of the system.
+    path: String,
+    entries: Vec<Connector>,
+}
+
+/// Type and unit of a connector or an entry. The types of SSP 2 are those of FMI 3.
+fn typed(file: &File, node: Node) -> Result<(Option<Sort>, Option<Unit>), Error> {
+    let mut found = (None, None);
+    for body in elements(Some(node)) {
+        let name = body.tag_name().name();
+        let sort = match name {
+            "Float64" | "Float32" => Some(Sort::Real),
+            _ if name.starts_with("Int") || name.starts_with("UInt") => Some(Sort::Integer),
+            _ => Sort::of(name),
+        };
+        if sort.is_some() {
+            found = (sort, file.unit(body)?);
+        }
     }
-    file.units(child(set, "Units"))?;
-    for node in elements(child(set, "Parameters")) {
-        let name = file.required(node, "name")?;
-        let value = node.children().find(|n| n.is_element() && n.tag_name().name() != "Annotations");
-        let value = value.ok_or_else(|| file.fault(node, format!("parameter {name} has no value")))?;
-        settings.push(Setting {
-            name: format!("{prefix}{name}"),
-            text: file.required(value, "value")?.to_owned(),
-            unit: file.unit(value)?,
-            place: file.place(node),
-        });
-    }
-    Ok(())
+    Ok(found)
 }
 
 fn connectors(file: &File, element: Node) -> Result<Vec<Connector>, Error> {
@@ -255,11 +360,7 @@ fn connectors(file: &File, element: Node) -> Result<Vec<Connector>, Error> {
         };
         let unknown = || file.fault(node, format!("connector {name}: unknown kind {kind:?}"));
         let direction = Direction::of(kind).ok_or_else(unknown)?;
-        let (mut sort, mut unit) = (None, None);
-        for body in elements(Some(node)) {
-            let Some(known) = Sort::of(body.tag_name().name()) else { continue };
-            (sort, unit) = (Some(known), file.unit(body)?);
-        }
+        let (sort, unit) = typed(file, node)?;
         connectors.push(Connector { name, direction, sort, unit, place: file.place(node) });
     }
     Ok(connectors)
@@ -275,12 +376,11 @@ fn connection(file: &File, node: Node) -> Result<Connection, Error> {
     let mut connection = Connection {
         start: end("startElement", "startConnector")?,
         end: end("endElement", "endConnector")?,
-        convert_units: true,
-        factor: 1.0,
-        offset: 0.0,
+        legs: Vec::new(),
         place: file.place(node),
     };
-    connection.convert_units = match node.attribute("suppressUnitConversion").map(str::trim) {
+    let mut leg = Leg::PLAIN;
+    leg.convert_units = match node.attribute("suppressUnitConversion").map(str::trim) {
         None | Some("false" | "0") => true,
         Some("true" | "1") => false,
         Some(other) => {
@@ -292,8 +392,8 @@ fn connection(file: &File, node: Node) -> Result<Connection, Error> {
     for body in elements(Some(node)) {
         match body.tag_name().name() {
             "LinearTransformation" => {
-                connection.factor = file.number(body, "factor")?.unwrap_or(1.0);
-                connection.offset = file.number(body, "offset")?.unwrap_or(0.0);
+                leg.factor = file.number(body, "factor")?.unwrap_or(1.0);
+                leg.offset = file.number(body, "offset")?.unwrap_or(0.0);
             }
             mapping if mapping.ends_with("MappingTransformation") => {
                 return Err(file.fault(body, format!("{connection}: <{mapping}> is not supported")));
@@ -301,6 +401,7 @@ fn connection(file: &File, node: Node) -> Result<Connection, Error> {
             _ => {}
         }
     }
+    connection.legs.push(leg);
     Ok(connection)
 }
 

@@ -1,4 +1,5 @@
 //! A system as described in TOML or SSP: names and places in the file, not yet resolved in the FMUs.
+use super::units::Affine;
 use crate::description::words;
 use crate::{Error, Unit};
 use std::fmt;
@@ -59,6 +60,8 @@ pub(crate) struct Setting {
     pub(crate) text: String,
     /// The unit of the value; that of the variable when absent.
     pub(crate) unit: Option<Unit>,
+    /// The transformation of a parameter mapping, after the conversion of units.
+    pub(crate) linear: Affine,
     pub(crate) place: Place,
 }
 
@@ -99,11 +102,31 @@ impl fmt::Display for End {
 pub(crate) struct Connection {
     pub(crate) start: End,
     pub(crate) end: End,
+    /// One, or several where the connection passes connectors of nested systems; from the source on.
+    pub(crate) legs: Vec<Leg>,
+    pub(crate) place: Place,
+}
+
+/// What a connection does with a value.
+#[derive(Clone, Debug)]
+pub(crate) struct Leg {
     pub(crate) convert_units: bool,
     /// `target = factor * source + offset`, after the conversion of units.
     pub(crate) factor: f64,
     pub(crate) offset: f64,
-    pub(crate) place: Place,
+    /// The unit of the connector at its end, where that is one of a nested system or a signal dictionary.
+    pub(crate) unit: Option<Unit>,
+}
+
+impl Leg {
+    pub(crate) const PLAIN: Self = Self { convert_units: true, factor: 1.0, offset: 0.0, unit: None };
+}
+
+impl Connection {
+    /// Whether values are transformed, apart from the conversion of units.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.legs.iter().any(|leg| (leg.factor, leg.offset) != (1.0, 0.0))
+    }
 }
 
 impl fmt::Display for Connection {

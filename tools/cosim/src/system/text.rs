@@ -1,5 +1,6 @@
 //! A system in TOML.
-use super::structure::{Component, Connection, End, Place, Setting, Structure};
+use super::structure::{Component, Connection, End, Leg, Place, Setting, Structure};
+use super::units::Affine;
 use crate::Error;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -75,7 +76,13 @@ impl Lines<'_> {
                     return Err(place.fault(format!("{} is not a number, text or Boolean", name.get_ref())));
                 }
             };
-            settings.push(Setting { name: name.into_inner(), text, unit: None, place });
+            settings.push(Setting {
+                name: name.into_inner(),
+                text,
+                unit: None,
+                linear: Affine::IDENTITY,
+                place,
+            });
         }
         settings.sort_by_key(|s| s.place.line);
         Ok(settings)
@@ -121,9 +128,7 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
         connections.push(Connection {
             start: self::end(start),
             end: self::end(end),
-            convert_units: true,
-            factor: 1.0,
-            offset: 0.0,
+            legs: vec![Leg::PLAIN],
             place,
         });
     }
