@@ -1,7 +1,7 @@
 """The powered ankle with masters of other projects.
 
-The plain master of `examples/09_plain_master.py` gives the same bits as the native one, and so does ecos with the SSP file. ecos sets one
-parameter set only, by its name; it is that of the motor, because the other components' values are those of their FMUs.
+The plain master of `examples/09_plain_master.py` gives the same bits as the native one, and so does ecos with the SSP file. ecos sets the
+parameter sets of one name only; those of all components have the same name.
 """
 
 import csv
@@ -71,7 +71,7 @@ def record(ssp):
     from ecospy import EcosSimulation
 
     with EcosSimulation(ssp_path=ssp, step_size=STEP) as simulation:
-        assert simulation.init(parameter_set="motor"), "ecos could not initialise the system"
+        assert simulation.init(parameter_set="initialValues"), "ecos could not initialise the system"
         read = lambda: [simulation.get_real(name.replace(".", "::")) for name in READ]  # noqa: E731
         rows = [read()]
         for _ in range(STEPS):
