@@ -301,6 +301,29 @@ pub trait Group {
     /// # Panics
     /// If the table has no such element.
     fn set(&mut self, index: usize, value: f64) -> bool;
+
+    /// All values, in the order of the table.
+    fn values(&self) -> impl Iterator<Item = f64> {
+        (0..Self::TABLE.len()).map(|row| self.get(row))
+    }
+
+    /// Takes all values from a sequence; `None` where it ends or a type has no such value.
+    fn take_values(&mut self, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
+        (0..Self::TABLE.len()).try_for_each(|row| self.set(row, next()?).then_some(()))
+    }
+
+    /// The values `t` seconds later with these derivatives, per second.
+    #[inline]
+    fn after(&self, t: f64, slopes: &Self) -> Self
+    where
+        Self: Copy,
+    {
+        let mut moved = *self;
+        for row in 0..Self::TABLE.len() {
+            moved.set(row, self.get(row) + slopes.get(row) * t);
+        }
+        moved
+    }
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ impl<I: Table, const M: usize> Line<'_, I, M> {
     /// The inputs `t` seconds into the step.
     #[inline(always)]
     pub fn inputs(&self, t: f64) -> I {
-        self.slopes.map_or(*self.inputs, |slopes| after(self.inputs, t, slopes))
+        self.slopes.map_or(*self.inputs, |slopes| self.inputs.after(t, slopes))
     }
 }
 
@@ -181,15 +181,6 @@ pub fn sizes<const N: usize>(list: &[State]) -> [f64; N] {
 
 fn rows<T: Table>() -> std::ops::Range<usize> {
     0..T::TABLE.len()
-}
-
-/// The inputs `t` seconds along their slopes.
-fn after<T: Table>(inputs: &T, t: f64, slopes: &T) -> T {
-    let mut moved = *inputs;
-    for row in rows::<T>() {
-        moved.set(row, inputs.get(row) + slopes.get(row) * t);
-    }
-    moved
 }
 
 impl<L: Law<N, M>, const N: usize, const M: usize> Default for Explicit<L, N, M> {
@@ -369,7 +360,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
         })?;
         self.states = states;
         if sloping {
-            self.inputs = after(&self.inputs, h, &self.slopes);
+            self.inputs = self.inputs.after(h, &self.slopes);
             self.slopes = flat();
         }
         self.time = time + h;
@@ -417,7 +408,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
 
     fn save(&self, out: &mut Vec<f64>) {
         out.extend(self.settable().map(|(group, row)| self.value(group, row)));
-        out.extend(rows::<L::Inputs>().map(|row| self.slopes.get(row)));
+        out.extend(self.slopes.values());
         out.push(self.time);
         out.extend(self.states);
         out.extend(self.opening);
@@ -430,9 +421,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
             for (group, row) in self.settable() {
                 copy.set_value(group, row, rest.next()?).then_some(())?;
             }
-            for row in rows::<L::Inputs>() {
-                copy.slopes.set(row, rest.next()?);
-            }
+            copy.slopes.take_values(&mut || rest.next())?;
             copy.time = rest.next()?;
             for number in copy.states.iter_mut().chain(&mut copy.opening) {
                 *number = rest.next()?;

@@ -12,6 +12,25 @@ pub trait Grouped {
     fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool;
 }
 
+/// Appends the values of all rows of all groups.
+pub fn save(owner: &impl Grouped, groups: &[GroupAt], out: &mut Vec<f64>) {
+    for (g, group) in groups.iter().enumerate() {
+        out.extend((0..group.table.len()).map(|row| owner.value(g, row)));
+    }
+}
+
+/// Takes what [`save`] has appended; `None` where the numbers run out or a type has no such value.
+pub fn restore(
+    owner: &mut impl Grouped,
+    groups: &[GroupAt],
+    next: &mut impl FnMut() -> Option<f64>,
+) -> Option<()> {
+    for (g, group) in groups.iter().enumerate() {
+        (0..group.table.len()).try_for_each(|row| owner.set_value(g, row, next()?).then_some(()))?;
+    }
+    Some(())
+}
+
 /// Lists the groups of a struct and dispatches to them: a field a line, each a [`declare::Group`].
 ///
 /// ```text

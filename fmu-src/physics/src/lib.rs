@@ -12,6 +12,7 @@ pub mod explicit;
 mod fault;
 pub mod groups;
 pub mod ledger;
+pub mod line;
 pub mod media;
 pub mod model;
 pub mod models;

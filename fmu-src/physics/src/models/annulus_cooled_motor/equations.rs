@@ -28,12 +28,12 @@ mod system;
 
 pub use constants::Constants;
 
-use super::line::Line;
 use super::parameters::Parameters;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::commutation::PhaseLoad;
 use crate::effects::{PerNode, Ports};
 use crate::ledger::{Account, Ledger};
+use crate::line::Line;
 use crate::solver::split::{Fast, State, System};
 use drive::Chopper;
 use nalgebra::SVector;

@@ -5,7 +5,6 @@
 //! was not good enough is cut. At a step of milliseconds, one piece is enough.
 
 use super::equations::{Beyond, NODES, Step};
-use super::line::Line;
 use super::motor::AnnulusCooledMotor;
 use super::network::{Network, Passage};
 use super::parameters::Parameters;
@@ -15,9 +14,11 @@ use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
 use crate::effects::{PerNode, Port};
 use crate::ending::Halt;
+use crate::line::Line;
 use crate::model::Fault;
 use crate::solver::split::State;
 use crate::solver::stabilized::States;
+use declare::Group;
 
 /// A piece shorter than this share of the caller's step is a failure, not an accuracy.
 const LEAST_SHARE: f64 = 1e-9;

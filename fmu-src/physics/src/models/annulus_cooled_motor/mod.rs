@@ -8,7 +8,6 @@ mod equations;
 mod exchange;
 mod held;
 mod initial;
-mod line;
 mod march;
 mod motor;
 pub mod network;
@@ -19,9 +18,9 @@ mod states;
 mod surroundings;
 mod variables;
 
+pub use crate::line::Line;
 pub use equations::{Beyond, Constants, NODES, Point, STATES, Step, Temperatures};
 pub use initial::Initial;
-pub use line::Line;
 pub use motor::AnnulusCooledMotor;
 pub use parameters::Parameters;
 pub use variables::{Books, Choices, CoolingMode, DriveMode, Indicators, Inputs, MechanicalMode, Outputs};

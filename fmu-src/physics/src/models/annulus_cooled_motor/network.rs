@@ -18,9 +18,9 @@ mod body;
 pub use body::{Body, SEGMENTS};
 
 use super::cooling::{Coefficients, Conditions, Cooling, Tangent};
-use super::line::Line;
 use super::parameters::Parameters;
 use super::variables::Inputs;
+use crate::line::Line;
 use crate::solver::stabilized::{MOST, Stabilized, States, error};
 use body::FIRST;
 

@@ -2,8 +2,8 @@
 
 use super::held::Held;
 use super::motor::AnnulusCooledMotor;
-use super::variables::Inputs;
 use crate::components::commutation::Phases;
+use crate::groups;
 use crate::model::Model;
 use crate::solver::split::{Split, State};
 use declare::Group;
@@ -14,10 +14,8 @@ fn flag(value: bool) -> f64 {
 
 impl AnnulusCooledMotor {
     pub(super) fn push_saved(&self, out: &mut Vec<f64>) {
-        for (g, group) in self.declaration().groups.iter().enumerate() {
-            out.extend((0..group.table.len()).map(|row| self.value(g, row)));
-        }
-        out.extend((0..Inputs::TABLE.len()).map(|row| self.slopes.get(row)));
+        groups::save(self, &self.declaration().groups, out);
+        out.extend(self.slopes.values());
         out.extend([self.time, self.t_sensor, self.t_start, self.capacity_factor]);
         out.extend(self.term_lags);
         out.extend([self.stored_at_start, flag(self.outputs_are_stale), flag(self.books_are_stale)]);
@@ -38,16 +36,8 @@ impl AnnulusCooledMotor {
         let mut copy = self.clone();
         let mut rest = saved.iter().copied();
         let mut next = || rest.next();
-        for (g, group) in self.declaration().groups.iter().enumerate() {
-            for row in 0..group.table.len() {
-                if !copy.set_value(g, row, next()?) {
-                    return None;
-                }
-            }
-        }
-        for row in 0..Inputs::TABLE.len() {
-            copy.slopes.set(row, next()?);
-        }
+        groups::restore(&mut copy, &self.declaration().groups, &mut next)?;
+        copy.slopes.take_values(&mut next)?;
         copy.time = next()?;
         copy.t_sensor = next()?;
         copy.t_start = next()?;

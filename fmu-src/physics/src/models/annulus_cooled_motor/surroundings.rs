@@ -10,6 +10,7 @@ use crate::ending::Halt;
 use crate::solver::split::Fast;
 use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
 use crate::terms::{Drivers, Lag, MOST_TERMS};
+use declare::Group;
 
 impl AnnulusCooledMotor {
     /// Tells the effects that are data where the motor stands at `time`, and follows what they do to capacities.

@@ -1,7 +1,7 @@
 //! Inputs, outputs and choices of the motor. Parameters stand with their components.
 
 use crate::components::commutation::Commutation;
-use declare::{Group, Unit, Variable, enumeration, variables};
+use declare::{Unit, Variable, enumeration, variables};
 
 enumeration! {
     /// Quantity that is imposed at the terminals.
@@ -205,20 +205,12 @@ impl Inputs {
         coolant_inlet_temperature: 0.0,
         coolant_flow_rate: 0.0,
     };
-
-    /// The inputs after `t` seconds on these slopes.
-    pub fn after(&self, t: f64, slopes: &Inputs) -> Inputs {
-        let mut inputs = *self;
-        for row in 0..Inputs::TABLE.len() {
-            inputs.set(row, self.get(row) + slopes.get(row) * t);
-        }
-        inputs
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use declare::Group;
 
     /// `motor.rs` computes these outputs without the others.
     #[test]

@@ -30,6 +30,7 @@ use crate::components::chopper::{Bridge, Cycle};
 use crate::components::validity::Limits;
 use crate::effects::{Number, PerNode};
 use crate::ledger::{Account, Ledger};
+use crate::line::Line;
 use crate::solver::split::{Fast, System};
 use nalgebra::SVector;
 
@@ -47,20 +48,6 @@ pub const ENERGIES: usize = 5;
 pub type State = crate::solver::split::State<NODES, ENERGIES>;
 /// State variables of [`Step::rates`]: current, speed, angle, temperatures, energies.
 pub const STATES: usize = 3 + NODES + ENERGIES;
-
-/// A value that runs along a line.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    start: f64,
-    slope: f64,
-}
-
-impl Line {
-    #[inline]
-    fn at(&self, t: f64) -> f64 {
-        self.start + self.slope * t
-    }
-}
 
 /// What follows from the parameters alone.
 #[derive(Clone, Copy, Debug)]

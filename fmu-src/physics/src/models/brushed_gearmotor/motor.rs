@@ -12,6 +12,7 @@ use crate::groups;
 use crate::model::{Declaration, Declared, Fault, Model, ModelType, Slot};
 use crate::solver::split::Split;
 use crate::terms::Drivers;
+use declare::Group;
 
 /// The gearmotor: parameters, inputs, and the state it has reached.
 #[derive(Clone, Debug)]
@@ -219,12 +220,12 @@ impl Model for BrushedGearmotor {
 
     fn set_slope(&mut self, slot: Slot, slope: f64) {
         debug_assert_eq!(slot.group as usize, INPUTS);
-        declare::Group::set(&mut self.slopes, slot.row as usize, slope);
+        self.slopes.set(slot.row as usize, slope);
         self.outputs_are_stale = true;
     }
 
     fn slope(&self, slot: Slot) -> f64 {
-        declare::Group::get(&self.slopes, slot.row as usize)
+        self.slopes.get(slot.row as usize)
     }
 
     fn start(&mut self, time: f64) -> Result<(), Fault> {
@@ -264,12 +265,8 @@ impl Model for BrushedGearmotor {
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        for (g, group) in self.declaration().groups.iter().enumerate() {
-            out.extend((0..group.table.len()).map(|row| self.value(g, row)));
-        }
-        out.extend(
-            (0..<Inputs as declare::Group>::TABLE.len()).map(|r| declare::Group::get(&self.slopes, r)),
-        );
+        groups::save(self, &Self::declared().groups, out);
+        out.extend(self.slopes.values());
         out.extend([self.time, self.t_start, f64::from(u8::from(self.outputs_are_stale))]);
         out.extend([self.opening.stored, self.opening.magnetic, self.opening.kinetic]);
         out.extend(self.state.to_numbers());
@@ -282,16 +279,8 @@ impl Model for BrushedGearmotor {
         let mut rest = saved.iter().copied();
         let mut next = || rest.next();
         let mut read = || -> Option<()> {
-            for (g, group) in Self::declared().groups.iter().enumerate() {
-                for row in 0..group.table.len() {
-                    if !copy.set_value(g, row, next()?) {
-                        return None;
-                    }
-                }
-            }
-            for row in 0..<Inputs as declare::Group>::TABLE.len() {
-                declare::Group::set(&mut copy.slopes, row, next()?);
-            }
+            groups::restore(&mut copy, &Self::declared().groups, &mut next)?;
+            copy.slopes.take_values(&mut next)?;
             copy.time = next()?;
             copy.t_start = next()?;
             copy.outputs_are_stale = next()? != 0.0;

@@ -1,6 +1,6 @@
 //! Inputs and outputs of the gearmotor. Parameters stand with their components.
 
-use declare::{Group, Unit, Variable, variables};
+use declare::{Unit, Variable, variables};
 
 variables! {
     /// What the importer sets at every communication point.
@@ -114,13 +114,4 @@ impl Inputs {
     /// All zero: no slope.
     pub const ZERO: Inputs =
         Inputs { duty: 0.0, supply_voltage: 0.0, load_torque: 0.0, ambient_temperature: 0.0 };
-
-    /// The inputs after `t` seconds on these slopes.
-    pub fn after(&self, t: f64, slopes: &Inputs) -> Inputs {
-        let mut inputs = *self;
-        for row in 0..Inputs::TABLE.len() {
-            inputs.set(row, self.get(row) + slopes.get(row) * t);
-        }
-        inputs
-    }
 }

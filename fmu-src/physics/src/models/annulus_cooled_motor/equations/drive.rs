@@ -10,7 +10,7 @@
 
 use crate::components::chopper::ZeroDuty;
 use crate::effects::{Effects, Port};
-use crate::models::annulus_cooled_motor::line::Line;
+use crate::line::Line;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, Inputs};
 

@@ -2,7 +2,7 @@
 
 use super::{CORE, NODES, Step, Temperatures, WINDING};
 use crate::effects::Port;
-use crate::models::annulus_cooled_motor::line::Line;
+use crate::line::Line;
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 
