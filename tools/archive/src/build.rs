@@ -69,6 +69,11 @@ pub fn build(
     build_all(kind, &[standard], contents, &[Library::here(library)], out).map(|mut paths| paths.remove(0))
 }
 
+/// `<out>/<standard>/<Model>.fmu`.
+pub fn archive_path(out: &Path, standard: Standard, model: &str) -> PathBuf {
+    out.join(standard.folder()).join(format!("{model}.fmu"))
+}
+
 /// The same for several standards, in their order, with a library for each of several platforms; what all need is found once.
 pub fn build_all(
     kind: &ModelType,
@@ -95,7 +100,7 @@ pub fn build_all(
         || common(&Native { kind, starts: &starts, terms: &terms }, contents),
     );
     let write = |standard: &Standard| {
-        let path = out.join(standard.folder()).join(format!("{name}.fmu"));
+        let path = archive_path(out, *standard, name);
         let bytes = pack(&entries(kind, *standard, &starts, &found, &binaries, &common));
         let written = bytes.and_then(|bytes| {
             fs::create_dir_all(path.parent().unwrap_or(out))?;

@@ -1,7 +1,8 @@
 //! `motor-fmu build`: archives of the models.
 
 use crate::Failure;
-use archive::build::{Contents, Library, Standard, TermsFile, build_all, library_path};
+use crate::existing::Force;
+use archive::build::{Contents, Library, Standard, TermsFile, archive_path, build_all, library_path};
 use archive::platform;
 use clap::ValueEnum;
 use describe::{ModelType, Preset, models, usage};
@@ -41,9 +42,11 @@ pub struct Args {
     /// aarch64-linux, ...; by default the platform of this program.
     #[arg(long, value_name = "P,...", value_delimiter = ',')]
     platform: Vec<String>,
-    /// Folder to write to.
+    /// Folder to write to. Earlier FMUs of the same models are overwritten.
     #[arg(long, value_name = "DIR", default_value = "dist")]
     out: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
 
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
@@ -56,7 +59,12 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     };
     let libraries = libraries(&args.platform)?;
     let mut paths = Vec::new();
-    for kind in chosen(&args.models)? {
+    let kinds = chosen(&args.models)?;
+    for (kind, standard) in kinds.iter().flat_map(|kind| standards.iter().map(move |s| (kind, s))) {
+        let model = (kind.declaration)().name;
+        args.force.check_fmu(&archive_path(&args.out, *standard, model), model)?;
+    }
+    for kind in kinds {
         // A preset belongs to its model; the actuator derives its control's motor data from its motor's. Not every model takes
         // terms. Where all are built, the others are built without; where one is named that they are not for, they are refused.
         let named = !args.models.is_empty();

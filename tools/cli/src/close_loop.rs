@@ -11,7 +11,9 @@ mod sample;
 #[cfg(test)]
 mod tests;
 
+use crate::existing::{Force, head};
 use crate::{Failure, write};
+use archive::build::{Standard, TermsFile, archive_path};
 use calibrate::close_loop::{self, Options};
 use calibrate::experiment::Experiment;
 use calibrate::intake::{self, Refusal, Unusable};
@@ -53,6 +55,8 @@ struct Files {
     /// Folder to write to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    force: Force,
     /// Print report.json
     #[arg(long)]
     json: bool,
@@ -83,6 +87,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let begun = std::time::Instant::now();
     let mut experiment = Experiment::read(&args.experiment)?;
     let preset = preset(&experiment, &args.experiment)?;
+    may_write(args, &experiment)?;
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
     let bar = progress::Progress::new();
@@ -136,6 +141,29 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
     outcome.endings.iter().for_each(|why| eprintln!("error: {why}"));
     Ok(crate::outcome(replay.agrees && findings.is_empty() && outcome.endings.is_empty()))
+}
+
+/// Refuses files of a folder that are no earlier results of the same experiment.
+fn may_write(args: &Files, experiment: &Experiment) -> Result<(), Failure> {
+    let Experiment { name, model, .. } = experiment;
+    let what = format!("an earlier result of the experiment {name}");
+    let (force, at) = (args.force, |file: &str| args.out.join(file));
+    force.check(&at("report.json"), &what, |path| {
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let report: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+        report["name"].as_str() == Some(name)
+    })?;
+    force.check_titled(&at("report.html"), &what, |title| *title == page::title(name))?;
+    force.check(&at("preset.toml"), &what, |path| {
+        let text = String::from_utf8_lossy(&head(path)).into_owned();
+        let first = text.lines().next().unwrap_or_default();
+        first.starts_with(export::HEADER) && first.contains(&format!(" the experiment {name}, "))
+    })?;
+    force.check(&at("effects.json"), &what, |path| TermsFile::load(path).is_ok())?;
+    let model = models::by_name(model).map_or(model.as_str(), |kind| (kind.declaration)().name);
+    Standard::ALL
+        .iter()
+        .try_for_each(|standard| force.check_fmu(&archive_path(&args.out, *standard, model), model))
 }
 
 /// Report and page on data of which nothing can be said. What an earlier run wrote beside them is no answer to these data.

@@ -1,5 +1,6 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
+use crate::existing::Force;
 use crate::outputs::Shown;
 use crate::parent;
 use crate::simulate::{is_a_number, remarks, setting, significant};
@@ -50,6 +51,8 @@ pub struct Args {
     /// Draw the outputs as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Print final values and the energy balances of the connections as JSON
     #[arg(long)]
     json: bool,
@@ -66,6 +69,8 @@ pub struct SspArgs {
     /// The archive [default: the description's name with .ssp]
     #[arg(long, value_name = "FILE.ssp")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// The names of the algorithms on the command line.
@@ -92,6 +97,7 @@ impl From<Scheme> for Algorithm {
 /// Runs the command in this process.
 pub fn run(args: Args) -> Result<u8, Failure> {
     let system = System::open(&args.system)?;
+    may_write(&args, &system)?;
     let options = SystemOptions {
         start: args.start,
         stop: args.stop,
@@ -125,12 +131,33 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     Ok(crate::code(run.recording.ended_early.is_none() && finite))
 }
 
+/// Refuses files that are no earlier results of this system.
+fn may_write(args: &Args, system: &System) -> Result<(), Failure> {
+    let name = system.name();
+    if let Some(path) = &args.output {
+        // Outputs of the system have names of their own.
+        let is_column = |column: &str| {
+            column
+                .split_once('.')
+                .is_none_or(|(component, _)| system.components().any(|known| known == component))
+        };
+        args.force.check_table(path, &format!("a table of outputs of {name}"), is_column)?;
+    }
+    match &args.plot {
+        Some(path) => args.force.check_titled(path, &format!("a figure of {name}"), |title| title == name),
+        None => Ok(()),
+    }
+}
+
 pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
     let out = args.out.clone().unwrap_or_else(|| args.system.with_extension("ssp"));
     if out == args.system {
         return Err(Failure::new(format!("{} would be written over itself, give --out", out.display())));
     }
     let system = System::open(&args.system)?;
+    args.force.check(&out, &format!("an SSP archive of {}", system.name()), |path| {
+        System::open(path).is_ok_and(|earlier| earlier.name() == system.name())
+    })?;
     system.write_ssp(&out)?;
     let note = |name: &str| {
         format!(

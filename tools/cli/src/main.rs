@@ -3,6 +3,7 @@
 mod build;
 mod close_loop;
 mod cosim;
+mod existing;
 mod info;
 mod manual;
 mod outputs;
@@ -98,14 +99,6 @@ pub fn say_json(result: &impl serde::Serialize) -> Result<(), Failure> {
 /// Writes a file.
 pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text).map_err(|e| unwritten(path, &e))
-}
-
-/// Refuses to write over an existing file without `--force`.
-pub fn may_write(path: &Path, force: bool) -> Result<(), Failure> {
-    match path.is_file() && !force {
-        true => Err(Failure::new(format!("{} exists; --force overwrites it", path.display()))),
-        false => Ok(()),
-    }
 }
 
 /// Makes a folder where it is missing.

@@ -1,5 +1,6 @@
 //! `motor-fmu completions` and `motor-fmu man`: completions of shells and manual pages, from the declaration of the commands.
 
+use crate::existing::{Force, head};
 use crate::{Cli, Failure, say};
 use clap::CommandFactory;
 use clap_complete::Shell;
@@ -19,9 +20,11 @@ pub struct CompletionsArgs {
 /// Write the manual pages, motor-fmu.1 and one for each command
 #[derive(clap::Args)]
 pub struct ManArgs {
-    /// Folder to write to; existing pages are replaced
+    /// Folder to write to
     #[arg(long, value_name = "DIR", default_value = "man")]
     out: PathBuf,
+    #[command(flatten)]
+    force: Force,
 }
 
 pub fn completions(args: &CompletionsArgs) -> Result<ExitCode, Failure> {
@@ -33,6 +36,14 @@ pub fn completions(args: &CompletionsArgs) -> Result<ExitCode, Failure> {
 
 pub fn man(args: &ManArgs) -> Result<ExitCode, Failure> {
     crate::make_folder(&args.out)?;
+    for entry in std::fs::read_dir(&args.out)?.flatten() {
+        let name = entry.file_name();
+        if name.to_string_lossy().starts_with("motor-fmu") {
+            args.force.check(&entry.path(), "a manual page of motor-fmu", |path| {
+                String::from_utf8_lossy(&head(path)).contains(".TH motor-fmu")
+            })?;
+        }
+    }
     clap_mangen::generate_to(Cli::command(), &args.out)?;
     say(&format!("{}\n", args.out.display()));
     Ok(ExitCode::SUCCESS)

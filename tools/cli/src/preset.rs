@@ -1,5 +1,6 @@
 //! `motor-fmu preset new`: a preset from a datasheet.
 
+use crate::existing::Force;
 use crate::{Failure, say, say_json};
 use ::study::datasheet::{
     Certainty, Contradiction, Datasheet, Draft, Given, Implausible, QUANTITIES, Quantity, Value,
@@ -49,9 +50,8 @@ struct New {
     /// File to write [default: NAME.toml]
     #[arg(long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
-    /// Overwrite an existing file
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
     /// Print values and contradictions as JSON
     #[arg(long)]
     json: bool,
@@ -118,7 +118,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         Failure::new(lines.join("\n"))
     })?;
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", sheet.name)));
-    crate::may_write(&path, args.force)?;
+    args.force.check_any(&path)?;
     crate::write(&path, &draft.toml())?;
     let consistent = contradictions.is_empty() && implausible.is_empty();
     if args.json {

@@ -1,6 +1,7 @@
 //! `motor-fmu reproduce`: the numbers of the two published systems.
 
 use crate::Failure;
+use crate::existing::{Force, title};
 use ::study::reproduce::paper::{Compared, paper};
 use ::study::reproduce::thesis::{CaseResult, Fits, thesis};
 use ::study::reproduce::{Basis, Printed, Row, report, significant};
@@ -31,6 +32,8 @@ pub struct Args {
     /// Write a page with the figures, and the figures as SVG, into this folder; for the thesis also with fits of other causes
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
 }
 
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
@@ -50,7 +53,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         }
     };
     if let Some(folder) = &args.out {
-        write(folder, &page)?;
+        write(folder, &page, args.force)?;
     }
     if args.json {
         crate::say_json(&json)?;
@@ -61,12 +64,16 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
 }
 
 /// The page and its figures.
-fn write(folder: &Path, page: &report::Page) -> Result<(), Failure> {
+fn write(folder: &Path, page: &report::Page, force: Force) -> Result<(), Failure> {
     crate::make_folder(folder)?;
-    for (name, svg) in &page.figures {
-        crate::write(&folder.join(format!("{name}.svg")), svg)?;
+    let figures = page.figures.iter().map(|(name, svg)| (format!("{name}.svg"), svg));
+    let files: Vec<_> = figures.chain([(format!("{}.html", page.name), &page.html)]).collect();
+    for (name, text) in &files {
+        let own = title(text.as_bytes());
+        let is_own = |title: &str| own.as_deref() == Some(title);
+        force.check_titled(&folder.join(name), "an earlier result of reproduce", is_own)?;
     }
-    crate::write(&folder.join(format!("{}.html", page.name)), &page.html)
+    files.iter().try_for_each(|(name, text)| crate::write(&folder.join(name), text))
 }
 
 fn table(rows: &[Row], conclusion: &str) -> String {

@@ -1,8 +1,9 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
+use crate::existing::Force;
 use crate::outputs::{Shown, thin};
 use crate::parent::{self, complain};
-use cosim::{Archive, InputTable, Log, Options, Recording, Status};
+use cosim::{Archive, Causality, InputTable, Log, ModelDescription, Options, Recording, Status};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -52,6 +53,8 @@ pub struct Args {
     /// Draw the outputs as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Hold inputs constant over a step, also if the FMU accepts input derivatives
     #[arg(long)]
     held_inputs: bool,
@@ -86,6 +89,7 @@ impl Interface {
 /// Runs the command in this process.
 pub fn run(args: Args) -> Result<u8, Failure> {
     let archive = Archive::open(&args.file)?;
+    may_write(&args, archive.description())?;
     let sets = args.shown.sets(args.sets, archive.description())?;
     let input =
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
@@ -127,6 +131,26 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     };
     crate::say(&text);
     Ok(crate::code(recording.ended_early.is_none() && finite))
+}
+
+/// Refuses files that are no earlier results of this FMU.
+fn may_write(args: &Args, description: &ModelDescription) -> Result<(), Failure> {
+    let model = &description.model_name;
+    if let Some(path) = &args.output {
+        let is_column = |name: &str| {
+            let known = |name: &str| {
+                let variable = description.variable(name);
+                let recorded = args.records.iter().any(|record| record == name);
+                variable.is_some_and(|v| recorded || v.causality != Causality::Input)
+            };
+            known(name) || name.split_once('[').is_some_and(|(array, _)| known(array))
+        };
+        args.force.check_table(path, &format!("a table of outputs of {model}"), is_column)?;
+    }
+    match &args.plot {
+        Some(path) => args.force.check_titled(path, &format!("a figure of {model}"), |title| title == model),
+        None => Ok(()),
+    }
 }
 
 /// Whether no output is NaN; the first that is goes to stderr.

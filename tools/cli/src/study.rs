@@ -2,6 +2,7 @@
 
 mod walk;
 
+use crate::existing::{Force, header};
 use crate::{Failure, write};
 use ::study::StudyError;
 use ::study::reproduce::significant;
@@ -77,6 +78,8 @@ pub struct SteadyArgs {
     /// With --load: plot the winding temperature over the walk, as SVG
     #[arg(long, value_name = "F.svg", requires = "load")]
     pub plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub force: Force,
     /// Print everything as JSON
     #[arg(long)]
     pub json: bool,
@@ -173,6 +176,8 @@ pub struct SweepArgs {
     /// Plot the objective over the first variable, a line for each value of the second, as SVG
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Print everything as JSON
     #[arg(long)]
     json: bool,
@@ -180,6 +185,7 @@ pub struct SweepArgs {
 
 pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let vary = args.vary.iter().map(|text| Vary::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    may_write(args, &vary)?;
     let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
     let bar = crate::progress_bar(points as u64, "sweeping {wide_bar} {pos}/{len}, {eta} left");
     let done = |n: usize| bar.set_position(n as u64);
@@ -215,6 +221,22 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         crate::say(&summary(&found, &vary));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses files that are no earlier results of a sweep over the same variables.
+fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
+    let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
+    let names = varied.join(", ");
+    if let Some(path) = &args.output {
+        args.force.check(path, &format!("a table of a sweep over {names}"), |path| {
+            let columns = header(path);
+            columns.len() > varied.len() && columns.iter().zip(&varied).all(|(column, name)| column == name)
+        })?;
+    }
+    match &args.plot {
+        Some(path) => args.force.check_titled(path, "a figure of a sweep", |title| title.contains(" over ")),
+        None => Ok(()),
+    }
 }
 
 fn summary(found: &Sweep, vary: &[Vary]) -> String {

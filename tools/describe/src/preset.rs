@@ -11,8 +11,10 @@
 //! "drive_mode" = "current"
 //! ```
 
+mod nearest;
 mod values;
 
+pub use nearest::nearest;
 use physics::declare::Causality;
 use physics::model::{Declaration, ModelType};
 use physics::models::series_elastic_actuator::MOTOR_DATA;
@@ -155,12 +157,6 @@ pub fn motor_data(declaration: &Declaration, value: impl Fn(&str) -> Option<f64>
         "SeriesElasticActuator" => StartValues(derived.collect()),
         _ => StartValues::default(),
     }
-}
-
-/// The question for the most similar of the known names; empty if there is none.
-pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let nearest = known.min_by_key(|candidate| strsim::levenshtein(candidate, name));
-    nearest.map(|candidate| format!("; did you mean {candidate}?")).unwrap_or_default()
 }
 
 #[cfg(test)]

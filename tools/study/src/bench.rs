@@ -334,7 +334,10 @@ mod tests {
             (refusal(bench.set("motor.R_ref", -1.0)), &["motor.R_ref = -1 Ohm", "0.0001 ... 10000"]),
             (refusal(bench.set("current", 1.0)), &["computed by the model"]),
             (refusal(bench.set_text("drive_mode", "steam")), &["drive_mode = steam", "voltage", "power"]),
-            (refusal(bench.set_text("motor.R_ref", "much")), &["motor.R_ref", "number in Ohm: much"]),
+            (
+                refusal(bench.set_text("motor.R_ref", "much")),
+                &["motor.R_ref = much", "number in Ohm", "0.0001 ... 10000"],
+            ),
             (refusal(bench.step(1.0)), &["not been started"]),
             (
                 Bench::new("Motor", None).err().unwrap().to_string(),

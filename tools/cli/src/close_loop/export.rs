@@ -11,6 +11,9 @@ use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
 
+/// The beginning of a calibrated preset.
+pub const HEADER: &str = "# Calibrated by motor-fmu close-loop:";
+
 pub struct Exported {
     pub kind: &'static ModelType,
     /// The FMU library that the archives are made with.
@@ -85,7 +88,7 @@ fn preset_text(experiment: &Experiment, outcome: &Outcome, declaration: &Declara
     let quoted = |text: &str| serde_json::Value::from(text).to_string();
     let name = &outcome.name;
     let mut text = format!(
-        "# Calibrated by motor-fmu close-loop: the preset {} and the experiment {name}, as in {}.\n\
+        "{HEADER} the preset {} and the experiment {name}, as in {}.\n\
          name = {}\nmodel = {}\ndescription = {}\n\n[start]\n",
         experiment.preset.replace('\n', " "),
         outcome.export.file.replace('\n', " "),

@@ -41,7 +41,12 @@ pub fn page(
         (exported(outcome, replay))
         @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (note) } } } }
     };
-    page_of(&format!("{}: calibration report", outcome.name), body)
+    page_of(&title(&outcome.name), body)
+}
+
+/// Its title.
+pub fn title(experiment: &str) -> String {
+    format!("{experiment}: calibration report")
 }
 
 /// The page on data of which nothing can be said.
@@ -51,7 +56,7 @@ pub fn unusable(experiment: &Experiment, why: &Unusable) -> String {
         p { "Channel: " code { (why.channel) } ". Suggestion: " (why.suggestion) ". Nothing was fitted and no effect was looked for." }
         @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (note) } } } }
     };
-    page_of(&format!("{}: calibration report", experiment.name), body)
+    page_of(&title(&experiment.name), body)
 }
 
 pub fn capital(text: &str) -> String {

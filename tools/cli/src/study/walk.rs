@@ -9,8 +9,14 @@ use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Title of the figure.
+const TITLE: &str = "Winding temperature";
+
 pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     let load = args.start.load(file)?;
+    if let Some(path) = &args.plot {
+        args.force.check_titled(path, "a figure of steady --load", |title| title.starts_with(TITLE))?;
+    }
     let walked = walk(&load, args.load.hours)?;
     let continuous = continuous_support(&load);
     if let Some(path) = &args.plot {
@@ -102,7 +108,7 @@ fn figure(walked: &Walked, source: &str) -> Figure {
         walked.envelope.points.iter().map(|p| (p.time / 60.0, p.winding_temperature - 273.15)).collect();
     let limit = walked.limit - 273.15;
     Figure::new(
-        &format!("Winding temperature. {source}"),
+        &format!("{TITLE}. {source}"),
         Axis::new("time in min"),
         Axis::new("peak winding temperature in °C"),
     )

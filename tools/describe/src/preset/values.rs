@@ -184,15 +184,25 @@ pub fn from_text(entry: &Entry, text: &str, display: bool) -> Result<f64, String
         (Kind::Real | Kind::Integer, text) => {
             let (number, unit) = match text.parse::<f64>() {
                 Ok(number) => (number, ""),
-                Err(_) => units::split(text).ok_or_else(|| {
-                    format!("the value of {name} is not a number in {}: {text}", entry.row.unit.name())
-                })?,
+                Err(_) => {
+                    units::split(text).ok_or_else(|| not_a_number(entry, &format!("{name} = {text}")))?
+                }
             };
             let shown = entry.row.unit.display().filter(|_| display).map_or("", |d| d.name);
             in_si(entry, number, if unit.is_empty() { shown } else { unit })?
         }
     };
     checked(entry, value)
+}
+
+/// The sentence about a value that is no number.
+fn not_a_number(entry: &Entry, subject: &str) -> String {
+    let unit = match entry.row.unit.name() {
+        "1" => String::new(),
+        unit => format!(" in {unit}"),
+    };
+    let (low, high) = (entry.row.min, entry.row.max);
+    format!("{subject} is not a number{unit}; it must lie in {low} ... {high}")
 }
 
 /// A number of a unit in SI units; an empty unit is that of the variable.
@@ -243,7 +253,6 @@ fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
         (DeValue::String(text), _) if unit.is_empty() => return from_text(entry, text, false),
         _ => None,
     };
-    let plain =
-        plain.ok_or_else(|| format!("the value of {name} is not a number in {}", entry.row.unit.name()))?;
+    let plain = plain.ok_or_else(|| not_a_number(entry, &format!("the value of {name}")))?;
     checked(entry, in_si(entry, plain, unit)?)
 }
