@@ -117,3 +117,32 @@ def _envelope(values, stride: int):
     """Lowest and highest value in each whole stride."""
     whole = values[: values.size // stride * stride].reshape(-1, stride)
     return whole.min(axis=1), whole.max(axis=1)
+
+
+def operating_ranges(motors: dict, path):
+    """Operating ranges as catalogues draw them, a panel for each motor: speed-torque line, continuous torque, printed nominal point."""
+    with plt.rc_context(STYLE):
+        columns = 3
+        rows = -(-len(motors) // columns)
+        canvas, grid = plt.subplots(rows, columns, figsize=(9.0, 2.9 * rows), layout="constrained", squeeze=False)
+        for panel in grid.flat[len(motors) :]:
+            panel.set_visible(False)
+        for panel, (name, m) in zip(grid.flat, motors.items()):
+            torque, speed = ([p[key] for p in m["points"]] for key in ("torque_mNm", "speed_rpm"))
+            widest = 1.25 * max(*torque, m["printed_mNm"], m["with_cold_magnets_mNm"])
+            panel.fill_betweenx(speed, torque, color=BLUE, alpha=0.15, lw=0)
+            panel.plot(torque, speed, color=BLUE, label="continuous, model with warm magnets")
+            cold, cold_speed = ([p[key] for p in m["cold_points"]] for key in ("torque_mNm", "speed_rpm"))
+            panel.plot(cold, cold_speed, color=BLUE, ls="--", lw=1.2, label="magnets at 25 °C")
+            # The line leaves the panel before the stall torque.
+            at = min(widest, m["stall_torque_mNm"])
+            slope = m["no_load_speed_rpm"] / m["stall_torque_mNm"]
+            panel.plot([0, at], [m["no_load_speed_rpm"], m["no_load_speed_rpm"] - slope * at], color=GREY, label="speed-torque line at nominal voltage")
+            low, high = 0.9 * m["printed_mNm"], 1.1 * m["printed_mNm"]
+            panel.plot([low, high], [m["nominal_speed_rpm"]] * 2, color=RED, lw=1.0)
+            panel.plot([m["printed_mNm"]], [m["nominal_speed_rpm"]], "o", color=RED, ms=5, label="printed nominal point, ±10 %")
+            panel.set(title=name, xlabel="torque in mN·m", ylabel="speed in rpm", xlim=(0, widest), ylim=(0, None))
+        handles, labels = grid.flat[0].get_legend_handles_labels()
+        canvas.legend(handles, labels, loc="outside lower center", ncols=4)
+        canvas.savefig(path, metadata={"Date": None})
+        plt.close(canvas)

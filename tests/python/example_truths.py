@@ -78,6 +78,12 @@ def orders(found):
         assert torque == sorted(torque, reverse=True), f"{name}: the error does not fall with the step"
 
 
+def operating_range(found):
+    """The continuous torque by the maker's rule is the printed one within 10 %, unless the page says why not."""
+    agree = [name for name, m in found.items() if abs(m["with_cold_magnets_mNm"] / m["printed_mNm"] - 1) <= 0.10]
+    assert len(agree) >= 3 and all(m["reason"] for name, m in found.items() if name not in agree)
+
+
 TRUTHS = {
     "01_first_step": (free_shaft,),
     "02_walking": (walking,),
@@ -85,4 +91,5 @@ TRUTHS = {
     "07_refit_against_repair": (repaired,),
     "09_plain_master": (tracking,),
     "12_coupling_error": (orders,),
+    "13_operating_range": (operating_range,),
 }

@@ -14,7 +14,8 @@ NO, CANNOT = 1, 2
 def one_sentence(done, code, *words):
     """One clear line, with these words, and the exit code."""
     assert done.returncode == code, f"exit code {done.returncode}: {done.stdout}{done.stderr}"
-    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    progress = re.compile(r" *\d+ s, +\d+ %: ")
+    lines = [line for line in done.stderr.splitlines() if line.strip() and not progress.match(line)]
     assert len(lines) == 1, done.stderr
     for word in words:
         assert word in lines[0], f"{word!r} is not in {lines[0]!r}"

@@ -20,6 +20,7 @@ ARGUMENTS = {
     "07_refit_against_repair": lambda folder: ("--out", str(folder)),
     "08_walking_study": lambda folder: ("--out", str(folder)),
     "12_coupling_error": lambda folder: ("--out", str(folder)),
+    "13_operating_range": lambda folder: ("--out", str(folder)),
 }
 FILES = {
     "02_walking": ("walking.json", "walking.svg", "walking.png"),
@@ -28,9 +29,17 @@ FILES = {
     "07_refit_against_repair": ("refit-against-repair.md", "refit-against-repair.svg"),
     "08_walking_study": ("walking-study.md", "walking-study.svg"),
     "12_coupling_error": ("coupling-error.svg",),
+    "13_operating_range": ("operating-range.md", "operating-range.svg"),
 }
 # Pages of the documentation that an example writes.
-PAGES = ("what-cooling-buys.md", "walking-study.md", "close-the-loop-bench.md", "refit-against-repair.md", "refit-against-repair.svg")
+PAGES = (
+    "what-cooling-buys.md",
+    "walking-study.md",
+    "close-the-loop-bench.md",
+    "refit-against-repair.md",
+    "refit-against-repair.svg",
+    "operating-range.md",
+)
 
 
 def test_every_example_has_its_expected_output():

@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use crate::existing::Force;
+use crate::progress::Progress;
 use archive::build::{Contents, Library, Standard, TermsFile, archive_path, build_all, library_path};
 use archive::platform;
 use clap::ValueEnum;
@@ -64,7 +65,11 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         let model = (kind.declaration)().name;
         args.force.check_fmu(&archive_path(&args.out, *standard, model), model)?;
     }
-    for kind in kinds {
+    let bar = Progress::new("building");
+    let count = kinds.len() as f64;
+    for (k, kind) in kinds.into_iter().enumerate() {
+        // The archives are made quickly and validated slowly.
+        bar.set(&format!("building {}", (kind.declaration)().name), 0.5 * k as f64 / count);
         // A preset belongs to its model; the actuator derives its control's motor data from its motor's. Not every model takes
         // terms. Where all are built, the others are built without; where one is named that they are not for, they are refused.
         let named = !args.models.is_empty();
@@ -85,6 +90,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
             crate::remark(usage::sentence(&usage::preset_values(preset), |_| from.clone()).as_slice());
         }
     }
+    bar.finish();
     let needs: Vec<String> = libraries.iter().map(Library::needs).collect();
     crate::say(&format!("libraries for {}\n", needs.join(", ")));
     crate::validate::report(&paths, false)

@@ -2,7 +2,6 @@
 
 mod export;
 mod page;
-mod progress;
 mod replay;
 mod text;
 
@@ -12,6 +11,7 @@ mod sample;
 mod tests;
 
 use crate::existing::{Force, head};
+use crate::progress::Progress;
 use crate::{Failure, write};
 use archive::build::{Standard, TermsFile, archive_path};
 use calibrate::close_loop::{self, Options};
@@ -90,8 +90,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     may_write(args, &experiment)?;
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
-    let bar = progress::Progress::new();
-    bar.set("checking the data", 0.0);
+    let bar = Progress::new("checking the data");
     match intake::check(&mut experiment, &preset.starts.entries()) {
         Ok(()) => {}
         Err(Refusal::Input(error)) => return Err(error.into()),

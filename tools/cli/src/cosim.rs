@@ -1,7 +1,8 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
+use crate::drawing;
 use crate::existing::Force;
-use crate::outputs::Shown;
+use crate::outputs::{self, Shown};
 use crate::parent;
 use crate::simulate::{is_a_number, remarks, setting, significant};
 use clap::ValueEnum;
@@ -48,8 +49,8 @@ pub struct Args {
     /// Write time and the outputs as CSV with 17 digits: time,<component>.<output>
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
-    /// Draw the outputs as SVG
-    #[arg(long, value_name = "F.svg")]
+    /// Draw the outputs with their limits as SVG, PNG or HTML: those of --outputs, else the main ones
+    #[arg(long, value_name = "F.svg|F.png|F.html")]
     plot: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
@@ -98,7 +99,12 @@ impl From<Scheme> for Algorithm {
 pub fn run(args: Args) -> Result<u8, Failure> {
     let system = System::open(&args.system)?;
     may_write(&args, &system)?;
+    let (main, limits) = match &args.plot {
+        Some(_) => outputs::of_system(&system),
+        None => Default::default(),
+    };
     let options = SystemOptions {
+        records: limits.iter().map(|l| l.variable.clone()).collect(),
         start: args.start,
         stop: args.stop,
         step: args.step,
@@ -111,13 +117,14 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         log: Log::new(),
     };
     let mut run = cosimulate(&system, &options, &mut parent::progress)?;
+    let limits = outputs::take_limits(&mut run.recording, &limits, &[]);
     let finite = is_a_number(&run.recording);
     args.shown.apply(&mut run.recording)?;
     if let Some(path) = &args.output {
         args.shown.named(&run.recording).write_csv(path)?;
     }
     if let Some(path) = &args.plot {
-        run.recording.plot_svg(path)?;
+        drawing::write(path, &args.shown.figure(&run.recording, &limits, &main)?)?;
     }
     crate::remark(&run.notes);
     let ended_by = run.ended_by.as_deref().unwrap_or_default();
@@ -143,10 +150,8 @@ fn may_write(args: &Args, system: &System) -> Result<(), Failure> {
         };
         args.force.check_table(path, &format!("a table of outputs of {name}"), is_column)?;
     }
-    match &args.plot {
-        Some(path) => args.force.check_titled(path, &format!("a figure of {name}"), |title| title == name),
-        None => Ok(()),
-    }
+    let is_title = |title: &str| title == name;
+    drawing::check(args.plot.as_deref(), args.force, &format!("a figure of {name}"), is_title)
 }
 
 pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {

@@ -113,6 +113,11 @@ pub fn header(path: &Path) -> Vec<String> {
 
 /// The title of a figure or a page of this program.
 pub fn title(bytes: &[u8]) -> Option<String> {
+    if bytes.starts_with(b"\x89PNG") {
+        let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().ok()?;
+        let title = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == "Title")?;
+        return title.get_text().ok();
+    }
     let text = String::from_utf8_lossy(bytes);
     let (begin, end) = match text.as_ref() {
         svg if svg.starts_with("<svg class=\"f\"") => ("aria-label=\"", "\""),

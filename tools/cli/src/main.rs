@@ -3,6 +3,7 @@
 mod build;
 mod close_loop;
 mod cosim;
+mod drawing;
 mod existing;
 mod info;
 mod manual;
@@ -11,6 +12,7 @@ mod parent;
 mod pattern;
 mod preset;
 mod presets;
+mod progress;
 mod reproduce;
 mod simulate;
 mod study;
@@ -20,8 +22,7 @@ mod validate;
 mod variables;
 
 use clap::{Parser, Subcommand};
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -115,18 +116,6 @@ pub fn unwritten(path: &Path, error: &std::io::Error) -> Failure {
 pub fn program() -> Result<PathBuf, Failure> {
     std::env::current_exe()
         .map_err(|e| Failure::new(format!("the path of this program cannot be determined: {e}")))
-}
-
-/// A progress bar of so many parts on a terminal, else no output.
-pub fn progress_bar(parts: u64, template: &str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(parts);
-    match ProgressStyle::with_template(template) {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }
 
 /// 0, or 1 where the command was carried out and a check failed, or a simulation ended before its stop time.

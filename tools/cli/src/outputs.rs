@@ -3,7 +3,66 @@
 use crate::Failure;
 use crate::pattern::Patterns;
 use clap::ValueEnum;
-use cosim::{DisplayUnit, ModelDescription, Recording};
+use cosim::{Column, DisplayUnit, Limit, ModelDescription, Recording, System};
+use describe::{models, plots};
+
+/// A limit that is recorded with the run: variable, output, label, whether it holds in both directions.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// Name of the recorded variable.
+    pub variable: String,
+    limit: plots::Limit,
+    output: String,
+}
+
+/// The main outputs of an FMU of ours, and the limits of its outputs; names after `prefix`.
+pub fn of_model(prefix: &str, description: &ModelDescription) -> Option<(Vec<String>, Vec<Recorded>)> {
+    let ours = models::ALL.iter().map(|kind| (kind.declaration)()).find(|d| d.token == description.token)?;
+    let main = plots::main_outputs(ours.name).iter().map(|name| format!("{prefix}{name}"));
+    let limits = plots::LIMITS
+        .iter()
+        .filter(|limit| ours.by_name(limit.variable).is_some() && ours.by_name(limit.output).is_some());
+    let recorded = |limit: &plots::Limit| Recorded {
+        variable: format!("{prefix}{}", limit.variable),
+        limit: *limit,
+        output: format!("{prefix}{}", limit.output),
+    };
+    Some((main.collect(), limits.map(recorded).collect()))
+}
+
+/// The same for all components of a system; no main outputs where an FMU is not ours.
+pub fn of_system(system: &System) -> (Vec<String>, Vec<Recorded>) {
+    let (mut main, mut limits, mut all_ours) = (Vec::new(), Vec::new(), true);
+    for (name, description) in system.descriptions() {
+        match of_model(&format!("{name}."), description) {
+            Some((outputs, recorded)) => {
+                main.extend(outputs);
+                limits.extend(recorded);
+            }
+            None => all_ours = false,
+        }
+    }
+    (if all_ours { main } else { Vec::new() }, limits)
+}
+
+/// Takes the recorded limits out of the recording, but for variables that the user records.
+pub fn take_limits(recording: &mut Recording, limits: &[Recorded], kept: &[String]) -> Vec<Limit> {
+    let mut found = Vec::new();
+    for Recorded { variable, limit, output } in limits {
+        let Some(column) = recording.column(variable).cloned() else { continue };
+        if !kept.contains(variable) {
+            recording.columns.retain(|c| c.name != *variable);
+        }
+        let mut opposite = column.clone();
+        opposite.values.iter_mut().for_each(|value| *value = -*value);
+        let line = |column, label: &str| Limit { of: output.clone(), label: label.to_owned(), column };
+        found.push(line(column, limit.label));
+        if limit.both_signs {
+            found.push(line(opposite, &format!("−{}", limit.label)));
+        }
+    }
+    found
+}
 
 /// Options of `simulate` and `cosim`.
 #[derive(Clone, Debug, clap::Args)]
@@ -37,17 +96,41 @@ impl Shown {
                 .map_err(|e| Failure::new(format!("--outputs: {e}")))?;
             recording.columns = chosen.into_iter().map(|k| recording.columns[k].clone()).collect();
         }
-        for column in &mut recording.columns {
-            match (self.units, column.display_unit.take()) {
-                (None, display) => column.display_unit = display,
-                (Some(Units::Datasheet), Some(display)) => {
-                    column.values.iter_mut().for_each(|value| *value = display.show(*value));
-                    column.unit = Some(display.name);
-                }
-                (Some(_), _) => {}
-            }
-        }
+        recording.columns.iter_mut().for_each(|column| self.convert(column));
         Ok(())
+    }
+
+    /// The column in the chosen unit.
+    fn convert(&self, column: &mut Column) {
+        match (self.units, column.display_unit.take()) {
+            (None, display) => column.display_unit = display,
+            (Some(Units::Datasheet), Some(display)) => {
+                column.values.iter_mut().for_each(|value| *value = display.show(*value));
+                column.unit = Some(display.name);
+            }
+            (Some(_), _) => {}
+        }
+    }
+
+    /// The figure of a recording: the chosen outputs, else the main ones where they are known, else all.
+    pub fn figure(
+        &self,
+        recording: &Recording,
+        limits: &[Limit],
+        main: &[String],
+    ) -> Result<String, Failure> {
+        let mut drawn = recording.clone();
+        if self.outputs.is_empty() && !main.is_empty() {
+            drawn.columns.retain(|column| main.contains(&column.name));
+        }
+        let limits: Vec<Limit> = limits.iter().cloned().map(|limit| self.converted(limit)).collect();
+        Ok(drawn.svg(&limits)?)
+    }
+
+    /// A limit in the units of the recording.
+    fn converted(&self, mut limit: Limit) -> Limit {
+        self.convert(&mut limit.column);
+        limit
     }
 
     /// The recording with the units in the names of its columns, for a CSV file in display units.
@@ -104,6 +187,9 @@ pub fn thin(recording: &mut Recording, every: usize) {
     recording.times = pick(&recording.times);
     for column in &mut recording.columns {
         column.values = pick(&column.values);
+        if !column.exact.is_empty() {
+            column.exact = kept.iter().map(|k| column.exact[*k]).collect();
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use crate::existing::{Force, title};
+use crate::progress::Progress;
 use ::study::reproduce::paper::{Compared, paper};
 use ::study::reproduce::thesis::{CaseResult, Fits, thesis};
 use ::study::reproduce::{Basis, Printed, Row, report, significant};
@@ -37,6 +38,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
+    let bar = Progress::new("recomputing the publication");
     let (json, rows, conclusion, page) = match args.which {
         Which::Thesis => {
             let fits = if args.out.is_some() { Fits::Alternatives } else { Fits::Rig };
@@ -52,6 +54,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
             (serde_json::to_value(&found)?, found.rows, conclusion, page)
         }
     };
+    bar.finish();
     if let Some(folder) = &args.out {
         write(folder, &page, args.force)?;
     }

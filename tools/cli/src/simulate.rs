@@ -1,7 +1,8 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
+use crate::drawing;
 use crate::existing::Force;
-use crate::outputs::{Shown, thin};
+use crate::outputs::{self, Shown, thin};
 use crate::parent::{self, complain};
 use cosim::{Archive, Causality, InputTable, Log, ModelDescription, Options, Recording, Status};
 use serde_json::{Map, Value, json};
@@ -50,8 +51,8 @@ pub struct Args {
     /// Write time and the outputs as CSV with 17 digits
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
-    /// Draw the outputs as SVG
-    #[arg(long, value_name = "F.svg")]
+    /// Draw the outputs with their limits as SVG, PNG or HTML: those of --outputs, else the main ones
+    #[arg(long, value_name = "F.svg|F.png|F.html")]
     plot: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
@@ -96,6 +97,9 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     crate::remark(input.iter().flat_map(InputTable::notes).cloned().collect::<Vec<_>>().as_slice());
     let columns = input.iter().flat_map(|table| table.names());
     let unused = crate::unused::note(&archive, &sets, columns);
+    let ours = outputs::of_model("", archive.description());
+    let (main, limits) = ours.filter(|_| args.plot.is_some()).unwrap_or_default();
+    let further = limits.iter().map(|l| l.variable.clone()).filter(|name| !args.records.contains(name));
     let options = Options {
         start: args.start,
         stop: args.stop,
@@ -103,7 +107,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         sets,
         interface: args.interface.kind(),
         tolerance: args.tolerance,
-        records: args.records,
+        records: args.records.iter().cloned().chain(further).collect(),
         input,
         input_slopes: !args.held_inputs,
         log: Log::new(),
@@ -111,13 +115,14 @@ pub fn run(args: Args) -> Result<u8, Failure> {
     let mut recording = cosim::simulate(&archive, &options, &mut parent::progress)?;
     let finite = is_a_number(&recording);
     thin(&mut recording, args.every as usize);
+    let limits = outputs::take_limits(&mut recording, &limits, &args.records);
     args.shown.apply(&mut recording)?;
 
     if let Some(path) = &args.output {
         args.shown.named(&recording).write_csv(path)?;
     }
     if let Some(path) = &args.plot {
-        recording.plot_svg(path)?;
+        drawing::write(path, &args.shown.figure(&recording, &limits, &main)?)?;
     }
     let name = &recording.model_name;
     remarks(&recording, &format!("{name}: "), name, &format!("{name}: the FMU"));
@@ -147,10 +152,8 @@ fn may_write(args: &Args, description: &ModelDescription) -> Result<(), Failure>
         };
         args.force.check_table(path, &format!("a table of outputs of {model}"), is_column)?;
     }
-    match &args.plot {
-        Some(path) => args.force.check_titled(path, &format!("a figure of {model}"), |title| title == model),
-        None => Ok(()),
-    }
+    let is_title = |title: &str| title == model;
+    drawing::check(args.plot.as_deref(), args.force, &format!("a figure of {model}"), is_title)
 }
 
 /// Whether no output is NaN; the first that is goes to stderr.

@@ -2,7 +2,9 @@
 
 mod walk;
 
+use crate::drawing;
 use crate::existing::{Force, header};
+use crate::progress::Progress;
 use crate::{Failure, write};
 use ::study::StudyError;
 use ::study::reproduce::significant;
@@ -75,8 +77,8 @@ pub struct SteadyArgs {
     pub start: Start,
     #[command(flatten)]
     pub load: LoadArgs,
-    /// With --load: plot the winding temperature over the walk, as SVG
-    #[arg(long, value_name = "F.svg", requires = "load")]
+    /// With --load: plot the winding temperature over the walk, as SVG, PNG or HTML
+    #[arg(long, value_name = "F.svg|F.png|F.html", requires = "load")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub force: Force,
@@ -173,8 +175,8 @@ pub struct SweepArgs {
     /// Write all points as CSV with 17 digits
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
-    /// Plot the objective over the first variable, a line for each value of the second, as SVG
-    #[arg(long, value_name = "F.svg")]
+    /// Plot the objective over the first variable, a line for each value of the second, as SVG, PNG or HTML
+    #[arg(long, value_name = "F.svg|F.png|F.html")]
     plot: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
@@ -187,8 +189,8 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
     let vary = args.vary.iter().map(|text| Vary::parse(text)).collect::<Result<Vec<_>, _>>()?;
     may_write(args, &vary)?;
     let points: usize = vary.iter().map(|v| v.values.len()).fold(1, usize::saturating_mul);
-    let bar = crate::progress_bar(points as u64, "sweeping {wide_bar} {pos}/{len}, {eta} left");
-    let done = |n: usize| bar.set_position(n as u64);
+    let bar = Progress::new(&format!("{points} points"));
+    let done = |n: usize| bar.at(n as f64 / points as f64);
     let (case, notes): (Box<dyn Case>, Vec<String>) = match &args.load.load {
         Some(file) => {
             (Box::new(Walking { load: args.start.load(file)?, hours: args.load.hours }), Vec::new())
@@ -204,14 +206,14 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         args.constraints.iter().map(|text| Constraint::parse(text)).collect::<Result<_, _>>()?;
     let goal = Goal { objectives: args.objectives.clone(), constraints };
     let found = sweep(case.as_ref(), &vary, &goal, done);
-    bar.finish_and_clear();
+    bar.finish();
     let found = found?;
     crate::remark(&notes);
     if let Some(path) = &args.output {
         write(path, &found.csv())?;
     }
     if let Some(path) = &args.plot {
-        write(path, &found.figure()?.svg())?;
+        drawing::write(path, &found.figure()?.svg())?;
     }
     if args.json {
         let mut result = serde_json::to_value(&found)?;
@@ -233,10 +235,8 @@ fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
             columns.len() > varied.len() && columns.iter().zip(&varied).all(|(column, name)| column == name)
         })?;
     }
-    match &args.plot {
-        Some(path) => args.force.check_titled(path, "a figure of a sweep", |title| title.contains(" over ")),
-        None => Ok(()),
-    }
+    let is_title = |title: &str| title.contains(" over ");
+    drawing::check(args.plot.as_deref(), args.force, "a figure of a sweep", is_title)
 }
 
 fn summary(found: &Sweep, vary: &[Vary]) -> String {

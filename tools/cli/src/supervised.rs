@@ -1,5 +1,6 @@
 //! `simulate` and `cosim` in a child process: a crash, an end of the process or a call that does not return becomes one sentence.
 use crate::parent::{self, Event};
+use crate::progress::Progress;
 use crate::{Cli, Command, Failure, simulate};
 use clap::Parser;
 use cosim::child::{Call, Ending, Work, supervise};
@@ -25,17 +26,17 @@ pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
         patience: Duration::from_secs_f64(patience),
         shows_errors: true,
     };
-    let bar = crate::progress_bar(100, "simulating {wide_bar} {percent:>3} %, {eta} left");
+    let bar = Progress::new("simulating");
     let (mut said, mut complaints, mut code, mut failure) = (String::new(), String::new(), 2, None);
     let ending = supervise(&work, &mut |text| match serde_json::from_str(text) {
         Ok(Event::Say(text)) => said += &text,
         Ok(Event::Complain(text)) => complaints += &text,
-        Ok(Event::Progress(share)) => bar.set_position((share * 100.0) as u64),
+        Ok(Event::Progress(share)) => bar.at(share),
         Ok(Event::Code(end)) => code = end,
         Ok(Event::Failed(sentence)) => failure = Some(sentence),
         Err(_) => {}
     });
-    bar.finish_and_clear();
+    bar.finish();
     let ending = ending.map_err(|e| Failure::new(format!("a process for the FMU cannot be started: {e}")))?;
     let place = |call: &Call| match call.file.as_str() {
         "" => file.display().to_string(),

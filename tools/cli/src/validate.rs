@@ -1,6 +1,7 @@
 //! `motor-fmu validate`: checks of any FMU.
 
 use crate::Failure;
+use crate::progress::Progress;
 use archive::validate::{Finding, PATIENCE, Severity, dynamic, validate_within};
 use serde_json::json;
 use std::path::PathBuf;
@@ -43,9 +44,12 @@ pub fn report(files: &[PathBuf], as_json: bool) -> Result<ExitCode, Failure> {
 fn report_within(files: &[PathBuf], as_json: bool, patience: f64) -> Result<ExitCode, Failure> {
     let program = crate::program()?;
     let mut reports = Vec::new();
-    for file in files {
+    let bar = Progress::new("validating");
+    for (k, file) in files.iter().enumerate() {
+        bar.set(&format!("validating {}", file.display()), k as f64 / files.len() as f64);
         reports.push((file, validate_within(file, &program, Duration::from_secs_f64(patience))?));
     }
+    bar.finish();
     if as_json {
         let list: Vec<_> = reports
             .iter()

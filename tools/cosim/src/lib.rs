@@ -56,6 +56,7 @@ pub use error::{Error, number};
 pub use input::InputTable;
 pub use instance::{Instance, State, Step};
 pub use log::{Log, LogMessage, Status};
+pub use plot::Limit;
 pub use raw::Experiment;
 pub use recording::{Column, Recording};
 pub use simulate::{Options, simulate};

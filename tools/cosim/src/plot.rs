@@ -4,44 +4,71 @@ use crate::{Column, Error, Kind, Recording};
 use present::figure::{Axis, Figure};
 use std::path::Path;
 
+/// Panels that a figure may have; further outputs are named below it.
+const MOST_PANELS: usize = 8;
+/// Lines that a panel may have.
+const MOST_LINES: usize = 8;
+
+/// A limit of a recorded output: a line across its panel, or a curve where the limit changes over time.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    /// Name of the output's column.
+    pub of: String,
+    /// What limits.
+    pub label: String,
+    /// The limit at the times of the recording, in its unit and display unit.
+    pub column: Column,
+}
+
 impl Recording {
-    /// Draws the outputs over time as SVG: one panel for each unit, kelvin as degC if the FMU declares this display unit.
+    /// The outputs over time as SVG: one panel for each unit, in display units where the FMU declares them, with the limits of the outputs
+    /// that are drawn.
     ///
     /// # Errors
-    /// [`Error::Io`], also for a run without numeric outputs.
-    pub fn plot_svg(&self, path: &Path) -> Result<(), Error> {
-        let svg = svg(self).map_err(|reason| Error::io("draw", path)(std::io::Error::other(reason)))?;
-        std::fs::write(path, svg).map_err(Error::io("write", path))
+    /// [`Error::Io`] for a run without numeric outputs.
+    pub fn svg(&self, limits: &[Limit]) -> Result<String, Error> {
+        svg(self, limits)
+            .map_err(|reason| Error::io("draw", Path::new(&self.model_name))(std::io::Error::other(reason)))
     }
 }
 
 /// The SVG text; the error is a plain reason.
-fn svg(recording: &Recording) -> Result<String, String> {
-    if recording.columns.is_empty() {
-        return Err("there are no numeric outputs".to_owned());
+fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
+    let (drawable, empty): (Vec<&Column>, Vec<&Column>) =
+        recording.columns.iter().partition(|c| c.values.iter().any(|v| v.is_finite()));
+    if drawable.is_empty() {
+        let reason =
+            if empty.is_empty() { "there are no numeric outputs" } else { "no output has a finite value" };
+        return Err(reason.to_owned());
     }
     // Constant outputs are listed and not drawn. If all outputs are constant, all are drawn.
     let is_constant = |c: &&Column| c.values.iter().all(|v| *v == c.values[0] || v.is_nan());
-    let (mut constant, mut drawn): (Vec<&Column>, Vec<&Column>) =
-        recording.columns.iter().partition(is_constant);
+    let (mut constant, mut drawn): (Vec<&Column>, Vec<&Column>) = drawable.into_iter().partition(is_constant);
     if drawn.is_empty() {
         drawn = std::mem::take(&mut constant);
     }
     let mut panels: Vec<(String, Vec<&Column>)> = Vec::new();
+    let mut left_out: Vec<&str> = Vec::new();
     for column in drawn {
-        let axis = axis_title(column);
-        match panels.iter_mut().find(|(known, _)| *known == axis) {
-            Some((_, columns)) => columns.push(column),
-            None => panels.push((axis, vec![column])),
+        let unit = unit(column);
+        let room = panels.len() < MOST_PANELS;
+        match panels.iter_mut().find(|(known, _)| *known == unit) {
+            Some((_, columns)) if columns.len() < MOST_LINES => columns.push(column),
+            None if room => panels.push((unit, vec![column])),
+            _ => left_out.push(&column.name),
         }
     }
+    let mut far: Vec<String> = Vec::new();
     let mut figure = Figure::stacked(&recording.model_name, Axis::new("time in s"));
-    for (title, columns) in panels {
+    for (_, columns) in panels {
         let flags = columns.iter().all(|c| c.kind == Kind::Boolean);
-        let axis = Axis::new(&title);
+        let axis = Axis::new(&axis_title(&columns));
         figure = figure.panel(if flags { axis.from_to(-0.1, 1.1) } else { axis });
-        for column in columns {
+        for column in &columns {
             figure = figure.line(&column.name, line(&recording.times, column));
+        }
+        for limit in limits.iter().filter(|limit| columns.iter().any(|c| c.name == limit.of)) {
+            figure = limited(figure, &recording.times, limit, &columns, &mut far);
         }
     }
     let value = |c: &&Column| {
@@ -49,12 +76,47 @@ fn svg(recording: &Recording) -> Result<String, String> {
             format!("{} = {} {}", c.name, present::number(v), readable(unit)).trim_end().to_owned()
         })
     };
-    let values: Vec<String> = constant.iter().filter_map(value).collect();
-    if !values.is_empty() {
-        figure = figure.remark(&format!("Constant: {}.", values.join(", ")));
-    }
-    Ok(figure.svg())
+    let list = |heading: &str, names: &[String]| {
+        if names.is_empty() { String::new() } else { format!("{heading}: {}. ", names.join(", ")) }
+    };
+    let names = |columns: &[&str]| columns.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let empty: Vec<&str> = empty.iter().map(|c| c.name.as_str()).collect();
+    let remark = list("Limits outside the panels", &far)
+        + &list("Constant", &constant.iter().filter_map(value).collect::<Vec<_>>())
+        + &list("Not drawn: chosen by name, these have room", &names(&left_out))
+        + &list("Without a finite value", &names(&empty));
+    Ok(figure.remark(remark.trim_end()).svg())
 }
+
+/// The limit where it is near the outputs: one far from all values would flatten their lines, so it is named instead.
+fn limited(
+    figure: Figure,
+    times: &[f64],
+    limit: &Limit,
+    columns: &[&Column],
+    far: &mut Vec<String>,
+) -> Figure {
+    let show = |c: &Column, y: f64| c.display_unit.as_ref().map_or(y, |d| d.show(y));
+    let numbers =
+        |c: &Column| c.values.iter().filter(|v| v.is_finite()).map(|v| show(c, *v)).collect::<Vec<_>>();
+    let values: Vec<f64> = columns.iter().flat_map(|c| numbers(c)).collect();
+    let bounds: Vec<f64> = numbers(&limit.column);
+    let Some(first) = bounds.first().copied() else { return figure };
+    let extent = |all: &[f64]| all.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    let ((low, high), (least, most)) = (extent(&values), extent(&bounds));
+    let (unit, label) = (unit(&limit.column), &limit.label);
+    if least > high + FAR * (high - low) || most < low - FAR * (high - low) {
+        far.push(format!("{label} {} {unit}", present::number(first)));
+        return figure;
+    }
+    match least == most {
+        true => figure.limit(first, &format!("{label} {} {unit}", present::number(first))),
+        false => figure.dashed(label, line(times, &limit.column)),
+    }
+}
+
+/// A limit so many times the extent of the values away from them is named, not drawn.
+const FAR: f64 = 4.0;
 
 /// A column in its display unit; discrete variables are drawn as steps.
 fn line(times: &[f64], column: &Column) -> Vec<(f64, f64)> {
@@ -73,17 +135,59 @@ fn line(times: &[f64], column: &Column) -> Vec<(f64, f64)> {
     steps
 }
 
-fn axis_title(column: &Column) -> String {
+/// The unit that a column is drawn in; empty for a number without unit.
+fn unit(column: &Column) -> String {
     let unit = match &column.display_unit {
         Some(display) => display.name.as_str(),
         None => column.unit.as_deref().unwrap_or(""),
     };
     match unit {
-        "" | "1" if column.kind == Kind::Boolean => "false 0, true 1".to_owned(),
-        "" | "1" => "1".to_owned(),
+        "" | "1" if column.kind == Kind::Boolean => BOOLEAN.to_owned(),
+        "" | "1" => String::new(),
         _ => readable(unit),
     }
 }
+
+/// The quantity of a panel with its unit: that of the unit, else the name of the only output.
+fn axis_title(columns: &[&Column]) -> String {
+    let unit = unit(columns[0]);
+    let only = match columns {
+        [column] => column.name.rsplit('.').next().unwrap_or_default().replace('_', " "),
+        _ => String::new(),
+    };
+    let quantity = QUANTITIES.iter().find(|(_, units)| units.contains(&unit.as_str())).map(|(name, _)| *name);
+    match (unit.as_str(), quantity) {
+        (BOOLEAN, _) => unit,
+        ("", _) => {
+            if only.is_empty() {
+                "value, without unit".to_owned()
+            } else {
+                only
+            }
+        }
+        (unit, Some(quantity)) => format!("{quantity} in {unit}"),
+        (unit, None) => format!("{only} in {unit}").trim_start().to_owned(),
+    }
+}
+
+/// The axis of flags.
+const BOOLEAN: &str = "false 0, true 1";
+
+/// Quantities by the units that no other quantity of machines has.
+const QUANTITIES: [(&str, &[&str]); 12] = [
+    ("temperature", &["°C", "degF"]),
+    ("current", &["A", "mA"]),
+    ("voltage", &["V", "mV"]),
+    ("resistance", &["Ω", "mΩ"]),
+    ("torque", &["N·m", "mN·m"]),
+    ("rotational speed", &["rpm", "rad/s", "deg/s"]),
+    ("angle", &["rad", "deg"]),
+    ("power", &["W", "kW"]),
+    ("energy", &["J", "kJ"]),
+    ("pressure", &["Pa", "bar"]),
+    ("flow rate", &["m³/s", "L/s", "L/min"]),
+    ("force", &["N", "kN"]),
+];
 
 /// A unit in its usual notation.
 fn readable(unit: &str) -> String {

@@ -38,7 +38,7 @@ pub use power_bonds::PowerBond;
 pub use run::{SystemOptions, SystemRun, cosimulate};
 pub(crate) use units::{Affine, conversion, unit_of};
 
-use crate::{Archive, Error};
+use crate::{Archive, Error, ModelDescription};
 use parts::Parts;
 use std::path::Path;
 use structure::{Place, Structure};
@@ -103,6 +103,11 @@ impl System {
     /// Names of the components, in the order of the file.
     pub fn components(&self) -> impl Iterator<Item = &str> {
         self.structure.components.iter().map(|c| c.name.as_str())
+    }
+
+    /// Names and model descriptions of the components, in the order of the file.
+    pub fn descriptions(&self) -> impl Iterator<Item = (&str, &ModelDescription)> {
+        self.components().zip(self.archives.iter().map(Archive::description))
     }
 
     /// Writes the system as an SSP archive: its structure, and the FMUs as they are. The same system gives the same

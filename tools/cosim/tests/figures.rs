@@ -1,25 +1,19 @@
 //! The figure of a run.
 use crate::common::*;
-use cosim::{Column, DisplayUnit, FmiVersion, Kind, Options, Recording};
+use cosim::{Column, DisplayUnit, FmiVersion, Kind, Limit, Options, Recording};
 
 #[test]
 fn a_run_becomes_an_svg_with_panels_by_unit() {
     let r = run(FmiVersion::V3, &Options { sets: sets(&[("u", "1")]), ..Options::default() }).unwrap();
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("out.svg");
-    r.plot_svg(&path).unwrap();
-    let text = std::fs::read_to_string(&path).unwrap();
+    let text = r.svg(&[]).unwrap();
     roxmltree::Document::parse(&text).unwrap();
     for expected in ["Lag", "°C", "time in s", "warm", "twice", "y[2]", "Constant: "] {
         assert!(text.contains(expected), "{expected}");
     }
-    assert!(r.plot_svg(&dir.path().join("no/out.svg")).unwrap_err().to_string().starts_with("cannot write "));
 }
 
 #[test]
 fn degenerate_recordings_are_drawn_or_refused() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("out.svg");
     let mut r = Recording {
         model_name: "a < b & c".to_owned(),
         times: vec![0.0],
@@ -29,7 +23,7 @@ fn degenerate_recordings_are_drawn_or_refused() {
         ended_early: None,
         messages: Vec::new(),
     };
-    assert!(r.plot_svg(&path).unwrap_err().to_string().ends_with("there are no numeric outputs"));
+    assert!(r.svg(&[]).unwrap_err().to_string().ends_with("there are no numeric outputs"));
     let column = |value: f64| Column {
         name: format!("v{value}"),
         kind: Kind::Float64,
@@ -38,11 +32,46 @@ fn degenerate_recordings_are_drawn_or_refused() {
         values: vec![value],
         exact: Vec::new(),
     };
-    for value in [0.0, f64::NAN, f64::INFINITY, 1e300, -1e-300] {
-        r.columns = vec![column(value)];
-        r.plot_svg(&path).unwrap();
-        roxmltree::Document::parse(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    for value in [0.0, 1e300, -1e-300] {
+        r.columns = vec![column(value), column(f64::NAN)];
+        let text = r.svg(&[]).unwrap();
+        roxmltree::Document::parse(&text).unwrap();
+        assert!(text.contains("Without a finite value: vNaN."), "{text}");
     }
+    r.columns = vec![column(f64::NAN), column(f64::INFINITY)];
+    assert!(r.svg(&[]).unwrap_err().to_string().ends_with("no output has a finite value"));
+}
+
+/// A limit near the values is a line, one that changes a curve, one far away is named below the panels.
+#[test]
+fn limits_are_drawn_near_the_values() {
+    let column = |name: &str, values: [f64; 3]| Column {
+        name: name.to_owned(),
+        kind: Kind::Float64,
+        unit: Some("V".to_owned()),
+        display_unit: None,
+        values: values.to_vec(),
+        exact: Vec::new(),
+    };
+    let r = Recording {
+        model_name: "M".to_owned(),
+        times: vec![0.0, 1.0, 2.0],
+        columns: vec![column("u", [0.0, 3.0, 10.0])],
+        steps: 2,
+        seconds_wall: 0.0,
+        ended_early: None,
+        messages: Vec::new(),
+    };
+    let text = |values: [f64; 3]| {
+        let of = "u".to_owned();
+        r.svg(&[Limit { of, label: "supply".to_owned(), column: column("s", values) }]).unwrap()
+    };
+    let (near, moving, far) = (text([24.0; 3]), text([24.0, 20.0, 18.0]), text([500.0; 3]));
+    assert!(
+        near.contains("class=\"z\"") && near.contains(">supply 24 V<") && near.contains(">voltage in V<")
+    );
+    assert!(!moving.contains("class=\"z\"") && moving.contains("stroke-dasharray"));
+    assert!(!far.contains("class=\"z\"") && far.contains("Limits outside the panels: supply 500 V."));
 }
 
 /// Panels hold what changes; constant outputs are listed with their value. A motor's worth of long lines stays a small file.
@@ -98,11 +127,8 @@ fn a_motor_sized_figure() {
         ended_early: None,
         messages: Vec::new(),
     };
-    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("motor.svg");
-    r.plot_svg(&path).unwrap();
-    let length = std::fs::metadata(&path).unwrap().len();
-    assert!(length < 1_000_000, "{length} bytes");
-    let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains("Constant: torque_constant = 0 N·m/A.") && !text.contains(">N·m/A<"));
-    assert!(text.contains(">N·m/kg<"), "the panel of an output that changes");
+    let text = r.svg(&[]).unwrap();
+    assert!(text.len() < 1_000_000, "{} bytes", text.len());
+    assert!(text.contains("Constant: torque_constant = 0 N·m/A.") && !text.contains("N·m/A<"));
+    assert!(text.contains(">temperature in °C<") && text.contains("torque_density"));
 }

@@ -10,6 +10,7 @@ pub mod fmi3;
 pub mod generated;
 pub mod lock;
 pub mod markdown;
+pub mod plots;
 pub mod preset;
 pub mod usage;
 pub mod xml;

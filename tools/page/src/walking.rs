@@ -31,7 +31,7 @@ pub fn load(choice: &Choice, gait: &Gait) -> Result<Load, StudyError> {
 /// Figure, sentences and values.
 pub fn answer(choice: &Choice, gait: &Gait) -> Result<Answer, StudyError> {
     let load = load(choice, gait)?;
-    let found = walk(&load, choice.minutes / 60.0)?;
+    let found = walk(&load, choice.minutes / 60.0, &|_| ())?;
     let limit = found.limit - ZERO_CELSIUS;
     let points = found.envelope.points.iter().map(|p| (p.time / 60.0, p.winding_temperature - ZERO_CELSIUS));
     let mut figure = Figure::new(
@@ -56,7 +56,7 @@ pub fn answer(choice: &Choice, gait: &Gait) -> Result<Answer, StudyError> {
             "There is no periodic steady state: thermal runaway after the end of the curve.".to_owned()
         }
     };
-    let continuous = match continuous_support(&load) {
+    let continuous = match continuous_support(&load, &|_| ()) {
         Ok(continuous) => {
             text += &format!(
                 " Continuous support: {} % of the biological torque, peak {} N·m, limited by {}.",

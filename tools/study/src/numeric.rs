@@ -22,8 +22,17 @@ pub fn try_root<E>(
     b: f64,
     tolerance: f64,
 ) -> Result<Option<f64>, E> {
-    let (mut a, mut b) = (a, b);
-    let (mut fa, mut fb) = (f(a)?, f(b)?);
+    let (fa, fb) = (f(a)?, f(b)?);
+    try_root_between(f, (a, fa), (b, fb), tolerance)
+}
+
+/// As [`try_root`], between two points with their values.
+pub fn try_root_between<E>(
+    mut f: impl FnMut(f64) -> Result<f64, E>,
+    (mut a, mut fa): (f64, f64),
+    (mut b, mut fb): (f64, f64),
+    tolerance: f64,
+) -> Result<Option<f64>, E> {
     if fa == 0.0 {
         return Ok(Some(a));
     }

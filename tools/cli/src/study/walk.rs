@@ -1,26 +1,38 @@
 //! `motor-fmu steady --load`: a motor under the periodic load of a gait.
 
 use super::{SteadyArgs, rounded};
-use crate::{Failure, write};
+use crate::progress::Progress;
+use crate::{Failure, drawing};
 use ::study::reproduce::significant;
 use ::study::walk::{Periodic, Walked, continuous_support, walk};
 use present::figure::{Axis, Figure};
 use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Title of the figure.
 const TITLE: &str = "Winding temperature";
 
 pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     let load = args.start.load(file)?;
+    let is_title = |title: &str| title.starts_with(TITLE);
+    drawing::check(args.plot.as_deref(), args.force, "a figure of steady --load", is_title)?;
+    let bar = Progress::new("periodic steady state, time to the limit, continuous torque");
+    let (way, search) = (AtomicU32::new(0), AtomicU32::new(0));
+    // Thousandths of each half.
+    let done = |part: &AtomicU32, fraction: f64| {
+        part.store((1000.0 * fraction) as u32, Relaxed);
+        bar.at(f64::from(way.load(Relaxed) + search.load(Relaxed)) / 2000.0);
+    };
+    let (walked, continuous) = rayon::join(
+        || walk(&load, args.load.hours, &|fraction| done(&way, fraction)),
+        || continuous_support(&load, &|fraction| done(&search, fraction)),
+    );
+    bar.finish();
+    let walked = walked?;
     if let Some(path) = &args.plot {
-        args.force.check_titled(path, "a figure of steady --load", |title| title.starts_with(TITLE))?;
-    }
-    let walked = walk(&load, args.load.hours)?;
-    let continuous = continuous_support(&load);
-    if let Some(path) = &args.plot {
-        write(path, &figure(&walked, &load.source()?).svg())?;
+        drawing::write(path, &figure(&walked, &load.source()?).svg())?;
     }
     let (source, derived) = (load.source()?, load.derived()?);
     if args.json {

@@ -2,6 +2,7 @@
 use super::connections::Connections;
 use super::master::Master;
 use super::parts::Parts;
+use super::settings::owner;
 use crate::simulate::Recorder;
 use crate::{Column, Error, Kind, Value, Variable};
 
@@ -19,12 +20,13 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    /// For `points` communication points, if that is known; `every` from the options.
+    /// For `points` communication points, if that is known, with further variables of the components in `records`.
     pub(crate) fn new(
         parts: Parts,
         connections: &Connections,
         points: Option<usize>,
         every: Option<usize>,
+        records: &[String],
     ) -> Result<Self, Error> {
         let chosen = every.unwrap_or_else(|| points.map_or(1, |n| round_up(n.div_ceil(ROWS))));
         // One more for the start, one for an end between rows.
@@ -34,7 +36,11 @@ impl Record {
             let description = parts.description(index);
             let sets: Vec<(&Variable, Value)> =
                 sets.iter().map(|(v, value)| (&description.variables[*v], value.clone())).collect();
-            recorders.push(Recorder::new(description, &sets, &[], rows)?);
+            let records: Vec<String> = (records.iter())
+                .filter_map(|name| owner(parts.structure, name).filter(|(component, _)| *component == index))
+                .map(|(_, variable)| variable.to_owned())
+                .collect();
+            recorders.push(Recorder::new(description, &sets, &records, rows)?);
         }
         Ok(Self {
             recorders,

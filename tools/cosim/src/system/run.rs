@@ -36,6 +36,8 @@ pub struct SystemOptions {
     /// Communication points between rows of the recording; by default the least of 1, 2, 5, 10, 20, ... that keeps the
     /// rows at 100,000.
     pub every: Option<usize>,
+    /// Further variables to record, `component.variable`.
+    pub records: Vec<String>,
     /// Log of the FMUs' messages.
     pub log: Log,
 }
@@ -110,7 +112,7 @@ pub fn cosimulate(
     };
     let mut master = Master::start(parts, &connections, &order, &plan)?;
     let points = options.tolerance.is_none().then_some(grid.steps);
-    let mut record = Record::new(parts, &connections, points, options.every)?;
+    let mut record = Record::new(parts, &connections, points, options.every, &options.records)?;
     record.point(&mut master, start, false)?;
     let outcome = match options.tolerance {
         None => {

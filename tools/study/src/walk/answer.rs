@@ -1,12 +1,12 @@
 //! Periodic steady state of a gait, the winding on the way there, and the greatest support that can be given
 //! continuously.
 
-use super::cycle::{envelope, steady};
+use super::cycle::{Done, envelope, steady};
 use super::envelope::Envelope;
 use super::load::Load;
 use super::periodic::Periodic;
 use crate::StudyError;
-use crate::numeric::try_root;
+use crate::numeric::try_root_between;
 use serde::Serialize;
 
 /// Width of the bracket about the support at which the search ends.
@@ -44,16 +44,18 @@ const OBJECTIVES: [Objective; 7] = {
         Objective { name, unit, least_is_best, of }
     }
     [
-        new("continuous_torque", "N.m", false, |l, _| Ok(continuous_support(l)?.at.joint_torque_peak)),
-        new("torque_density", "N.m/kg", false, |l, _| {
-            Ok(continuous_support(l)?.at.joint_torque_peak / l.mass()?)
+        new("continuous_torque", "N.m", false, |l, _| {
+            Ok(continuous_support(l, &|_| ())?.at.joint_torque_peak)
         }),
-        new("continuous_support", "1", false, |l, _| Ok(continuous_support(l)?.support)),
+        new("torque_density", "N.m/kg", false, |l, _| {
+            Ok(continuous_support(l, &|_| ())?.at.joint_torque_peak / l.mass()?)
+        }),
+        new("continuous_support", "1", false, |l, _| Ok(continuous_support(l, &|_| ())?.support)),
         new("winding_temperature", "K", true, |l, _| Ok(periodic(l)?.winding_temperature)),
         new("supply_power", "W", true, |l, _| Ok(periodic(l)?.power_supply)),
         new("torque_error", "N.m", true, |l, _| Ok(periodic(l)?.torque_error_rms)),
         new("time_to_limit", "s", false, |l, hours| {
-            Ok(walk(l, hours)?.envelope.time_to_limit.unwrap_or(hours * 3600.0))
+            Ok(walk(l, hours, &|_| ())?.envelope.time_to_limit.unwrap_or(hours * 3600.0))
         }),
     ]
 };
@@ -103,11 +105,14 @@ pub struct Walked {
     pub envelope: Envelope,
 }
 
-/// Walks for `hours`: the periodic steady state, and the winding on the way.
+/// Part of [`walk`] that the search for the steady state takes.
+const SEARCH: f64 = 0.4;
+
+/// Walks for `hours`: the periodic steady state, and the winding on the way; `done` takes the fraction that is done.
 ///
 /// # Errors
 /// A load that does not start, or equations that have no solution.
-pub fn walk(load: &Load, hours: f64) -> Result<Walked, StudyError> {
+pub fn walk(load: &Load, hours: f64, done: Done<'_>) -> Result<Walked, StudyError> {
     if !(hours > 0.0 && hours.is_finite()) {
         return Err(StudyError::new(format!(
             "--hours {hours}: the duration must be positive and finite, in h"
@@ -120,7 +125,8 @@ pub fn walk(load: &Load, hours: f64) -> Result<Walked, StudyError> {
         Err(StudyError::Unsettled(_)) => None,
         Err(other) => return Err(other),
     };
-    let envelope = envelope(&walker, hours * 3600.0, limit)?;
+    let envelope =
+        envelope(&walker, hours * 3600.0, limit, &|fraction| done(SEARCH + (1.0 - SEARCH) * fraction))?;
     Ok(Walked { stride_time: walker.stride_time(), limit, forever, at_limit: envelope.at_limit, envelope })
 }
 
@@ -169,17 +175,24 @@ pub struct Continuous {
     pub limited_by: Limit,
 }
 
-/// The greatest fraction of the biological torque that the actuator follows and the motor gives continuously.
+/// Fraction of the search that a trial leaves, about.
+const LEFT: f64 = 0.85;
+
+/// The greatest fraction of the biological torque that the actuator follows and the motor gives continuously; `done` takes the
+/// fraction of the search that is done.
 ///
 /// # Errors
 /// A winding that is too hot without any torque, or a load that does not start.
-pub fn continuous_support(load: &Load) -> Result<Continuous, StudyError> {
+pub fn continuous_support(load: &Load, done: Done<'_>) -> Result<Continuous, StudyError> {
     let limit = load.get("thermal.T_w_max")?;
     let most = load.support_most()?;
     let mut found: Option<(f64, Periodic)> = None;
     // The temperatures of the last steady state are near those of the next.
     let mut warm: Option<Vec<f64>> = None;
+    let mut left = 1.0;
     let mut excess = |support: f64| -> Result<f64, StudyError> {
+        done(1.0 - left);
+        left *= LEFT;
         let mut load = load.clone();
         load.set_support(support)?;
         let cold = load.walker()?;
@@ -210,14 +223,15 @@ pub fn continuous_support(load: &Load) -> Result<Continuous, StudyError> {
         )));
     }
     let (mut low, mut high) = (0.0, FIRST_SUPPORT.min(most));
-    let mut above = excess(high)?;
+    let (mut below, mut above) = (idle, excess(high)?);
     while above < 0.0 && high < most {
-        (low, high) = (high, (2.0 * high).min(most));
+        (low, below) = (high, above);
+        high = (2.0 * high).min(most);
         above = excess(high)?;
     }
     let at_maximum = above < 0.0;
     if !at_maximum {
-        try_root(&mut excess, low, high, SUPPORT_TOLERANCE)?;
+        try_root_between(&mut excess, (low, below), (high, above), SUPPORT_TOLERANCE)?;
     }
     let (support, at) = found.ok_or_else(|| StudyError::new("no support has a steady state".to_owned()))?;
     let limited_by = if at_maximum {
@@ -293,7 +307,7 @@ mod tests {
     #[test]
     fn the_envelope_is_the_walk() {
         let load = load(WALK, &[("gait.support", "0.85")]);
-        let found = walk(&load, 2.0).unwrap();
+        let found = walk(&load, 2.0, &|_| ()).unwrap();
         let mut walker = load.walker().unwrap();
         let mut exact = Vec::new();
         while exact.last().is_none_or(|t| *t < found.limit) {
@@ -318,7 +332,7 @@ mod tests {
 
     #[test]
     fn cooling_buys_support() {
-        let support = |sets: &[(&str, &str)]| continuous_support(&load(WALK, sets)).unwrap();
+        let support = |sets: &[(&str, &str)]| continuous_support(&load(WALK, sets), &|_| ()).unwrap();
         let still = support(&[]);
         assert!((still.at.winding_temperature - 428.15).abs() < 0.5, "{still:?}");
         assert_eq!(still.limited_by, Limit::WindingTemperature);
@@ -330,7 +344,7 @@ mod tests {
     /// Supports whose transient passes a limit of validity have no steady state; the search goes on below them.
     #[test]
     fn a_support_beyond_the_limits_of_validity_is_too_much() {
-        let support = |sets: &[(&str, &str)]| continuous_support(&load(WALK, sets)).unwrap().support;
+        let support = |sets: &[(&str, &str)]| continuous_support(&load(WALK, sets), &|_| ()).unwrap().support;
         let near = support(&[("validity.winding_temperature", "429")]);
         let far = support(&[]);
         assert!((near - far).abs() < 5e-3 * far, "{near} {far}");
@@ -340,7 +354,8 @@ mod tests {
     #[test]
     fn the_limit_is_named() {
         let found =
-            continuous_support(&load(WALK, &[("fan_command", "1"), ("control.current_max", "8")])).unwrap();
+            continuous_support(&load(WALK, &[("fan_command", "1"), ("control.current_max", "8")]), &|_| ())
+                .unwrap();
         assert_eq!(found.limited_by, Limit::TorqueError, "{found:?}");
         assert!(found.at.winding_temperature < 420.0);
     }
@@ -434,6 +449,6 @@ mod tests {
             let error = parse(text);
             assert!(words.iter().all(|w| error.contains(w)) && !error.contains('\n'), "{error}");
         }
-        assert!(walk(&load(WALK, &[]), f64::NAN).is_err());
+        assert!(walk(&load(WALK, &[]), f64::NAN, &|_| ()).is_err());
     }
 }

@@ -122,24 +122,51 @@ fn comes_back(walker: &Walker, f: &DVector<f64>, s: DMatrix<f64>) -> Result<bool
 ///
 /// # Errors
 /// Equations that have no solution.
-pub fn envelope(walker: &Walker, duration: f64, limit: f64) -> Result<Envelope, StudyError> {
+pub fn envelope(walker: &Walker, duration: f64, limit: f64, done: Done<'_>) -> Result<Envelope, StudyError> {
     let mut walker = walker.clone();
-    walker.own_envelope(duration, limit).unwrap_or_else(|| follow(&mut walker, duration, limit))
+    walker
+        .own_envelope(duration, limit, done)
+        .unwrap_or_else(|| follow(&mut walker, duration, limit, &mut Pace::default(), done))
+}
+
+/// Takes the fraction that is done.
+pub type Done<'a> = &'a (dyn Fn(f64) + Sync);
+
+/// What is known of a walker that is followed again and again.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    /// The longest jump that was taken.
+    jump: u64,
+    /// Strides until motion and current repeat.
+    settling: u32,
+}
+
+impl Default for Pace {
+    fn default() -> Pace {
+        Pace { jump: 1, settling: SETTLING }
+    }
 }
 
 /// The same from the present temperatures on; the walker is then at the end.
 ///
 /// # Errors
 /// Equations that have no solution.
-pub(super) fn follow(now: &mut Walker, duration: f64, limit: f64) -> Result<Envelope, StudyError> {
+pub(super) fn follow(
+    now: &mut Walker,
+    duration: f64,
+    limit: f64,
+    pace: &mut Pace,
+    done: Done<'_>,
+) -> Result<Envelope, StudyError> {
     let time = now.stride_time();
     let mut found = Envelope::default();
     found.mean.winding_temperature = f64::NEG_INFINITY;
     let mut strides = 0u64;
     let last = ((duration / time - 1e-9).ceil() as u64).max(1);
     let count = last as f64;
-    let mut jump = 1u64;
+    let (mut jump, mut longest) = (pace.jump, 1);
     while strides < last {
+        done(strides as f64 / count);
         // A stride walked: a point of the envelope, and what the temperatures gain.
         let (Change { gain, stride }, s) = change_with_slopes(now)?;
         found.mean.add(&stride, 1.0 / count);
@@ -160,7 +187,7 @@ pub(super) fn follow(now: &mut Walker, duration: f64, limit: f64) -> Result<Enve
             });
             return Ok(found);
         }
-        if found.strides_walked <= SETTLING || strides >= last {
+        if found.strides_walked <= pace.settling || strides >= last {
             continue;
         }
         let start = DVector::from_vec(now.temperatures());
@@ -184,6 +211,7 @@ pub(super) fn follow(now: &mut Walker, duration: f64, limit: f64) -> Result<Enve
                 now.put_temperatures((halves + error).as_slice());
                 strides += jump;
                 found.mean.add(&stride, jump as f64 / count);
+                longest = longest.max(jump);
                 break;
             }
             now.put_temperatures(start.as_slice());
@@ -191,6 +219,8 @@ pub(super) fn follow(now: &mut Walker, duration: f64, limit: f64) -> Result<Enve
         }
         jump = jump.max(1);
     }
+    // Half of it, since the first trial is twice the pace.
+    *pace = Pace { jump: (longest / 2).max(1), settling: 0 };
     found.mean = found.mean.finished();
     Ok(found)
 }

@@ -1,6 +1,6 @@
 //! A mix of loads with rest: in each period of the mix the phases follow each other, each for its fraction of the period.
 
-use super::cycle::follow;
+use super::cycle::{Pace, follow};
 use super::envelope::Envelope;
 use super::periodic::Periodic;
 use super::walker::{Walker, period};
@@ -11,6 +11,7 @@ use crate::StudyError;
 struct Phase {
     walker: Walker,
     fraction: f64,
+    pace: Pace,
 }
 
 /// The phases of a mix, which share the temperatures of one motor.
@@ -23,15 +24,22 @@ pub struct Mix {
 
 period!(
     Mix,
-    fn own_envelope(&mut self, duration: f64, limit: f64) -> Option<Result<Envelope, StudyError>> {
-        Some(self.envelope(duration, limit))
+    fn own_envelope(
+        &mut self,
+        duration: f64,
+        limit: f64,
+        done: &(dyn Fn(f64) + Sync),
+    ) -> Option<Result<Envelope, StudyError>> {
+        Some(self.envelope(duration, limit, done))
     }
 );
 
 impl Mix {
     pub(super) fn start(walkers: Vec<(f64, Walker)>, period: f64) -> Result<Mix, StudyError> {
-        let phases: Vec<Phase> =
-            walkers.into_iter().map(|(fraction, walker)| Phase { walker, fraction }).collect();
+        let phases: Vec<Phase> = walkers
+            .into_iter()
+            .map(|(fraction, walker)| Phase { walker, fraction, pace: Pace::default() })
+            .collect();
         let Some(first) = phases.first() else { return Err(StudyError::new("a mix has at least one phase")) };
         let temperatures = first.walker.temperatures();
         for phase in &phases {
@@ -82,7 +90,13 @@ impl Mix {
         let mut known = true;
         for phase in &mut self.phases {
             phase.walker.put_temperatures(&self.temperatures);
-            let found = follow(&mut phase.walker, phase.fraction * self.period, f64::INFINITY)?;
+            let found = follow(
+                &mut phase.walker,
+                phase.fraction * self.period,
+                f64::INFINITY,
+                &mut phase.pace,
+                &|_| (),
+            )?;
             whole.add(&found.mean, phase.fraction);
             known &= found.mean.voltage_peak.is_some();
             look(&phase.walker, phase.fraction)?;
@@ -94,13 +108,20 @@ impl Mix {
     }
 
     /// The winding for `duration`, or until it reaches `limit`.
-    pub(super) fn envelope(&mut self, duration: f64, limit: f64) -> Result<Envelope, StudyError> {
+    pub(super) fn envelope(
+        &mut self,
+        duration: f64,
+        limit: f64,
+        done: &(dyn Fn(f64) + Sync),
+    ) -> Result<Envelope, StudyError> {
         let mut found = Envelope::default();
         let mut time = 0.0;
         while time < duration {
             for phase in &mut self.phases {
+                done(time / duration);
                 phase.walker.put_temperatures(&self.temperatures);
-                let part = follow(&mut phase.walker, phase.fraction * self.period, limit)?;
+                let part =
+                    follow(&mut phase.walker, phase.fraction * self.period, limit, &mut phase.pace, &|_| ())?;
                 self.temperatures = phase.walker.temperatures();
                 found.append(part, time);
                 if found.time_to_limit.is_some() {

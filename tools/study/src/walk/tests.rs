@@ -85,7 +85,7 @@ fn a_constant_cycle_is_the_steady_state() {
             && found.torque_error_rms == 0.0
     );
     // More torque until the winding is at its limit, where `steady` has its continuous torque.
-    let continuous = continuous_support(&load).unwrap();
+    let continuous = continuous_support(&load, &|_| ()).unwrap();
     let limit = crate::steady::continuous_torque(&setup.bench().unwrap()).unwrap();
     assert!((continuous.at.joint_torque_peak / limit.torque - 1.0).abs() < 1e-3, "{continuous:?} {limit:?}");
     let mut slow = load.clone();
@@ -116,7 +116,7 @@ fn a_mix_has_the_mean_heat() {
             && slow.winding_temperature < always.winding_temperature - 1.0
     );
     // The periodic steady state is where the way there ends.
-    let walked = walk(&mix("1 min"), 0.5).unwrap();
+    let walked = walk(&mix("1 min"), 0.5, &|_| ()).unwrap();
     let last = walked
         .envelope
         .points
@@ -127,7 +127,8 @@ fn a_mix_has_the_mean_heat() {
     let forever = walked.forever.unwrap();
     assert!((forever.winding_temperature - last).abs() < 0.3, "{forever:?} {last}");
     // Twice the torque for a fraction of the time: more continuous factor than without rest.
-    let (with, without) = (continuous_support(&mix("1 min")).unwrap(), continuous_support(&full).unwrap());
+    let (with, without) =
+        (continuous_support(&mix("1 min"), &|_| ()).unwrap(), continuous_support(&full, &|_| ()).unwrap());
     assert!(with.support > 1.2 * without.support, "{with:?} {without:?}");
 }
 

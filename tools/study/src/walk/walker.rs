@@ -29,7 +29,12 @@ pub trait Period: Send + Sync {
     fn stride_with_slopes(&mut self) -> Result<(Periodic, Vec<Vec<f64>>), StudyError>;
 
     /// The winding for `duration`, s, or until it reaches `limit`, K, where the period consists of parts that are followed one by one.
-    fn own_envelope(&mut self, _duration: f64, _limit: f64) -> Option<Result<Envelope, StudyError>> {
+    fn own_envelope(
+        &mut self,
+        _duration: f64,
+        _limit: f64,
+        _done: &(dyn Fn(f64) + Sync),
+    ) -> Option<Result<Envelope, StudyError>> {
         None
     }
 
