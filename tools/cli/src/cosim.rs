@@ -4,7 +4,7 @@ use crate::drawing;
 use crate::existing::Force;
 use crate::outputs::{self, Shown};
 use crate::parent;
-use crate::simulate::{is_a_number, remarks, setting, significant};
+use crate::simulate::{is_a_number, remarks, rounded, setting, significant};
 use clap::ValueEnum;
 use cosim::{Algorithm, Log, PowerBond, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
@@ -178,10 +178,11 @@ fn summary(run: &SystemRun) -> String {
     let recording = &run.recording;
     let last = recording.times.last().copied().unwrap_or(0.0);
     let mut text = format!(
-        "{}: {} components, {} steps to t = {last} s in {:.3} s",
+        "{}: {} components, {} steps to t = {} s in {:.3} s",
         recording.model_name,
         run.order.len(),
         recording.steps,
+        rounded(last),
         recording.seconds_wall
     );
     if run.rejected > 0 {

@@ -58,7 +58,7 @@ pub fn take_limits(recording: &mut Recording, limits: &[Recorded], kept: &[Strin
         let line = |column, label: &str| Limit { of: output.clone(), label: label.to_owned(), column };
         found.push(line(column, limit.label));
         if limit.both_signs {
-            found.push(line(opposite, &format!("−{}", limit.label)));
+            found.push(line(opposite, limit.label));
         }
     }
     found

@@ -200,11 +200,19 @@ pub fn remarks(recording: &Recording, prefix: &str, who: &str, ending: &str) {
 fn summary(recording: &Recording) -> String {
     let last = recording.times.last().copied().unwrap_or(0.0);
     let mut text = format!(
-        "{}: {} steps to t = {last} s in {:.3} s\n",
-        recording.model_name, recording.steps, recording.seconds_wall
+        "{}: {} steps to t = {} s in {:.3} s\n",
+        recording.model_name,
+        recording.steps,
+        rounded(last),
+        recording.seconds_wall
     );
     text += &final_values(recording);
     text
+}
+
+/// A time without the rounding error of its steps.
+pub fn rounded(time: f64) -> f64 {
+    (time * 1e9).round() / 1e9
 }
 
 /// A line for each output with its last value, in its display unit.
@@ -214,7 +222,7 @@ pub fn final_values(recording: &Recording) -> String {
     for column in &recording.columns {
         let Some((value, unit)) = column.last_shown() else { continue };
         let value = match column.kind {
-            cosim::Kind::Boolean => (value != 0.0).to_string(),
+            cosim::Kind::Boolean => format!("{}{}", value != 0.0, since(column, &recording.times)),
             kind if kind.is_float() => significant(value),
             _ => column.last_integer().map_or(value.to_string(), |integer| integer.to_string()),
         };
@@ -223,6 +231,14 @@ pub fn final_values(recording: &Recording) -> String {
         text.push('\n');
     }
     text
+}
+
+/// Since when a flag is what it is, where it was not from the start.
+fn since(column: &cosim::Column, times: &[f64]) -> String {
+    let last = column.values.last().copied().unwrap_or(0.0);
+    let place = column.values.iter().rposition(|value| *value != last);
+    let time = place.and_then(|k| times.get(k + 1));
+    time.map_or(String::new(), |time| format!(" since t = {} s", present::number(*time)))
 }
 
 pub fn significant(value: f64) -> String {
@@ -275,6 +291,25 @@ mod tests {
         assert_eq!(setting("a.b = 1"), Ok(("a.b".to_owned(), "1".to_owned())));
         assert_eq!(setting("label=x=y"), Ok(("label".to_owned(), "x=y".to_owned())));
         assert!(setting("a").is_err() && setting("=1").is_err());
+    }
+
+    #[test]
+    fn the_time_of_a_trip_is_printed() {
+        let flag = |values: &[f64]| {
+            let column = cosim::Column {
+                name: "over".to_owned(),
+                kind: cosim::Kind::Boolean,
+                unit: None,
+                display_unit: None,
+                values: values.to_vec(),
+                exact: Vec::new(),
+            };
+            since(&column, &[0.0, 0.1, 0.2, 0.30000000000000004])
+        };
+        assert_eq!(flag(&[0.0, 0.0, 1.0, 1.0]), " since t = 0.2 s");
+        assert_eq!(flag(&[1.0, 0.0, 1.0, 0.0]), " since t = 0.3 s");
+        assert_eq!(flag(&[1.0; 4]), "");
+        assert_eq!(rounded(409.90000000000003), 409.9);
     }
 
     #[test]

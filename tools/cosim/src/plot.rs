@@ -5,9 +5,11 @@ use present::figure::{Axis, Figure};
 use std::path::Path;
 
 /// Panels that a figure may have; further outputs are named below it.
-const MOST_PANELS: usize = 8;
+const MOST_PANELS: usize = 10;
 /// Lines that a panel may have.
 const MOST_LINES: usize = 8;
+/// Outputs of one unit share a panel if their greatest values differ by at most this factor; a smaller one would be flat.
+const SAME_SIZE: f64 = 20.0;
 
 /// A limit of a recorded output: a line across its panel, or a curve where the limit changes over time.
 #[derive(Clone, Debug)]
@@ -52,8 +54,12 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
     for column in drawn {
         let unit = unit(column);
         let room = panels.len() < MOST_PANELS;
-        match panels.iter_mut().find(|(known, _)| *known == unit) {
-            Some((_, columns)) if columns.len() < MOST_LINES => columns.push(column),
+        let fits = |columns: &[&Column]| {
+            let (one, other) = (size(column), columns.iter().map(|c| size(c)).fold(0.0, f64::max));
+            columns.len() < MOST_LINES && one.max(other) <= SAME_SIZE * one.min(other)
+        };
+        match panels.iter_mut().find(|(known, columns)| *known == unit && fits(columns)) {
+            Some((_, columns)) => columns.push(column),
             None if room => panels.push((unit, vec![column])),
             _ => left_out.push(&column.name),
         }
@@ -86,6 +92,12 @@ fn svg(recording: &Recording, limits: &[Limit]) -> Result<String, String> {
         + &list("Not drawn: chosen by name, these have room", &names(&left_out))
         + &list("Without a finite value", &names(&empty));
     Ok(figure.remark(remark.trim_end()).svg())
+}
+
+/// The greatest amount of a column, as it is drawn.
+fn size(column: &Column) -> f64 {
+    let shown = |value: &f64| column.display_unit.as_ref().map_or(*value, |d| d.show(*value)).abs();
+    column.values.iter().map(shown).filter(|v| v.is_finite()).fold(0.0, f64::max)
 }
 
 /// The limit where it is near the outputs: one far from all values would flatten their lines, so it is named instead.

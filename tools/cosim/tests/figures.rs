@@ -42,6 +42,32 @@ fn degenerate_recordings_are_drawn_or_refused() {
     assert!(r.svg(&[]).unwrap_err().to_string().ends_with("no output has a finite value"));
 }
 
+/// Outputs of one unit and of very different size have panels of their own.
+#[test]
+fn small_outputs_are_not_flat() {
+    let column = |name: &str, size: f64| Column {
+        name: name.to_owned(),
+        kind: Kind::Float64,
+        unit: Some("N.m".to_owned()),
+        display_unit: None,
+        values: vec![0.0, size],
+        exact: Vec::new(),
+    };
+    let mut r = Recording {
+        model_name: "M".to_owned(),
+        times: vec![0.0, 1.0],
+        columns: vec![column("joint", 100.0), column("demand", 90.0), column("motor", 0.3)],
+        steps: 1,
+        seconds_wall: 0.0,
+        ended_early: None,
+        messages: Vec::new(),
+    };
+    let panels = |r: &Recording| r.svg(&[]).unwrap().matches(">torque in N·m<").count();
+    assert_eq!(panels(&r), 2);
+    r.columns.pop();
+    assert_eq!(panels(&r), 1);
+}
+
 /// A limit near the values is a line, one that changes a curve, one far away is named below the panels.
 #[test]
 fn limits_are_drawn_near_the_values() {

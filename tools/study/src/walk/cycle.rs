@@ -13,7 +13,7 @@
 
 use super::envelope::{Envelope, EnvelopePoint};
 use super::periodic::Periodic;
-use super::walker::Walker;
+use super::walker::{SETTLING, Walker};
 use crate::StudyError;
 use nalgebra::{DMatrix, DVector};
 
@@ -29,8 +29,6 @@ const NUDGE: f64 = 1.0;
 const RUNAWAY: f64 = 1000.0;
 /// Doublings of the map until only the slowest mode is left: strides of seconds against time constants of hours.
 const DOUBLINGS: usize = 24;
-/// Strides at the start until motion and current repeat.
-const SETTLING: u32 = 2;
 /// Error of a jump that is taken, K.
 const JUMP_ERROR: f64 = 0.05;
 
@@ -61,13 +59,14 @@ fn change_with_slopes(walker: &mut Walker) -> Result<(Change, DMatrix<f64>), Stu
 /// No steady state: thermal runaway of the winding.
 pub fn steady(walker: &Walker) -> Result<(Walker, Periodic), StudyError> {
     let mut walker = walker.clone();
-    for _ in 0..SETTLING {
+    let settling = walker.settling();
+    for _ in 0..settling {
         walker.stride()?;
     }
     let mut y = DVector::from_vec(walker.temperatures());
     let (Change { gain: mut f, .. }, s) = change_with_slopes(&mut walker)?;
     let mut minus = &s - DMatrix::identity(y.len(), y.len());
-    let mut walked = SETTLING + 1;
+    let mut walked = settling + 1;
     let runaway = || {
         StudyError::Unsettled(
             "thermal runaway: no periodic steady state, since the losses grow faster with the winding's temperature than \

@@ -31,6 +31,10 @@ period!(
         done: &(dyn Fn(f64) + Sync),
     ) -> Option<Result<Envelope, StudyError>> {
         Some(self.envelope(duration, limit, done))
+    },
+    // The phases settle by themselves.
+    fn settling(&self) -> u32 {
+        0
     }
 );
 

@@ -4,10 +4,18 @@ use super::envelope::Envelope;
 use super::periodic::Periodic;
 use crate::StudyError;
 
+/// Periods at the start until motion and current repeat.
+pub(super) const SETTLING: u32 = 2;
+
 /// A motor with what moves it, simulated period by period.
 pub trait Period: Send + Sync {
     /// Time of a period, s.
     fn stride_time(&self) -> f64;
+
+    /// Periods until motion and current repeat.
+    fn settling(&self) -> u32 {
+        SETTLING
+    }
 
     /// Simulates a period.
     ///
@@ -44,7 +52,7 @@ pub trait Period: Send + Sync {
 
 /// Makes a type with methods of these names a [`Period`].
 macro_rules! period {
-    ($name:ty $(, $further:item)?) => {
+    ($name:ty $(, $further:item)*) => {
         impl $crate::walk::walker::Period for $name {
             fn stride_time(&self) -> f64 {
                 <$name>::stride_time(self)
@@ -64,7 +72,7 @@ macro_rules! period {
             fn boxed_clone(&self) -> Box<dyn $crate::walk::walker::Period> {
                 Box::new(self.clone())
             }
-            $($further)?
+            $($further)*
         }
     };
 }
