@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import zipfile
+from math import pi
 
 import pytest
 from clients import paths
@@ -68,6 +69,22 @@ def test_a_minute_of_walking(cosim, toml, tmp_path):
     assert result["final"]["motor.winding_temperature"] > 305.0
     assert 50 < result["final"]["gait.strides"] < 60
     assert (tmp_path / "walk.svg").read_text().startswith("<svg")
+
+
+def test_numbers_have_units_in_and_out(cosim, motor_fmu, toml, tmp_path):
+    """--set takes any unit of the quantity; --units datasheet writes display units, named in the header."""
+    short = (toml, "--stop", "0.05", "--outputs", "motor.winding_temperature,motor.shaft_speed")
+    si = cosim(*short, "--set", "motor.ambient_temperature=308.15", "--set", "motor.motor.J=3.33e-6", "--output", tmp_path / "si.csv")
+    sets = ("--set", "motor.ambient_temperature=35 degC", "--set", "motor.motor.J=33.3 g.cm2")
+    assert cosim(*short, *sets)["final"] == pytest.approx(si["final"], rel=1e-12)
+    out = tmp_path / "datasheet.csv"
+    cosim(*short, "--units", "datasheet", "--set", "motor.ambient_temperature=35", *sets[2:], "--output", out)
+    shown, plain = rows(out), rows(tmp_path / "si.csv")
+    for name, unit, factor, offset in (("winding_temperature", "degC", 1, -273.15), ("shaft_speed", "rpm", 30 / pi, 0)):
+        values = [(float(a[f"motor.{name} [{unit}]"]), float(b[f"motor.{name}"])) for a, b in zip(shown, plain)]
+        assert all(a == pytest.approx(factor * b + offset, rel=1e-9, abs=1e-9) for a, b in values)
+    done = motor_fmu("cosim", *short, "--set", "motor.ambient_temperature=35 mm")
+    assert done.returncode == 2 and "mm" in done.stderr and "ambient_temperature" in done.stderr
 
 
 @pytest.mark.parametrize("drive", ["voltage", "current"])

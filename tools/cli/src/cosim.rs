@@ -25,7 +25,8 @@ pub struct Args {
     /// Communication step in s [default: that of the system, else the shortest that an FMU proposes]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Set a parameter or input of a component, or an input of the system. May be repeated
+    /// Set a parameter or input of a component, or an input of the system: a number in its unit, of a component also with another unit
+    /// of the quantity, such as "35 degC". May be repeated
     #[arg(long = "set", value_name = "COMPONENT.VARIABLE=VALUE", value_parser = setting)]
     sets: Vec<(String, String)>,
     /// Inputs over time: CSV with the header time,<component.variable or input of the system>, each with [unit] if wanted; reals are
@@ -109,7 +110,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         stop: args.stop,
         step: args.step,
         tolerance: args.tolerance,
-        sets: args.sets,
+        sets: args.shown.sets_of_system(args.sets, &system)?,
         input: args.input,
         algorithm: args.algorithm.into(),
         held_inputs: args.no_slopes,

@@ -174,6 +174,28 @@ impl Shown {
     }
 }
 
+impl Shown {
+    /// Settings `component.variable` of a system in the units of the interface; other names are inputs of the system, whose values stay.
+    pub fn sets_of_system(
+        &self,
+        sets: Vec<(String, String)>,
+        system: &System,
+    ) -> Result<Vec<(String, String)>, Failure> {
+        let convert = |(name, text): (String, String)| {
+            let owner = |(component, description)| {
+                let variable = name.strip_prefix(component)?.strip_prefix('.')?.to_owned();
+                Some((variable, description))
+            };
+            // Names of components may have dots: the longest one counts.
+            let found = system.descriptions().filter_map(owner).min_by_key(|(variable, _)| variable.len());
+            let Some((variable, description)) = found else { return Ok((name, text)) };
+            let mut converted = self.sets(vec![(variable, text)], description)?;
+            Ok((name, converted.swap_remove(0).1))
+        };
+        sets.into_iter().map(convert).collect()
+    }
+}
+
 /// The value in the unit of the interface.
 fn of_display(display: &DisplayUnit, shown: f64) -> f64 {
     if display.inverse { display.factor / shown } else { (shown - display.offset) / display.factor }
