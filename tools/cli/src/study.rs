@@ -64,7 +64,7 @@ impl Start {
 /// Thermal steady state, and the continuous torque at the winding's temperature limit.
 ///
 /// Modes that are not set follow from the inputs: electrical_power selects drive_mode power, current_command
-/// current, voltage voltage, duty pwm. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
+/// current, voltage voltage, duty pwm; without any of them a motor with imposed_speed carries no current. The shaft turns at imposed_speed, 0 if not set, unless load_torque is set.
 /// Notes on stderr, and in JSON, name values that have no effect in the selected modes.
 ///
 /// With --load the motor drives an actuator on a walking joint: periodic steady state, time to the winding's limit from a

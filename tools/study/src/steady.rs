@@ -42,7 +42,8 @@ impl Setup {
     ///
     /// Modes that are not set follow from the inputs that are, as in the design's section 6: electrical_power
     /// means drive_mode power, and so on. The shaft turns at imposed_speed, by default 0, unless load_torque
-    /// is set: a free shaft without load has no thermal steady state of interest.
+    /// is set: a free shaft without load has no thermal steady state of interest. A motor that is turned without any
+    /// electrical input carries no current; it is not shorted by a voltage of 0.
     ///
     /// # Errors
     /// One sentence naming what is wrong: model, preset, variable, value, limits.
@@ -57,6 +58,8 @@ impl Setup {
             DRIVES.iter().find(|(input, item)| is_set(input) && bench.knows("drive_mode", Some(item)));
         if let Some((_, item)) = drive {
             bench.set_text("drive_mode", item)?;
+        } else if is_set("imposed_speed") && !is_set("drive_mode") && is_shorted(&mut bench)? {
+            bench.set_text("drive_mode", "current")?;
         }
         for (name, text) in &self.sets {
             bench.set_text(name, text)?;
@@ -226,6 +229,12 @@ pub fn continuous_torque(bench: &Bench) -> Result<Continuous, StudyError> {
     })
 }
 
+/// Whether the motor is driven by a voltage of 0.
+fn is_shorted(bench: &mut Bench) -> Result<bool, StudyError> {
+    let modes = bench.knows("drive_mode", Some("current")) && bench.knows("drive_mode", Some("voltage"));
+    Ok(modes && bench.get("drive_mode")? == 1.0 && bench.get("voltage")? == 0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -241,6 +250,18 @@ mod tests {
         let found = steady(&mut bench).unwrap();
         assert!((found.r_ha.unwrap() - 1.0 / 0.1351).abs() < 1e-4, "{found:?}");
         assert!(found.get("energy_electrical").is_none() && found.of_unit("W").count() > 4);
+    }
+
+    /// A speed alone leaves the terminals open; a voltage of 0 that is asked for shorts them.
+    #[test]
+    fn a_turned_motor_carries_no_current() {
+        let copper = |sets: &[(&str, &str)]| {
+            let found = steady(&mut setup(sets).bench().unwrap()).unwrap();
+            found.get("loss_copper").unwrap()
+        };
+        assert_eq!(copper(&[("imposed_speed", "400")]), 0.0);
+        assert!(copper(&[("imposed_speed", "20"), ("voltage", "0")]) > 0.1);
+        assert!(copper(&[("imposed_speed", "20"), ("drive_mode", "voltage")]) > 0.1);
     }
 
     /// At stall, by hand (audit, T46): I = sqrt((T_max - T_a)/(R_w (R_wh + 1/G))) with R at 155 degC; the
