@@ -25,7 +25,7 @@ mod stride;
 mod tests;
 mod walker;
 
-pub use answer::{Continuous, Limit, Objective, Walked, continuous_support, periodic, walk};
+pub use answer::{Continuous, Limit, Objective, Walked, check_hours, continuous_support, periodic, walk};
 pub use envelope::{Envelope, EnvelopePoint};
 pub use load::{Derived, Load, MOTOR, Words};
 pub use periodic::Periodic;

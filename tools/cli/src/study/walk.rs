@@ -4,7 +4,7 @@ use super::{SteadyArgs, rounded};
 use crate::progress::Progress;
 use crate::{Failure, drawing};
 use ::study::reproduce::significant;
-use ::study::walk::{Periodic, Walked, continuous_support, walk};
+use ::study::walk::{Periodic, Walked, check_hours, continuous_support, walk};
 use present::figure::{Axis, Figure};
 use serde_json::json;
 use std::path::Path;
@@ -18,6 +18,7 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     let load = args.start.load(file)?;
     let is_title = |title: &str| title.starts_with(TITLE);
     drawing::check(args.plot.as_deref(), args.force, "a figure of steady --load", is_title)?;
+    check_hours(args.load.hours)?;
     let bar = Progress::new("periodic steady state, time to the limit, continuous torque");
     let (way, search) = (AtomicU32::new(0), AtomicU32::new(0));
     // Thousandths of each half.

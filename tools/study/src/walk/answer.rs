@@ -113,11 +113,7 @@ const SEARCH: f64 = 0.4;
 /// # Errors
 /// A load that does not start, or equations that have no solution.
 pub fn walk(load: &Load, hours: f64, done: Done<'_>) -> Result<Walked, StudyError> {
-    if !(hours > 0.0 && hours.is_finite()) {
-        return Err(StudyError::new(format!(
-            "--hours {hours}: the duration must be positive and finite, in h"
-        )));
-    }
+    check_hours(hours)?;
     let walker = load.walker()?;
     let limit = load.get("thermal.T_w_max")?;
     let forever = match steady(&walker) {
@@ -128,6 +124,17 @@ pub fn walk(load: &Load, hours: f64, done: Done<'_>) -> Result<Walked, StudyErro
     let envelope =
         envelope(&walker, hours * 3600.0, limit, &|fraction| done(SEARCH + (1.0 - SEARCH) * fraction))?;
     Ok(Walked { stride_time: walker.stride_time(), limit, forever, at_limit: envelope.at_limit, envelope })
+}
+
+/// Whether a walk can last so long.
+///
+/// # Errors
+/// A duration that is not positive and finite.
+pub fn check_hours(hours: f64) -> Result<(), StudyError> {
+    if hours > 0.0 && hours.is_finite() {
+        return Ok(());
+    }
+    Err(StudyError::new(format!("--hours {hours}: the duration must be positive and finite, in h")))
 }
 
 /// The periodic steady state of a walk, without the way there.
