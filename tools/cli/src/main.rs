@@ -61,6 +61,7 @@ enum Command {
 }
 
 /// Why a command could not run: one sentence.
+#[derive(Debug)]
 pub struct Failure(String);
 
 impl Failure {
