@@ -239,6 +239,21 @@ fn inputs_that_an_importer_sets_within_a_step_are_lines() {
     }
 }
 
+/// An importer that names inputs alone gets one part: the bits of a step with input derivatives in FMI 2.
+#[test]
+fn a_step_with_inputs_alone_is_one_part() {
+    let look: Look = Box::new(|fmu: Fmu, time, _, _| {
+        assert_eq!(time, 0.04);
+        fmu.set_reals(&[vr("load_torque")], &[2.0 * time]).ok();
+        None
+    });
+    let named = [vr("load_torque")];
+    let motor = Importer::tried(MOTOR, CS3, Options::default(), Some((&named, look))).expect("an instance");
+    let motor = motor.started(&[("voltage", 12.0)]);
+    assert_eq!(motor.ended(0.0, 0.04), (false, false, 0.04));
+    assert_eq!(motor.get("shaft_speed"), sloped(0.04, 2.0));
+}
+
 /// The load is t^2, which lines follow with second order of the part.
 #[test]
 fn a_curved_input_converges_with_second_order() {

@@ -4,7 +4,8 @@
 //! changes no output discontinuously: the step handles these internally, and it handles all events internally if the importer does
 //! not use event mode. A discrete output is constant between two events.
 //! *Early return*: the step ends at an event. The event time is located by bisection to [`NEAR`] of the step, just after the event.
-//! *Intermediate update*: a step is divided into [`PARTS`] equal parts, each within the tolerance. After each part the importer may
+//! *Intermediate update*: a step is divided into [`PARTS`] equal parts, each within the tolerance; it is one part where the importer has
+//! named inputs alone, as nothing is read within the step and it cannot end early. After each part the importer may
 //! read intermediate variables, set continuous inputs, and end the step there or later. If a part fails, the step is undone. Inputs that
 //! are set after a part have the new value at its end and are lines over it (recommendedIntermediateInputSmoothness is 0 by default:
 //! inputs are continuous): the part is repeated with their derivatives, if no event has ended it.
@@ -72,6 +73,13 @@ impl Part {
             entry.row.causality == Causality::Output && entry.row.variability == Variability::Discrete
         };
         declaration.entries.iter().filter(shown).map(|entry| entry.slot).collect()
+    }
+
+    /// The number of parts of a step.
+    fn parts(&self, declaration: &Declaration) -> u32 {
+        let reads = |reference: &u32| !declaration.by_reference(*reference).is_some_and(Entry::is_settable);
+        let mut named = self.updates.iter().flat_map(|updates| &updates.references);
+        if self.early_return || named.clone().count() == 0 || named.any(reads) { PARTS } else { 1 }
     }
 
     /// Whether it is an intermediate variable.
@@ -275,8 +283,9 @@ impl Instance {
         parts.taken += 1;
         let at = if parts.taken == 1 { parts.start } else { self.model.time() };
         let whole = parts.start + parts.h;
-        let share = f64::from(parts.taken) / f64::from(PARTS);
-        let next = if parts.taken >= PARTS { whole } else { parts.start + parts.h * share };
+        let count = self.part.parts(self.model.declaration());
+        let share = f64::from(parts.taken) / f64::from(count);
+        let next = if parts.taken >= count { whole } else { parts.start + parts.h * share };
         let to = next.min(parts.end);
         parts.part = (at, to - at);
         self.part_start = Some(copy(self.part_start.take(), self.model.as_ref()));
