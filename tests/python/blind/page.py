@@ -5,6 +5,7 @@ from collections import Counter
 from pathlib import Path
 
 from . import judge as j
+from .run import BUDGET
 from .score import criteria, information
 
 HEAD = """# The blind suite
@@ -59,10 +60,14 @@ def outcomes(sets) -> str:
 def section(stored: dict, newest: bool) -> str:
     """One seed: criteria, outcomes by kind, and the sets that are not right."""
     sets = [j.Judged(**s) for s in stored["sets"]]
-    parts = [
-        f"## Seed {stored['seed']} ({stored['date']})\n",
-        f"{len(sets)} sets; `{stored['command']}`.\n" if stored["command"] else f"{len(sets)} sets.\n",
-    ]
+    budget = max((one.budget or BUDGET for one in sets), default=BUDGET)
+    allowed = (
+        f" Each set had {budget:g} s of wall time instead of {BUDGET:g} s (a machine in use)."
+        if budget != BUDGET
+        else ""
+    )
+    command = f"; `{stored['command']}`" if stored["command"] else ""
+    parts = [f"## Seed {stored['seed']} ({stored['date']})\n", f"{len(sets)} sets{command}.{allowed}\n"]
     parts.append(
         table(["quantity", "result", "criterion", ""], [[r.what, r.text, r.bar, r.verdict] for r in criteria(sets)])
     )
