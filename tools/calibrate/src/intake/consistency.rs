@@ -60,9 +60,12 @@ const PHYSICAL: f64 = 2.5;
 const MOST_OFF: f64 = 10.0;
 /// Rows of a run that are compared: means over as many rows each.
 const ROWS: usize = 500;
-/// Time for all of it, and for each of the two fits.
+/// Time for the search, and for the fit of a hypothesis: one that is not at its minimum in time is not confirmed.
 const SEARCH: Duration = Duration::from_secs(6);
 const FIT: Duration = Duration::from_secs(3);
+/// Time for the fit of the data as they are. If it is not at its minimum by then, as on a busy machine, nothing is concluded:
+/// its cost would refuse good data.
+const AS_IS: Duration = Duration::from_secs(30);
 
 /// What the model predicts and how far data are from it.
 struct Judge<'a> {
@@ -200,10 +203,10 @@ pub fn contradiction(
     let experiment = &thinned(experiment);
     let deadline = Deadline::after(SEARCH);
     let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
-    let Cost { runs: costs, prior, .. } = fitted(&whole, experiment)?;
+    let Cost { runs: costs, prior, is_cut, .. } = fitted(&whole, experiment, AS_IS)?;
     let limit = GOOD * GOOD * SAMPLES * experiment.outputs.len() as f64;
     let bad: Vec<usize> = all.iter().copied().filter(|r| costs[*r] > limit || prior > STRAINED).collect();
-    if bad.is_empty() {
+    if bad.is_empty() || is_cut {
         return Ok(None);
     }
     let predicted = whole.predicted(experiment);
@@ -315,11 +318,14 @@ fn search(
         }
         let as_is = match cost.take() {
             Some(cost) => cost,
-            None => fitted(judge, &at)?,
+            None => fitted(judge, &at, AS_IS)?,
         };
+        if as_is.is_cut {
+            break;
+        }
         let mut confirmed: Option<(Cost, Changed)> = None;
         for one in best {
-            let as_meant = fitted(judge, &one.2)?;
+            let as_meant = fitted(judge, &one.2, FIT)?;
             if as_is.is_worse_than(&as_meant)
                 && confirmed.as_ref().is_none_or(|(least, _)| as_meant.whole() < 0.9 * least.whole())
             {
@@ -420,6 +426,8 @@ struct Cost {
     prior: f64,
     /// Of each run of the experiment, fitted or not.
     runs: Vec<f64>,
+    /// Whether the time ended before the fit was at its minimum.
+    is_cut: bool,
 }
 
 impl Cost {
@@ -437,8 +445,8 @@ impl Cost {
 }
 
 /// The cost of the best values of the declared parameters, with structure errors for the noise.
-fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, CalibrateError> {
-    let mut setup = Setup::new(experiment, judge.preset)?.until(Deadline::after(FIT));
+fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost, CalibrateError> {
+    let mut setup = Setup::new(experiment, judge.preset)?.until(Deadline::after(time));
     setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
     let fit: Vec<usize> =
         judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
@@ -467,6 +475,7 @@ fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, CalibrateError
             outputs: setup.chi_squares(&runs, &fitted.shown),
             prior: fitted.cost - fitted.chi_square,
             runs: all.iter().map(of).collect(),
+            is_cut: setup.deadline().is_near(),
         })
     });
     // A model that cannot be run explains nothing.
@@ -474,5 +483,6 @@ fn fitted(judge: &Judge, experiment: &Experiment) -> Result<Cost, CalibrateError
         outputs: vec![f64::MAX; setup.outputs()],
         prior: 0.0,
         runs: vec![f64::INFINITY; all.len()],
+        is_cut: setup.deadline().is_near(),
     }))
 }
