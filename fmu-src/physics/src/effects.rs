@@ -135,7 +135,9 @@ macro_rules! combine {
     (($effects:tt) $($(#[$doc:meta])* [$($port:ident)?] $rule:ident $name:ident [$($d:ident : $number:ident)?]
         ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$($slope:ident)?];)*) => {
         impl Effects {
-            $(one! { $(#[$doc])* $rule $name [$($d: $number)?] ($($argument: $type),*) ($($argument),*) -> $result, $effects })*
+            $(one! {
+                $(#[$doc])* $rule $name [$($d: $number)?] ($($argument: $type),*) ($($argument),*) -> $result, $effects
+            })*
             $(derivative! { [$($slope)?] $name ($($argument: $type),*) })*
         }
     };
@@ -143,8 +145,8 @@ macro_rules! combine {
 
 /// What all effects say at one port.
 macro_rules! one {
-    ($(#[$doc:meta])* $rule:ident $name:ident [$($d:ident : $number:ident)?] ($($argument:ident : $type:ty),*) $call:tt -> $result:ty,
-        ($($id:ident)*)) => {
+    ($(#[$doc:meta])* $rule:ident $name:ident [$($d:ident : $number:ident)?]
+        ($($argument:ident : $type:ty),*) $call:tt -> $result:ty, ($($id:ident)*)) => {
         $(#[$doc])*
         #[inline]
         pub fn $name $(<$d: $number>)? (&self, $($argument: $type),*) -> $result {
@@ -165,7 +167,7 @@ macro_rules! add_up {
 macro_rules! derivative {
     ([] $($rest:tt)*) => {};
     ([$slope:ident] $name:ident ($first:ident : $first_type:ty $(, $argument:ident : $type:ty)*)) => {
-        #[doc = concat!("Derivative of [`", stringify!($name), "`](Effect::", stringify!($name), ") with respect to its first argument.")]
+        #[doc = concat!("Derivative of [`", stringify!($name), "`](Effect::", stringify!($name), ").")]
         #[inline]
         pub fn $slope(&self, $first: f64 $(, $argument: $type)*) -> f64 {
             slope($first, |$first| self.$name($first $(, $argument)*))

@@ -102,11 +102,13 @@ macro_rules! ports {
         /// The first time after `time` at which a port jumps, s; infinite where none does.
         [] least next_event [] (time: f64) -> f64, derivative [];
         /// Multiplies the thermal resistance from winding to housing with the winding at `t_w`, K; positive.
-        [WindingHousingResistance] factor winding_housing_resistance [D: Number] (t_w: D) -> D, derivative [winding_housing_resistance_slope];
+        [WindingHousingResistance] factor winding_housing_resistance [D: Number] (t_w: D) -> D,
+            derivative [winding_housing_resistance_slope];
         /// Further conductances to ambient, W/K, at the fan's `flow`, 0 to 1.
         [AmbientConductance] sum ambient_conductance [] (flow: f64) -> PerNode, derivative [];
         /// Heat flow from the housing at `t_h`, K, to ambient at `t_a` that follows no conductance, W.
-        [HousingToAmbient] sum housing_to_ambient [D: Number] (t_h: D, t_a: f64) -> D, derivative [housing_to_ambient_slope];
+        [HousingToAmbient] sum housing_to_ambient [D: Number] (t_h: D, t_a: f64) -> D,
+            derivative [housing_to_ambient_slope];
         /// Heat set free in the housing at `t_h`, K, that ambient gives, W.
         [HousingHeat] sum housing_heat [D: Number] (t_h: D) -> D, derivative [housing_heat_slope];
         /// A stator between winding and housing.
