@@ -33,7 +33,7 @@ mod units;
 mod variable_step;
 
 pub(crate) use batch::Batch;
-pub use master::Algorithm;
+pub use order::Algorithm;
 pub use power_bonds::PowerBond;
 pub use run::{SystemOptions, SystemRun, cosimulate};
 pub(crate) use units::{Affine, conversion, unit_of};

@@ -1,8 +1,7 @@
 //! The steps of the components: their order, what is exchanged in between, and shorter steps of single components.
 use super::batch::Batch;
 use super::connections::{Connections, InputConnection};
-use super::master::Algorithm;
-use super::order::Order;
+use super::order::{Algorithm, Order};
 use super::parts::Parts;
 use crate::Variability;
 use crate::input::InputColumn;

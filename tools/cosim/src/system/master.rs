@@ -4,7 +4,7 @@ use super::component_steps::{ComponentStep, component_steps, has_derivative, has
 use super::connections::Connections;
 use super::loops::LoopSolver;
 use super::memory::Memory;
-use super::order::{Loop, Order};
+use super::order::{Algorithm, Loop, Order};
 use super::parts::Parts;
 use super::power_bonds::{PowerBonds, Stepped};
 use super::units::Affine;
@@ -12,20 +12,6 @@ use crate::drive::Drive;
 use crate::input::InputColumn;
 use crate::simulate::initialise;
 use crate::{Error, Experiment, InputTable, Instance, InterfaceType, Log, State, Step, Value, Variable};
-
-/// Coupling algorithm during a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Algorithm {
-    /// All components step with the outputs at the beginning of the step. Direct feedthrough is resolved within the
-    /// communication point.
-    #[default]
-    Jacobi,
-    /// One after the other; later components use the outputs at the end of the step of earlier ones.
-    GaussSeidel,
-    /// As Jacobi, but all outputs are read once after the step: direct feedthrough is delayed by one step. Many masters
-    /// do so.
-    JacobiDelayed,
-}
 
 /// One round of an exchange: read, then set.
 #[derive(Debug, Default)]

@@ -3,6 +3,20 @@
 use super::connections::Connections;
 use super::parts::Parts;
 
+/// Coupling algorithm during a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Algorithm {
+    /// All components step with the outputs at the beginning of the step. Direct feedthrough is resolved within the
+    /// communication point.
+    #[default]
+    Jacobi,
+    /// One after the other; later components use the outputs at the end of the step of earlier ones.
+    GaussSeidel,
+    /// As Jacobi, but all outputs are read once after the step: direct feedthrough is delayed by one step. Many masters
+    /// do so.
+    JacobiDelayed,
+}
+
 /// The order of one sweep over all connections.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Order {

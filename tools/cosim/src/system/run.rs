@@ -2,8 +2,8 @@
 use super::System;
 use super::connections::resolve;
 use super::inputs;
-use super::master::{Algorithm, Master, Outcome, Plan};
-use super::order::order;
+use super::master::{Master, Outcome, Plan};
+use super::order::{Algorithm, order};
 use super::parts::Parts;
 use super::power_bonds::PowerBond;
 use super::record::Record;

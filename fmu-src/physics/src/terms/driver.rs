@@ -1,0 +1,218 @@
+//! Where a term acts, and what it follows: names, units, usual sizes and present values.
+
+use super::MOST_TERMS;
+
+macro_rules! named {
+    ($(#[doc = $doc:literal])* pub enum $type:ident { $($(#[doc = $idoc:literal])* $item:ident = $name:literal),* $(,)? }) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $type { $($(#[doc = $idoc])* $item),* }
+
+        impl $type {
+            /// All of them, in order.
+            pub const ALL: &'static [$type] = &[$($type::$item),*];
+
+            /// Its name in files.
+            pub fn name(self) -> &'static str {
+                match self { $($type::$item => $name),* }
+            }
+
+            /// The one of this name.
+            pub fn by_name(name: &str) -> Option<$type> {
+                Self::ALL.iter().copied().find(|item| item.name() == name)
+            }
+        }
+    };
+}
+
+named! {
+    /// Where a term acts.
+    pub enum Port {
+        /// Torque against the motion, N.m.
+        DragTorque = "drag_torque",
+        /// Volts lost between terminals and winding, V.
+        TerminalVoltage = "terminal_voltage",
+        /// Relative change of the winding's resistance.
+        WindingResistance = "winding_resistance",
+        /// Relative change of the torque constant.
+        TorqueConstant = "torque_constant",
+        /// Heat set free in the winding, W.
+        WindingHeat = "winding_heat",
+        /// Heat set free in the housing, W.
+        HousingHeat = "housing_heat",
+        /// Relative change of the resistance from winding to housing.
+        WindingHousingResistance = "winding_housing_resistance",
+        /// Further conductance from the housing to ambient, W/K.
+        HousingAmbientConductance = "housing_ambient_conductance",
+        /// Relative change of the heat capacities.
+        HeatCapacity = "heat_capacity",
+        /// Relative change of the command that the fan follows.
+        FanFlow = "fan_flow",
+        /// What the true ambient temperature is above the shown one, K.
+        AmbientSensor = "ambient_sensor",
+        /// What the winding's sensor shows too much, K.
+        WindingSensor = "winding_sensor",
+        /// What the housing's sensor shows too much, K.
+        HousingSensor = "housing_sensor",
+    }
+}
+
+impl Port {
+    /// The unit of a value there.
+    pub fn unit(self) -> declare::Unit {
+        use declare::Unit::*;
+        match self {
+            Port::DragTorque => NewtonMetre,
+            Port::TerminalVoltage => Volt,
+            Port::WindingHeat | Port::HousingHeat => Watt,
+            Port::HousingAmbientConductance => WattPerKelvin,
+            Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor => Kelvin,
+            Port::WindingResistance
+            | Port::TorqueConstant
+            | Port::WindingHousingResistance
+            | Port::HeatCapacity
+            | Port::FanFlow => One,
+        }
+    }
+}
+
+named! {
+    /// What a term depends on.
+    pub enum Driver {
+        /// Speed of the shaft, rad/s.
+        Speed = "speed",
+        /// Current in the winding, A.
+        Current = "current",
+        /// Torque given to the load, N.m.
+        LoadTorque = "load_torque",
+        /// True temperature of the winding, K.
+        WindingTemperature = "winding_temperature",
+        /// True temperature of the housing, K.
+        HousingTemperature = "housing_temperature",
+        /// True temperature of the surroundings, but for what terms add to it, K.
+        AmbientTemperature = "ambient_temperature",
+        /// Command to the fan, 0 to 1.
+        FanCommand = "fan_command",
+        /// Time, s.
+        Time = "time",
+        /// Heat set free in the winding, W: copper loss, and in drive_mode power what reaches the winding; only with a lag.
+        CopperLoss = "copper_loss",
+        /// Heat of all drags, W; only with a lag.
+        FrictionLoss = "friction_loss",
+    }
+}
+
+impl Driver {
+    /// Whether it is a heat flow, which is known only once the terms have acted.
+    pub fn is_heat(self) -> bool {
+        matches!(self, Driver::CopperLoss | Driver::FrictionLoss)
+    }
+
+    /// Unit of its values.
+    pub fn unit(self) -> declare::Unit {
+        use declare::Unit::*;
+        match self {
+            Driver::Speed => RadianPerSecond,
+            Driver::Current => Ampere,
+            Driver::LoadTorque => NewtonMetre,
+            Driver::WindingTemperature | Driver::HousingTemperature | Driver::AmbientTemperature => Kelvin,
+            Driver::FanCommand => One,
+            Driver::Time => Second,
+            Driver::CopperLoss | Driver::FrictionLoss => Watt,
+        }
+    }
+
+    /// A typical size of a change: the state of a lag is counted in it.
+    pub fn nominal(self) -> f64 {
+        match self {
+            Driver::Speed | Driver::WindingTemperature | Driver::HousingTemperature => 100.0,
+            Driver::AmbientTemperature | Driver::CopperLoss => 10.0,
+            Driver::Current | Driver::FanCommand | Driver::FrictionLoss => 1.0,
+            Driver::LoadTorque => 0.1,
+            Driver::Time => 1000.0,
+        }
+    }
+}
+
+/// The drivers at one instant, in the units of [`Driver`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)] // each is explained in `Driver`
+pub struct Drivers {
+    pub speed: f64,
+    pub current: f64,
+    pub load_torque: f64,
+    pub winding_temperature: f64,
+    pub housing_temperature: f64,
+    pub ambient_temperature: f64,
+    pub fan_command: f64,
+    pub time: f64,
+    pub copper_loss: f64,
+    pub friction_loss: f64,
+    /// What each term's lag has reached, in the unit of its driver; 0 without a lag.
+    pub lagged: [f64; MOST_TERMS],
+}
+
+impl Drivers {
+    /// Half way from these to those.
+    pub fn middle(&self, to: &Drivers) -> Drivers {
+        let mean = |of: fn(&Drivers) -> f64| 0.5 * (of(self) + of(to));
+        Drivers {
+            speed: mean(|d| d.speed),
+            current: mean(|d| d.current),
+            load_torque: mean(|d| d.load_torque),
+            winding_temperature: mean(|d| d.winding_temperature),
+            housing_temperature: mean(|d| d.housing_temperature),
+            ambient_temperature: mean(|d| d.ambient_temperature),
+            fan_command: mean(|d| d.fan_command),
+            time: mean(|d| d.time),
+            copper_loss: mean(|d| d.copper_loss),
+            friction_loss: mean(|d| d.friction_loss),
+            lagged: std::array::from_fn(|k| 0.5 * (self.lagged[k] + to.lagged[k])),
+        }
+    }
+
+    /// The same with another value of one driver.
+    pub fn with(mut self, driver: Driver, value: f64) -> Drivers {
+        *self.place(driver) = value;
+        self
+    }
+
+    fn place(&mut self, driver: Driver) -> &mut f64 {
+        match driver {
+            Driver::Speed => &mut self.speed,
+            Driver::Current => &mut self.current,
+            Driver::LoadTorque => &mut self.load_torque,
+            Driver::WindingTemperature => &mut self.winding_temperature,
+            Driver::HousingTemperature => &mut self.housing_temperature,
+            Driver::AmbientTemperature => &mut self.ambient_temperature,
+            Driver::FanCommand => &mut self.fan_command,
+            Driver::Time => &mut self.time,
+            Driver::CopperLoss => &mut self.copper_loss,
+            Driver::FrictionLoss => &mut self.friction_loss,
+        }
+    }
+
+    /// One of them.
+    #[inline]
+    pub fn of(&self, driver: Driver) -> f64 {
+        match driver {
+            Driver::Speed => self.speed,
+            Driver::Current => self.current,
+            Driver::LoadTorque => self.load_torque,
+            Driver::WindingTemperature => self.winding_temperature,
+            Driver::HousingTemperature => self.housing_temperature,
+            Driver::AmbientTemperature => self.ambient_temperature,
+            Driver::FanCommand => self.fan_command,
+            Driver::Time => self.time,
+            Driver::CopperLoss => self.copper_loss,
+            Driver::FrictionLoss => self.friction_loss,
+        }
+    }
+}
+
+impl Driver {
+    /// Whether a power knows on which side of its offset the driver is.
+    pub fn has_sides(self) -> bool {
+        !matches!(self, Driver::Speed | Driver::Current | Driver::LoadTorque)
+    }
+}
