@@ -124,7 +124,7 @@ def natively(drives, program, tmp_path_factory):
 
 
 def simulate(program, archive, drive, folder):
-    table, out = folder / "inputs.csv", folder / "rows.csv"
+    table, out = folder / "inputs.csv", folder / f"{archive.stem}.csv"
     with table.open("w", newline="") as text:
         writer = csv.writer(text)
         writer.writerow(["time", *drive.inputs])
