@@ -142,7 +142,7 @@ fn segments_are_counted_by_the_start_values() {
     let preset = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\nair_segments = 11\n";
     let starts = Preset::parse(preset, "x.toml").unwrap().starts;
     let found = Dependencies::of(kind, &[], &starts);
-    assert_eq!(found.rates.len(), 14 + 11);
+    assert_eq!(found.rates.len(), 17 + 11);
     let two = fmi2::model_description(declaration, &starts, &found);
     assert!(two.contains("\"T_housing[11]\"") && two.contains("\"der(T_housing[11])\""));
     assert!(!two.contains("T_housing[12]"));
