@@ -159,7 +159,7 @@ fn segments_are_counted_by_the_start_values() {
     );
     assert!(rate.contains("causality=\"local\"") && rate.contains("derivative=\"721\""), "{rate}");
     assert_eq!(line("<Dimension valueReference=\"84\"/>").len(), 2);
-    assert_eq!(line("<Dimension start=\"3\"/>").len(), 2, "the phases and their rates");
+    assert_eq!(line("<Dimension start=\"3\"/>").len(), 4, "phases, lags of terms, and their rates");
     // One entry for the array, and each reference once.
     for (list, reference) in [("Output", 721), ("ContinuousStateDerivative", 821), ("InitialUnknown", 821)] {
         assert_eq!(line(&format!("<{list} valueReference=\"{reference}\" ")).len(), 1, "{list}");
