@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench import detect, make, profiles, write
+from bench import detect, make, numbered, profiles, write
 from bench.effects import CATALOGUE, T_REF
 from bench.generator import Instant, Motor, simulate
 from bench.law import Effect
@@ -162,7 +162,7 @@ def test_same_seed_same_files(short_runs, tmp_path):
         make.main(["--seed", str(seed), "--out", str(tmp_path / folder / "x"), "--count", "1"])
     a, b, c = (files_of(tmp_path / folder / "x") for folder in "abc")
     assert a == b
-    assert not set(a.values()) & {text for path, text in c.items() if path.name != make.STAMP}
+    assert not set(a.values()) & {text for path, text in c.items() if path.name != numbered.STAMP}
 
 
 def test_written_set_has_the_contract_s_names(short_runs, tmp_path):
@@ -203,7 +203,7 @@ def test_more_processes_make_the_same_files_and_keep_what_is_there(short_runs, t
     (tmp_path / "two" / "bench-7-1" / "truth.json").unlink()
     make.main(["--seed", "7", "--out", str(tmp_path / "two"), "--count", "2", "--keep"])
     assert files_of(tmp_path / "two") == made | {mark.relative_to(tmp_path / "two"): b"kept"}
-    (tmp_path / "two" / make.STAMP).write_text("another generator")
+    (tmp_path / "two" / numbered.STAMP).write_text("another generator")
     make.main(["--seed", "7", "--out", str(tmp_path / "two"), "--count", "1", "--keep"])
     assert files_of(tmp_path / "two").keys() == made.keys() - {Path("bench-7-1/truth.json")}
     assert files_of(tmp_path / "two").items() < made.items()

@@ -8,14 +8,13 @@ The same seed gives the same files, in any number of processes.
 
 import argparse
 import hashlib
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from .effects import CATALOGUE
 from .generator import simulate
+from .numbered import add_options, make_sets
 from .profiles import DEMANDS, PAUSE, draw_run
 from .rig import COLUMNS, LAYOUTS, TEMPERATURE_SENSORS, Rig, draw_specimen, draw_units
 from .sensors import draw_faults, draw_noise, draw_slow, measure
@@ -30,7 +29,6 @@ OTHER_MOTOR = 0.5  # share of sets with another motor than the public one
 DRIVES = {"current": 0.7, "voltage": 0.15, "power": 0.15}
 RUNS = {2: 0.1, 3: 0.15, 4: 0.6, 5: 0.15}
 NONE = "none"
-STAMP = "generator.stamp"  # names the generator that a folder of sets is of
 
 
 def drawn_kind(seed: int, number: int) -> str:
@@ -135,35 +133,10 @@ def make_one(options, number: int) -> str:
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python -m bench.make", description="Draws sets of synthetic bench experiments.")
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--out", type=Path, required=True)
+    add_options(parser)
     parser.add_argument("--effect", choices=[NONE, *CATALOGUE], metavar="ID", help=f"one of {', '.join([NONE, *CATALOGUE])}")
-    parser.add_argument("--count", type=int, default=1)
-    parser.add_argument("--first", type=int, default=0, help="number of the first set")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--keep", action="store_true", help="keep sets that this generator has made before")
     options = parser.parse_args(arguments)
-    options.out.mkdir(parents=True, exist_ok=True)
-    stamp = options.out / STAMP
-    if not (stamp.exists() and stamp.read_text() == fingerprint()):
-        # Sets of another generator must not be taken for ours, also if we are stopped half-way.
-        for old in options.out.glob(f"bench-{options.seed}-*/truth.json"):
-            old.unlink()
-        stamp.write_text(fingerprint())
-    numbers = range(options.first, options.first + options.count)
-    if options.jobs == 1:
-        progress((make_one(options, number) for number in numbers), options.count)
-        return
-    with ProcessPoolExecutor(options.jobs) as pool:
-        waiting = [pool.submit(partial(make_one, options), number) for number in numbers]
-        progress((done.result() for done in as_completed(waiting)), options.count)
-
-
-def progress(made, count: int):
-    """A line for every ten sets."""
-    for number, _ in enumerate(made, 1):
-        if number % 10 == 0 or number == count:
-            print(f"{number} of {count} sets", flush=True)
+    make_sets(options, "bench", fingerprint(), make_one)
 
 
 if __name__ == "__main__":

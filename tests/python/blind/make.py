@@ -7,11 +7,10 @@ a lag) and five an ordinary mistake. The same seed gives the same files, in any 
 
 import argparse
 import hashlib
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from functools import partial
 from pathlib import Path
 
 import numpy as np
+from bench.numbered import add_options, make_sets
 
 from . import draw, laws, mistakes
 from .files import write_set
@@ -24,7 +23,6 @@ KINDS = (
     + (draw.HIDDEN,) * 2
     + (draw.MISTAKE,) * 5
 )
-STAMP = "generator.stamp"
 EVALUATION = ("judge", "page", "run", "score")
 
 
@@ -77,37 +75,13 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(
         prog="python -m blind.make", description="Draws sets of synthetic bench experiments."
     )
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--out", type=Path, required=True)
+    add_options(parser)
     parser.add_argument("--kind", choices=sorted(set(KINDS)))
     parser.add_argument(
         "--name", choices=[*laws.LISTED, *mistakes.ALL], metavar="ID", help="a listed effect or a mistake, with --kind"
     )
-    parser.add_argument("--count", type=int, default=1)
-    parser.add_argument("--first", type=int, default=0, help="number of the first set")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--keep", action="store_true", help="keep sets that this generator has made before")
     options = parser.parse_args(arguments)
-    options.out.mkdir(parents=True, exist_ok=True)
-    stamp = options.out / STAMP
-    if not (stamp.exists() and stamp.read_text() == fingerprint()):
-        for old in options.out.glob(f"blind-{options.seed}-*/truth.json"):
-            old.unlink()
-        stamp.write_text(fingerprint())
-    numbers = range(options.first, options.first + options.count)
-    if options.jobs == 1:
-        progress((make_one(options, number) for number in numbers), options.count)
-        return
-    with ProcessPoolExecutor(options.jobs) as pool:
-        waiting = [pool.submit(partial(make_one, options), number) for number in numbers]
-        progress((done.result() for done in as_completed(waiting)), options.count)
-
-
-def progress(sets, count: int):
-    """A line for every ten sets."""
-    for number, _ in enumerate(sets, 1):
-        if number % 10 == 0 or number == count:
-            print(f"{number} of {count} sets", flush=True)
+    make_sets(options, "blind", fingerprint(), make_one)
 
 
 if __name__ == "__main__":

@@ -89,7 +89,7 @@ named! {
         WindingTemperature = "winding_temperature",
         /// True temperature of the housing, K.
         HousingTemperature = "housing_temperature",
-        /// True temperature of the surroundings, but for what terms add to it, K.
+        /// True ambient temperature without what terms add to it, K.
         AmbientTemperature = "ambient_temperature",
         /// Command to the fan, 0 to 1.
         FanCommand = "fan_command",

@@ -104,7 +104,7 @@ impl AnnulusCooledMotor {
             ambient_temperature: inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time,
             fan_command: inputs.fan_command,
             time,
-            // Known once the effects are told; only lags follow them ([`Self::lag_sources`]).
+            // Known once the effects have their drivers; only lags follow them ([`Self::lag_sources`]).
             copper_loss: 0.0,
             friction_loss: 0.0,
             lagged: self.term_lags,
