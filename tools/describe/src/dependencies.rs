@@ -139,9 +139,11 @@ impl Dependencies {
         let combinations = combinations(declaration, &choices);
         let points = combinations.par_iter().enumerate().flat_map_iter(|(k, combination)| {
             let points = points.iter().enumerate();
-            points.map(move |(turn, point)| (combination, *point, Probe::new(k, turn)))
+            points.map(move |(turn, point)| (combination, *point, turn, Probe::new(k, turn)))
         });
-        let look = |(combination, (scale, effects), mut probe): (&Vec<(usize, f64)>, Point, Probe)| -> Both {
+        type Place<'a> = (&'a Vec<(usize, f64)>, Point, usize, Probe);
+        let look = |(combination, (scale, effects), turn, mut probe): Place| -> Both {
+            let limits = turn < POINTS.len();
             let (mut running, mut initial) = none();
             let mut model = (kind.new)();
             model.set_terms(terms);
@@ -183,7 +185,7 @@ impl Dependencies {
                     }
                 }
                 let point = || start.boxed_clone();
-                let note = Note { declaration, unknowns: &at_start, starts };
+                let note = Note { declaration, unknowns: &at_start, starts, limits };
                 note.add(&mut initial, &decide, &mut probe, point, |m, time| m.start(time).is_ok(), START);
             }
             // A point away from rest, at which each input is varied alone.
@@ -201,7 +203,7 @@ impl Dependencies {
                     m.update();
                     true
                 };
-                let note = Note { declaration, unknowns: &at_once, starts };
+                let note = Note { declaration, unknowns: &at_once, starts, limits };
                 note.add(&mut running, &move_at_once, &mut probe, point, settle, START);
             }
             (running, initial)
@@ -272,6 +274,8 @@ struct Note<'a> {
     /// Entries that may change.
     unknowns: &'a [usize],
     starts: &'a StartValues,
+    /// Whether real parameters and inputs also move to their limits; there repetitions of a point find nothing new.
+    limits: bool,
 }
 
 impl Note<'_> {
@@ -356,7 +360,8 @@ impl Note<'_> {
             Kind::Integer => vec![entry.row.start - 1.0, entry.row.start + 1.0, entry.row.min, entry.row.max],
             Kind::Real => {
                 let (one, other) = (probe.generic(entry, self.starts), probe.generic(entry, self.starts));
-                vec![one, other, entry.row.min, entry.row.max]
+                let limits = [entry.row.min, entry.row.max];
+                [one, other].into_iter().chain(limits.into_iter().filter(|_| self.limits)).collect()
             }
         }
     }
