@@ -137,8 +137,10 @@ impl Slopes {
             None => Some(tangent.response(direction, |_| 1.0)),
             Some((a, n)) => {
                 let addition = &hypothesis.additions[a];
-                addition.active[self.runs[r]]
-                    .then(|| tangent.response(direction, |row| addition.slope(n, &tangent.drivers[row])))
+                addition.active[self.runs[r]].then(|| {
+                    let slopes = addition.slopes(n, &tangent.time, &tangent.drivers);
+                    tangent.response(direction, |row| slopes[row])
+                })
             }
         }
     }

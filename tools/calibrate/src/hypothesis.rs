@@ -2,8 +2,9 @@
 
 use crate::change::Change;
 use crate::outcome::Follows;
+use physics::components::sensor::lagged;
 use physics::model::Slot;
-use physics::terms::{Driver, Drivers, Factor, GenericTerm, Law, Port, Product, Table};
+use physics::terms::{Driver, Drivers, Factor, GenericTerm, Lag, Law, Port, Product, Table};
 
 /// A number of an addition.
 #[derive(Clone, Debug)]
@@ -48,17 +49,6 @@ pub enum Shape {
     },
 }
 
-impl Shape {
-    /// Its kind, as an index: an effect of the list, a power, a table.
-    pub fn kind(&self) -> usize {
-        match self {
-            Shape::Listed { .. } => 0,
-            Shape::Power { .. } => 1,
-            Shape::Table { .. } => 2,
-        }
-    }
-}
-
 /// What was added to a model.
 #[derive(Clone, Debug)]
 pub struct Addition {
@@ -74,9 +64,71 @@ pub struct Addition {
     pub numbers: Vec<Number>,
     /// Whether it acts, run by run.
     pub active: Vec<bool>,
+    /// The driver that a term follows late; its last number is then the time constant.
+    pub late: Option<Driver>,
+}
+
+/// Share of a time constant by which it is moved for a slope.
+const WAY: f64 = 1e-3;
+
+/// A driver at the rows of a run with a first-order lag, linear between them; it starts where the driver does.
+pub fn followed(time: &[f64], drivers: &[Drivers], lag: Lag) -> Vec<f64> {
+    let x = |row: usize| drivers[row].of(lag.driver);
+    let mut all = Vec::with_capacity(time.len());
+    let mut reached = x(0);
+    all.push(reached);
+    for row in 1..time.len() {
+        reached = lagged(reached, lag.tau, x(row - 1), x(row), time[row] - time[row - 1]);
+        all.push(reached);
+    }
+    all
 }
 
 impl Addition {
+    /// Its kind, as an index: an effect of the list, a power, a table, a law with a lag.
+    pub fn kind(&self) -> usize {
+        match self.shape {
+            _ if self.late.is_some() => 3,
+            Shape::Listed { .. } => 0,
+            Shape::Power { .. } => 1,
+            Shape::Table { .. } => 2,
+        }
+    }
+
+    /// The lag of its driver.
+    pub fn lag(&self) -> Option<Lag> {
+        Some(Lag { driver: self.late?, tau: self.numbers.last()?.value })
+    }
+
+    /// How many of its numbers are sizes of the term: the exponent of a power, a time constant and what stands behind a new node are
+    /// none.
+    pub fn sizes(&self) -> usize {
+        match &self.shape {
+            Shape::Listed { .. } | Shape::Power { .. } => 1,
+            Shape::Table { knots, .. } => knots.len(),
+        }
+    }
+
+    /// What the value grows by with one of the numbers, at each row of a run.
+    pub fn slopes(&self, number: usize, time: &[f64], drivers: &[Drivers]) -> Vec<f64> {
+        let Some(lag) = self.lag() else {
+            return drivers.iter().map(|d| self.slope(number, d)).collect();
+        };
+        let late = |lag: Lag| -> Vec<Drivers> {
+            let reached = followed(time, drivers, lag);
+            drivers.iter().zip(reached).map(|(d, z)| d.with(lag.driver, z)).collect()
+        };
+        let here = late(lag);
+        match self.term() {
+            Some(term) if number + 1 == self.numbers.len() => {
+                let longer = late(Lag { tau: lag.tau * (1.0 + WAY), ..lag });
+                let grows = |(a, b): (&Drivers, &Drivers)| (term.value(b) - term.value(a)) / (WAY * lag.tau);
+                here.iter().zip(&longer).map(grows).collect()
+            }
+            _ => here.iter().map(|d| self.slope(number, d)).collect(),
+        }
+    }
+
     /// Whether it stands in the list of effects.
     pub fn is_listed(&self) -> bool {
         matches!(self.shape, Shape::Listed { .. })
@@ -112,11 +164,11 @@ impl Addition {
                 Law::Product(Product { coefficient, factors })
             }
             Shape::Table { driver, knots } => {
-                let values: Vec<f64> = self.numbers.iter().map(|n| n.value).collect();
+                let values: Vec<f64> = self.numbers[..knots.len()].iter().map(|n| n.value).collect();
                 Law::Table(Table::new(*driver, knots, &values)?)
             }
         };
-        Some(GenericTerm::new(self.port, law))
+        Some(GenericTerm { port: self.port, law, lag: self.lag() })
     }
 
     /// Adds itself to a change.
@@ -210,7 +262,41 @@ mod tests {
             shape,
             numbers: numbers.iter().map(|x| number(*x, true)).collect(),
             active: vec![true],
+            late: None,
         }
+    }
+
+    /// Slopes of a lagged law are differences of its values along a run, its time constant among them.
+    #[test]
+    fn slopes_of_a_lag_are_those_of_its_law() {
+        let time: Vec<f64> = (0..200).map(|k| 3.0 * f64::from(k)).collect();
+        let drivers: Vec<Drivers> = time.iter().map(|t| at(300.0 + 200.0 * (t / 40.0).sin())).collect();
+        let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 200.0, exponent: 1.0 };
+        let with = |numbers: &[f64]| Addition {
+            late: Some(Driver::Speed),
+            ..addition(Shape::Power { factor }, numbers)
+        };
+        let values = |numbers: &[f64]| -> Vec<f64> {
+            let own = with(numbers);
+            let term = own.term().unwrap();
+            let reached = followed(&time, &drivers, own.lag().unwrap());
+            reached.iter().map(|z| term.value(&at(*z))).collect()
+        };
+        let numbers = [0.3, 1.4, 60.0];
+        for k in 0..3 {
+            let (mut more, mut less) = (numbers, numbers);
+            more[k] *= 1.0 + 1e-5;
+            less[k] *= 1.0 - 1e-5;
+            let slopes = with(&numbers).slopes(k, &time, &drivers);
+            let pairs = values(&more).into_iter().zip(values(&less));
+            let truth: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2e-5 * numbers[k])).collect();
+            let most = truth.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
+            for (row, (slope, own)) in truth.iter().zip(&slopes).enumerate() {
+                assert!((slope - own).abs() <= 2e-3 * most, "{k} {row}");
+            }
+        }
+        let start = with(&numbers).slopes(2, &time, &drivers)[0];
+        assert_eq!(start, 0.0);
     }
 
     fn at(speed: f64) -> Drivers {

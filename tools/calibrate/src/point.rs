@@ -177,6 +177,14 @@ impl<'a> Point<'a> {
         })
     }
 
+    /// Whether a channel has a reading in a run that is looked at.
+    pub fn is_read(&self, channel: &Channel) -> bool {
+        let experiment = self.setup.experiment;
+        let all = experiment.inputs.iter().chain(&experiment.outputs);
+        let Some(place) = all.clone().position(|c| c.column == channel.column) else { return false };
+        self.runs.iter().any(|r| experiment.runs[*r].table.columns[place].iter().any(|x| x.is_finite()))
+    }
+
     /// Where noise hides which way a force at a port acts, which turns round with the current or the speed.
     fn hidden_at(&self, port: Port) -> impl Fn(&Drivers) -> bool {
         self.hidden(match port {
@@ -238,8 +246,7 @@ impl<'a> Point<'a> {
             return Some(None);
         }
         let sloped: Vec<f64> = addition.numbers.iter().filter(|n| n.sloped).map(|n| n.value).collect();
-        // The exponent of a power and what stands behind a new node are no sizes.
-        let sizes = if matches!(addition.shape, Shape::Table { .. }) { sloped.len() } else { 1 };
+        let sizes = addition.sizes();
         let first = self.slopes.count() - sloped.len();
         let mut sum: Option<Vec<f64>> = None;
         for (k, value) in sloped[..sizes].iter().enumerate() {

@@ -26,10 +26,10 @@ pub const LEAST: f64 = 10.0;
 const PROMISING: f64 = 100.0;
 /// Costs as near as this cannot be told apart.
 const NEAR: f64 = 6.0;
-/// Contenders: effects of the list, powers, shapes.
-const CONTENDERS: [usize; 3] = [4, 2, 2];
+/// Contenders: effects of the list, powers, shapes, laws with a lag.
+const CONTENDERS: [usize; 4] = [4, 2, 2, 2];
 /// The same, by another measure.
-const FURTHER: [usize; 3] = [3, 1, 1];
+const FURTHER: [usize; 4] = [3, 1, 1, 1];
 /// What brings a store of its own is simulated ten times as slowly, and competes only where what is sure of it is this share of the
 /// best.
 const STORED: f64 = 0.2;
@@ -171,11 +171,18 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     for contender in &mut contenders {
         contender.refused = at_limit(contender.addition());
     }
-    // An effect of the list stands for a shape that explains hardly more.
-    let best = contenders.iter().find(|c| c.refused.is_none()).map_or(0.0, Contender::sure);
+    // An effect of the list stands for a shape that explains hardly more, and a law without a further state for one with it.
     let mut order: Vec<usize> = (0..contenders.len()).filter(|k| contenders[*k].refused.is_none()).collect();
-    let near = LEAST.max(STANDS_FOR * best);
-    order.sort_by_key(|k| !(contenders[*k].addition().is_listed() && best - contenders[*k].sure() < near));
+    let first = order.first().map(|k| &contenders[*k]);
+    let best = first.map_or(0.0, Contender::sure);
+    let is_late = |c: &Contender| c.addition().late.is_some();
+    let is_best_late = first.is_some_and(is_late);
+    let near = LEAST.max(best * if is_best_late { FORETELLING.1 } else { STANDS_FOR });
+    let stands = |c: &Contender| {
+        let is_simple = c.addition().is_listed() || (is_best_late && !is_late(c));
+        is_simple && best - c.sure() < near
+    };
+    order.sort_by_key(|k| !stands(&contenders[*k]));
     prefer_the_likelier(&contenders, &mut order);
     for k in order {
         // Who explains far less than one that was taken is not looked at.
@@ -300,10 +307,10 @@ fn choose(scored: &[Scored]) -> Vec<&Scored> {
             scored.iter().filter(|s| s.addition.is_some() && worth(s) > 0.0).collect();
         order.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         let best = scored.iter().map(worth).fold(0.0, f64::max);
-        let mut taken = [0; 3];
+        let mut taken = [0; 4];
         for candidate in order {
             let Some(addition) = &candidate.addition else { continue };
-            let k = addition.shape.kind();
+            let k = addition.kind();
             let names = chosen.iter().filter(|c| c.name == candidate.name).count();
             // An effect may act in other runs than was thought at first.
             let twice = names > usize::from(k == 0 && candidate.name.ends_with("some runs"));

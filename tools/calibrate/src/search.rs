@@ -6,16 +6,19 @@
 //! | at every port a smooth shape over every driver | as many as the data wants, [`Evidence::shape`](crate::evidence) |
 //! | at every port a power of every driver | coefficient, exponent |
 //! | at every port a force that is free in time | as many as the data wants |
+//! | at the ports that those single out: laws over a first-order lag of a driver or of a heat flow | as for a power or a shape, time constant |
 //! | at the ports that those single out: what latches, switches with hysteresis, comes and goes | size and threshold, width or period |
 //!
 //! Everything is compared by the fall of the evidence's cost less ln n for each number (Schwarz), n the blocks.
 
+mod hidden;
 mod past;
 #[cfg(test)]
 mod tests;
 
 use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
+use crate::experiment::Channel;
 use crate::hypothesis::{Addition, Number, Shape, hat, power};
 use crate::outcome::Follows;
 use crate::point::Point;
@@ -125,6 +128,16 @@ fn scale(point: &Point, driver: Driver) -> Factor {
     Factor { driver, offset, reference: most.max(1e-9), exponent: 1.0 }
 }
 
+/// Whether the bench tells a driver: a load that is imposed, a temperature of a node that has a sensor.
+fn is_known(point: &Point, driver: Driver) -> bool {
+    let has_sensor = || Channel::reading(driver).is_none_or(|c| point.is_read(c));
+    match driver {
+        Driver::LoadTorque => point.setup.has_load(),
+        Driver::WindingTemperature | Driver::HousingTemperature => has_sensor(),
+        _ => true,
+    }
+}
+
 /// Everything that a model may lack at a point, the one with the most evidence first.
 pub fn search(point: &Point) -> Vec<Scored> {
     let per_number = point.per_number();
@@ -149,6 +162,7 @@ pub fn search(point: &Point) -> Vec<Scored> {
         Port::ALL.par_iter().filter_map(|port| in_time(point, *port, per_number)).collect();
     free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
+    all.extend(hidden::lagging(point, &ports, per_number));
     all.par_extend(ports.par_iter().flat_map_iter(|port| histories(point, *port, per_number)));
     all.extend(free);
     leave_to_the_air(&mut all);
@@ -348,6 +362,7 @@ fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
         numbers: numbers.collect(),
         shape: Shape::Table { driver, knots },
         active: vec![true; point.setup.experiment.runs.len()],
+        late: None,
     });
     Some(found)
 }
@@ -392,6 +407,7 @@ fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
             number("exponent", exponent, (0.1, 5.0), "1", 0.05),
         ],
         active: vec![true; point.setup.experiment.runs.len()],
+        late: None,
     });
     Some(found)
 }

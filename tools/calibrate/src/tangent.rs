@@ -53,6 +53,8 @@ pub struct Direction {
 pub struct Tangent {
     /// Outputs at every row, rows times outputs, in SI units.
     pub shown: Vec<f64>,
+    /// Time of each row, s.
+    pub time: Vec<f64>,
     /// What terms may follow, at every row.
     pub drivers: Vec<Drivers>,
     /// One for each probe; `None` where the model refuses to be moved so.
@@ -136,7 +138,16 @@ impl Tangent {
         })?;
         let passes = passes(&drive.time, &slopes);
         let directions = moved.into_iter().map(|m| m.map(|m| m.direction)).collect();
-        Ok(Tangent { shown, drivers, directions, states: n, outputs: m, seen, passes })
+        Ok(Tangent {
+            shown,
+            time: drive.time.clone(),
+            drivers,
+            directions,
+            states: n,
+            outputs: m,
+            seen,
+            passes,
+        })
     }
 
     /// What white noise on inputs does to the outputs, rows times outputs: variances, by the row's own reading and in all. A

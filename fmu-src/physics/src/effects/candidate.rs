@@ -9,6 +9,8 @@ pub enum Follows {
     Nothing,
     /// The present value of a driver.
     Driver(Driver),
+    /// A first-order lag of a driver: a state that the model lacks.
+    Late(Driver),
     /// What was before: it latches, has hysteresis or comes and goes.
     History,
 }
@@ -18,7 +20,7 @@ impl Follows {
     pub fn name(self) -> Option<&'static str> {
         match self {
             Follows::Nothing => None,
-            Follows::Driver(driver) => Some(driver.name()),
+            Follows::Driver(driver) | Follows::Late(driver) => Some(driver.name()),
             Follows::History => Some("history"),
         }
     }

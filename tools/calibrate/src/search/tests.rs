@@ -1,4 +1,7 @@
 use super::*;
+use crate::setup::Setup;
+use crate::trial;
+use physics::terms::{GenericTerm, Lag, Law, Product};
 
 /// A law over a driver with so much evidence, and its shape: driver and value.
 fn law(port: Port, follows: Follows, sure: f64, shape: &[(f64, f64)]) -> Scored {
@@ -54,4 +57,51 @@ fn what_knows_its_past_is_clear_where_no_present_value_comes_near() {
     assert!(remembers(&[latch.clone(), in_time]));
     let free = Scored { name: format!("{}{FREE}", latch.name), ..latch };
     assert!(!remembers(&[free, present(100.0)]));
+}
+
+const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
+
+/// What a search finds in readings of a motor with a term, and the point from which it was looked for.
+fn found_of<T>(term: GenericTerm, see: impl Fn(&Point, Vec<Scored>) -> T) -> T {
+    let mut experiment = trial::experiment(PRIORS, true);
+    let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
+    trial::read(&mut experiment, &preset, Some(term));
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let point = Point::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+    let scored = search(&point);
+    see(&point, scored)
+}
+
+/// Magnets that warm behind the winding: port, driver and time constant come back from the readings alone.
+#[test]
+fn a_hidden_state_is_found_with_its_time_constant() {
+    let factor =
+        Factor { driver: Driver::WindingTemperature, offset: 298.15, reference: 10.0, exponent: 1.0 };
+    let law = Law::Product(Product { coefficient: -0.02, factors: [Some(factor), None, None] });
+    let lag = Some(Lag { driver: Driver::WindingTemperature, tau: 250.0 });
+    found_of(GenericTerm { port: Port::TorqueConstant, law, lag }, |point, scored| {
+        let late = |s: &&Scored| s.addition.as_ref().is_some_and(|a| a.late.is_some());
+        // The housing follows the winding late itself: port and memory are clear at once, the driver after the fit.
+        let best = scored.iter().find(late).unwrap();
+        assert!(
+            best.port == Port::TorqueConstant && matches!(best.follows, Follows::Late(_)),
+            "{}",
+            best.name
+        );
+        // In a single run a law over time may be the same in other words.
+        let is_present = |s: &&Scored| !late(s) && s.addition.is_some() && s.follows != over(Driver::Time);
+        let present = scored.iter().find(is_present).unwrap();
+        assert!(best.sure() > present.sure() + 30.0, "{} and {}", best.name, present.name);
+        let follows = Follows::Late(Driver::WindingTemperature);
+        let power = |s: &&Scored| {
+            s.addition.as_ref().is_some_and(|a| !a.is_table()) && s.port == best.port && s.follows == follows
+        };
+        let power = scored.iter().find(power).unwrap();
+        let mut hypothesis = point.setup.preset();
+        hypothesis.additions.extend(power.addition.clone());
+        let fitted = point.setup.fit(hypothesis, &[0]).unwrap();
+        let lag = fitted.hypothesis.additions[0].lag().unwrap();
+        assert!((lag.tau / 250.0 - 1.0).abs() < 0.05, "{lag:?}");
+        assert!(fitted.chi_square < 10.0 * fitted.readings as f64, "{}", fitted.chi_square);
+    });
 }

@@ -25,10 +25,13 @@ pub fn port(port: Port) -> &'static str {
 }
 
 /// The driver of a term, as a predicate.
-pub fn driver(follows: Follows) -> &'static str {
-    match follows {
+pub fn driver(follows: Follows) -> String {
+    let driver = match follows {
         Follows::Nothing => "is constant",
         Follows::History => "depends on the history",
+        Follows::Late(driver) => {
+            return self::driver(Follows::Driver(driver)) + " with a first-order lag";
+        }
         Follows::Driver(driver) => match driver {
             Driver::Speed => "follows the speed",
             Driver::Current => "follows the current",
@@ -41,7 +44,8 @@ pub fn driver(follows: Follows) -> &'static str {
             Driver::CopperLoss => "follows the copper loss",
             Driver::FrictionLoss => "follows the friction loss",
         },
-    }
+    };
+    driver.to_owned()
 }
 
 /// An id as words: `iron_loss` is iron loss.

@@ -1,0 +1,155 @@
+//! Hidden states: laws over a first-order lag of a driver or of a heat flow.
+//!
+//! A node that the model lacks, magnets or a bearing, follows the temperature or the heat beside it late. Its time constant is profiled:
+//! for each one of a series the answer of the linearised model to the lagged driver is known, and a law linear in it is scored; the fit
+//! by simulation then moves all numbers, the time constant among them.
+//! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
+
+use super::{CHOICE, Scored, is_known, scale, scored};
+use crate::evidence::Gain;
+use crate::hypothesis::{Addition, Number, Shape, followed, hat, power};
+use crate::outcome::Follows;
+use crate::point::Point;
+use physics::terms::{Driver, Factor, Lag, Port};
+use rayon::prelude::*;
+
+/// Shortest time constant that is tried, in rows: what is shorter is the driver itself.
+const ROWS: f64 = 5.0;
+/// Each time constant over the one before: first-order answers to neighbours correlate by 0.94, 2 sqrt(2) / 3.
+const APART: f64 = 2.0;
+/// Exponents that are tried at the best time constant.
+const EXPONENTS: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
+/// Points of a table over a lagged driver.
+const POINTS: usize = 5;
+
+/// A driver as its lag has it, run by run.
+struct Late {
+    lag: Lag,
+    reached: Vec<Vec<f64>>,
+    factor: Factor,
+}
+
+impl Late {
+    fn new(point: &Point, lag: Lag) -> Late {
+        let tangents = point.slopes.tangents.iter();
+        let reached: Vec<Vec<f64>> = tangents.map(|t| followed(&t.time, &t.drivers, lag)).collect();
+        let factor = scale(point, lag.driver);
+        let most = reached.iter().flatten().map(|z| (z - factor.offset).abs()).fold(1e-9, f64::max);
+        Late { lag, reached, factor: Factor { reference: most, ..factor } }
+    }
+
+    fn gain(&self, point: &Point, port: Port, exponent: f64) -> Option<Gain> {
+        let value = |r: usize, row: usize| power(&self.factor, self.reached[r][row], exponent);
+        point.evidence.gain(&point.port_columns(port, 1, |_, r, row, _| value(r, row))?)
+    }
+}
+
+/// Time constants that are tried: from a few rows to the longest run.
+fn time_constants(point: &Point) -> Vec<f64> {
+    let runs = point.slopes.tangents.iter().map(|t| (t.time[t.time.len() - 1] - t.time[0], t.time.len()));
+    let longest = runs.clone().map(|(span, _)| span).fold(0.0, f64::max);
+    let row = runs.map(|(span, rows)| span / rows as f64).fold(f64::INFINITY, f64::min);
+    std::iter::successors(Some(ROWS * row), |tau| Some(APART * tau))
+        .take_while(|tau| *tau <= longest)
+        .collect()
+}
+
+/// The best law over a lag of each driver, at these ports.
+pub(super) fn lagging(point: &Point, ports: &[Port], per_number: f64) -> Vec<Scored> {
+    let taus = time_constants(point);
+    let moves = |driver: Driver| {
+        let values = || point.drivers().map(|d| d.of(driver));
+        let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+        if driver.is_heat() { most > least } else { super::knots(point, driver).is_some() }
+    };
+    let drivers: Vec<Driver> = Driver::ALL
+        .iter()
+        .copied()
+        .filter(|d| *d != Driver::Time && is_known(point, *d) && moves(*d))
+        .collect();
+    let tried: Vec<(Driver, f64)> = drivers.iter().flat_map(|d| taus.iter().map(|tau| (*d, *tau))).collect();
+    let late: Vec<Late> =
+        tried.into_par_iter().map(|(driver, tau)| Late::new(point, Lag { driver, tau })).collect();
+    let places: Vec<(Port, Driver)> =
+        ports.iter().flat_map(|p| drivers.iter().map(move |d| (*p, *d))).collect();
+    let find = |(port, driver): &(Port, Driver)| {
+        let own = late.iter().filter(|l| l.lag.driver == *driver);
+        let gains = own.filter_map(|l| Some((l, l.gain(point, *port, 1.0)?)));
+        let (best, _) = gains.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+        let laws =
+            [powers(point, *port, best, &taus, per_number), table(point, *port, best, &taus, per_number)];
+        Some(laws.into_iter().flatten())
+    };
+    places.par_iter().filter_map(find).flat_map_iter(|laws| laws).collect()
+}
+
+/// The time constant of a lag as a number that is fitted.
+fn time_constant(late: &Late, taus: &[f64]) -> Number {
+    let (first, last) = (taus[0], taus[taus.len() - 1]);
+    Number {
+        symbol: "tau".to_string(),
+        value: late.lag.tau,
+        limits: (0.5 * first, 4.0 * last),
+        unit: "s",
+        scale: 0.2 * late.lag.tau,
+        sloped: true,
+    }
+}
+
+fn number(symbol: String, value: f64, limits: (f64, f64), unit: &'static str, scale: f64) -> Number {
+    Number { symbol, value, limits, unit, scale, sloped: true }
+}
+
+const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+fn addition(point: &Point, port: Port, late: &Late, shape: Shape, numbers: Vec<Number>) -> Addition {
+    Addition {
+        id: "generic_term".to_string(),
+        port,
+        follows: Follows::Late(late.lag.driver),
+        shape,
+        numbers,
+        active: vec![true; point.setup.experiment.runs.len()],
+        late: Some(late.lag.driver),
+    }
+}
+
+fn powers(point: &Point, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
+    let gains = EXPONENTS.iter().filter_map(|e| Some((*e, late.gain(point, port, *e)?)));
+    let (exponent, gain) = gains.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
+    let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
+    let follows = Follows::Late(late.lag.driver);
+    let mut found = scored(name, port, follows, &gain, 3.0 * per_number + CHOICE, &[0.0]);
+    let spread = gain.covariance[(0, 0)].sqrt();
+    let numbers = vec![
+        number("coefficient".to_string(), gain.size[0], FREE, port.unit().name(), spread),
+        number("exponent".to_string(), exponent, (0.1, 5.0), "1", 0.05),
+        time_constant(late, taus),
+    ];
+    let shape = Shape::Power { factor: Factor { exponent, ..late.factor } };
+    found.addition = Some(addition(point, port, late, shape, numbers));
+    Some(found)
+}
+
+fn table(point: &Point, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
+    let values = || late.reached.iter().flatten();
+    let (least, most) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(*z), b.max(*z)));
+    let knots: Vec<f64> =
+        (0..POINTS).map(|k| least + (most - least) * k as f64 / (POINTS - 1) as f64).collect();
+    if knots.windows(2).any(|pair| pair[0] >= pair[1]) {
+        return None;
+    }
+    let columns = point.port_columns(port, POINTS, |k, r, row, _| hat(&knots, k, late.reached[r][row]))?;
+    let gain = point.evidence.shape(&columns, &super::alike(&knots))?;
+    let driver = late.lag.driver;
+    let name = format!("{} over lag of {}", port.name(), driver.name());
+    let mut found = scored(name, port, Follows::Late(driver), &gain, 3.0 * per_number + CHOICE, &knots);
+    let value = |(k, x): (usize, &f64)| {
+        let symbol = format!("value at lagged {} = {x:.4}", driver.name());
+        number(symbol, gain.size[k], FREE, port.unit().name(), gain.covariance[(k, k)].sqrt())
+    };
+    let mut numbers: Vec<Number> = knots.iter().enumerate().map(value).collect();
+    numbers.push(time_constant(late, taus));
+    found.addition = Some(addition(point, port, late, Shape::Table { driver, knots }, numbers));
+    Some(found)
+}
