@@ -61,7 +61,7 @@ pub fn run(
     let mut setup = Setup::new(experiment, preset)?.until(deadline.clone());
     let fit = setup.runs(Role::Fit);
     // What time cuts off is answered with what there is by then.
-    let mut refit = setup.refit(&fit);
+    let mut refit = setup.refit_between_runs(&fit);
     let mut is_cut = deadline.is_near();
     if !is_cut {
         let heard = refit.and_then(|r| setup.hear_inputs(&r, &fit).map(|()| r));

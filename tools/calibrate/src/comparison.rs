@@ -64,7 +64,7 @@ pub fn notes(errors: &[ChannelError], boxes: &[BlackBox], verdict: Verdict) -> V
 }
 
 /// A number with three significant digits.
-fn digits(x: f64) -> String {
+pub fn digits(x: f64) -> String {
     let places = (2.0 - x.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     if x.is_finite() { format!("{x:.places$}") } else { "no number".to_string() }
 }

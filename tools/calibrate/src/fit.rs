@@ -192,19 +192,43 @@ impl Setup<'_> {
         logarithms: bool,
         options: &Options,
     ) -> Result<Fitted, CalibrateError> {
-        let is_wide = |k: usize| logarithms && self.declared.get(k).is_some_and(is_wide);
-        let scales: Vec<Scale> = self
-            .scales(&start)
-            .into_iter()
-            .enumerate()
-            .map(|(k, (unit, limits, prior))| Scale { unit, limits, prior, is_log: is_wide(k) })
-            .collect();
+        let scales = self.scaled(&start, logarithms);
         let limits: Vec<(f64, f64)> =
             scales.iter().map(|s| (s.variable(s.limits.0), s.variable(s.limits.1))).collect();
         let numbers = start.numbers();
         let x =
             DVector::from_iterator(scales.len(), numbers.iter().zip(&scales).map(|(p, s)| s.variable(*p)));
         Ok(minimise(&Fit { setup: self, start: &start, runs, scales }, x, &limits, options)?.point)
+    }
+
+    /// How the numbers of a hypothesis are variables of the fit.
+    fn scaled(&self, hypothesis: &Hypothesis, logarithms: bool) -> Vec<Scale> {
+        let is_wide = |k: usize| logarithms && self.declared.get(k).is_some_and(is_wide);
+        let scales = self.scales(hypothesis).into_iter().enumerate();
+        scales.map(|(k, (unit, limits, prior))| Scale { unit, limits, prior, is_log: is_wide(k) }).collect()
+    }
+
+    /// The fit from a start far off: wide parameters by their logarithms first, since a limit at zero has no logarithm.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn settled(&self, start: Hypothesis, runs: &[usize]) -> Result<Fitted, CalibrateError> {
+        let far = self.fit_with(start, runs, true, &FAR)?;
+        self.fit_with(far.hypothesis, runs, false, &FAR)
+    }
+
+    /// What each output says of the numbers of a fitted hypothesis, in units of their scales.
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn informations(&self, fitted: &Fitted, runs: &[usize]) -> Result<Vec<DMatrix<f64>>, CalibrateError> {
+        let fit = Fit {
+            setup: self,
+            start: &fitted.hypothesis,
+            runs,
+            scales: self.scaled(&fitted.hypothesis, false),
+        };
+        Ok(fit.informations(fitted, &fit.columns(fitted)?))
     }
 
     /// The first fit of the declared parameters: from the preset, and where priors are wide from further starts.
@@ -221,9 +245,7 @@ impl Setup<'_> {
             if best.is_ok() && self.deadline().is_near() {
                 break;
             }
-            let far = self.fit_with(start, runs, true, &FAR);
-            // A limit at zero has no logarithm.
-            let near = far.and_then(|f| self.fit_with(f.hypothesis, runs, false, &FAR));
+            let near = self.settled(start, runs);
             let better = match (&near, &best) {
                 (Ok(near), Ok(best)) => near.cost < best.cost,
                 (near, _) => near.is_ok(),
@@ -318,7 +340,7 @@ type Columns = Vec<Vec<Option<Vec<f64>>>>;
 
 impl Fit<'_> {
     /// Calls `tell` for every reading with its slopes over the scaled numbers and its residual, both in units of the noise.
-    fn each(&self, fitted: &Fitted, columns: &Columns, mut tell: impl FnMut(&[f64], f64)) {
+    fn each(&self, fitted: &Fitted, columns: &Columns, mut tell: impl FnMut(usize, &[f64], f64)) {
         let numbers = fitted.hypothesis.numbers();
         let units: Vec<f64> = self.scales.iter().zip(&numbers).map(|(s, p)| s.unit * s.slope(*p)).collect();
         let mut slopes = vec![0.0; self.scales.len()];
@@ -328,9 +350,34 @@ impl Fit<'_> {
                 for ((slope, column), unit) in slopes.iter_mut().zip(&columns[r]).zip(&units) {
                     *slope = column.as_ref().map_or(0.0, |c| c[place] * unit / sigma);
                 }
-                tell(&slopes, -off / sigma);
+                tell(output, &slopes, -off / sigma);
             });
         }
+    }
+}
+
+impl Fit<'_> {
+    /// The slopes of a fitted hypothesis.
+    fn columns(&self, fitted: &Fitted) -> Result<Columns, CalibrateError> {
+        let slopes = Slopes::new(self.setup, &fitted.hypothesis, self.runs, &[])?;
+        let of_run =
+            |r: usize| (0..slopes.count()).map(|k| slopes.answer(&fitted.hypothesis, r, k)).collect();
+        Ok((0..self.runs.len()).into_par_iter().map(of_run).collect())
+    }
+
+    /// What each output says of the scaled numbers.
+    fn informations(&self, fitted: &Fitted, columns: &Columns) -> Vec<DMatrix<f64>> {
+        let p = self.scales.len();
+        let mut all = vec![DMatrix::<f64>::zeros(p, p); self.setup.outputs()];
+        self.each(fitted, columns, |output, slopes, _| {
+            for a in 0..p {
+                for b in 0..=a {
+                    all[output][(a, b)] += slopes[a] * slopes[b];
+                }
+            }
+        });
+        all.iter_mut().for_each(DMatrix::fill_upper_triangle_with_lower_triangle);
+        all
     }
 }
 
@@ -350,21 +397,8 @@ impl Problem for Fit<'_> {
     }
 
     fn linearise(&self, _: &DVector<f64>, fitted: &Fitted) -> Result<Self::Slopes, CalibrateError> {
-        let slopes = Slopes::new(self.setup, &fitted.hypothesis, self.runs, &[])?;
-        let columns: Columns = (0..self.runs.len())
-            .into_par_iter()
-            .map(|r| (0..slopes.count()).map(|k| slopes.answer(&fitted.hypothesis, r, k)).collect())
-            .collect();
-        let p = self.scales.len();
-        let mut information = DMatrix::<f64>::zeros(p, p);
-        self.each(fitted, &columns, |slopes, _| {
-            for a in 0..p {
-                for b in 0..=a {
-                    information[(a, b)] += slopes[a] * slopes[b];
-                }
-            }
-        });
-        information.fill_upper_triangle_with_lower_triangle();
+        let columns = self.columns(fitted)?;
+        let mut information: DMatrix<f64> = self.informations(fitted, &columns).iter().sum();
         let numbers = fitted.hypothesis.numbers();
         for (k, scale) in self.scales.iter().enumerate().filter(|(_, s)| s.prior.is_some()) {
             information[(k, k)] += scale.slope(numbers[k]).powi(2);
@@ -378,7 +412,7 @@ impl Problem for Fit<'_> {
 
     fn gradient(&self, x: &DVector<f64>, fitted: &Fitted, slopes: &Self::Slopes) -> DVector<f64> {
         let mut gradient = DVector::zeros(x.len());
-        self.each(fitted, &slopes.0, |slopes, residual| {
+        self.each(fitted, &slopes.0, |_, slopes, residual| {
             gradient.iter_mut().zip(slopes).for_each(|(g, slope)| *g += slope * residual);
         });
         for (k, (scale, number)) in self.scales.iter().zip(fitted.hypothesis.numbers()).enumerate() {

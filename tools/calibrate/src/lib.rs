@@ -11,6 +11,7 @@
 //! | [`hypothesis`], [`catalogue`] | a model that may be: parameters, effects of the list, terms of no list |
 //! | [`setup`] | all of it ready to be asked; residuals row by row and in blocks |
 //! | [`fit`] | the numbers of a hypothesis: bounded, with priors |
+//! | `disagreement` | runs that disagree by more than the noise of the sensors |
 //! | `hearing` | what the noise of the inputs does to it |
 //! | [`tangent`] | the model linearised along a run: what any small force at any port would do |
 //! | [`evidence`] | what a column would explain beside all parameters and drifting sensors |
@@ -28,6 +29,7 @@ pub mod change;
 pub mod close_loop;
 mod comparison;
 mod deadline;
+mod disagreement;
 pub mod evidence;
 pub mod experiment;
 pub mod fit;

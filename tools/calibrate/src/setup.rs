@@ -88,6 +88,8 @@ pub struct Setup<'a> {
     pub declared: Vec<Declared>,
     /// Standard deviations of the noise: inputs, then outputs.
     pub noise: Vec<f64>,
+    /// The part of the outputs' noise that is disagreement between runs; empty without.
+    pub between: Vec<f64>,
     /// Inputs whose noise the stores of heat remember, so that it shows in neighbouring rows alike.
     pub remembered: Vec<usize>,
     /// Where the naive fit stands at the rows of the runs that are fitted: what is looked for over a driver is looked for there.
@@ -161,6 +163,7 @@ impl<'a> Setup<'a> {
             smooth,
             declared,
             noise,
+            between: Vec::new(),
             remembered: Vec::new(),
             reached: Arc::default(),
             windows,
@@ -220,6 +223,12 @@ impl<'a> Setup<'a> {
     /// Noise of an output.
     pub fn sigma(&self, output: usize) -> f64 {
         self.noise[self.experiment.inputs.len() + output]
+    }
+
+    /// Noise of an output without the disagreement between runs.
+    pub fn sensor_noise(&self, output: usize) -> f64 {
+        let between = self.between.get(output).copied().unwrap_or(0.0);
+        (self.sigma(output).powi(2) - between * between).max(0.0).sqrt()
     }
 
     /// Noise of a channel, input or output; `None` where it was not measured.
@@ -318,7 +327,7 @@ impl<'a> Setup<'a> {
     }
 
     /// The sum of squares over runs in SI units and the number of readings, output by output.
-    fn squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<(f64, usize)> {
+    pub fn squares(&self, runs: &[usize], shown: &[Shown]) -> Vec<(f64, usize)> {
         let mut sums = vec![(0.0, 0usize); self.outputs()];
         for (run, shown) in runs.iter().zip(shown) {
             self.each(*run, shown, |_, output, off| {

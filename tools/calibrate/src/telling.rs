@@ -124,7 +124,7 @@ pub fn outcome(
         let (direct, whole) = setup.input_noise(&hypothesis, &runs)?;
         for (k, channel) in experiment.outputs.iter().enumerate().filter(|(k, _)| b[*k].is_finite()) {
             // The noise of an output holds already what the inputs' noise does to it at once.
-            let floor = (setup.sigma(k).powi(2) + (whole[k] - direct[k]).max(0.0)).sqrt();
+            let floor = (setup.sensor_noise(k).powi(2) + (whole[k] - direct[k]).max(0.0)).sqrt();
             let column = channel.column;
             let of_box =
                 |b: &crate::outcome::BlackBox| b.errors.iter().find(|(r, _)| *r == role).map(|(_, e)| *e);
@@ -140,6 +140,7 @@ pub fn outcome(
             });
         }
     }
+    notes.extend(disagreement(setup, &errors));
     notes.extend(comparison::notes(&errors, &boxes, judged.verdict));
     let added =
         hypothesis.additions.iter().flat_map(|a| a.numbers.iter().filter(|n| n.sloped).map(move |n| (a, n)));
@@ -190,6 +191,25 @@ pub fn outcome(
         boxes,
         is_cut: false,
         seconds: 0.0,
+    })
+}
+
+/// The disagreement between runs in one sentence, where it counts as noise.
+fn disagreement(setup: &Setup, errors: &[ChannelError]) -> Option<String> {
+    let of_fit = errors.iter().filter(|e| e.role == Role::Fit && !setup.between.is_empty());
+    let parts: Vec<String> = of_fit
+        .map(|e| {
+            let (name, unit) = column_words(e.column);
+            format!("{name} {} {unit}", comparison::digits(e.refit)).trim_end().to_string()
+        })
+        .collect();
+    (!parts.is_empty()).then(|| {
+        format!(
+            "the fit runs disagree by more than the noise of their sensors: {} (RMSE of the fit). A fit with the sensor noise alone predicts \
+             runs that it leaves out worse than the preset; so the disagreement counts as noise that persists over a run, in the fit, in the \
+             intervals and in the search for effects",
+            parts.join(", ")
+        )
     })
 }
 
