@@ -66,12 +66,17 @@ fn near(got: f64, want: f64, relative: f64, what: &str) {
     assert!((got - want).abs() <= relative * want.abs(), "{what}: {got} and {want} by the book");
 }
 
-/// Natural convection on a horizontal cylinder, eq. 9.34, W/(m2.K).
+/// Natural convection on the horizontal motor, W/(m2.K).
 fn lying_cylinder(d: f64) -> f64 {
-    let film = air(0.5 * (SURFACE + AMBIENT));
+    natural_on_cylinder(d, SURFACE)
+}
+
+/// Natural convection on a horizontal cylinder at `t`, eq. 9.34, W/(m2.K).
+fn natural_on_cylinder(d: f64, t: f64) -> f64 {
+    let film = air(0.5 * (t + AMBIENT));
     let nu = film.mu / film.rho;
     let alpha = film.k / (film.rho * film.c_p);
-    let ra = 9.81 * 2.0 / (SURFACE + AMBIENT) * (SURFACE - AMBIENT) * d.powi(3) / (nu * alpha);
+    let ra = 9.81 * 2.0 / (t + AMBIENT) * (t - AMBIENT) * d.powi(3) / (nu * alpha);
     let root =
         0.60 + 0.387 * ra.powf(1.0 / 6.0) / (1.0 + (0.559 / film.pr).powf(9.0 / 16.0)).powf(8.0 / 27.0);
     root * root * film.k / d
@@ -89,7 +94,12 @@ fn end_disc(d: f64) -> f64 {
 
 /// Radiation to a large room, W/(m2.K).
 fn radiation(eps: f64) -> f64 {
-    eps * SIGMA * (SURFACE.powi(4) - AMBIENT.powi(4)) / (SURFACE - AMBIENT)
+    radiation_from(eps, SURFACE)
+}
+
+/// The same from a surface at `t`, W/(m2.K).
+fn radiation_from(eps: f64, t: f64) -> f64 {
+    eps * SIGMA * (t.powi(4) - AMBIENT.powi(4)) / (t - AMBIENT)
 }
 
 /// Two conductances of the datasheet: 1/7.4 K/W in still air and G_forced more at full command, by Re^0.8 in between.
@@ -332,7 +342,8 @@ fn annulus_push_and_pull() {
             let resistance = 1.0 / p.housing.emissivity
                 + inner / wall * (1.0 - p.annulus.emissivity) / p.annulus.emissivity;
             near(c.to_tube * N as f64, inner * black / resistance, 1e-3, &format!("{what}: radiation"));
-            near(c.tube_to_room, p.annulus.U_outside * wall, 1e-9, &format!("{what}: tube to room"));
+            let outside = natural_on_cylinder(outer, TUBE) + radiation_from(p.annulus.emissivity, TUBE);
+            near(c.tube_to_room, outside * wall, 0.01, &format!("{what}: tube to room"));
             // The two ends see the room.
             let ends = PI / 2.0
                 * p.housing.diameter.powi(2)

@@ -10,6 +10,7 @@ mod books;
 mod brushed_gearmotor;
 mod cooling_values;
 mod effects;
+mod fan_at_rest;
 mod hot_spot;
 mod initial;
 mod limits;

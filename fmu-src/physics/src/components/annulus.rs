@@ -3,6 +3,9 @@
 //! pushed: p(Q) = rho u^2/2 [1 - sigma^2 + K_c(sigma)] + friction                            (1)
 //! pulled: p(Q) = rho u^2/2 [K_c(0) + K_e(sigma)] + friction                                 (2)
 //! leak:   Q_leak = A_leak sqrt(2 p/rho)                                                     (3)
+//! upright: buoyancy = g L (rho_a - rho_gap) = g L rho_gap (T_gap - T_a)/T_a                 (4)
+//! at rest: heat from motor to tube = 2 pi L k_eff (T - T_t)/ln(D_o/D_i)                     (5)
+//! tube:    heat to ambient = F (h + h_r) pi D_o L (T_t - T_a)                               (6)
 //!
 //! sigma is the section of the gap over the fan's opening. Pushed, the air leaves into the room with its dynamic
 //! head (K_e(0) = 1 takes all of it); pulled, it comes from the room (sigma = 0) and the fan's static pressure
@@ -11,18 +14,28 @@
 //! the profile's momentum. A gap wider than the opening has sigma = 1: no contraction.
 //! *Assumes* a smooth concentric gap as long as the shorter of tube and motor; a leak as an orifice with the
 //! area A_leak between fan and gap, its contraction in the area.
+//! (4) drives the air of an upright gap together with the fan, upwards; T_gap is the air's mean temperature. With the friction and
+//! the heat transfer of the developing flow it is the chimney from boundary layers to developed flow: within 15 % of Bar-Cohen and
+//! Rohsenow's channel of one isothermal and one adiabatic wall (test in `tests/fan_at_rest.rs`). A fan at rest takes no pressure.
+//! (5) k_eff by `correlations/natural_convection.rs` (5) in a horizontal gap, conduction in an upright one, whose circulation is (4).
+//! It replaces the two films of the developed flow in the measure exp(-Gz), Gz = Re Pr D_h/L: below 1 the air reaches the walls'
+//! temperature within the gap and carries nothing more.
+//! (6) natural convection h on a cylinder in the motor's orientation, radiation h_r with the tube's emissivity, factor F.
+//! *Neglects* the air that passes the open ends of a horizontal gap at rest, the resistance of the fan's blades at rest, the tube's
+//! wall (2 mm of ABS: 10 % of (6)), flow downwards against the buoyancy.
 //! *Neglects* the wake of the hub, tabs that hold the tube, the tube beyond the motor.
 //! *Sign*: p > 0 against the fan. *Range*: D_motor < D_tube; that of the correlations.
 //! *Source*: Kays and London, Compact Heat Exchangers, ch. 2 and 5, with the exit of (1), (2) corrected
 //! (`seeds` audit T35); masses from the thesis, tables 1 to 3; ABS: c_p 1400 J/(kg.K), emissivity 0.9
-//! (typical of plastics); the wall's loss outside, about 8 W/(m2.K), is natural convection and radiation of a
-//! plastic tube in a room through its own 2 mm.
+//! (typical of plastics); (4) Bar-Cohen and Rohsenow, J. Heat Transfer 106 (1984) 116-123: their momentum balance of developed flow,
+//! here with the friction of the entrance.
 
-use super::housing::Housing;
+use super::housing::{GRAVITY, Housing, Orientation};
 use crate::correlations::annulus_friction as friction;
 use crate::correlations::annulus_heat_transfer::{Entry, HeatedAnnulus, Wall};
 use crate::correlations::entrance_exit::{contraction, expansion, momentum_ratio};
-use crate::media::air::Air;
+use crate::correlations::{natural_convection as natural, radiation};
+use crate::media::air::{Air, density};
 use declare::{Unit, Variable, variables};
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -49,12 +62,12 @@ variables! {
         /// Factor on the heat transfer coefficient in the annulus, fan pulling
         factor_pull: f64 = Variable::tunable(6, 1.0, Unit::One, 0.1, 10.0).log()
             .source("neutral"),
-        /// Emissivity of the tube's inner surface
+        /// Emissivity of the tube's inner and outer surface
         emissivity: f64 = Variable::tunable(7, 0.9, Unit::One, 0.0, 1.0)
             .source("plastics, typical"),
-        /// Heat transfer coefficient from the tube to ambient; 0 = insulated tube
-        U_outside: f64 = Variable::tunable(8, 8.0, Unit::WattPerSquareMetreKelvin, 0.0, 1e3)
-            .source("estimate: natural convection and radiation"),
+        /// Factor on natural convection and radiation from the tube to ambient; 0 = insulated tube
+        factor_outside: f64 = Variable::tunable(9, 1.0, Unit::One, 0.0, 10.0)
+            .source("neutral"),
     }
 }
 
@@ -87,6 +100,9 @@ pub struct Gap {
     fixed_loss: f64,
     leak_area: f64,
     draught: FlowDirection,
+    /// Diameters of motor and tube, m.
+    diameters: [f64; 2],
+    orientation: Orientation,
 }
 
 impl Gap {
@@ -112,7 +128,55 @@ impl Gap {
             fixed_loss,
             leak_area: annulus.leak_area,
             draught,
+            diameters: [d_i, d_o],
+            orientation: housing.orientation,
         }
+    }
+
+    /// Diameter of the motor over that of the tube.
+    pub fn ratio(&self) -> f64 {
+        self.ratio
+    }
+
+    /// Whether buoyancy drives air along the gap.
+    pub fn is_upright(&self) -> bool {
+        self.orientation == Orientation::Vertical
+    }
+
+    /// Pressure of the buoyancy with the gap's air at the mean temperature `t`, ambient air at `t_a`, K, and `p`, Pa, eq. (4), in the
+    /// direction in which it drives the air, Pa; 0 in a horizontal gap.
+    pub fn buoyancy(&self, t: f64, t_a: f64, p: f64) -> f64 {
+        if !self.is_upright() {
+            return 0.0;
+        }
+        let dt = t - t_a;
+        // The magnitude of dt, smooth where the flow turns round.
+        let magnitude = dt * dt / natural::driving_difference(dt);
+        GRAVITY * self.length * density(t, p) * magnitude / t_a
+    }
+
+    /// Conductance from motor to tube through air at rest, eq. (5), W/K.
+    pub fn at_rest(&self, surface: f64, tube: f64, p: f64) -> f64 {
+        let air = Air::at(0.5 * (surface + tube), p);
+        let [d_i, d_o] = self.diameters;
+        let circulation = if self.is_upright() {
+            1.0
+        } else {
+            let length = natural::concentric_length(d_i, d_o);
+            natural::concentric_cylinders(
+                air.rayleigh(natural::driving_difference(surface - tube), length, GRAVITY),
+                air.pr,
+            )
+        };
+        2.0 * PI * self.length * circulation * air.k / (d_o / d_i).ln()
+    }
+
+    /// Conductance from the tube to ambient, eq. (6), W/K.
+    pub fn tube_to_ambient(&self, annulus: &Annulus, t: f64, t_a: f64, p: f64) -> f64 {
+        let size = [self.diameters[1], self.length];
+        let convection = self.orientation.lateral_coefficient(size, [t, t_a], p);
+        let all = convection + radiation::coefficient(annulus.emissivity, t, t_a);
+        annulus.factor_outside * all * self.wall_area
     }
 
     /// Reynolds number on the hydraulic diameter at the mass flow `m` in kg/s.
@@ -132,9 +196,10 @@ impl Gap {
         0.5 * air.rho * u * u * loss + friction::pressure_drop(f_re, air.mu, u, self.length, self.d_h)
     }
 
-    /// Flow that passes by the leak at the pressure `p` in Pa in air of the density `rho`, eq. (3), m3/s.
+    /// Flow that passes by the leak at the pressure `p` in Pa in air of the density `rho`, eq. (3), m3/s; inwards where
+    /// buoyancy lowers the pressure behind the fan.
     pub fn leak(&self, p: f64, rho: f64) -> f64 {
-        self.leak_area * (2.0 * p.max(0.0) / rho).sqrt()
+        self.leak_area * (2.0 * p.abs() / rho).sqrt().copysign(p)
     }
 }
 
@@ -215,11 +280,27 @@ mod tests {
         assert_eq!(Annulus::default().fault(&Housing::default()), None);
     }
 
+    /// g L (rho_a - rho): at 60 K above 298.15 K 9.80665 * 0.064 * 1.1839 * 60/358.15 = 0.12448 Pa; at equal temperatures 0 with the
+    /// derivative 0, and the same in air that is colder.
+    #[test]
+    fn buoyancy_of_an_upright_gap() {
+        let housing = Housing { orientation: Orientation::Vertical, ..Housing::default() };
+        let g = Gap::new(&Annulus::default(), &housing, 1e-3, FlowDirection::Pull);
+        let (t_a, p) = (298.15, 101_325.0);
+        let at = |dt: f64| g.buoyancy(t_a + dt, t_a, p);
+        assert!((at(60.0) - 0.12448).abs() < 2e-5, "{}", at(60.0));
+        let exact = GRAVITY * 0.064 * (density(t_a - 10.0, p) - density(t_a, p));
+        assert!((at(-10.0) / exact - 1.0).abs() < 1e-4);
+        assert!(at(0.0) == 0.0 && at(1e-5) < 1e-3 * 1e-5, "{}", at(1e-5));
+        assert_eq!(gap(0.040, FlowDirection::Pull).buoyancy(350.0, t_a, p), 0.0, "horizontal");
+    }
+
     #[test]
     fn a_leak_is_an_orifice() {
         let annulus = Annulus { leak_area: 1e-3, ..Annulus::default() };
         let g = Gap::new(&annulus, &Housing::default(), 1e-3, FlowDirection::Push);
         assert!((g.leak(60.0, 1.2) - 1e-2).abs() < 1e-15);
-        assert_eq!(g.leak(-1.0, 1.2), 0.0);
+        assert!((g.leak(-60.0, 1.2) + 1e-2).abs() < 1e-15);
+        assert_eq!(g.leak(0.0, 1.2), 0.0);
     }
 }

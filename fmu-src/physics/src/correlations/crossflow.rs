@@ -28,7 +28,7 @@ pub fn cylinder(re: f64, pr: f64) -> f64 {
 /// How forced and natural convection join: the exponent n of eq. (2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mixing {
-    /// n = 3: plates and flow along a cylinder
+    /// n = 3: plates, flow along a cylinder, flow across an upright cylinder
     General,
     /// n = 4: flow across a horizontal cylinder
     HorizontalCylinder,

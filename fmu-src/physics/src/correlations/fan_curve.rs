@@ -168,9 +168,8 @@ impl<'a> FanCurve<'a> {
     }
 
     /// Flow in m3/s where the fan meets `system`, eq. (4). `system` gives the pressure in Pa that a flow in
-    /// m3/s takes: 0 or less at rest, rising. No more flow than the free one is looked for: a system that
-    /// drives the fan gets that. Bisection, safeguarding a secant: at most 100 steps, no derivative, nothing
-    /// allocated.
+    /// m3/s takes: 0 or less at rest, rising. A system that drives the fan blows through it beyond its free flow; a fan at
+    /// rest takes no pressure. Bisection, safeguarding a secant: at most 150 steps, no derivative, nothing allocated.
     pub fn operating_flow(&self, n: f64, rho_ratio: f64, system: impl Fn(f64) -> f64) -> f64 {
         self.operating_flow_with_leak(n, rho_ratio, |q| (system(q), 0.0))
     }
@@ -184,20 +183,32 @@ impl<'a> FanCurve<'a> {
         rho_ratio: f64,
         system: impl Fn(f64) -> (f64, f64),
     ) -> f64 {
-        if n < 1e-6 || rho_ratio <= 0.0 {
+        if rho_ratio <= 0.0 {
             return 0.0;
         }
-        let free = self.free_flow() * n.min(1e3);
+        let free = self.free_flow() * n.clamp(0.0, 1e3);
         let surplus = |q: f64| {
             let (taken, leak) = system(q);
             self.pressure(q + leak, n, rho_ratio) - taken
         };
         let (mut high, mut f_high) = (free, surplus(free));
-        if f_high >= 0.0 {
+        let (mut low, mut f_low) = (0.0, surplus(0.0));
+        let is_driven = f_high > 0.0;
+        if f_high == 0.0 {
             return free;
         }
-        let (mut low, mut f_low) = (0.0, surplus(0.0));
-        if self.stall.is_some() {
+        if is_driven {
+            // Beyond the free flow, from a thousandth of that at full speed on, in growing steps.
+            let mut way = 1e-3 * self.free_flow();
+            for _ in 0..50 {
+                (low, f_low) = (high, f_high);
+                high += way;
+                (f_high, way) = (surplus(high), 2.0 * way);
+                if f_high <= 0.0 {
+                    break;
+                }
+            }
+        } else if self.stall.is_some() {
             // From the free end downward, to stay on the outer branch.
             const PARTS: i32 = 64;
             for k in (0..PARTS).rev() {
@@ -214,7 +225,7 @@ impl<'a> FanCurve<'a> {
             return low;
         }
         for k in 0..100 {
-            if high - low <= 1e-13 * free {
+            if high - low <= 1e-13 * high {
                 break;
             }
             let secant = (low * f_high - high * f_low) / (f_high - f_low);

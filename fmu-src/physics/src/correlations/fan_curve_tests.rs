@@ -84,7 +84,8 @@ fn operating_point_on_a_parabola_by_hand() {
 #[test]
 fn extremes_of_the_system() {
     assert_eq!(ends().operating_flow(1.0, 1.0, |_| 0.0), 0.004672);
-    assert_eq!(ends().operating_flow(1.0, 1.0, |_| -5.0), 0.004672);
+    // A system that drives the fan: 62.27 (1 - Q/0.004672) = -5.
+    close(ends().operating_flow(1.0, 1.0, |_| -5.0), 0.004672 * (1.0 + 5.0 / 62.27), 1e-11);
     assert_eq!(ends().operating_flow(0.0, 1.0, |q| q), 0.0);
     assert_eq!(ends().operating_flow(1.0, 1.0, |_| 1e9), 0.0);
     assert!(ends().operating_flow(1.0, 1.0, |q| 1e30 * q) < 1e-20);

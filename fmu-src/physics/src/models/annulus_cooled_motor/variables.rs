@@ -136,11 +136,11 @@ variables! {
     /// Flows of air, coolant and power, and the balance residuals. They need the full equations of the cooling, which take longer
     /// than a step, so that they are computed only when they are read.
     pub struct Books {
-        /// Temperature of the air behind the motor; ambient temperature in cooling_mode conductance, bare and water_jacket
+        /// Temperature of the air behind the motor; ambient temperature without flow and in cooling_mode conductance, bare and water_jacket
         air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
-        /// Volume flow rate of air over the motor; 0 in cooling_mode conductance and bare
+        /// Volume flow rate of air over the motor, by fan and buoyancy; 0 in cooling_mode conductance and bare
         air_flow_rate: f64 = Variable::output(29, Unit::CubicMetrePerSecond).nominal(1e-3),
-        /// Static pressure of the fan; 0 unless air flows through an annulus
+        /// Static pressure of the fan; 0 unless a fan drives air through an annulus
         air_pressure_drop: f64 = Variable::output(30, Unit::Pascal).nominal(10.0),
         /// Electrical power at the terminals (drive_mode pwm: at the supply of the drive, with its losses)
         power_electrical: f64 = Variable::output(33, Unit::Watt).nominal(10.0),

@@ -43,7 +43,7 @@ impl Method for Annulus {
         for _ in 0..2 {
             air = Air::at(mean, at.pressure);
             let system = |q: f64| {
-                let drop = gap.pressure(rho * q, &air);
+                let drop = gap.pressure(rho * q, &air) - site.buoyancy(gap, rho * q, &air, factor);
                 (drop, gap.leak(drop, rho))
             };
             let table = fan.table();
@@ -57,23 +57,31 @@ impl Method for Annulus {
             let ntu = g / c.stream.max(1e-12);
             mean = at.ambient + (at.surface - at.ambient) * (1.0 - (1.0 - (-ntu).exp()) / ntu);
         }
-        c.pressure_drop = gap.pressure(mass_flow, &air);
+        c.pressure_drop = gap.pressure(mass_flow, &air) - site.buoyancy(gap, mass_flow, &air, factor);
         if self.0 == FlowDirection::Push && c.stream > 0.0 {
             c.fan_power = warming(fan, command, rho, c, gap);
             c.inlet_rise = c.fan_power / c.stream;
         }
         let re = gap.reynolds(mass_flow, &air);
+        // What the films of the developed flow have in place of air at rest, W/K, and how far it is at rest.
+        let share = inner / (inner + outer);
+        let developed = factor * gap.heated.nu_developed() * air.k / gap.d_h * (inner + outer);
+        let graetz = c.stream * gap.d_h * gap.d_h / (air.k * gap.section * gap.length);
+        let still = (-graetz).exp();
+        let beyond =
+            still * (gap.at_rest(at.surface, at.tube, at.pressure) / (share * (1.0 - share)) - developed);
+        c.behind = -(-c.stream * gap.d_h / (air.k * gap.section)).exp_m1();
         let dx = housing.length / n as f64;
-        for (k, share) in site.covered(0.0, gap.length) {
-            c.direct[k] = (1.0 - share) * free;
-            if share <= 0.0 {
+        for (k, covered) in site.covered(0.0, gap.length) {
+            c.direct[k] = (1.0 - covered) * free;
+            if covered <= 0.0 {
                 continue;
             }
-            let (from, to) = (dx * k as f64, dx * (k as f64 + share));
+            let (from, to) = (dx * k as f64, dx * (k as f64 + covered));
             let h = factor * gap.heated.between(re, air.pr, from / gap.d_h, to / gap.d_h) * air.k / gap.d_h;
             let part = (to - from) / gap.length;
-            c.films[k] = h * (inner + outer) * part;
-            c.share[k] = inner / (inner + outer);
+            c.films[k] = (h * (inner + outer) + beyond) * part;
+            c.share[k] = share;
             c.take[k] = -(-c.films[k] / c.stream.max(1e-12)).exp_m1();
         }
         // Long concentric cylinders, Incropera, 7th ed., eq. 13.20.
@@ -81,12 +89,28 @@ impl Method for Annulus {
             1.0 / housing.emissivity.max(1e-9) + inner / outer * (1.0 / annulus.emissivity.max(1e-9) - 1.0);
         let black = radiation::coefficient(1.0, at.surface, at.tube);
         c.to_tube = black / resistance * inner / n as f64;
-        c.tube_to_room = annulus.U_outside * outer;
+        c.tube_to_room = gap.tube_to_ambient(annulus, at.tube, at.ambient, at.pressure);
+    }
+}
+
+impl Site<'_> {
+    /// Pressure of the buoyancy in an upright gap at the mass flow `m`, kg/s, Pa: the air's mean temperature between both walls.
+    fn buoyancy(&self, gap: &Gap, m: f64, air: &Air, factor: f64) -> f64 {
+        if !gap.is_upright() {
+            return 0.0;
+        }
+        let (at, inner) = (self.at, gap.wall_area * gap.ratio());
+        let both = inner + gap.wall_area;
+        let wall = at.tube + inner / both * (at.surface - at.tube);
+        let nu = gap.heated.mean(gap.reynolds(m, air), air.pr, gap.length / gap.d_h);
+        let ntu = factor * nu * air.k / gap.d_h * both / (m * air.c_p).max(1e-12);
+        let mean = at.ambient + (wall - at.ambient) * (1.0 + (-ntu).exp_m1() / ntu);
+        gap.buoyancy(mean, at.ambient, at.pressure)
     }
 }
 
 /// Power of the fan that warms the air of the gap, W: the gap's share of the fan's flow carries its share.
 fn warming(fan: &Fan, command: f64, rho: f64, c: &Coefficients, gap: &Gap) -> f64 {
-    let through = c.flow / (c.flow + gap.leak(c.pressure_drop, rho)).max(1e-12);
+    let through = (c.flow / (c.flow + gap.leak(c.pressure_drop, rho)).max(1e-12)).min(1.0);
     fan.power_at(command.clamp(0.0, 1.0), rho) * through
 }

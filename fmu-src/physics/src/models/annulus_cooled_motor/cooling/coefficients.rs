@@ -98,6 +98,9 @@ pub struct Coefficients {
     pub tube_to_room: f64,
     /// Flow over the motor, m3/s.
     pub flow: f64,
+    /// Excess of the air behind the motor over that of the air that leaves the last segment: 1 but near rest, where the air
+    /// behind the motor is that of the room.
+    pub behind: f64,
     /// Pressure that the fan gives, Pa.
     pub pressure_drop: f64,
     /// Power that the fan gives to the air of the gap, W.
@@ -122,6 +125,7 @@ impl Coefficients {
         to_tube: 0.0,
         tube_to_room: 0.0,
         flow: 0.0,
+        behind: 1.0,
         pressure_drop: 0.0,
         fan_power: 0.0,
         coolant_inlet: None,
@@ -148,6 +152,7 @@ impl Coefficients {
         out.to_tube = self.to_tube + z * slope.to_tube;
         out.tube_to_room = self.tube_to_room + z * slope.tube_to_room;
         out.flow = self.flow + z * slope.flow;
+        out.behind = self.behind + z * slope.behind;
         out.pressure_drop = self.pressure_drop + z * slope.pressure_drop;
         out.fan_power = self.fan_power + z * slope.fan_power;
         out.coolant_pressure_drop = self.coolant_pressure_drop + z * slope.coolant_pressure_drop;

@@ -1,6 +1,7 @@
 //! A fan whose jet blows across the middle of the motor, still air beyond the jet's edge.
 
 use super::{Coefficients, Method, Site};
+use crate::components::housing::Orientation;
 use crate::correlations::crossflow;
 use crate::media::air::Air;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
@@ -26,7 +27,11 @@ impl Method for FanCrossflow {
         let d = housing.diameter;
         let re = film.reynolds(jet.speed(flow, fan.distance), d);
         let forced = (crossflow::cylinder(re, film.pr) - crossflow::NU_AT_REST) * fan.turbulence_factor;
-        let mixing = crossflow::Mixing::HorizontalCylinder;
+        // Buoyancy runs around a horizontal cylinder as the jet does, along an upright one across it.
+        let mixing = match housing.orientation {
+            Orientation::Horizontal => crossflow::Mixing::HorizontalCylinder,
+            Orientation::Vertical => crossflow::Mixing::General,
+        };
         let blown = crossflow::mixed(forced, still.lateral * d / film.k, mixing) * film.k / d;
         let covered = jet.covered_length(housing.length, fan.distance);
         let (from, to) = (0.5 * (housing.length - covered), 0.5 * (housing.length + covered));

@@ -128,6 +128,11 @@ impl Cooling {
         Cooling { segments, method, gap: method.gap(parameters) }
     }
 
+    /// Whether the coefficients depend on the temperature of a tube.
+    pub fn has_tube(&self) -> bool {
+        self.gap.is_some()
+    }
+
     /// The coefficients at one set of conditions: those of the method, of effects, and of ends and mount.
     pub fn coefficients(&self, parameters: &Parameters, at: &Conditions) -> Coefficients {
         let p = parameters;

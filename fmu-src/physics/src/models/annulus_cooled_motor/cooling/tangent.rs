@@ -13,6 +13,8 @@ pub struct Tangent {
     base: Coefficients,
     /// Over the housing's temperature, per kelvin.
     slope: Coefficients,
+    /// Over the tube's temperature, for the difference [`reach_tube`], where there is a tube.
+    by_tube: Option<Coefficients>,
     /// Over the fan's command, for all of it; found when the command first moves.
     by_command: Option<Coefficients>,
 }
@@ -26,8 +28,11 @@ const NEAR: f64 = 0.25;
 /// with a power of the command is off by 1e-4 of itself at the end of this way.
 const NEAR_COMMAND: f64 = 0.02;
 const BACK: f64 = 0.01;
-/// [`NEAR`] where the surface is at ambient and natural convection bends most, K, and what each kelvin above adds.
-const NEAR_AT_REST: (f64, f64) = (0.02, 0.02);
+/// [`NEAR`] of the housing and of the tube where they are at ambient temperature and natural convection bends most, K, and what each
+/// kelvin above adds. The tube's slope is taken over this difference.
+const NEAR_AT_REST: f64 = 0.02;
+const NEAR_AT_REST_TUBE: f64 = 0.005;
+const PER_KELVIN: f64 = 0.02;
 
 /// How far the coolant's inlet and the surface that it cools may move, K: its properties change by 2 % per kelvin, its
 /// conductance is tens of times that of air, and its correlations take a tenth of the time of a fan's operating point.
@@ -39,6 +44,7 @@ impl Tangent {
         at: Conditions::NONE,
         base: Coefficients::NONE,
         slope: Coefficients::NONE,
+        by_tube: None,
         by_command: None,
     };
 
@@ -49,7 +55,13 @@ impl Tangent {
         let warmer = Conditions { surface: at.surface + RISE, ..at };
         let mut slope = Coefficients::NONE;
         cooling.coefficients(parameters, &warmer).along(&base, -1.0, n, &mut slope);
-        Tangent { at, base, slope, by_command: None }
+        let by_tube = cooling.has_tube().then(|| {
+            let warmer = Conditions { tube: at.tube + reach_tube(&at), ..at };
+            let mut slope = Coefficients::NONE;
+            cooling.coefficients(parameters, &warmer).along(&base, -1.0, n, &mut slope);
+            slope
+        });
+        Tangent { at, base, slope, by_tube, by_command: None }
     }
 
     /// Whether the tangent still serves at `now`.
@@ -62,15 +74,23 @@ impl Tangent {
             && (at.coolant_inlet - now.coolant_inlet).abs() <= NEAR_COOLANT
             && self.beyond(now).abs() <= self.reach()
             && (at.ambient - now.ambient).abs() <= NEAR
-            && (at.tube - now.tube).abs() <= NEAR
+            && self.beyond_tube(now).abs() <= reach_tube(at)
     }
 
     /// How far the surface may move, K.
     #[inline]
     fn reach(&self) -> f64 {
-        let rise = (self.at.surface - self.at.ambient).abs();
         let near = if self.base.coolant_inlet.is_some() { NEAR_COOLANT } else { NEAR };
-        near.min(NEAR_AT_REST.0 + NEAR_AT_REST.1 * rise)
+        near.min(NEAR_AT_REST + PER_KELVIN * (self.at.surface - self.at.ambient).abs())
+    }
+
+    /// The same of the tube, K; where there is none, its temperature is no condition.
+    #[inline]
+    fn beyond_tube(&self, now: &Conditions) -> f64 {
+        if self.by_tube.is_none() {
+            return 0.0;
+        }
+        (now.tube - now.ambient) - (self.at.tube - self.at.ambient)
     }
 
     /// How much further the surface is above ambient than where the tangent was taken, K.
@@ -90,6 +110,10 @@ impl Tangent {
     ) {
         let n = cooling.segments;
         self.base.along(&self.slope, self.beyond(now), n, out);
+        if let Some(by_tube) = &self.by_tube {
+            let kept = *out;
+            kept.along(by_tube, self.beyond_tube(now) / reach_tube(&self.at), n, out);
+        }
         out.coolant_inlet = self.base.coolant_inlet.map(|_| now.coolant_inlet);
         if now.command != self.at.command {
             // It follows from where the tangent was taken alone, so that it is the same whenever it is found.
@@ -105,4 +129,10 @@ impl Tangent {
             kept.along(by_command, share, n, out);
         }
     }
+}
+
+/// How far the tube may move, K.
+#[inline]
+fn reach_tube(at: &Conditions) -> f64 {
+    NEAR.min(NEAR_AT_REST_TUBE + PER_KELVIN * (at.tube - at.ambient).abs())
 }

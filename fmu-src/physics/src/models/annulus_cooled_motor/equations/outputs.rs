@@ -195,7 +195,10 @@ impl Step<'_> {
             (Ambient, to_ambient + network.coefficients().fan_power),
         ]);
         let (air_outlet, coolant_outlet, to_coolant) = match network.coefficients().coolant_inlet {
-            None => (flows.outlet, self.inputs.coolant_inlet_temperature, 0.0),
+            None => {
+                let behind = ambient + network.coefficients().behind * (flows.outlet - ambient);
+                (behind, self.inputs.coolant_inlet_temperature, 0.0)
+            }
             Some(_) => (ambient, flows.outlet, flows.housing_to_air),
         };
         Outside { to_ambient, air_outlet, coolant_outlet, to_coolant, error }
