@@ -7,7 +7,9 @@
 //!
 //! The model is that of the preset, unfitted; the questions therefore allow for any parameter that its prior allows.
 
+mod clocks;
 mod consistency;
+mod pulses;
 mod response;
 mod signals;
 
@@ -63,14 +65,18 @@ pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), R
     if let Some(unusable) = outside_limits(experiment) {
         return Err(Refusal::Unusable(unusable));
     }
-    signals::set_aside(experiment);
+    let spikes = signals::set_aside(experiment);
     if let Some(unusable) = consistency::contradiction(experiment, preset)? {
         return Err(Refusal::Unusable(unusable));
     }
     let predicted = predicted(experiment, preset, &all_runs(experiment));
+    pulses::set_aside(experiment, &predicted, &spikes);
     response::set_aside(experiment, &predicted);
     if let Some(unusable) = response::dead_input(experiment, &predicted).or_else(|| nothing_left(experiment))
     {
+        return Err(Refusal::Unusable(unusable));
+    }
+    if let Some(unusable) = clocks::check(experiment, preset)?.or_else(|| nothing_left(experiment)) {
         return Err(Refusal::Unusable(unusable));
     }
     Ok(())
@@ -217,3 +223,6 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     let all = sorted(values);
     all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
 }
+
+#[cfg(test)]
+mod tests;

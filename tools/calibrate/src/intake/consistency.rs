@@ -34,11 +34,11 @@ use physics::declare::Unit;
 use std::time::Duration;
 
 /// Error of a model without the effect that is looked for, as a fraction of an output's size: the refit of a bench that lacks one is 1 to 5 % off.
-const STRUCTURE: f64 = 0.02;
+pub(super) const STRUCTURE: f64 = 0.02;
 /// Independent readings of a run: it has some tens of time constants.
-const SAMPLES: f64 = 50.0;
+pub(super) const SAMPLES: f64 = 50.0;
 /// Ratio and difference of (minus twice the logarithm of) the likelihoods of data and hypothesis: the latter is that of 1e-21 odds.
-const WORSE: (f64, f64) = (2.5, 100.0);
+pub(super) const WORSE: (f64, f64) = (2.5, 100.0);
 /// Residual of a run over the structure error, as a mean over outputs, from which on mistakes are looked for.
 const GOOD: f64 = 3.0;
 /// Sum of squares of the declared parameters over their priors from which on they are: two of them four deviations off.
@@ -161,7 +161,7 @@ fn worst(outputs: &[Option<(f64, f64)>]) -> f64 {
 }
 
 /// The experiment with means over neighbouring rows, which is enough to see a mistake and costs less to simulate.
-fn thinned(experiment: &Experiment) -> Experiment {
+pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     let mut thin = experiment.clone();
     // A sensor that stands still contradicts whatever it is taken for.
     for table in thin.runs.iter_mut().map(|r| &mut r.table) {
@@ -174,7 +174,7 @@ fn thinned(experiment: &Experiment) -> Experiment {
         }
     }
     for table in thin.runs.iter_mut().map(|r| &mut r.table) {
-        let length = table.time.len().div_ceil(ROWS);
+        let length = table.time.len().div_ceil(most);
         let mean = |column: &[f64]| -> Vec<f64> {
             let of = |rows: &[f64]| {
                 let there: Vec<f64> = rows.iter().copied().filter(|x| x.is_finite()).collect();
@@ -200,7 +200,7 @@ pub fn contradiction(
     preset: &[(u32, f64)],
 ) -> Result<Option<Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
-    let experiment = &thinned(experiment);
+    let experiment = &thinned(experiment, ROWS);
     let deadline = Deadline::after(SEARCH);
     let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
     let Cost { runs: costs, prior, is_cut, .. } = fitted(&whole, experiment, AS_IS)?;
@@ -446,27 +446,10 @@ impl Cost {
 
 /// The cost of the best values of the declared parameters, with structure errors for the noise.
 fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost, CalibrateError> {
-    let mut setup = Setup::new(experiment, judge.preset)?.until(Deadline::after(time));
-    setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
     let fit: Vec<usize> =
         judge.runs.iter().copied().filter(|r| experiment.runs[*r].role == Role::Fit).collect();
     let runs = if fit.is_empty() { judge.runs.to_vec() } else { fit };
-    let inputs = experiment.inputs.len();
-    for (k, channel) in experiment.outputs.iter().enumerate() {
-        let mut squares: Vec<f64> = Vec::new();
-        for run in &runs {
-            let run = &experiment.runs[*run];
-            let zero = ambient(experiment, run);
-            let zero = |row: usize| if channel.is_temperature() { zero[row] } else { 0.0 };
-            let column = run.table.columns[inputs + k].iter().enumerate();
-            squares.extend(column.filter(|(_, x)| x.is_finite()).map(|(row, x)| (x - zero(row)).powi(2)));
-        }
-        let count = squares.len() as f64;
-        let size = (squares.iter().sum::<f64>() / count.max(1.0)).sqrt();
-        let samples = (SAMPLES * runs.len() as f64).min(count.max(1.0));
-        let structure = STRUCTURE * size * (count / samples).sqrt();
-        setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
-    }
+    let setup = structured(experiment, judge.preset, &runs)?.until(Deadline::after(time));
     let all = super::all_runs(experiment);
     let cost = setup.refit(&runs).and_then(|fitted| {
         let shown = setup.show(&fitted.hypothesis, &all)?;
@@ -485,4 +468,31 @@ fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost
         runs: vec![f64::INFINITY; all.len()],
         is_cut: setup.deadline().is_near(),
     }))
+}
+
+/// The setup of an experiment with structure errors for the noise, of the size of the readings of these runs.
+pub(super) fn structured<'a>(
+    experiment: &'a Experiment,
+    preset: &[(u32, f64)],
+    runs: &[usize],
+) -> Result<Setup<'a>, CalibrateError> {
+    let mut setup = Setup::new(experiment, preset)?;
+    setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
+    let inputs = experiment.inputs.len();
+    for (k, channel) in experiment.outputs.iter().enumerate() {
+        let mut squares: Vec<f64> = Vec::new();
+        for run in runs {
+            let run = &experiment.runs[*run];
+            let zero = ambient(experiment, run);
+            let zero = |row: usize| if channel.is_temperature() { zero[row] } else { 0.0 };
+            let column = run.table.columns[inputs + k].iter().enumerate();
+            squares.extend(column.filter(|(_, x)| x.is_finite()).map(|(row, x)| (x - zero(row)).powi(2)));
+        }
+        let count = squares.len() as f64;
+        let size = (squares.iter().sum::<f64>() / count.max(1.0)).sqrt();
+        let samples = (SAMPLES * runs.len() as f64).min(count.max(1.0));
+        let structure = STRUCTURE * size * (count / samples).sqrt();
+        setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
+    }
+    Ok(setup)
 }

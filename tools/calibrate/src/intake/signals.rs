@@ -21,6 +21,8 @@ const ALPHA: f64 = 1e-3;
 const FOLLOWS: f64 = 3.29;
 /// Most readings of a spike.
 const WIDEST: usize = 5;
+/// Difference of the readings on both sides of a spike, as a fraction of it.
+const ALIKE: f64 = 0.3;
 /// Readings near by.
 const NEAR: usize = 10;
 /// Fraction of a channel's readings that are spikes from which on none is trusted.
@@ -31,21 +33,29 @@ const RARE: f64 = 0.005;
 /// A sensor of temperature never reads beyond, K: outside are the codes of an open or shorted one.
 const POSSIBLE: (f64, f64) = (100.0, 1273.15);
 
-/// Sets aside what shows by itself, with notes.
-pub fn set_aside(experiment: &mut Experiment) {
+/// (1) of an experiment.
+pub(super) fn bound(experiment: &Experiment) -> f64 {
+    let channels = experiment.inputs.len() + experiment.outputs.len();
+    let readings: usize = experiment.runs.iter().map(|r| r.table.time.len() * channels).sum();
+    (2.0 * (readings as f64 / ALPHA).ln()).sqrt()
+}
+
+/// Sets aside what shows by itself, with notes; says of every channel how many spikes it had.
+pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
     let channels: Vec<&'static Channel> =
         experiment.inputs.iter().chain(&experiment.outputs).copied().collect();
-    let readings: usize = experiment.runs.iter().map(|r| r.table.time.len() * channels.len()).sum();
-    let least = (2.0 * (readings as f64 / ALPHA).ln()).sqrt();
+    let least = bound(experiment);
     let mut notes: Vec<String> = Vec::new();
+    let mut counts = vec![0; channels.len()];
     for run in &mut experiment.runs {
         let table = &mut run.table;
-        let mut say = |k: usize, what: String| {
-            let note = format!("{}: {} {what}", run.file, channels[k].column);
+        let file = run.file.clone();
+        let mut write = |note: String| {
             if !notes.contains(&note) {
                 notes.push(note);
             }
         };
+        let about = |k: usize, what: String| format!("{file}: {} {what}", channels[k].column);
         for (k, channel) in channels.iter().enumerate().filter(|(_, c)| c.is_temperature()) {
             let column = &mut table.columns[k];
             let beyond = |x: &&mut f64| **x < POSSIBLE.0 || **x > POSSIBLE.1;
@@ -56,19 +66,39 @@ pub fn set_aside(experiment: &mut Experiment) {
             });
             if let Some(first) = first {
                 let reading = first - channel.offset;
-                say(
+                write(about(
                     k,
                     format!(
                         "reads {reading:.1} degC in {count} rows, as an open or shorted sensor does; these are set aside"
                     ),
-                );
+                ));
             }
         }
         let spikes: Vec<Vec<usize>> =
             channels.iter().enumerate().map(|(k, c)| spikes(table, k, c, least)).collect();
+        // Nothing that the motor does makes a pulse of the ambient temperature: the logger failed in such a row.
+        let failed: Vec<usize> = (0..experiment.inputs.len())
+            .filter(|k| channels[*k].is_temperature())
+            .flat_map(|k| spikes[k].iter().copied())
+            .collect();
+        if !failed.is_empty() {
+            for column in &mut table.columns {
+                failed.iter().for_each(|row| column[*row] = f64::NAN);
+            }
+            let note = format!(
+                "{}: {} rows, the first at {} s, in which the ambient temperature (ambient_temperature_degC) has a spike, are set aside in all \
+                 channels",
+                run.file,
+                failed.len(),
+                table.time[failed[0]]
+            );
+            write(note);
+        }
         for k in 0..channels.len() {
-            let alone =
-                |row: &&usize| (0..channels.len()).all(|other| other == k || !spikes[other].contains(row));
+            let alone = |row: &&usize| {
+                !failed.contains(row)
+                    && (0..channels.len()).all(|other| other == k || !spikes[other].contains(row))
+            };
             let mut own: Vec<usize> = spikes[k].iter().filter(alone).copied().collect();
             if k < experiment.inputs.len() {
                 // What is commanded moves others; a spike of the reading does not.
@@ -82,20 +112,25 @@ pub fn set_aside(experiment: &mut Experiment) {
                     .collect();
             }
             let there = table.columns[k].iter().filter(|x| x.is_finite()).count();
+            counts[k] += own.len();
             if own.is_empty() {
                 continue;
             }
             if own.len() as f64 > MOSTLY * there as f64 && k >= experiment.inputs.len() {
                 table.columns[k].fill(f64::NAN);
-                say(k, format!("has {} spikes in {there} readings and is set aside", own.len()));
+                write(about(k, format!("has {} spikes in {there} readings and is set aside", own.len())));
             } else {
                 own.iter().for_each(|row| table.columns[k][*row] = f64::NAN);
                 let from = table.time[own[0]];
-                say(k, format!("has {} spikes, the first at {from} s; they are set aside", own.len()));
+                write(about(
+                    k,
+                    format!("has {} spikes, the first at {from} s; they are set aside", own.len()),
+                ));
             }
         }
     }
     experiment.notes.extend(notes);
+    counts
 }
 
 /// Whether a channel leaves the line between the readings beside these rows.
@@ -118,42 +153,56 @@ fn follows(table: &Table, channel: usize, rows: &[usize]) -> bool {
     mean.is_finite() && deviation > 0.0 && mean.abs() > FOLLOWS * deviation
 }
 
-/// Rows of spikes.
+/// Rows of spikes of a channel of a table.
 fn spikes(table: &Table, k: usize, channel: &Channel, least: f64) -> Vec<usize> {
-    let rows: Vec<usize> = (0..table.time.len()).filter(|row| table.columns[k][*row].is_finite()).collect();
-    if rows.len() < 4 * NEAR {
-        return Vec::new();
+    Readings::of(&table.time, &table.columns[k]).spikes(channel.is_temperature(), least, (1.0, ALIKE))
+}
+
+/// The readings that a column has.
+pub(super) struct Readings {
+    rows: Vec<usize>,
+    time: Vec<f64>,
+    column: Vec<f64>,
+    sigma: f64,
+    /// Median change from row to row.
+    usual: f64,
+}
+
+impl Readings {
+    pub(super) fn of(time: &[f64], column: &[f64]) -> Readings {
+        let rows: Vec<usize> = (0..time.len()).filter(|row| column[*row].is_finite()).collect();
+        let column: Vec<f64> = rows.iter().map(|row| column[*row]).collect();
+        let time: Vec<f64> = rows.iter().map(|row| time[*row]).collect();
+        let sigma = noise::of_column(&time, &column).unwrap_or(0.0);
+        let usual = super::median(column.windows(2).map(|w| (w[1] - w[0]).abs()));
+        Readings { rows, time, column, sigma, usual }
     }
-    let column: Vec<f64> = rows.iter().map(|row| table.columns[k][*row]).collect();
-    let time: Vec<f64> = rows.iter().map(|row| table.time[*row]).collect();
-    let changes = super::sorted(column.windows(2).map(|w| (w[1] - w[0]).abs()));
-    let sigma = noise::of_column(&time, &column).unwrap_or(0.0);
-    // A command moves in steps and has no noise: its pulses are meant.
-    let usual = changes[changes.len() / 2];
-    if sigma.max(usual) == 0.0 && !channel.is_temperature() {
-        return Vec::new();
+
+    /// The greater of the noise and of the usual change.
+    pub(super) fn size(&self) -> f64 {
+        self.sigma.max(self.usual)
     }
-    let n = column.len();
-    let mut found = Vec::new();
-    let mut row = 1;
-    while row + 1 < n {
-        let width = (1..=WIDEST.min(n - 1 - row)).find(|width| {
+
+    /// Rows of spikes beyond `least` deviations, which are twice as large as the changes near by are but for the greatest `1 - quantile`;
+    /// the readings on both sides differ by no more than `alike` of them.
+    pub(super) fn spikes(
+        &self,
+        is_temperature: bool,
+        least: f64,
+        (quantile, alike): (f64, f64),
+    ) -> Vec<usize> {
+        let (column, time, n) = (&self.column, &self.time, self.column.len());
+        // A command moves in steps and has no noise: its pulses are meant.
+        if n < 4 * NEAR || (self.size() == 0.0 && !is_temperature) {
+            return Vec::new();
+        }
+        let is_spike = |row: usize, width: usize| {
             let (a, b) = (column[row - 1], column[row + width]);
-            let group = &column[row..row + width];
-            let line = |j: usize| {
-                a + (b - a) * (time[row + j] - time[row - 1]) / (time[row + width] - time[row - 1])
-            };
-            let off = group.iter().enumerate().map(|(j, x)| x - line(j));
-            let (low, high) = off.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-            // All of the group on one side, far out, and both sides alike.
-            let size = if low > 0.0 {
-                low
-            } else if high < 0.0 {
-                -high
-            } else {
-                0.0
-            };
-            if size <= least * sigma || (b - a).abs() > 0.3 * size {
+            let slope = (b - a) / (time[row + width] - time[row - 1]);
+            let off = |j: usize| (column[j] - a - slope * (time[j] - time[row - 1])).abs();
+            // All of the group far out, and both sides alike.
+            let size = (row..row + width).map(off).fold(f64::INFINITY, f64::min);
+            if size <= least * self.size() || (b - a).abs() > alike * size {
                 return false;
             }
             let from = row.saturating_sub(NEAR);
@@ -161,18 +210,46 @@ fn spikes(table: &Table, k: usize, channel: &Channel, least: f64) -> Vec<usize> 
                 .windows(2)
                 .chain(column[row + width..(row + width + NEAR).min(n)].windows(2));
             let near = super::sorted(near.map(|w| (w[1] - w[0]).abs()));
-            let local = near.last().copied().unwrap_or(0.0);
-            size > least * sigma.max(usual) && size > 2.0 * local
-        });
-        match width {
-            Some(width) => {
-                found.extend(rows[row..row + width].iter());
-                row += width + 1;
+            let local = near.get((quantile * near.len().saturating_sub(1) as f64) as usize);
+            size > 2.0 * local.copied().unwrap_or(0.0)
+        };
+        let mut found = Vec::new();
+        let mut row = 1;
+        while row + 1 < n {
+            match (1..=WIDEST.min(n - 1 - row)).find(|width| is_spike(row, *width)) {
+                Some(width) => {
+                    found.extend(&self.rows[row..row + width]);
+                    row += width + 1;
+                }
+                None => row += 1,
             }
-            None => row += 1,
         }
+        found
     }
-    found
+
+    /// The first and the last row, where they stand as far off from the readings beside them.
+    pub(super) fn ends(&self, least: f64, quantile: f64) -> Vec<usize> {
+        let n = self.column.len();
+        if n < 4 * NEAR {
+            return Vec::new();
+        }
+        let of = |row: usize, beside: &[f64]| {
+            let near = super::sorted(beside.windows(2).map(|w| (w[1] - w[0]).abs()));
+            let local = near[(quantile * (near.len() - 1) as f64) as usize];
+            let size = (self.column[row] - super::median(beside.iter().copied())).abs();
+            (size > least * self.size() && size > 2.0 * local * (NEAR as f64).sqrt())
+                .then_some(self.rows[row])
+        };
+        let ends = [of(0, &self.column[1..=NEAR]), of(n - 1, &self.column[n - 1 - NEAR..n - 1])];
+        ends.into_iter().flatten().collect()
+    }
+
+    /// How far a row is from the median of the readings beside it, in deviations.
+    pub(super) fn distance(&self, row: usize) -> f64 {
+        let Ok(place) = self.rows.binary_search(&row) else { return 0.0 };
+        let beside = place.saturating_sub(NEAR)..(place + NEAR + 1).min(self.column.len());
+        (self.column[place] - super::median(self.column[beside].iter().copied())).abs() / self.size()
+    }
 }
 
 /// Rows at which a temperature jumps.

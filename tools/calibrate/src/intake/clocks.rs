@@ -1,0 +1,400 @@
+//! Clocks of single channels that are late or early, estimated against the response of the model.
+//!
+//! y(t) = p(t - d) + J(t - d) delta + e                                                             (1)
+//! G(d) = n ln(S(0) / S(d))                                                                         (2)
+//!
+//! y the readings of an output, p the prediction of a fit, J its sensitivities to the declared parameters, delta limited by their priors,
+//! S(d) the mean square of e at its minimum over delta, n the independent readings: (2) is the logarithm of the likelihood ratio with an
+//! unknown variance, twice. A column of an input is moved instead, and simulated. (1) is linearised about the fit of the data as they are and
+//! about the preset, since a fit hides a delay in a capacity. The best ones are confirmed by a fit with the column moved: it has to leave a
+//! fraction of the mean square, in the runs that validate as well, and less than a first-order lag of the same sensor does: what a sensor
+//! itself can do is no fault of a clock, and is looked for as an effect. All outputs together late are inputs that are early.
+//!
+//! *Sources*: (2) with unknown variance: Seber and Wild, Nonlinear Regression (1989), ch. 2.2; time delay as a parameter: Ljung, System
+//! Identification (2nd ed., 1999), ch. 10.
+
+mod profile;
+
+use super::consistency::{SAMPLES, STRUCTURE, WORSE, structured, thinned};
+use super::{Unusable, median};
+use crate::CalibrateError;
+use crate::deadline::Deadline;
+use crate::experiment::{Channel, Experiment, Role};
+use crate::fit::Fitted;
+use crate::hypothesis::Hypothesis;
+use crate::noise;
+use crate::setup::Setup;
+use crate::simulate::Drive;
+use profile::{About, moved};
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Time for all of it; a test does not depend on the load of its machine.
+const TIME: Duration = Duration::from_secs(if cfg!(test) { 300 } else { 12 });
+/// Rows of a run that are compared: means over as many rows each.
+const ROWS: usize = 1500;
+/// (2) from which on a shift is confirmed or accepted: 1e-5 of chance among a thousand shifts.
+const LEAST: f64 = 37.0;
+/// Mean square over that of the noise from which on shifts are looked for.
+const NOISY: f64 = 1.3;
+/// Ratio of neighbouring shifts that are tried, for outputs and for inputs, and the greatest one as a fraction of a run.
+const RATIO: (f64, f64) = (1.25, 1.6);
+const FARTHEST: f64 = 0.2;
+/// Shifts that are confirmed by a fit.
+const CONFIRMED: usize = 3;
+/// (2) by which the better of two explanations is the better one: odds of 150.
+const CLEARLY: f64 = 10.0;
+/// Fraction of the mean square that a shift which is not exact yet may leave beyond noise and structure error.
+const LITTLE: f64 = 0.1;
+/// Chi-square of one degree of freedom, 95 %.
+const WITHIN_95: f64 = 3.84;
+
+/// Whose clock is off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Who {
+    Output(usize),
+    Input(usize),
+    Outputs,
+}
+
+/// A clock that is late by so many seconds, with its 95 % interval; early if negative.
+#[derive(Clone, Copy, Debug)]
+struct Shift {
+    who: Who,
+    late: f64,
+    interval: (f64, f64),
+    gain: f64,
+}
+
+/// Sets aside outputs whose clock is off, with notes. Inputs whose clock is off leave nothing to fit.
+///
+/// # Errors
+/// An experiment whose model cannot be set up.
+pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<Option<Unusable>, CalibrateError> {
+    let deadline = Deadline::after(TIME);
+    for _ in 0..experiment.outputs.len() {
+        let thin = thinned(experiment, ROWS);
+        let Some(shift) = search(&thin, preset, &deadline)? else { return Ok(None) };
+        let words = |column: &str| {
+            let side = if shift.late > 0.0 { "late" } else { "early" };
+            let (a, b) = (shift.interval.0.abs(), shift.interval.1.abs());
+            format!(
+                "{column} is {:.3} s {side} (95 % interval {:.3} to {:.3} s) against the response of the model",
+                shift.late.abs(),
+                a.min(b),
+                a.max(b)
+            )
+        };
+        let (channel, reason) = match shift.who {
+            Who::Output(k) => {
+                let column = experiment.outputs[k].column;
+                let place = experiment.inputs.len() + k;
+                experiment.runs.iter_mut().for_each(|r| r.table.columns[place].fill(f64::NAN));
+                let files: Vec<&str> = experiment.runs.iter().map(|r| r.file.as_str()).collect();
+                experiment.notes.push(format!(
+                    "{} in {}, which no lag of its sensor explains; it is set aside: move its times, or give all channels one clock",
+                    words(column),
+                    files.join(", ")
+                ));
+                continue;
+            }
+            Who::Input(k) => (experiment.inputs[k].column, words(experiment.inputs[k].column)),
+            Who::Outputs => {
+                let first = experiment.inputs[0].column;
+                (first, format!("every output, compared with {first} and the other inputs: {}", words("it")))
+            }
+        };
+        return Ok(Some(Unusable {
+            channel: channel.to_string(),
+            reason,
+            suggestion: "give all columns one clock: move the times of the column that is late or early"
+                .to_string(),
+        }));
+    }
+    Ok(None)
+}
+
+/// Mean squares of the residual, output by output; NaN without a reading.
+fn squares(setup: &Setup, runs: &[usize], fitted: &Hypothesis) -> Option<Vec<f64>> {
+    let shown = setup.show(fitted, runs).ok()?;
+    Some(setup.rmse(runs, &shown).into_iter().map(|x| x * x).collect())
+}
+
+/// Shifts of both signs.
+fn grid(step: f64, most: f64, ratio: f64) -> Vec<f64> {
+    let mut all = Vec::new();
+    let mut size = 0.5 * step;
+    while size < most {
+        all.extend([size, -size]);
+        size *= ratio;
+    }
+    all
+}
+
+fn with_moved(experiment: &Experiment, who: Who, late: f64) -> Experiment {
+    let inputs = experiment.inputs.len();
+    let columns: Vec<usize> = match who {
+        Who::Input(k) => vec![k],
+        Who::Output(k) => vec![inputs + k],
+        Who::Outputs => (inputs..inputs + experiment.outputs.len()).collect(),
+    };
+    let mut changed = experiment.clone();
+    for table in changed.runs.iter_mut().map(|r| &mut r.table) {
+        for k in &columns {
+            table.columns[*k] = moved(table, *k, late);
+        }
+    }
+    changed
+}
+
+/// The clock that is off, if one is beyond doubt.
+fn search(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    deadline: &Deadline,
+) -> Result<Option<Shift>, CalibrateError> {
+    let of = |role: Role| -> Vec<usize> {
+        (0..experiment.runs.len()).filter(|r| experiment.runs[*r].role == role).collect()
+    };
+    let (fit, validate) = (of(Role::Fit), of(Role::Validate));
+    let setup = structured(experiment, preset, &fit)?.until(deadline.clone());
+    let Ok(as_is) = setup.refit(&fit) else { return Ok(None) };
+    let inputs = experiment.inputs.len();
+    let noise: Vec<f64> = noise::of_experiment(experiment)[inputs..].iter().map(|s| s * s).collect();
+    let Some(before) = squares(&setup, &fit, &as_is.hypothesis) else { return Ok(None) };
+    let is_noisy = before.iter().zip(&noise).any(|(s, n)| *s > NOISY * n);
+    if !is_noisy || deadline.is_near() {
+        return Ok(None);
+    }
+    let tables = || fit.iter().map(|r| &experiment.runs[*r].table);
+    let step = median(tables().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0])));
+    let longest = tables().map(|t| t.time[t.time.len() - 1] - t.time[0]).fold(0.0, f64::max);
+    let most = FARTHEST * longest;
+    let points: Vec<About> = [as_is.hypothesis.clone(), setup.preset()]
+        .iter()
+        .filter_map(|h| About::new(&setup, h, &fit).ok())
+        .collect();
+    let judge = Judge { setup: &setup, fit: &fit, points: &points, noise: &noise };
+    let mut shifts = judge.outputs(&grid(step, most, RATIO.0));
+    shifts.extend(judge.inputs(&grid(step, most, RATIO.1), deadline));
+    shifts.retain(|s| s.gain > LEAST);
+    shifts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut confirmed: Vec<Shift> = Vec::new();
+    for shift in shifts.into_iter().take(CONFIRMED) {
+        if deadline.is_near() {
+            break;
+        }
+        confirmed.extend(judge.confirmed(shift, preset, &as_is, &before, &validate));
+    }
+    confirmed.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let Some(best) = confirmed.first().copied() else { return Ok(None) };
+    // Where an input explains it as well, no output is to blame.
+    let other = confirmed.iter().find(|s| matches!(s.who, Who::Input(_)) && s.gain > best.gain - CLEARLY);
+    Ok(Some(other.copied().unwrap_or(best)))
+}
+
+struct Judge<'a> {
+    setup: &'a Setup<'a>,
+    fit: &'a [usize],
+    points: &'a [About],
+    /// Variance of the noise, output by output.
+    noise: &'a [f64],
+}
+
+impl Judge<'_> {
+    /// n of (2).
+    fn samples(&self, count: usize) -> f64 {
+        (SAMPLES * self.fit.len() as f64).min(count as f64)
+    }
+
+    /// S(0) of an output, at the better point.
+    fn unmoved(&self, output: usize) -> Option<f64> {
+        let all = self.points.iter().filter_map(|p| p.late(output, 0.0)).map(|(s, _)| s);
+        all.min_by(f64::total_cmp)
+    }
+
+    /// (2) of an output where it reads so.
+    fn gain(&self, output: usize, unmoved: f64, (square, count): (f64, usize)) -> f64 {
+        // What lies below the noise is no gain.
+        let floor = self.noise[output];
+        self.samples(count) * (unmoved.max(floor) / square.max(floor)).ln()
+    }
+
+    /// Each output with its best shift, and all of them with one.
+    fn outputs(&self, shifts: &[f64]) -> Vec<Shift> {
+        let m = self.setup.outputs();
+        let unmoved: Vec<Option<f64>> = (0..m).map(|k| self.unmoved(k)).collect();
+        let of = |late: &f64| -> Vec<f64> {
+            let own = |k: usize| {
+                let best =
+                    self.points.iter().filter_map(|p| p.late(k, *late)).min_by(|a, b| a.0.total_cmp(&b.0));
+                best.zip(unmoved[k]).map_or(0.0, |(s, unmoved)| self.gain(k, unmoved, s))
+            };
+            (0..m).map(own).collect()
+        };
+        let gains: Vec<Vec<f64>> = shifts.par_iter().map(of).collect();
+        let best = |who: Who, gain: &dyn Fn(&[f64]) -> f64| {
+            let all = shifts.iter().zip(&gains).map(|(late, g)| (*late, gain(g)));
+            let (late, gain) = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some(Shift { who, late, interval: (late, late), gain })
+        };
+        let single = (0..m).filter_map(|k| best(Who::Output(k), &|g| g[k]));
+        let all = best(Who::Outputs, &|g| g.iter().sum()).filter(|_| m > 1);
+        single.chain(all).collect()
+    }
+
+    /// Each input with its best shift.
+    fn inputs(&self, shifts: &[f64], deadline: &Deadline) -> Vec<Shift> {
+        let experiment = self.setup.experiment;
+        let m = self.setup.outputs();
+        let unmoved: Vec<Option<f64>> = (0..m).map(|k| self.unmoved(k)).collect();
+        // The ambient temperature is slow; where a clock of it stands makes no difference.
+        let moving = |k: &usize| {
+            let own = self.fit.iter().map(|r| &experiment.runs[*r].table.columns[*k]);
+            !experiment.inputs[*k].is_temperature() && own.flat_map(|c| c.windows(2)).any(|w| w[0] != w[1])
+        };
+        let hypothesis = self.setup.preset();
+        let of = |k: usize, late: f64| -> Option<Shift> {
+            if deadline.is_near() {
+                return None;
+            }
+            let changed = with_moved(experiment, Who::Input(k), late);
+            let shown = |run: &usize| {
+                let drive = Drive::new(&changed, &changed.runs[*run]).ok()?;
+                self.setup.bench.run(&drive, &self.setup.change(&hypothesis, *run)).ok()
+            };
+            let predicted: Option<Vec<Vec<Vec<f64>>>> = self.fit.iter().map(shown).collect();
+            let about = self.points.last()?;
+            let predicted = predicted?;
+            let gain = (0..m).filter_map(|output| {
+                Some(self.gain(output, unmoved[output]?, about.with(&predicted, output)?))
+            });
+            Some(Shift { who: Who::Input(k), late, interval: (late, late), gain: gain.sum() })
+        };
+        let candidates: Vec<usize> = (0..experiment.inputs.len()).filter(moving).collect();
+        let best = |k: &usize| {
+            let better = |a: &Shift, b: &Shift| a.gain.total_cmp(&b.gain);
+            let coarse = shifts.iter().filter_map(|late| of(*k, *late)).max_by(better)?;
+            let near = (-3..=3).map(|n| coarse.late * (1.0 + 0.08 * f64::from(n)));
+            let fine =
+                near.filter(|_| coarse.gain > 0.5 * LEAST).filter_map(|late| of(*k, late)).max_by(better);
+            Some(fine.unwrap_or(coarse))
+        };
+        candidates.par_iter().filter_map(best).collect()
+    }
+
+    /// A shift with the gain of a fit, and its interval; `None` where it does not explain what the data leave.
+    fn confirmed(
+        &self,
+        shift: Shift,
+        preset: &[(u32, f64)],
+        as_is: &Fitted,
+        before: &[f64],
+        validate: &[usize],
+    ) -> Option<Shift> {
+        let mut shift = shift;
+        let mut best: Option<Shift> = None;
+        // The shift depends on the fit, and the fit on the shift.
+        for _ in 0..2 {
+            let changed = with_moved(self.setup.experiment, shift.who, shift.late);
+            let mut setup = structured(&changed, preset, self.fit).ok()?.until(self.setup.deadline().clone());
+            setup.noise.clone_from(&self.setup.noise);
+            let fitted = setup.refit(self.fit).ok()?;
+            let after = squares(&setup, self.fit, &fitted.hypothesis)?;
+            let of = |k: usize| {
+                let count = self.setup.experiment.runs.iter().map(|r| r.table.time.len()).sum();
+                let gain = self.gain(k, before[k], (after[k], count));
+                if gain.is_finite() { gain } else { 0.0 }
+            };
+            let gains: Vec<f64> = (0..self.setup.outputs()).map(of).collect();
+            let prior = |f: &Fitted| f.cost - f.chi_square;
+            shift.gain = gains.iter().sum::<f64>() + prior(as_is) - prior(&fitted);
+            let judged = |k: usize| match shift.who {
+                Who::Output(own) => own == k,
+                _ => gains[k] > LEAST,
+            };
+            let outputs: Vec<usize> = (0..self.setup.outputs()).filter(|k| judged(*k)).collect();
+            // Nearly all of what the data leave, in these outputs.
+            let explains = !outputs.is_empty()
+                && outputs.iter().all(|k| {
+                    before[*k] > WORSE.0 * after[*k].max(self.noise[*k])
+                        && after[*k] <= self.structure(*k).max(LITTLE * before[*k])
+                });
+            let validated = validate.is_empty() || {
+                let (old, new) = (
+                    squares(self.setup, validate, &as_is.hypothesis)?,
+                    squares(&setup, validate, &fitted.hypothesis)?,
+                );
+                outputs.iter().all(|k| new[*k].is_nan() || new[*k] <= 0.5 * old[*k].max(2.0 * self.noise[*k]))
+            };
+            if shift.gain < LEAST || !explains || !validated {
+                return best;
+            }
+            let shift_of_fit = self.estimated(&shift, &fitted.hypothesis, &setup)?;
+            best = Some(Shift { gain: shift.gain, ..shift_of_fit });
+            shift = shift_of_fit;
+        }
+        best
+    }
+
+    /// Mean square that noise and structure error leave of an output.
+    fn structure(&self, output: usize) -> f64 {
+        let experiment = self.setup.experiment;
+        let place = experiment.inputs.len() + output;
+        let channel: &Channel = experiment.outputs[output];
+        let (mut sum, mut count) = (0.0, 0usize);
+        for run in self.fit.iter().map(|r| &experiment.runs[*r]) {
+            let zero = super::ambient(experiment, run);
+            for (y, zero) in run.table.columns[place].iter().zip(zero).filter(|(y, _)| y.is_finite()) {
+                sum += (y - if channel.is_temperature() { zero } else { 0.0 }).powi(2);
+                count += 1;
+            }
+        }
+        2.0 * self.noise[output] + STRUCTURE.powi(2) * sum / count.max(1) as f64
+    }
+
+    /// The shift about a fit with its 95 % interval; `None` where a lag of the sensor does as well.
+    fn estimated(&self, shift: &Shift, fitted: &Hypothesis, changed: &Setup) -> Option<Shift> {
+        let outputs: Vec<usize> = match shift.who {
+            Who::Output(k) => vec![k],
+            _ => (0..self.setup.outputs()).collect(),
+        };
+        // Of an input the prediction moves, so that it is simulated; about it the outputs move the other way.
+        let (setup, sign, from) = match shift.who {
+            Who::Input(_) => (changed, -1.0, shift.late),
+            _ => (self.setup, 1.0, 0.0),
+        };
+        let about = About::new(setup, fitted, self.fit).ok()?;
+        let cost = |late: f64| {
+            let own = outputs.iter().map(|k| {
+                let (square, count) = about.late(*k, late)?;
+                Some(self.samples(count) * square.max(self.noise[*k] * 0.5).ln())
+            });
+            own.sum::<Option<f64>>()
+        };
+        let center = sign * (shift.late - from);
+        let reach = 0.5 * shift.late.abs();
+        let shifts: Vec<f64> = (-40..=40).map(|k| center + reach * f64::from(k) / 40.0).collect();
+        let costs: Vec<(f64, f64)> = shifts.par_iter().filter_map(|d| Some((*d, cost(*d)?))).collect();
+        let (at, least) = costs.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let inside = costs.iter().filter(|(_, c)| *c <= least + WITHIN_95).map(|(d, _)| *d);
+        let half = 0.5 * reach / 40.0;
+        let (low, high) = inside.fold((at, at), |(a, b), d| (a.min(d), b.max(d)));
+        if let Who::Output(k) = shift.who
+            && at > 0.0
+        {
+            let lag = |tau: f64| {
+                let (square, count) = about.lagged(k, tau)?;
+                Some(self.samples(count) * square.max(self.noise[k] * 0.5).ln())
+            };
+            let lags = (0..12).map(|n| 0.2 * at * 1.3f64.powi(n));
+            let lagged = lags.filter_map(lag).min_by(f64::total_cmp).unwrap_or(f64::INFINITY);
+            if lagged < least + CLEARLY {
+                return None;
+            }
+        }
+        let back = |d: f64| from + sign * d;
+        let (a, b) = (back(low - half), back(high + half));
+        Some(Shift { late: back(at), interval: (a.min(b), a.max(b)), ..*shift })
+    }
+}

@@ -1,0 +1,180 @@
+//! The mean square that an output leaves with its clock moved or behind a lag, at its minimum over the declared parameters.
+
+use crate::CalibrateError;
+use crate::experiment::Table;
+use crate::fit::Slopes;
+use crate::hypothesis::Hypothesis;
+use crate::setup::Setup;
+use nalgebra::{DMatrix, DVector};
+
+/// One output of one run beside what is predicted: prediction first, then the sensitivities.
+#[derive(Clone)]
+struct Line {
+    time: Vec<f64>,
+    read: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Line {
+    /// Readings and columns at the rows that are known with the columns late by so many seconds.
+    fn late(&self, late: f64, mut tell: impl FnMut(f64, &mut dyn FnMut(usize) -> f64)) {
+        let n = self.time.len();
+        let mut j = 0;
+        for (t, y) in self.time.iter().zip(&self.read).filter(|(_, y)| y.is_finite()) {
+            let at = t - late;
+            if at < self.time[0] || at > self.time[n - 1] {
+                continue;
+            }
+            while j + 2 < n && self.time[j + 1] < at {
+                j += 1;
+            }
+            while j > 0 && self.time[j] > at {
+                j -= 1;
+            }
+            let share = (at - self.time[j]) / (self.time[j + 1] - self.time[j]);
+            let (a, b) = (1.0 - share, share);
+            tell(*y, &mut |k| a * self.columns[k][j] + b * self.columns[k][j + 1]);
+        }
+    }
+
+    /// With every column behind a first-order lag.
+    fn lagged(&self, tau: f64) -> Line {
+        let of = |column: &Vec<f64>| {
+            let mut at = column[0];
+            let mut all = vec![at];
+            for k in 1..column.len() {
+                let h = (self.time[k] - self.time[k - 1]) / tau;
+                // The input runs along a line from row to row.
+                let (gone, slope) = ((-h).exp(), (column[k] - column[k - 1]) / h);
+                at = column[k] - slope + (at - column[k - 1] + slope) * gone;
+                all.push(at);
+            }
+            all
+        };
+        Line { columns: self.columns.iter().map(of).collect(), ..self.clone() }
+    }
+}
+
+/// What limits delta of (1): for each parameter the variance of the noise over that of the prior, and how far the prior is.
+type Priors = Vec<(f64, f64)>;
+
+/// S of (1) at its minimum over delta and a constant, and the readings.
+fn mean_square(lines: &[Line], late: f64, priors: &Priors) -> Option<(f64, usize)> {
+    let q = priors.len();
+    let mut normal = DMatrix::<f64>::zeros(q + 1, q + 1);
+    let mut right = DVector::<f64>::zeros(q + 1);
+    let (mut square, mut count, mut there) = (0.0, 0usize, 0usize);
+    let mut row = vec![1.0; q + 1];
+    for line in lines {
+        there += line.read.iter().filter(|y| y.is_finite()).count();
+        line.late(late, |y, at| {
+            let off = y - at(0);
+            row.iter_mut().take(q).enumerate().for_each(|(k, x)| *x = at(k + 1));
+            for a in 0..=q {
+                right[a] += row[a] * off;
+                for b in 0..=a {
+                    normal[(a, b)] += row[a] * row[b];
+                }
+            }
+            square += off * off;
+            count += 1;
+        });
+    }
+    if 2 * count < there || count <= q + 1 {
+        return None;
+    }
+    normal.fill_upper_triangle_with_lower_triangle();
+    let (mut limited, mut toward) = (normal.clone(), right.clone());
+    for (k, (weight, away)) in priors.iter().enumerate() {
+        limited[(k, k)] += weight + 1e-12 * normal[(k, k)].max(1e-300);
+        toward[k] += weight * away;
+    }
+    limited[(q, q)] += 1e-9 * count as f64;
+    let delta = limited.cholesky()?.solve(&toward);
+    let rest = square - 2.0 * delta.dot(&right) + (&normal * &delta).dot(&delta);
+    Some((rest.max(1e-300) / count as f64, count))
+}
+
+/// A fit about which (1) is linearised.
+pub struct About {
+    /// Output by output, run by run.
+    lines: Vec<Vec<Line>>,
+    priors: Vec<Priors>,
+}
+
+impl About {
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn new(setup: &Setup, hypothesis: &Hypothesis, runs: &[usize]) -> Result<About, CalibrateError> {
+        let slopes = Slopes::new(setup, hypothesis, runs, &[])?;
+        let (m, inputs) = (setup.outputs(), setup.experiment.inputs.len());
+        let mut lines: Vec<Vec<Line>> = vec![Vec::new(); m];
+        for (r, run) in runs.iter().enumerate() {
+            let table = &setup.experiment.runs[*run].table;
+            let mut all = vec![slopes.tangents[r].shown.clone()];
+            let blank = vec![0.0; all[0].len()];
+            all.extend(
+                (0..slopes.count()).map(|k| slopes.answer(hypothesis, r, k).unwrap_or_else(|| blank.clone())),
+            );
+            for (k, own) in lines.iter_mut().enumerate() {
+                let column = |of: &Vec<f64>| of.iter().skip(k).step_by(m).copied().collect();
+                own.push(Line {
+                    time: table.time.clone(),
+                    read: table.columns[inputs + k].clone(),
+                    columns: all.iter().map(column).collect(),
+                });
+            }
+        }
+        let limits = |k: usize| -> Priors {
+            let own = setup.declared.iter().zip(&hypothesis.declared);
+            own.map(|(d, value)| {
+                let weight = if d.is_free { 0.0 } else { (setup.sigma(k) / d.deviation).powi(2) };
+                (weight, d.prior - value)
+            })
+            .collect()
+        };
+        Ok(About { lines, priors: (0..m).map(limits).collect() })
+    }
+
+    /// S and readings of an output that is late.
+    pub fn late(&self, output: usize, late: f64) -> Option<(f64, usize)> {
+        mean_square(&self.lines[output], late, &self.priors[output])
+    }
+
+    /// The same of an output whose sensor has a first-order lag.
+    pub fn lagged(&self, output: usize, tau: f64) -> Option<(f64, usize)> {
+        let lines: Vec<Line> = self.lines[output].iter().map(|l| l.lagged(tau)).collect();
+        mean_square(&lines, 0.0, &self.priors[output])
+    }
+
+    /// The same with other predictions, run by run, output by output.
+    pub fn with(&self, predicted: &[Vec<Vec<f64>>], output: usize) -> Option<(f64, usize)> {
+        let of = |(line, model): (&Line, &Vec<Vec<f64>>)| {
+            let mut line = line.clone();
+            line.columns[0] = model.get(output)?.clone();
+            Some(line)
+        };
+        let lines: Option<Vec<Line>> = self.lines[output].iter().zip(predicted).map(of).collect();
+        mean_square(&lines?, 0.0, &self.priors[output])
+    }
+}
+
+/// A column with its clock set right that was late; blank where nothing was measured then.
+pub fn moved(table: &Table, column: usize, late: f64) -> Vec<f64> {
+    let line = Line {
+        time: table.time.clone(),
+        read: table.time.clone(),
+        columns: vec![table.columns[column].clone()],
+    };
+    let mut all = vec![f64::NAN; table.time.len()];
+    let mut rows = table.time.iter().enumerate().filter(|(_, t)| {
+        let at = **t + late;
+        at >= table.time[0] && at <= table.time[table.time.len() - 1]
+    });
+    line.late(-late, |_, at| {
+        if let Some((row, _)) = rows.next() {
+            all[row] = at(0);
+        }
+    });
+    all
+}

@@ -1,0 +1,135 @@
+//! Mistakes in data that are the model's own with noise.
+
+use super::*;
+use crate::setup::Setup;
+use crate::trial::{self, normal, rng};
+
+const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_wh\" = 0.2\n\"thermal.C_w\" = 0.2\n\
+                      \"conductance.G_still\" = 0.2\n\"thermal.C_h\" = 0.2\n\"conductance.G_forced\" = 0.2";
+/// Noise of inputs and outputs, SI units.
+const SIGMA: [f64; 8] = [0.004, 0.3, 0.0, 0.02, 0.02, 6e-4, 0.1, 0.1];
+const CURRENT: usize = 0;
+const AMBIENT: usize = 3;
+const VOLTAGE: usize = 4;
+const TORQUE: usize = 5;
+const WINDING: usize = 6;
+const HOUSING: usize = 7;
+
+/// One run of 1200 rows of 3 s with steps of current, speed and fan, its readings those of a specimen that differs from the preset.
+fn experiment(seed: u64) -> Experiment {
+    let mut experiment = trial::experiment(PRIORS, true);
+    experiment.noise.clear();
+    let rows = 1200;
+    let table = &mut experiment.runs[0].table;
+    table.time = (0..rows).map(|k| 3.0 * k as f64).collect();
+    let of = |values: &[f64], every: usize| (0..rows).map(|k| values[k / every % values.len()]).collect();
+    table.columns = vec![
+        of(&[0.0, 4.0, 1.5, 6.0, 3.0], 55),
+        of(&[100.0, 400.0, 250.0], 70),
+        of(&[0.0, 0.0, 1.0], 130),
+        vec![296.15; rows],
+    ];
+    table.columns.resize(8, vec![f64::NAN; rows]);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let shares = [1.02, 0.98, 1.1, 0.9, 1.1, 0.95, 0.9];
+    let truth: Vec<f64> = setup.declared.iter().zip(shares).map(|(d, share)| share * d.prior).collect();
+    trial::read(&mut experiment, &truth, None);
+    let mut rng = rng(seed);
+    for (column, sigma) in experiment.runs[0].table.columns.iter_mut().zip(SIGMA) {
+        column.iter_mut().for_each(|x| *x += sigma * normal(&mut rng));
+    }
+    experiment
+}
+
+fn column(experiment: &mut Experiment, k: usize) -> &mut Vec<f64> {
+    &mut experiment.runs[0].table.columns[k]
+}
+
+/// Late by so many seconds.
+fn late(experiment: &mut Experiment, k: usize, seconds: f64) {
+    let table = &mut experiment.runs[0].table;
+    let (time, old) = (table.time.clone(), table.columns[k].clone());
+    let at = |t: f64| {
+        let place = ((t - seconds - time[0]) / 3.0).clamp(0.0, (time.len() - 1) as f64);
+        let (row, share) = (place as usize, place.fract());
+        old[row] + share * (old[(row + 1).min(old.len() - 1)] - old[row])
+    };
+    table.columns[k] = time.iter().map(|t| at(*t)).collect();
+}
+
+#[test]
+fn good_data_are_used_as_they_are() {
+    for seed in [1, 2] {
+        let mut good = experiment(seed);
+        let readings = good.runs[0].table.columns.clone();
+        assert_eq!(check(&mut good, &[]), Ok(()));
+        assert_eq!(good.runs[0].table.columns, readings, "{:?}", good.notes);
+    }
+}
+
+/// Wild readings beside steps of the current, beside each other, of both signs, in the first and the last row, small ones and large ones.
+#[test]
+fn wild_readings_are_set_aside_wherever_they_stand() {
+    for (k, size) in [(VOLTAGE, 0.4), (TORQUE, 0.02), (WINDING, 3.0), (HOUSING, 3.0)] {
+        let mut spiked = experiment(3);
+        let rows = [0, 54, 56, 110, 300, 301, 304, 308, 700, 703, 900, 1100, 1199];
+        for (n, row) in rows.into_iter().enumerate() {
+            let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+            column(&mut spiked, k)[row] += sign * size * [1.0, 2.0, 8.0][n % 3];
+        }
+        assert_eq!(check(&mut spiked, &[]), Ok(()));
+        let blank: Vec<usize> = (0..1200).filter(|row| column(&mut spiked, k)[*row].is_nan()).collect();
+        let left: Vec<usize> = rows.into_iter().filter(|row| !blank.contains(row)).collect();
+        assert!(left.is_empty() && blank.len() < 30, "{k}: left {left:?} of {} blank", blank.len());
+        assert!(spiked.notes.iter().any(|n| n.contains("set aside")), "{:?}", spiked.notes);
+    }
+}
+
+/// A row in which the logger wrote zeros for everything.
+#[test]
+fn a_row_that_the_logger_lost_is_set_aside() {
+    let mut lost = experiment(4);
+    for row in [333, 801] {
+        for k in 0..8 {
+            column(&mut lost, k)[row] = if k == AMBIENT || k >= WINDING { 273.15 } else { 0.0 };
+        }
+    }
+    assert_eq!(check(&mut lost, &[]), Ok(()));
+    for k in [CURRENT, AMBIENT, VOLTAGE, WINDING, HOUSING] {
+        assert!(column(&mut lost, k)[333].is_nan(), "{k}: {:?}", lost.notes);
+    }
+}
+
+/// The delay is estimated, and nothing of the channel is left; what a lag of the sensor does is left for the search.
+#[test]
+fn a_channel_with_a_clock_of_its_own_is_set_aside() {
+    for (k, seconds) in [(WINDING, 24.0), (WINDING, -60.0), (VOLTAGE, 33.0), (HOUSING, 80.0)] {
+        let mut shifted = experiment(5);
+        late(&mut shifted, k, seconds);
+        let outcome = check(&mut shifted, &[]);
+        assert_eq!(outcome, Ok(()), "{k} {seconds}");
+        assert!(column(&mut shifted, k).iter().all(|x| x.is_nan()), "{k} {seconds}: {:?}", shifted.notes);
+        let note = shifted.notes.iter().find(|n| n.contains("set aside")).unwrap();
+        let stated: f64 = note.split(" is ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!((stated - seconds.abs()).abs() < 4.0, "{seconds}: {note}");
+        assert!(note.contains(if seconds > 0.0 { " late" } else { " early" }), "{note}");
+    }
+    let mut lagging = experiment(5);
+    let (mut at, table) = (column(&mut lagging, HOUSING)[0], lagging.runs[0].table.clone());
+    for (row, x) in table.columns[HOUSING].iter().enumerate() {
+        at += (x - at) * (1.0 - (-3.0f64 / 40.0).exp());
+        column(&mut lagging, HOUSING)[row] = at;
+    }
+    assert_eq!(check(&mut lagging, &[]), Ok(()));
+    assert!(column(&mut lagging, HOUSING).iter().all(|x| x.is_finite()), "{:?}", lagging.notes);
+}
+
+#[test]
+fn an_input_with_a_clock_of_its_own_is_unusable() {
+    for seconds in [30.0, -45.0] {
+        let mut shifted = experiment(6);
+        late(&mut shifted, CURRENT, seconds);
+        let Err(Refusal::Unusable(why)) = check(&mut shifted, &[]) else { panic!("{:?}", shifted.notes) };
+        assert_eq!(why.channel, "current_A", "{why:?}");
+    }
+}
