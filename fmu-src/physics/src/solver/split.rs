@@ -71,7 +71,7 @@ pub struct State<const N: usize, const E: usize = 3> {
     /// Node temperatures, K.
     pub temperature: SVector<f64, N>,
     /// Energy taken in, delivered at the shaft, and given to the surroundings since the start, J; then, as far as
-    /// `E` reaches, the heat set free in each node.
+    /// `E` reaches, the losses in the winding and by friction.
     pub energy: [f64; E],
     /// What the last call to [`Split::advance`] leaves for those who live beside the nodes.
     pub passed: Passed<N>,
@@ -376,7 +376,7 @@ impl<const N: usize> Split<N> {
                     * (outflow0 + 4.0 * outflowm + outflow1 - share.dot(&(temp0 + tempm * 4.0 + temp1)));
             let gained = [work.electrical, work.mechanical, outflow + work.ambient];
             let mut energy = state.energy;
-            for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(work.heat.iter())) {
+            for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
                 *sum += gain;
             }
             let passed = Passed {

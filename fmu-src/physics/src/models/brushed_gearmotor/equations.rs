@@ -21,8 +21,11 @@
 //! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
 //! the crate `reference`, which takes [`Step::rates`].
 
+mod nodes;
 mod outputs;
 mod system;
+
+pub use nodes::{Initial, LIST, NODES, Temperatures};
 
 use super::parameters::Parameters;
 use super::variables::Inputs;
@@ -32,17 +35,9 @@ use crate::effects::{Number, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, System};
-use nalgebra::SVector;
+use nodes::{ACCOUNTS, HOUSING, PATHS, WINDING};
 
-/// Thermal nodes: winding, housing and box.
-pub const NODES: usize = 3;
-const WINDING: usize = 0;
-const HOUSING: usize = 1;
-const BOX: usize = 2;
-/// Temperatures of the nodes, K.
-pub type Temperatures = SVector<f64, NODES>;
-
-/// Energies that are counted: from the supply, to the load, to the surroundings, heat in winding and housing.
+/// Energies that are counted: from the supply, to the load, to the surroundings, losses in the winding, friction losses.
 pub const ENERGIES: usize = 5;
 /// What the integrator carries.
 pub type State = crate::solver::split::State<NODES, ENERGIES>;
@@ -69,8 +64,8 @@ pub struct Constants {
 impl Constants {
     /// The constants of a gearmotor.
     pub fn of(parameters: &Parameters) -> Constants {
-        let (motor, thermal) = (&parameters.motor, &parameters.thermal);
-        let capacity = Temperatures::new(thermal.C_w, thermal.C_h, thermal.C_b);
+        let motor = &parameters.motor;
+        let capacity = nodes::capacity(parameters);
         Constants {
             inverse_l: 1.0 / motor.L,
             inertia: motor.J * parameters.gear.ratio.powi(2),
@@ -189,24 +184,10 @@ impl<'a> Step<'a> {
 
     /// The torque against the motion at the output shaft, N.m.
     #[inline]
-    fn drag(&self, t: f64, w: f64) -> f64 {
+    fn drag(&self, t: f64, w: f64, temperature: &Temperatures) -> f64 {
         let (gear, effects, load) = (&self.model.gear, &self.model.effects, self.load.at(t));
-        let own = gear.drag(w) + effects.drag_torque(w);
+        let own = gear.drag(w, self.gear_temperature(temperature)) + effects.drag_torque(w);
         own + (gear.load_drag(w, load) + effects.load_drag(w, load)) * load
-    }
-
-    /// Heat flows outwards, W: winding to housing, winding to box, housing to box, box to ambient.
-    #[inline]
-    fn flows(&self, t: f64, temperature: &Temperatures) -> [f64; 4] {
-        let (thermal, effects) = (&self.model.thermal, &self.model.effects);
-        let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
-        let to_box = self.constants.to_box;
-        [
-            (t_w - t_h) / (thermal.R_wh * effects.winding_housing_resistance(t_w)),
-            to_box.winding * (t_w - t_b),
-            (thermal.G_hb + to_box.housing) * (t_h - t_b) + effects.housing_to_ambient(t_h, t_b),
-            thermal.G_ba * (t_b - self.ambient.at(t)),
-        ]
     }
 
     /// Energy in the model's stores, J: magnetic, kinetic, and heat above the temperature `origin`, K.
@@ -232,7 +213,7 @@ impl<'a> Step<'a> {
         let (r, k) = (motor.resistance(temperature[WINDING]), self.torque_constant(temperature));
         let lost = self.model.effects.terminal_voltage(i);
         let cycle = self.cycle(t, k * w + lost, temperature);
-        let drag = self.drag(t, w);
+        let drag = self.drag(t, w, temperature);
         let fast = self.fast_rates(t, x, temperature);
         let voltages = [r * i + lost, motor.L * fast[0], k * w];
         let powers = [voltages[0] * i + r * cycle.ripple, voltages[1] * i, voltages[2] * i];
@@ -241,20 +222,21 @@ impl<'a> Step<'a> {
         let bridge = self.bridge(t);
         let supply = bridge.supply_power(&cycle);
         let loss_drive = bridge.loss(&cycle, taken, i);
-        let [across, winding_to_box, to_box, to_ambient] = self.flows(t, temperature);
-
+        let mut to_ambient = 0.0;
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Ambient, loss_drive);
         ledger.transfer(Terminals, Winding, powers[0]);
         ledger.transfer(Terminals, Magnetic, powers[1]);
         ledger.transfer(Terminals, AirGap, powers[2]);
-        ledger.transfer(AirGap, Housing, drag * w);
+        for (account, heat) in ACCOUNTS.into_iter().zip(self.heats(0.0, drag * w).iter()) {
+            ledger.transfer(AirGap, account, *heat);
+        }
         ledger.transfer(AirGap, Shaft, self.load.at(t) * w);
         ledger.transfer(AirGap, Kinetic, self.constants.inertia * w * fast[1]);
-        ledger.transfer(Winding, Housing, across);
-        ledger.transfer(Winding, Enclosure, winding_to_box);
-        ledger.transfer(Housing, Enclosure, to_box);
-        ledger.transfer(Enclosure, Ambient, to_ambient);
+        for ((from, to), flow) in PATHS.into_iter().zip(self.flows(t, temperature)) {
+            ledger.transfer(ACCOUNTS[from], to.map_or(Ambient, |node| ACCOUNTS[node]), flow);
+            to_ambient += if to.is_none() { flow } else { 0.0 };
+        }
 
         Point {
             cycle,
@@ -273,24 +255,15 @@ impl<'a> Step<'a> {
 
     /// Derivatives of all states, for an integrator that knows nothing of the split.
     ///
-    /// `y` holds current, A, speed, rad/s, angle, rad, the temperatures of winding, housing and box, K, and the
+    /// `y` holds current, A, speed, rad/s, angle, rad, the temperatures of the nodes, K, and the
     /// energies from the supply, to the load, to the surroundings, and set free in winding and housing, J.
     pub fn rates(&self, t: f64, y: &[f64; STATES]) -> [f64; STATES] {
         let x = Fast::new(y[0], y[1]);
-        let p = self.point(t, &x, &Temperatures::new(y[3], y[4], y[5]));
-        let (shaft, friction) = (self.load.at(t) * y[1], p.drag * y[1]);
-        [
-            p.fast[0],
-            p.fast[1],
-            y[1],
-            p.warming[0],
-            p.warming[1],
-            p.warming[2],
-            p.supply_power,
-            shaft,
-            p.to_ambient,
-            p.powers[0],
-            friction,
-        ]
+        let p = self.point(t, &x, &Temperatures::from_column_slice(&y[3..3 + NODES]));
+        let energies = [p.supply_power, self.load.at(t) * y[1], p.to_ambient, p.powers[0], p.drag * y[1]];
+        let all = p.fast.iter().copied().chain([y[1]]).chain(p.warming.iter().copied()).chain(energies);
+        let mut rates = [0.0; STATES];
+        rates.iter_mut().zip(all).for_each(|(rate, value)| *rate = value);
+        rates
     }
 }

@@ -7,15 +7,13 @@
 mod equations;
 mod exchange;
 mod held;
-mod initial;
 mod motor;
 mod opening;
 mod parameters;
 pub mod state_function;
 mod variables;
 
-pub use equations::{Constants, ENERGIES, NODES, Point, STATES, State, Step, Temperatures};
-pub use initial::Initial;
+pub use equations::{Constants, ENERGIES, Initial, NODES, Point, STATES, State, Step, Temperatures};
 pub use motor::BrushedGearmotor;
 pub use opening::Opening;
 pub use parameters::Parameters;

@@ -1,7 +1,7 @@
 //! The gearmotor as a model: parameters, inputs, and the state it has reached.
 
-use super::equations::{Constants, NODES, State, Step};
-use super::held::{Held, LIST};
+use super::equations::{Constants, LIST, NODES, State, Step};
+use super::held::Held;
 use super::opening::Opening;
 use super::parameters::{Parameters, unserved};
 use super::variables::{Indicators, Inputs, Outputs};

@@ -85,6 +85,8 @@ pub struct Segment<const N: usize> {
 pub struct Work<const N: usize> {
     /// Heat set free in each node.
     pub heat: SVector<f64, N>,
+    /// Losses in the winding and by friction.
+    pub losses: [f64; 2],
     /// Electrical energy taken at the terminals, and heat put in from outside.
     pub electrical: f64,
     /// Energy delivered at the shaft.

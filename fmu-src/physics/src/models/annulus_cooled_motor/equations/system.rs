@@ -189,6 +189,7 @@ impl System<NODES> for Step<'_> {
         };
         Work {
             heat: Temperatures::new(copper + heat, in_core),
+            losses: [copper + heat, friction],
             aside: friction - in_core,
             electrical: electrical + heat + drive,
             mechanical,

@@ -1,6 +1,7 @@
 //! What the model shows of its state, and the check of the books.
 
-use super::{BOX, HOUSING, State, Step, WINDING};
+use super::nodes::{ACCOUNTS, BOX, HOUSING, WINDING};
+use super::{NODES, State, Step};
 use crate::ledger::Account;
 use crate::models::brushed_gearmotor::opening::Opening;
 use crate::models::brushed_gearmotor::variables::Outputs;
@@ -25,15 +26,10 @@ impl Step<'_> {
         let p = self.point(0.0, x, temperature);
         let capacity = self.capacity();
         let shaft_torque = self.load.at(0.0);
-        let power_balance_error = p.ledger.error(&[
-            (Terminals, -p.supply_power),
-            (AirGap, 0.0),
-            (Shaft, shaft_torque * w),
-            (Winding, capacity[WINDING] * p.warming[WINDING]),
-            (Housing, capacity[HOUSING] * p.warming[HOUSING]),
-            (Enclosure, capacity[BOX] * p.warming[BOX]),
-            (Ambient, p.to_ambient),
-        ]);
+        let outside =
+            [(Terminals, -p.supply_power), (AirGap, 0.0), (Shaft, shaft_torque * w), (Ambient, p.to_ambient)];
+        let nodes: [_; NODES] = std::array::from_fn(|k| (ACCOUNTS[k], capacity[k] * p.warming[k]));
+        let power_balance_error = p.ledger.error(&outside) + p.ledger.error(&nodes);
         let gained = self.opening(state, origin) - *opening;
         let [energy_supply, energy_shaft, energy_heat, work_electrical, friction] = state.energy;
         let work_mechanical = gained.kinetic + energy_shaft + friction;

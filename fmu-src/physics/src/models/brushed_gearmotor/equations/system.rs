@@ -1,9 +1,10 @@
 //! The equations in the form that the integrator takes.
 
-use super::{BOX, HOUSING, NODES, Step, Temperatures, WINDING};
+use super::nodes::{PATHS, WINDING};
+use super::{NODES, Step, Temperatures};
 use crate::components::chopper::Cycle;
 use crate::solver::split::{Fast, Segment, System, Work};
-use nalgebra::{Matrix2, Matrix3, SMatrix};
+use nalgebra::{Matrix2, SMatrix};
 use num_dual::Dual64;
 
 /// Start, middle and end of a step.
@@ -29,7 +30,7 @@ impl System<NODES> for Step<'_> {
     fn instant(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Instant {
         let lost = self.model.effects.terminal_voltage(x[0]);
         let e = self.torque_constant(temperature) * x[1] + lost;
-        Instant { lost, e, cycle: self.cycle(t, e, temperature), drag: self.drag(t, x[1]) }
+        Instant { lost, e, cycle: self.cycle(t, e, temperature), drag: self.drag(t, x[1], temperature) }
     }
 
     #[inline]
@@ -51,7 +52,7 @@ impl System<NODES> for Step<'_> {
         let r = self.model.motor.resistance(temperature[WINDING]);
         let load = self.load.at(t);
         let at = Dual64::from(w).derivative();
-        let drag = gear.drag(at).eps
+        let drag = gear.drag(at, self.gear_temperature(temperature)).eps
             + effects.drag_torque_slope(w)
             + (gear.load_drag(at, load).eps + effects.load_drag_slope(w, load)) * load;
         let (l, j) = (self.constants.inverse_l, 1.0 / self.constants.inertia);
@@ -61,40 +62,32 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn network(&self, t: f64, temperature: &Temperatures) -> (Temperatures, f64) {
-        let [across, winding_to_box, to_box, to_ambient] = self.flows(t, temperature);
-        let gain = Temperatures::new(
-            -across - winding_to_box,
-            across - to_box,
-            winding_to_box + to_box - to_ambient,
-        );
+        let (mut gain, mut to_ambient) = (Temperatures::zeros(), 0.0);
+        for ((from, to), flow) in PATHS.into_iter().zip(self.flows(t, temperature)) {
+            gain[from] -= flow;
+            match to {
+                Some(node) => gain[node] += flow,
+                None => to_ambient += flow,
+            }
+        }
         (gain.component_mul(&self.constants.inverse_capacity), to_ambient)
     }
 
     #[inline]
     fn network_matrix(&self, _t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
-        let (thermal, effects) = (&self.model.thermal, &self.model.effects);
-        let (t_w, t_h, t_b) = (temperature[WINDING], temperature[HOUSING], temperature[BOX]);
-        // What crosses from winding to housing grows with T_w by `hot` and falls with T_h by `cold`.
-        let share = 1.0 / effects.winding_housing_resistance(t_w);
-        let cold = share / thermal.R_wh;
-        let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
-        let direct = self.constants.to_box;
-        let through = thermal.G_hb + direct.housing;
-        let from_housing = through + effects.housing_to_ambient_slope(t_h, t_b);
-        // What one body radiates to the other is what the other does not to the one.
-        let from_box = through + effects.housing_to_ambient_slope(t_b, t_h);
-        let c = self.constants.inverse_capacity;
-        Matrix3::new(
-            (-hot - direct.winding) * c[WINDING],
-            cold * c[WINDING],
-            direct.winding * c[WINDING],
-            hot * c[HOUSING],
-            (-cold - from_housing) * c[HOUSING],
-            from_box * c[HOUSING],
-            direct.winding * c[BOX],
-            from_housing * c[BOX],
-            (-direct.winding - from_box - thermal.G_ba) * c[BOX],
-        )
+        let mut gain = SMatrix::<f64, NODES, NODES>::zeros();
+        for ((from, to), [grows, falls]) in PATHS.into_iter().zip(self.flow_slopes(temperature)) {
+            gain[(from, from)] -= grows;
+            if let Some(node) = to {
+                gain[(node, from)] += grows;
+                gain[(from, node)] += falls;
+                gain[(node, node)] -= falls;
+            }
+        }
+        for (mut row, c) in gain.row_iter_mut().zip(self.constants.inverse_capacity.iter()) {
+            row *= *c;
+        }
+        gain
     }
 
     #[inline]
@@ -117,7 +110,7 @@ impl System<NODES> for Step<'_> {
     ) -> Temperatures {
         let (i, w) = (x[0], x[1]);
         let r = self.model.motor.resistance(temperature[WINDING]);
-        Temperatures::new(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w, 0.0)
+        self.heats(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w)
     }
 
     /// The energies of one step. Charge, angle and stored energies are exact for the fast solution; the copper
@@ -155,7 +148,8 @@ impl System<NODES> for Step<'_> {
         let doubt_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
         let drive = electrical - terminals - ripple;
         Work {
-            heat: Temperatures::new(copper + ripple, friction, 0.0),
+            heat: self.heats(copper + ripple, friction),
+            losses: [copper + ripple, friction],
             electrical,
             mechanical: load,
             ambient: drive,
