@@ -50,8 +50,18 @@ def test_the_plain_master_gives_the_same_bits(ours):
 
 
 @where_demanded("ecospy")
-def test_ecos_opens_the_archive_and_agrees(ours, system, motor_fmu, tmp_path):
-    assert motor_fmu("ssp", system, "--out", tmp_path / "ankle.ssp").returncode == 0
+@pytest.mark.parametrize("has_outputs", [False, True])
+def test_ecos_opens_the_archive_and_agrees(ours, system, motor_fmu, tmp_path, has_outputs):
+    """ecos refuses every connection without a component at both ends: with `--components-only` there is none."""
+    written = ("ssp", system, "--out", tmp_path / "ankle.ssp")
+    if has_outputs:
+        text = system.read_text().replace("connect = [", 'connect = [\n  "actuator.joint_torque -> torque", "load -> motor.heat_power",')
+        system.write_text(text)
+        done = motor_fmu(*written)
+        assert "ecos" in done.stderr and "--components-only" in done.stderr, done.stderr
+        written = (*written, "--components-only")
+    done = motor_fmu(*written)
+    assert done.returncode == 0 and "ecos" not in done.stderr, done.stderr
     theirs = tmp_path / "theirs.json"
     command = [sys.executable, __file__, str(tmp_path / "ankle.ssp"), str(theirs)]
     environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}

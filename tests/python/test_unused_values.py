@@ -7,6 +7,7 @@ import zipfile
 
 import pytest
 from clients import paths
+from test_cli_bad_input import CANNOT, one_sentence
 
 MOTOR = "AnnulusCooledMotor"
 MODES = ("--set", "drive_mode=current", "--set", "mechanical_mode=imposed_speed")
@@ -73,3 +74,18 @@ def test_the_page_of_an_archive_names_unused_inputs(motor_fmu, tmp_path):
 def test_version_names_the_product(program):
     done = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     assert re.fullmatch(r"motor-fmu \d+\.\d+\.\d+\n", done.stdout)
+
+
+def test_a_variable_of_other_models_is_refused_with_the_reason(motor_fmu, tmp_path):
+    """`simulate` and `cosim` say what `build --preset` says of a variable that the model does not serve."""
+    fmu = paths.archive("BrushedGearmotor", 2)
+    preset = tmp_path / "p.toml"
+    preset.write_text('model = "BrushedGearmotor"\nname = "p"\n[start]\n"effect.drive_loss.share" = 0.1\n')
+    said = motor_fmu("build", "BrushedGearmotor", "--preset", preset).stderr
+    reason = "BrushedGearmotor has no variable effect.drive_loss.share: "
+    assert reason in said, said
+    sentence = said[said.index(reason) :].strip()
+    one_sentence(motor_fmu("simulate", fmu, "--set", "effect.drive_loss.share=0.1"), CANNOT, sentence)
+    system = tmp_path / "one.toml"
+    system.write_text(f'[system]\nname = "one"\n[[component]]\nname = "drive"\nfmu = "{fmu}"\n[experiment]\nstop = 0.1\nstep = 0.01\n')
+    one_sentence(motor_fmu("cosim", system, "--set", "drive.effect.drive_loss.share=0.1"), CANNOT, "drive: ", sentence)

@@ -16,8 +16,8 @@ pub use stepping::{Ended, IntermediateUpdate, IntermediateUpdates, Part, StepInP
 use crate::logger::{CATEGORIES, Category, Log, Status, c_string};
 use crate::refusal::{Outcome, Refused};
 use cache::Cache;
+use physics::load_table::Resources;
 use physics::model::{Fault, Model, ModelType, Slot};
-use physics::terms::GenericTerm;
 use report::Report;
 use saturation::Saturation;
 use std::ffi::{CStr, CString};
@@ -34,8 +34,8 @@ pub struct Instance {
     model: Box<dyn Model>,
     /// A copy of the model for evaluating derivatives, created at the first request.
     scratch: Option<Box<dyn Model>>,
-    /// The terms of the archive.
-    terms: Vec<GenericTerm>,
+    /// The data of the archive.
+    resources: Resources,
     standard: Standard,
     interface: Interface,
     /// Optional features that the importer uses.
@@ -75,7 +75,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// The instance of the model with this token, with the terms in its archive's resources.
+    /// The instance of the model with this token, with the data in its archive's resources.
     pub fn new(
         token: Option<&str>,
         resources: Option<&Path>,
@@ -95,15 +95,16 @@ impl Instance {
                 known.join(", ")
             )));
         };
-        let terms = resources.map_or(Ok(Vec::new()), terms::of_resources);
-        let terms = terms.map_err(|error| Refused::error(format!("{error}.")))?;
-        let Some(mut model) = crate::new_model(kind, &terms) else {
-            return Err(Refused::error(format!(
-                "{} does not accept the {} terms of {}.",
-                (kind.declaration)().name,
-                terms.len(),
-                terms::FILE_NAME
-            )));
+        let resources = resources.map_or(Ok(Resources::default()), terms::of_resources);
+        let resources = resources.map_err(|error| Refused::error(format!("{error}.")))?;
+        let Some(mut model) = crate::new_model(kind, &resources) else {
+            let load =
+                resources.load.as_ref().map(|_| format!("the load table of {}", terms::load::FILE_NAME));
+            let count = resources.terms.len();
+            let terms = (count > 0).then(|| format!("the {count} terms of {}", terms::FILE_NAME));
+            let name = (kind.declaration)().name;
+            let data: Vec<String> = terms.into_iter().chain(load).collect();
+            return Err(Refused::error(format!("{name} does not accept {}.", data.join(" and "))));
         };
         if interface == Interface::ModelExchange {
             model.hand_over();
@@ -124,7 +125,7 @@ impl Instance {
             scratch: None,
             elements: counted(model.as_mut()),
             model,
-            terms,
+            resources,
             mode: Mode::Instantiated,
             window: (0.0, f64::INFINITY),
             unsettled: true,
@@ -287,8 +288,8 @@ impl Instance {
         if self.mode == Mode::Intermediate {
             return self.require(&[]);
         }
-        self.model = crate::new_model(self.kind, &self.terms)
-            .ok_or_else(|| Refused::error("the model no longer accepts its terms."))?;
+        self.model = crate::new_model(self.kind, &self.resources)
+            .ok_or_else(|| Refused::error("the model no longer accepts its resources."))?;
         if self.interface == Interface::ModelExchange {
             self.model.hand_over();
         }

@@ -27,21 +27,21 @@ pub mod resources;
 pub mod saved;
 pub mod saved_handle;
 
+use physics::load_table::Resources;
 use physics::model::{Model, ModelType};
 use physics::start_values;
-use physics::terms::GenericTerm;
 
 /// The start values that the archive's builder has written into this library.
 #[used]
 static START_VALUES: [u8; start_values::SIZE] = start_values::empty();
 
-/// A model with the archive's start values and these terms; `None` if it does not accept the terms.
-pub(crate) fn new_model(kind: &ModelType, terms: &[GenericTerm]) -> Option<Box<dyn Model>> {
+/// A model with the archive's start values and these resources; `None` if it does not accept the resources.
+pub(crate) fn new_model(kind: &ModelType, resources: &Resources) -> Option<Box<dyn Model>> {
     // SAFETY: the address is that of a live static. The read is volatile because the bytes in the file need not
     // be those the compiler saw.
     let block = unsafe { std::ptr::read_volatile(&START_VALUES) };
     let mut model = (kind.new)();
-    if !terms.is_empty() && !model.set_terms(terms) {
+    if !resources.give(model.as_mut()) {
         return None;
     }
     let declaration = model.declaration();

@@ -6,6 +6,7 @@
 
 use crate::exchange::{Exchange, Update};
 use crate::groups::Grouped;
+use crate::load_table::LoadTable;
 use crate::model::{Declaration, Fault, GroupAt, Model, Slot};
 use crate::solver::explicit::{Tried, advance, dormand_prince};
 use crate::terms::Drivers;
@@ -52,7 +53,7 @@ impl<I: Table, const M: usize> Line<'_, I, M> {
 
 /// The equations of a model with `N` states, and its parameters. `M` numbers are fixed when it starts.
 pub trait Law<const N: usize, const M: usize>:
-    Grouped + Copy + Debug + Default + PartialEq + Send + Sync + Sized + 'static
+    Grouped + Clone + Debug + Default + PartialEq + Send + Sync + Sized + 'static
 {
     /// What the importer sets.
     type Inputs: Table;
@@ -122,6 +123,10 @@ pub trait Law<const N: usize, const M: usize>:
     /// The opening after the parameters have changed under way from those of `before`.
     fn retuned(&self, _before: &Self, now: &Now<'_, Self::Inputs, N, M>) -> [f64; M] {
         *now.opening
+    }
+    /// Takes a load table; false where the law has no use for one.
+    fn set_load(&mut self, _table: &LoadTable) -> bool {
+        false
     }
     /// The first event after `time` that is known by its time, s; infinite where there is none.
     fn next_event(&self, _time: f64) -> f64 {
@@ -316,7 +321,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
             self.forget();
             return self.inputs.set(slot.row as usize, value);
         }
-        let before = (slot.group as usize >= OWN).then_some(self.law);
+        let before = (slot.group as usize >= OWN).then(|| self.law.clone());
         let taken = self.set_value(slot.group as usize, slot.row as usize, value);
         if let Some(before) = before {
             self.opening = self.law.retuned(&before, &self.now());
@@ -332,6 +337,11 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model for Explicit<L, N, M> {
 
     fn slope(&self, slot: Slot) -> f64 {
         self.slopes.get(slot.row as usize)
+    }
+
+    fn set_load(&mut self, table: &LoadTable) -> bool {
+        self.forget();
+        self.law.set_load(table)
     }
 
     fn start(&mut self, time: f64) -> Result<(), Fault> {

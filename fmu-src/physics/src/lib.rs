@@ -13,6 +13,7 @@ mod fault;
 pub mod groups;
 pub mod ledger;
 pub mod line;
+pub mod load_table;
 pub mod media;
 pub mod model;
 pub mod models;

@@ -2,6 +2,7 @@
 
 use crate::exchange::Exchange;
 pub use crate::fault::Fault;
+use crate::load_table::LoadTable;
 use crate::terms::{Drivers, GenericTerm};
 use declare::{Causality, Elements, Kind, State, Variability, Variable};
 use std::fmt;
@@ -379,6 +380,10 @@ pub trait Model: Exchange + Send + Sync {
     /// Takes terms that are data (`terms.rs`) in place of those it had, before it starts; false, and nothing
     /// taken, where it carries none or not as many.
     fn set_terms(&mut self, _terms: &[GenericTerm]) -> bool {
+        false
+    }
+    /// Takes a load table (`load_table.rs`), before it starts; false where it has no use for one.
+    fn set_load(&mut self, _table: &LoadTable) -> bool {
         false
     }
     /// Ends initialization at `time`: checks the parameters together, sets every state.

@@ -84,6 +84,15 @@ pub struct Slopes<'a> {
 impl Slopes<'_> {
     /// The derivatives of `unknowns` along `moves`.
     pub fn along(&mut self, moves: &[Move], unknowns: &[Unknown]) -> Vec<Slope> {
+        self.from(moves, unknowns, None)
+    }
+
+    /// The same from one side, ahead or behind: at a point where two smooth functions meet, the derivative of one of them.
+    pub fn one_sided(&mut self, moves: &[Move], unknowns: &[Unknown], is_ahead: bool) -> Vec<Slope> {
+        self.from(moves, unknowns, Some(is_ahead))
+    }
+
+    fn from(&mut self, moves: &[Move], unknowns: &[Unknown], side: Option<bool>) -> Vec<Slope> {
         let moving: Vec<Move> = moves.iter().copied().filter(|m| m.seed != 0.0).collect();
         let none = Slope { value: 0.0, error: 0.0 };
         if moving.is_empty() || unknowns.is_empty() {
@@ -94,10 +103,10 @@ impl Slopes<'_> {
         let ahead = longest(&|m| (if m.seed > 0.0 { m.limits.1 } else { m.limits.0 } - m.at) / m.seed);
         let behind = longest(&|m| (m.at - if m.seed > 0.0 { m.limits.0 } else { m.limits.1 }) / m.seed);
         let both = ahead.min(behind);
-        if both > AT_LIMIT * whole {
+        if both > AT_LIMIT * whole && side.is_none() {
             return self.extrapolate(&moving, unknowns, whole.min(both), None);
         }
-        let sided = if ahead >= behind { ahead } else { -behind };
+        let sided = if side.unwrap_or(ahead >= behind) { ahead } else { -behind };
         let start = self.at(&moving, unknowns, 0.0);
         self.extrapolate(&moving, unknowns, sided.signum() * whole.min(sided.abs()), Some(start))
     }

@@ -2,6 +2,7 @@
 //!
 //! No list says where: enumerations, inputs and parameters are drawn at random until each variable has moved something.
 
+use crate::common::load_table;
 use physics::declare::{Causality, Kind, Unit};
 use physics::model::{Entry, Model, ModelType, Slot};
 use physics::models;
@@ -117,6 +118,7 @@ fn without_effect(kind: &ModelType) -> Vec<&'static str> {
         }
         let mut rng = Rng(SPREAD.wrapping_mul(point + 1));
         let mut model = (kind.new)();
+        model.set_load(&load_table());
         model.set_terms(&terms);
         for entry in declaration.entries.iter().filter(|e| e.is_settable()) {
             let value = plausible(entry, &mut rng);

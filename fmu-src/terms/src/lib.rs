@@ -25,7 +25,12 @@
 //! offset (0) and the exponent (1). `physics/src/effects/generic_term.rs` documents the action of a term at each port.
 //!
 //! The FMU reads the file when an instance is created; the tools check it before they write it into an archive. Both use
-//! this crate, so an FMU accepts the file of its own archive.
+//! this crate, so an FMU accepts the file of its own archive. The other file of the resources is in [`load`].
+
+pub mod load;
+mod resources;
+
+pub use resources::of_resources;
 
 use physics::terms::{
     Driver, Factor, GREATEST_EXPONENT, GenericTerm, Grid, Lag, Law, MOST_DRIVERS, MOST_LINES, MOST_POINTS,
@@ -47,6 +52,15 @@ const REFERENCE: (f64, f64) = (1e-9, 1e9);
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct TermsError(String);
+
+impl TermsError {
+    /// The message of serde_json ends with the place; this one begins with it.
+    fn of_json(error: &serde_json::Error, file: &str) -> TermsError {
+        let sentence = error.to_string();
+        let reason = sentence.split(" at line ").next().unwrap_or(&sentence);
+        TermsError(format!("{file}:{}: {reason}", error.line()))
+    }
+}
 
 /// The content of the file.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -151,12 +165,8 @@ impl TermsFile {
 
     /// The file in a text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<TermsFile, TermsError> {
-        let found: TermsFile = serde_json::from_str(text).map_err(|error| {
-            // The message of serde_json ends with the place; this one begins with it.
-            let sentence = error.to_string();
-            let reason = sentence.split(" at line ").next().unwrap_or(&sentence);
-            TermsError(format!("{file}:{}: {reason}", error.line()))
-        })?;
+        let found: TermsFile =
+            serde_json::from_str(text).map_err(|error| TermsError::of_json(&error, file))?;
         found.terms().map_err(|TermsError(sentence)| TermsError(format!("{file}: {sentence}")))?;
         Ok(found)
     }
@@ -190,12 +200,6 @@ impl TermsFile {
         text.push('\n');
         text
     }
-}
-
-/// The terms in a resource folder; none if the file does not exist.
-pub fn of_resources(folder: &Path) -> Result<Vec<GenericTerm>, TermsError> {
-    let path = folder.join(FILE_NAME);
-    if path.try_exists().unwrap_or(true) { TermsFile::load(&path)?.terms() } else { Ok(Vec::new()) }
 }
 
 impl TermText {
@@ -478,20 +482,5 @@ mod tests {
         }
         let four = TermsFile::new(vec![TermText::default(); 4]).text();
         assert!(error_of(&four).contains("4 terms; the limit is 3"));
-    }
-
-    #[test]
-    fn a_folder_without_the_file_has_no_terms() {
-        let folder = std::env::temp_dir().join(format!("motor-fmu-terms-{}", std::process::id()));
-        assert_eq!(of_resources(&folder), Ok(Vec::new()), "nor a missing folder");
-        std::fs::create_dir_all(&folder).unwrap();
-        assert_eq!(of_resources(&folder), Ok(Vec::new()));
-        std::fs::write(folder.join(FILE_NAME), VALID).unwrap();
-        let two = of_resources(&folder).map(|terms| terms.len());
-        std::fs::write(folder.join(FILE_NAME), "{").unwrap();
-        let broken = of_resources(&folder);
-        std::fs::remove_dir_all(&folder).unwrap();
-        assert_eq!(two, Ok(2));
-        assert!(broken.unwrap_err().to_string().contains("effects.json:1:"));
     }
 }

@@ -6,12 +6,13 @@ pub use error::BuildError;
 use crate::native::Native;
 pub use crate::platform::{HERE, Library, Platform, library_path};
 use crate::{documentation, object_file, reference, terminals};
-use describe::{Dependencies, ModelType, Preset, StartValues, fmi2, fmi3, start_values};
+use describe::{Dependencies, ModelType, Preset, Resources, StartValues, fmi2, fmi3, start_values};
 use rayon::prelude::*;
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
-pub use terms::{TermText, TermsError, TermsFile};
+pub use terms::load::{FILE_NAME as LOAD_FILE, LoadFile};
+pub use terms::{FILE_NAME as EFFECTS_FILE, TermText, TermsError, TermsFile, of_resources};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -26,6 +27,9 @@ const THIRD_PARTY: &str = include_str!("../assets/third-party.txt");
 const ICON_SVG: &[u8] = include_bytes!("../assets/icon.svg");
 /// The same, rendered.
 const ICON_PNG: &[u8] = include_bytes!("../assets/icon.png");
+
+/// The variable that selects the load table, and its item.
+pub const LOAD_ACTIVITY: (&str, &str) = ("gait.activity", "table");
 
 /// Which standard an archive follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +60,8 @@ pub struct Contents<'a> {
     pub preset: Option<&'a Preset>,
     /// Terms that are data.
     pub effects: Option<&'a TermsFile>,
+    /// Load table; it is the activity at the start.
+    pub load: Option<&'a LoadFile>,
 }
 
 /// Writes `<out>/<standard>/<Model>.fmu` and gives its path.
@@ -86,18 +92,15 @@ pub fn build_all(
     if let Some(preset) = contents.preset.filter(|p| p.model != name) {
         return Err(BuildError(format!("preset {} is for {} and not for {name}", preset.name, preset.model)));
     }
-    let starts = contents.preset.map(|p| p.starts.clone()).unwrap_or_default();
-    let terms = contents.effects.map_or(Ok(Vec::new()), TermsFile::terms)?;
-    if !terms.is_empty() && !(kind.new)().set_terms(&terms) {
-        let file = terms::FILE_NAME;
-        let why = (kind.declaration)().unserved("effect.generic_term.gain");
-        let why = why.map(|why| format!(": {why}")).unwrap_or_default();
-        return Err(BuildError(format!("{name} carries no terms, so it has no use for {file}{why}")));
+    let mut starts = contents.preset.map(|p| p.starts.clone()).unwrap_or_default();
+    let resources = resources(kind, contents)?;
+    if resources.load.is_some() {
+        select_table(kind, &mut starts);
     }
     let binaries = libraries.iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
     let (found, common) = rayon::join(
-        || Dependencies::of(kind, &terms, &starts),
-        || common(&Native { kind, starts: &starts, terms: &terms }, contents),
+        || Dependencies::of(kind, &resources, &starts),
+        || common(&Native { kind, starts: &starts, resources: &resources }, contents),
     );
     let write = |standard: &Standard| {
         let path = archive_path(out, *standard, name);
@@ -112,6 +115,36 @@ pub fn build_all(
         }
     };
     standards.par_iter().map(write).collect()
+}
+
+/// The data of an archive, where the model takes them.
+fn resources(kind: &ModelType, contents: Contents<'_>) -> Result<Resources, BuildError> {
+    let declaration = (kind.declaration)();
+    let name = declaration.name;
+    let terms = contents.effects.map_or(Ok(Vec::new()), TermsFile::terms)?;
+    if !terms.is_empty() && !(kind.new)().set_terms(&terms) {
+        let file = EFFECTS_FILE;
+        let why = declaration.unserved("effect.generic_term.gain");
+        let why = why.map(|why| format!(": {why}")).unwrap_or_default();
+        return Err(BuildError(format!("{name} carries no terms, so it has no use for {file}{why}")));
+    }
+    let load = contents.load.map(LoadFile::table).transpose()?;
+    if let Some(table) = &load
+        && !(kind.new)().set_load(table)
+    {
+        return Err(BuildError(format!("{name} has no use for a load table; GaitLoad has")));
+    }
+    Ok(Resources { terms, load })
+}
+
+/// The activity of an archive with a load table is that table.
+fn select_table(kind: &ModelType, starts: &mut StartValues) {
+    let (name, item) = LOAD_ACTIVITY;
+    if let Some(entry) = (kind.declaration)().by_name(name)
+        && let Ok(value) = describe::preset::from_text(entry, item, false)
+    {
+        starts.set(entry, value);
+    }
 }
 
 /// A library with the start values in it, for its platform and no other.
@@ -156,8 +189,10 @@ fn common(native: &Native<'_>, contents: Contents<'_>) -> Vec<(String, Vec<u8>)>
             entry(&results, run.results),
         ]);
     }
-    let effects = |file: &TermsFile| (format!("resources/{}", terms::FILE_NAME), file.text().into_bytes());
+    let effects = |file: &TermsFile| (format!("resources/{EFFECTS_FILE}"), file.text().into_bytes());
     files.extend(contents.effects.map(effects));
+    let load = |file: &LoadFile| (format!("resources/{LOAD_FILE}"), file.text().into_bytes());
+    files.extend(contents.load.map(load));
     files
 }
 

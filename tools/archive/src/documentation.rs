@@ -47,7 +47,7 @@ pub fn page(native: &Native<'_>, preset: Option<&Preset>) -> String {
 
 /// The inputs that have no effect in the modes in which the FMU starts, in a sentence.
 fn unused_inputs(native: &Native<'_>) -> Option<String> {
-    usage::sentence(&usage::inputs(native.kind, native.starts, native.terms), |_| String::new())
+    usage::sentence(&usage::inputs(native.kind, native.starts, native.resources), |_| String::new())
 }
 
 /// Variables of one role; those of a component or an effect together, to be opened.
@@ -119,7 +119,10 @@ mod tests {
     #[test]
     fn the_page_of_every_model_follows_the_rules_of_pages() {
         for kind in models::ALL.iter() {
-            let page = page(&Native { kind, starts: &StartValues::default(), terms: &[] }, None);
+            let page = page(
+                &Native { kind, starts: &StartValues::default(), resources: &describe::Resources::default() },
+                None,
+            );
             assert_eq!(present::check::faults(&page), Vec::<String>::new(), "{kind:?}");
         }
     }
@@ -128,7 +131,10 @@ mod tests {
     #[test]
     fn unused_inputs_are_named() {
         let kind = models::by_name("AnnulusCooledMotor").unwrap();
-        let page = page(&Native { kind, starts: &StartValues::default(), terms: &[] }, None);
+        let page = page(
+            &Native { kind, starts: &StartValues::default(), resources: &describe::Resources::default() },
+            None,
+        );
         assert!(page.contains("imposed_speed has no effect with mechanical_mode = free_shaft"), "{page}");
         assert!(!page.contains("voltage has no effect"));
     }

@@ -1,16 +1,16 @@
 //! The native model of an archive, accessed by names; figures and reference results of the archive are computed with it.
 
-use describe::{Entry, GenericTerm, Kind, Model, ModelType, StartValues, usage};
+use describe::{Entry, Kind, Model, ModelType, Resources, StartValues, usage};
 
-/// A model with the archive's start values and terms.
+/// A model with the archive's start values and resources.
 #[derive(Clone, Copy, Debug)]
 pub struct Native<'a> {
     /// Which model.
     pub kind: &'a ModelType,
     /// Start values.
     pub starts: &'a StartValues,
-    /// Terms that are data.
-    pub terms: &'a [GenericTerm],
+    /// Terms and a load table that are data.
+    pub resources: &'a Resources,
 }
 
 /// A model on its way. A call that the model refuses gives `None`: the figure is then not drawn.
@@ -28,7 +28,7 @@ impl<'a> Native<'a> {
 
     /// An instance with these values instead of the start values; enumerations by the name of an item.
     pub fn start(&self, values: &[(&str, f64)], choices: &[(&str, &str)]) -> Option<Run<'a>> {
-        let model = usage::with_starts(self.kind, self.starts, self.terms);
+        let model = usage::with_starts(self.kind, self.starts, self.resources);
         let mut run = Run { native: *self, model, steps: 0 };
         for (name, choice) in choices {
             let Kind::Enumeration(t) = self.entry(name)?.row.kind else { return None };

@@ -121,7 +121,7 @@ mod tests {
     fn every_input_jumps_once_and_every_model_answers() {
         for kind in models::ALL.iter() {
             let starts = StartValues::default();
-            let native = Native { kind, starts: &starts, terms: &[] };
+            let native = Native { kind, starts: &starts, resources: &describe::Resources::default() };
             let jumps = jumps(&native);
             assert!(jumps.windows(2).all(|w| w[0].at < w[1].at), "one after the other");
             assert!(jumps.iter().all(|j| j.at % DECIMATION == 0 && (100..900).contains(&j.at)));

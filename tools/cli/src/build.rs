@@ -3,11 +3,14 @@
 use crate::Failure;
 use crate::existing::Force;
 use crate::progress::Progress;
-use archive::build::{Contents, Library, Standard, TermsFile, archive_path, build_all, library_path};
+use ::study::walk::{Drive, Load, SETTINGS, Setting};
+use archive::build::{
+    Contents, Library, LoadFile, Standard, TermsFile, archive_path, build_all, library_path,
+};
 use archive::platform;
 use clap::ValueEnum;
-use describe::{ModelType, Preset, models, usage};
-use std::path::PathBuf;
+use describe::{LoadTable, ModelType, Preset, models, usage};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Which standards to build for.
@@ -39,6 +42,11 @@ pub struct Args {
     /// Terms found in data, written to resources/effects.json of the archives.
     #[arg(long, value_name = "FILE")]
     effects: Option<PathBuf>,
+    /// Torque and speed (or angle) over a cycle for GaitLoad, which starts with gait.activity = table: a CSV file with columns of
+    /// usual names (time, torque, speed, angle; units in brackets), or a load file of `steady --load` with a table [cycle], which names
+    /// columns and units. Written to resources/load.json of the archive.
+    #[arg(long, value_name = "F.csv|F.toml")]
+    load: Option<PathBuf>,
     /// Platforms of the libraries in the archives, built before with `cargo xtask cross`: x86_64-linux, x86_64-windows,
     /// aarch64-linux, ...; by default the platform of this program.
     #[arg(long, value_name = "P,...", value_delimiter = ',')]
@@ -53,6 +61,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let preset = args.preset.as_deref().map(Preset::load).transpose()?;
     let effects = args.effects.as_deref().map(TermsFile::load).transpose()?;
+    let load = args.load.as_deref().map(load_file).transpose()?;
     let standards = match args.fmi {
         Which::Two => &Standard::ALL[..1],
         Which::Three => &Standard::ALL[1..],
@@ -61,6 +70,12 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let libraries = libraries(&args.platform)?;
     let mut paths = Vec::new();
     let kinds = chosen(&args.models)?;
+    let takes_load = |kind: &ModelType| load.as_ref().is_some_and(|(_, table)| (kind.new)().set_load(table));
+    if let (Some(file), false) = (&args.load, kinds.iter().any(|kind| takes_load(kind))) {
+        let names: Vec<&str> = kinds.iter().map(|kind| (kind.declaration)().name).collect();
+        let sentence = "has no use for a load table; GaitLoad has";
+        return Err(Failure::new(format!("--load {}: {} {sentence}", file.display(), names.join(" and "))));
+    }
     for (kind, standard) in kinds.iter().flat_map(|kind| standards.iter().map(move |s| (kind, s))) {
         let model = (kind.declaration)().name;
         args.force.check_fmu(&archive_path(&args.out, *standard, model), model)?;
@@ -78,6 +93,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         let contents = Contents {
             preset: own.as_ref().or(preset.as_ref().filter(|_| named)),
             effects: effects.as_ref().filter(takes),
+            load: load.as_ref().filter(|_| takes_load(kind)).map(|(file, _)| file),
         };
         if let (Some(given), Some(own)) = (&preset, &own)
             && given.model != own.model
@@ -94,6 +110,28 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     let needs: Vec<String> = libraries.iter().map(Library::needs).collect();
     crate::say(&format!("libraries for {}\n", needs.join(", ")));
     crate::validate::report(&paths, false)
+}
+
+/// The load table of a CSV file or of a load file, and a note on what is not part of it.
+fn load_file(path: &Path) -> Result<(LoadFile, LoadTable), Failure> {
+    let load = Load::read(path, None, &[])?;
+    let (table, source, drive) = load.table().ok_or_else(|| {
+        Failure::new(format!(
+            "{} has no table [cycle]: a load table is torque and speed (or angle) from a CSV file",
+            path.display()
+        ))
+    })?;
+    let differs = |setting: &&Setting| setting.get(&drive) != setting.get(&Drive::default());
+    let names: Vec<&str> =
+        SETTINGS.iter().filter(differs).map(|s| s.name).filter(|n| *n != "cycle.scale").collect();
+    if !names.is_empty() {
+        let sentence = format!(
+            "{} not part of GaitLoad: gear and supply belong to SeriesElasticActuator, inertia to the torque of the file",
+            if names.len() == 1 { format!("{} is", names[0]) } else { format!("{} are", names.join(", ")) }
+        );
+        crate::remark(&[sentence]);
+    }
+    Ok((LoadFile::new(&table, source), table))
 }
 
 /// The start values that a model derives from a preset of another, as a line.

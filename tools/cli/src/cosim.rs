@@ -71,6 +71,9 @@ pub struct SspArgs {
     /// The archive [default: the description's name with .ssp]
     #[arg(long, value_name = "FILE.ssp")]
     out: Option<PathBuf>,
+    /// Leave out the inputs and outputs of the system itself: for ecos, which reads connections between components only
+    #[arg(long)]
+    components_only: bool,
     #[command(flatten)]
     force: Force,
 }
@@ -100,6 +103,10 @@ impl From<Scheme> for Algorithm {
 pub fn run(args: Args) -> Result<u8, Failure> {
     let system = System::open(&args.system)?;
     may_write(&args, &system)?;
+    for (name, description) in system.descriptions() {
+        let sentence = crate::unused::unserved(&format!("{name}."), description, &args.sets);
+        sentence.map_or(Ok(()), |sentence| Err(Failure::new(format!("component {name}: {sentence}"))))?;
+    }
     let (main, limits) = match &args.plot {
         Some(_) => outputs::of_system(&system),
         None => Default::default(),
@@ -164,13 +171,20 @@ pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
     args.force.check(&out, &format!("an SSP archive of {}", system.name()), |path| {
         System::open(path).is_ok_and(|earlier| earlier.name() == system.name())
     })?;
-    system.write_ssp(&out)?;
+    system.write_ssp(&out, args.components_only)?;
     let note = |name: &str| {
         format!(
             "component {name} has variables that begin with {name}., and OMSimulator cannot read such a system; rename it for this tool"
         )
     };
-    crate::remark(&system.ambiguous_names().map(note).collect::<Vec<_>>());
+    let mut notes: Vec<String> = system.ambiguous_names().map(note).collect();
+    if system.has_connectors() && !args.components_only {
+        notes.push(
+            "the system has inputs or outputs of its own, and ecos reads connections between components only; --components-only leaves them out"
+                .to_owned(),
+        );
+    }
+    crate::remark(&notes);
     crate::say(&format!("{}\n", out.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -2,12 +2,12 @@
 
 use crate::variables::{Row, Subject, short};
 use crate::{Failure, say, say_json};
-use archive::build::TermsFile;
+use archive::build::{EFFECTS_FILE, LOAD_FILE, LoadFile, TermsFile};
 use cosim::Archive;
 use describe::{Preset, models};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Say what an FMU or a preset is: model, standard, interface types, start values that differ from the defaults, sources
@@ -180,9 +180,13 @@ fn fmu_facts(archive: &Archive, rows: &[Row]) -> Result<(Vec<Fact>, Vec<Changed>
         if !like.is_empty() {
             facts.push(("built with preset", json!(like)));
         }
-        let terms: PathBuf = archive.dir().join("resources").join("effects.json");
-        if let Ok(terms) = TermsFile::load(&terms).and_then(|file| file.terms()) {
+        let file = |name: &str| archive.dir().join("resources").join(name);
+        if let Ok(terms) = TermsFile::load(&file(EFFECTS_FILE)).and_then(|file| file.terms()) {
             facts.push(("terms from data", json!(terms.len())));
+        }
+        if let Ok(load) = LoadFile::load(&file(LOAD_FILE)) {
+            let text = format!("{} rows, period {} s, from {}", load.rows.len(), load.period, load.source);
+            facts.push(("load table", json!(text)));
         }
     }
     Ok((facts, changed))

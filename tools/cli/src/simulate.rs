@@ -96,6 +96,9 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
     crate::remark(input.iter().flat_map(InputTable::notes).cloned().collect::<Vec<_>>().as_slice());
     let columns = input.iter().flat_map(|table| table.names());
+    if let Some(sentence) = crate::unused::unserved("", archive.description(), &sets) {
+        return Err(Failure::new(sentence));
+    }
     let unused = crate::unused::note(&archive, &sets, columns);
     let ours = outputs::of_model("", archive.description());
     let (main, limits) = ours.filter(|_| args.plot.is_some()).unwrap_or_default();

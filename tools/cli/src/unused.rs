@@ -1,17 +1,21 @@
 //! Values that the user sets on an FMU although they have no effect in the selected modes.
 //!
 //! An FMU of ours is recognised by its token, which is that of the variable table; the native model with the archive's start
-//! values and terms answers.
+//! values and resources answers.
 
 use ::study::bench::Bench;
-use archive::build::TermsFile;
-use cosim::Archive;
+use archive::build::of_resources;
+use cosim::{Archive, ModelDescription};
 use describe::usage::{self, Scope};
-use describe::{Entry, Model, models};
-use std::path::Path;
+use describe::{Entry, models};
 
-/// Folder and file of terms in an archive.
-const TERMS: [&str; 2] = ["resources", "effects.json"];
+/// Why one of the settings names a variable that an FMU of ours does not serve; `None` where there is none. `prefix` comes before
+/// its name.
+pub fn unserved(prefix: &str, description: &ModelDescription, sets: &[(String, String)]) -> Option<String> {
+    let is_this = |kind: &&describe::ModelType| (kind.declaration)().token == description.token;
+    let declaration = (models::ALL.iter().find(is_this)?.declaration)();
+    sets.iter().find_map(|(name, _)| declaration.unserved(name.strip_prefix(prefix)?))
+}
 
 /// A sentence about the settings `sets` and the columns `inputs` that have no effect; `None` where all have one or nothing is
 /// known of the FMU.
@@ -34,7 +38,9 @@ pub fn note<'a>(
         bench.set_text(name, text).ok()?;
     }
     let mut model = bench.into_model();
-    take_terms(model.as_mut(), archive.dir());
+    if let Ok(resources) = of_resources(&archive.dir().join("resources")) {
+        resources.give(model.as_mut());
+    }
     let set: Vec<&str> = sets.iter().map(|(name, _)| name.as_str()).collect();
     let mut asked: Vec<&'static Entry> = Vec::new();
     for name in set.iter().copied().chain(inputs) {
@@ -54,12 +60,4 @@ pub fn note<'a>(
             settings.split(", ").map(|s| format!("--set {s}")).collect::<Vec<_>>().join(" ")
         ),
     })
-}
-
-/// The terms that the archive carries, where it carries any.
-fn take_terms(model: &mut dyn Model, folder: &Path) {
-    let path = TERMS.iter().fold(folder.to_path_buf(), |path, part| path.join(part));
-    if let Ok(terms) = TermsFile::load(&path).and_then(|file| file.terms()) {
-        model.set_terms(&terms);
-    }
 }

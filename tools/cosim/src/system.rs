@@ -110,13 +110,18 @@ impl System {
         self.components().zip(self.archives.iter().map(Archive::description))
     }
 
+    /// Whether the system has inputs or outputs of its own.
+    pub fn has_connectors(&self) -> bool {
+        self.structure.connections.iter().any(|c| !c.is_inner())
+    }
+
     /// Writes the system as an SSP archive: its structure, and the FMUs as they are. The same system gives the same
-    /// bytes.
+    /// bytes. With `inner_only` the connections with inputs and outputs of the system are left out.
     ///
     /// # Errors
     /// All that is wrong with connections and values; [`Error::Io`].
-    pub fn write_ssp(&self, path: &Path) -> Result<(), Error> {
-        package::write(self.parts(), path)
+    pub fn write_ssp(&self, path: &Path, inner_only: bool) -> Result<(), Error> {
+        package::write(self.parts(), path, inner_only)
     }
 
     /// Components whose name is a prefix of names of their variables, which OMSimulator cannot read.

@@ -88,7 +88,7 @@ fn an_archive_that_is_written_again_means_the_same() {
     folder.fmu("gain", &described.replace(output, &format!("{output} unit=\"rpm\"")));
     let first = folder.ssp(&ssd, &[("resources/all.ssv", SSV)]).unwrap();
     let path = folder.path("again.ssp");
-    first.write_ssp(&path).unwrap();
+    first.write_ssp(&path, false).unwrap();
     let mut text = String::new();
     let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
     std::io::Read::read_to_string(&mut archive.by_name("SystemStructure.ssd").unwrap(), &mut text).unwrap();
@@ -137,7 +137,7 @@ fn one_archive_for_several_components_is_unpacked_once() {
     let r = cosimulate(&system, &SystemOptions::default(), &mut |_| ()).unwrap();
     assert_eq!(r.recording.columns.len(), 120);
     let out = folder.path("many.ssp");
-    system.write_ssp(&out).unwrap();
+    system.write_ssp(&out, false).unwrap();
     let archive = zip::ZipArchive::new(std::fs::File::open(&out).unwrap()).unwrap();
     let names: Vec<String> = archive.file_names().map(|n| n.unwrap().into_owned()).collect();
     assert_eq!(names, ["SystemStructure.ssd", "resources/gain.fmu"]);
@@ -178,7 +178,7 @@ fn nested_systems_dictionaries_and_mappings_are_flattened() {
     check(&system);
     // Written again it is flat, and means the same.
     let path = folder.path("flat.ssp");
-    system.write_ssp(&path).unwrap();
+    system.write_ssp(&path, false).unwrap();
     check(&cosim::System::open(&path).unwrap());
     // Two sources for one entry.
     let twice = "<ssd:Connection startElement=\"b\" startConnector=\"y\" endElement=\"line\" endConnector=\"speed\"/>";
@@ -198,7 +198,7 @@ fn an_archive_has_what_other_tools_need() {
     let folder = Folder::new();
     let text = PAIR.replace("fmu = \"rotor.fmu\"", "fmu = \"rotor.fmu\"\nstep = 0.005");
     let path = folder.path("pair.ssp");
-    folder.toml(&text).unwrap().write_ssp(&path).unwrap();
+    folder.toml(&text).unwrap().write_ssp(&path, false).unwrap();
     let mut ssd = String::new();
     let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
     std::io::Read::read_to_string(&mut archive.by_name("SystemStructure.ssd").unwrap(), &mut ssd).unwrap();

@@ -10,8 +10,8 @@ mod known;
 
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
+use physics::load_table::Resources;
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
-use physics::terms::GenericTerm;
 use rayon::prelude::*;
 
 /// Start time, s; late, so that a drift has become large enough to change a Boolean output.
@@ -74,25 +74,25 @@ enum Known {
 }
 
 impl Dependencies {
-    /// The dependencies of a model with these terms; the start values give the number of elements.
-    pub fn of(kind: &ModelType, terms: &[GenericTerm], starts: &StartValues) -> Dependencies {
+    /// The dependencies of a model with these resources; the start values give the number of elements.
+    pub fn of(kind: &ModelType, resources: &Resources, starts: &StartValues) -> Dependencies {
         let declaration = (kind.declaration)();
         let Some(known) = Dependencies::known(declaration, starts) else {
-            return Dependencies::found(kind, terms, starts, &POINTS);
+            return Dependencies::found(kind, resources, starts, &POINTS);
         };
         // Only numbers of elements among the start values change the set of variables.
         let counts = declaration.entries.iter().filter(|entry| declaration.is_dimension(entry));
         let usual = counts.into_iter().all(|entry| starts.of(entry) == entry.row.start);
-        match (terms.is_empty(), usual) {
+        match (resources.is_empty(), usual) {
             (true, true) => known,
-            (false, true) => known.and(Dependencies::found(kind, terms, starts, &POINTS[..1])),
-            (_, false) => known.and(Dependencies::found(kind, terms, starts, &POINTS)),
+            (false, true) => known.and(Dependencies::found(kind, resources, starts, &POINTS[..1])),
+            (_, false) => known.and(Dependencies::found(kind, resources, starts, &POINTS)),
         }
     }
 
     /// The dependencies of a model without terms, determined at all points.
     pub fn of_all(kind: &ModelType) -> Dependencies {
-        Dependencies::found(kind, &[], &StartValues::default(), &[POINTS; TURNS].concat())
+        Dependencies::found(kind, &Resources::default(), &StartValues::default(), &[POINTS; TURNS].concat())
     }
 
     /// The union with other dependencies of the same unknowns.
@@ -108,7 +108,7 @@ impl Dependencies {
     /// The dependencies at these points in every combination of the modes.
     fn found(
         kind: &ModelType,
-        terms: &[GenericTerm],
+        resources: &Resources,
         starts: &StartValues,
         points: &[Point],
     ) -> Dependencies {
@@ -146,7 +146,7 @@ impl Dependencies {
             let limits = turn < POINTS.len();
             let (mut running, mut initial) = none();
             let mut model = (kind.new)();
-            model.set_terms(terms);
+            resources.give(model.as_mut());
             model.hand_over();
             // The time of an event keeps its value, so that its consequences are visible at the start.
             let absent = if effects { Vec::new() } else { probe.half_of(&effects_of(declaration)) };

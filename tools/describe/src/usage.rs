@@ -7,9 +7,9 @@
 use crate::dependencies::{Probe, START};
 use crate::preset::{Preset, StartValues};
 use physics::declare::{Causality, Kind, Unit};
+use physics::load_table::Resources;
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::models;
-use physics::terms::GenericTerm;
 
 /// What the effect is asked of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,24 +62,24 @@ pub fn unused(model: &dyn Model, candidates: &[&'static Entry], scope: Scope) ->
         .collect()
 }
 
-/// A model with these start values and terms, which has not started.
-pub fn with_starts(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Box<dyn Model> {
+/// A model with these start values and resources, which has not started.
+pub fn with_starts(kind: &ModelType, starts: &StartValues, resources: &Resources) -> Box<dyn Model> {
     let (mut model, declaration) = ((kind.new)(), (kind.declaration)());
     for (reference, value) in starts.entries() {
         if let Some(entry) = declaration.by_reference(reference) {
             model.set(entry.slot, value);
         }
     }
-    model.set_terms(terms);
+    resources.give(model.as_mut());
     model
 }
 
 /// The inputs that have no effect in the modes of these start values.
-pub fn inputs(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Vec<Unused> {
+pub fn inputs(kind: &ModelType, starts: &StartValues, resources: &Resources) -> Vec<Unused> {
     let entries = &(kind.declaration)().entries;
     let inputs: Vec<&'static Entry> =
         entries.iter().filter(|e| e.row.causality == Causality::Input).collect();
-    unused(with_starts(kind, starts, terms).as_ref(), &inputs, Scope::Transient)
+    unused(with_starts(kind, starts, resources).as_ref(), &inputs, Scope::Transient)
 }
 
 /// The values of a preset that have no effect in a mode that the preset itself selects.
@@ -88,7 +88,8 @@ pub fn preset_values(preset: &Preset) -> Vec<Unused> {
     let declaration = (kind.declaration)();
     let given: Vec<&'static Entry> =
         preset.starts.entries().into_iter().filter_map(|(r, _)| declaration.by_reference(r)).collect();
-    let found = unused(with_starts(kind, &preset.starts, &[]).as_ref(), &given, Scope::Transient);
+    let found =
+        unused(with_starts(kind, &preset.starts, &Resources::default()).as_ref(), &given, Scope::Transient);
     let selects = |mode: &Mode| given.iter().any(|e| e.name == mode.choice);
     found.into_iter().filter(|u| u.mode.as_ref().is_some_and(selects)).collect()
 }
@@ -306,7 +307,8 @@ mod tests {
     fn motor(preset: &str, modes: &[(&str, f64)]) -> Box<dyn Model> {
         let preset = Preset::load(preset).unwrap();
         let kind = models::by_name(&preset.model).unwrap();
-        let (mut model, declaration) = (with_starts(kind, &preset.starts, &[]), (kind.declaration)());
+        let (mut model, declaration) =
+            (with_starts(kind, &preset.starts, &Resources::default()), (kind.declaration)());
         for (name, value) in modes {
             assert!(model.set(declaration.by_name(name).unwrap().slot, *value));
         }

@@ -3,6 +3,7 @@
 use describe::{Dependencies, Entry, StartValues, Unknown, generated, lock, models};
 use describe::{Preset, fmi2, fmi3};
 use physics::declare::{Causality, Kind, Scale};
+use physics::load_table::Resources;
 use physics::terms::{Driver, GenericTerm, Law, Port, Table};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -85,7 +86,7 @@ fn a_value_set_is_the_value_read() {
 fn dependencies_are_the_physics() {
     let kind = &models::ALL[0];
     let declaration = (kind.declaration)();
-    let found = Dependencies::of(kind, &[], &StartValues::default());
+    let found = Dependencies::of(kind, &Resources::default(), &StartValues::default());
     let on = |list: &[Unknown], name: &str| -> Vec<&str> {
         let k = declaration.entries.iter().position(|e| e.name == name).unwrap();
         let unknown = list.iter().find(|u| u.entry == k).unwrap();
@@ -141,7 +142,7 @@ fn segments_are_counted_by_the_start_values() {
     let declaration = (kind.declaration)();
     let preset = "name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n[start]\nair_segments = 11\n";
     let starts = Preset::parse(preset, "x.toml").unwrap().starts;
-    let found = Dependencies::of(kind, &[], &starts);
+    let found = Dependencies::of(kind, &Resources::default(), &starts);
     assert_eq!(found.rates.len(), 17 + 11);
     let two = fmi2::model_description(declaration, &starts, &found);
     assert!(two.contains("\"T_housing[11]\"") && two.contains("\"der(T_housing[11])\""));
@@ -200,7 +201,7 @@ fn terms_bring_dependencies() {
     let (x, y) = ([0.0, 1.0], [0.0, 0.01]);
     let table = Table::new(Driver::FanCommand, &x, &y).unwrap();
     let terms = [GenericTerm::new(Port::DragTorque, Law::Table(table))];
-    let found = Dependencies::of(kind, &terms, &StartValues::default());
+    let found = Dependencies::of(kind, &Resources::of_terms(&terms), &StartValues::default());
     let friction = found.outputs.iter().find(|u| u.entry == index("loss_friction")).unwrap();
     assert!(friction.on.contains(&index("fan_command")));
 }
@@ -230,7 +231,7 @@ fn the_gearmotor_depends_on_no_effect_of_fan_or_power_input() {
     ];
     let kind = models::by_name("BrushedGearmotor").unwrap();
     let declaration = (kind.declaration)();
-    let found = Dependencies::of(kind, &[], &StartValues::default());
+    let found = Dependencies::of(kind, &Resources::default(), &StartValues::default());
     let names = |on: &[usize]| on.iter().map(|k| declaration.entries[*k].name.as_str()).collect::<Vec<_>>();
     for unknown in found.outputs.iter().chain(&found.rates).chain(&found.initial) {
         let idle = names(&unknown.on).into_iter().find(|name| IDLE.iter().any(|idle| name.contains(idle)));
@@ -259,7 +260,7 @@ fn the_structure_is_read_as_it_is_kept() {
     for kind in models::ALL {
         let declaration = (kind.declaration)();
         let kept = read(declaration.name, "dependencies.toml");
-        let found = Dependencies::of(kind, &[], &StartValues::default());
+        let found = Dependencies::of(kind, &Resources::default(), &StartValues::default());
         assert!(kept.lines().count() > 20 && found.text(declaration) == kept, "{}", declaration.name);
     }
 }

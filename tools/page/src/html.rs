@@ -90,6 +90,9 @@ pub fn page(wasm: &[u8]) -> Result<String, StudyError> {
     let mut cooling = vec![(String::new(), "as in the preset of the motor".to_owned())];
     cooling.extend(items(declaration(MODEL)?, "cooling_mode"));
     let gait = declaration("GaitLoad")?;
+    // A load table is data of an FMU, which the page does not have.
+    let mut activities = items(gait, "gait.activity");
+    activities.retain(|(name, _)| name != "table");
     let loads = LOADS.map(|(value, text)| (value.to_owned(), text.to_owned()));
     let body = html! {
         style { (PreEscaped(STYLE.replace('\n', ""))) }
@@ -106,7 +109,7 @@ pub fn page(wasm: &[u8]) -> Result<String, StudyError> {
                 div data-load="current" { (number(CONSTANT[1])) }
                 div data-load="torque current" { (number(CONSTANT[2])) }
                 div data-load="gait" {
-                    (choice("activity", "Activity", &items(gait, "gait.activity")))
+                    (choice("activity", "Activity", &activities))
                     (choice("joint", "Joint", &items(gait, "gait.joint")))
                     @for row in GAIT { (number(row)) }
                 }

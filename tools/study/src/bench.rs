@@ -4,6 +4,7 @@ use crate::StudyError;
 use describe::usage::{Scope, Unused};
 use describe::{Preset, StartValues, models};
 use physics::declare::{Causality, Kind, Unit};
+use physics::load_table::LoadTable;
 use physics::model::{Declaration, Entry, HousingHeat, Model};
 
 /// Length of the first stretch on the way to the steady state, s.
@@ -65,6 +66,11 @@ impl Bench {
             }
         }
         Ok(())
+    }
+
+    /// Gives the model a load table; false where it has no use for one.
+    pub fn set_load(&mut self, table: &LoadTable) -> bool {
+        self.model.set_load(table)
     }
 
     /// The model with the values that were set on it.

@@ -26,6 +26,7 @@ mod tests;
 mod walker;
 
 pub use answer::{Continuous, Limit, Objective, Walked, check_hours, continuous_support, periodic, walk};
+pub use cycle_file::{Drive, SETTINGS, Setting};
 pub use envelope::{Envelope, EnvelopePoint};
 pub use load::{Derived, Load, MOTOR, Words};
 pub use periodic::Periodic;

@@ -180,7 +180,14 @@ impl Instance {
             handed.insert(self.model.boxed_clone()).hand_over();
         }
         let base = handed.as_ref().unwrap_or(&self.model).as_ref();
-        let found = Slopes { base, scratch: scratch.as_mut(), restart }.along(moves, &asked);
+        let mut slopes = Slopes { base, scratch: scratch.as_mut(), restart };
+        let mut found = slopes.along(moves, &asked);
+        let good = |found: &[Slope]| !unknowns.iter().zip(found).any(|pair| doubtful(&pair));
+        if !good(&found) {
+            // At the row of a table two smooth pieces meet; after the last step of a period rounding may leave time just before it.
+            let sides = [true, false].map(|is_ahead| slopes.one_sided(moves, &asked, is_ahead));
+            found = sides.into_iter().find(|side| good(side)).unwrap_or(found);
+        }
         if let Some((entry, slope)) = unknowns.iter().zip(&found).find(doubtful) {
             return Err(Refused::discard(format!(
                 "{} has no derivative in this direction at this point: the difference quotients do not converge; the best is {} (+-{}).",

@@ -9,6 +9,9 @@
 //!
 //! q and m are periodic cubic splines through the measured points, so that speed and torque are smooth within a stride
 //! and from one stride to the next.
+//!
+//! With the activity `table` q and B(s) m are those of a [`LoadTable`](crate::load_table::LoadTable): straight lines through its rows of torque and speed, and no factor
+//! body_mass. If its shaft turns by D in each period, D s is added to (2): a(t) and A(s) act on the motion about the mean speed.
 //! *Assumes* that torque scales with body mass, that a standing person has joint angle 0 and no torque, and that the
 //! strides of (5) vary independently: v is the coefficient of variation of each quantity (of stride time about 0.02 in
 //! healthy adults on level ground).
@@ -22,7 +25,8 @@ mod tables;
 mod variation;
 
 use declare::{Unit, Variable, enumeration, variables};
-use tables::{Cycle, cycle};
+pub use tables::Cycle;
+use tables::cycle;
 use variation::Quantity;
 
 enumeration! {
@@ -44,6 +48,8 @@ enumeration! {
         StairsDown = 7, "stairs_down";
         /// Level walking of children at self-selected speed, 1.12 s per stride (Schwartz et al. 2008)
         ChildWalk = 8, "child_walk";
+        /// Torque and speed of resources/load.json, which motor-fmu build --load writes; body mass and joint have no effect
+        Table = 9, "table";
     }
 }
 
@@ -123,11 +129,11 @@ pub fn floor(x: f64) -> f64 {
     }
 }
 
-impl Gait {
-    fn cycle(&self) -> &'static Cycle {
-        cycle(self.activity, self.joint)
-    }
+/// Why the activity `table` cannot start.
+pub const NO_TABLE: &str = "gait.activity = table needs a load table, and this model has none: build the FMU with \
+                            motor-fmu build GaitLoad --load FILE, or select another activity.";
 
+impl Gait {
     /// Amplitude a(t) of the gait at `time`, s, and its rate, 1/s: eq. (4).
     #[inline]
     fn share(&self, time: f64) -> (f64, f64) {
@@ -146,9 +152,17 @@ impl Gait {
         (on.0 - off.0, if rate == 0.0 { 0.0 } else { rate / self.ramp_time })
     }
 
-    /// The joint at `time`, s, and stride coordinate `stride`: eqs. (2) to (5).
-    pub fn at(&self, time: f64, stride: f64) -> Motion {
-        let cycle = self.cycle();
+    /// The cycle of the activity, and the mass that its torque refers to, kg.
+    fn cycle<'a>(&self, table: Option<&'a Cycle>) -> Option<(&'a Cycle, f64)> {
+        match cycle(self.activity, self.joint) {
+            Some(measured) => Some((measured, self.body_mass)),
+            None => Some((table?, 1.0)),
+        }
+    }
+
+    /// The joint at `time`, s, and stride coordinate `stride`: eqs. (2) to (5); at rest without the load table that it needs.
+    pub fn at(&self, table: Option<&Cycle>, time: f64, stride: f64) -> Motion {
+        let Some((cycle, mass)) = self.cycle(table) else { return Motion::default() };
         let varied = |quantity| {
             let (z, slope) =
                 if self.variation > 0.0 { variation::of(self.seed, quantity, stride) } else { (0.0, 0.0) };
@@ -160,30 +174,39 @@ impl Gait {
         let (q, q_slope) = cycle.angle.at(phase);
         let (range, range_slope) = varied(Quantity::Angle);
         let (strength, _) = varied(Quantity::Torque);
-        Motion {
+        let mut motion = Motion {
             angle: share * range * q,
             speed: share_rate * range * q + share * (range_slope * q + range * q_slope) * stride_rate,
-            torque: share * strength * self.body_mass * self.support * cycle.torque.at(phase).0,
+            torque: share * strength * mass * self.support * cycle.torque.at(phase).0,
             stride_rate,
+        };
+        if cycle.turn != 0.0 {
+            motion.angle += cycle.turn * stride;
+            motion.speed += cycle.turn * stride_rate;
         }
+        motion
     }
 
     /// Strides and demanded work, J, over the `h` seconds from `time`, s, and stride coordinate `stride`: the integrals of
     /// (1) and of torque times speed. `None` where strides vary or the amplitude changes.
     #[inline]
-    pub fn on(&self, time: f64, stride: f64, h: f64) -> Option<(f64, f64)> {
+    pub fn on(&self, table: Option<&Cycle>, time: f64, stride: f64, h: f64) -> Option<(f64, f64)> {
         let changes = |from: f64| time < from + self.ramp_time && time + h > from;
         if self.variation > 0.0 || changes(self.start_time) || changes(self.stop_time) {
             return None;
         }
-        let (cycle, (share, _)) = (self.cycle(), self.share(time));
+        let ((cycle, mass), (share, _)) = (self.cycle(table)?, self.share(time));
+        // At another amplitude the mean speed and the motion about it have different factors.
+        if cycle.turn != 0.0 && share != 1.0 {
+            return None;
+        }
         let strides = h / cycle.stride_time;
         let (from, to) = (stride, stride + strides);
         let (whole_from, whole_to) = (floor(from), floor(to));
         let turns = whole_to - whole_from;
         let work =
             cycle.work.to(to - whole_to) - cycle.work.to(from - whole_from) + turns * cycle.work.whole();
-        Some((strides, share * share * self.body_mass * self.support * work))
+        Some((strides, share * share * mass * self.support * work))
     }
 
     /// The first time after `time`, s, at which starting or stopping begins or ends.
@@ -197,6 +220,7 @@ impl Gait {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::load_table::LoadTable;
 
     fn walk() -> Gait {
         Gait::default()
@@ -214,7 +238,7 @@ mod tests {
         let (percent, measured) = rows.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
         assert!((measured - 1.37).abs() < 1e-3);
         let peak = |gait: &Gait| {
-            let torque = |k: u32| gait.at(0.0, f64::from(k) / 1000.0).torque / 75.0;
+            let torque = |k: u32| gait.at(None, 0.0, f64::from(k) / 1000.0).torque / 75.0;
             (0..1000).map(|k| (k, torque(k))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
         };
         let (at, found) = peak(&walk());
@@ -228,7 +252,7 @@ mod tests {
     /// Push-off power, and the ranges of motion that the integrated speeds give with the stride time of adults.
     #[test]
     fn the_adult_moves_as_adults_do() {
-        let at = |joint, k: u32| Gait { joint, ..walk() }.at(0.0, f64::from(k) / 1000.0);
+        let at = |joint, k: u32| Gait { joint, ..walk() }.at(None, 0.0, f64::from(k) / 1000.0);
         let power =
             (0..1000).map(|k| at(Joint::Ankle, k)).map(|m| m.torque * m.speed / 75.0).fold(0.0, f64::max);
         assert!((1.8..2.1).contains(&power), "{power}");
@@ -244,7 +268,7 @@ mod tests {
     #[test]
     fn torque_follows_body_mass_and_support() {
         let (one, other) = (walk(), Gait { body_mass: 150.0, support: 0.25, ..walk() });
-        let (a, b) = (one.at(0.0, 0.45), other.at(0.0, 0.45));
+        let (a, b) = (one.at(None, 0.0, 0.45), other.at(None, 0.0, 0.45));
         assert!((b.torque - 0.5 * a.torque).abs() < 1e-12 && a.angle == b.angle && a.speed == b.speed);
     }
 
@@ -267,15 +291,15 @@ mod tests {
                 let gait =
                     Gait { activity, joint, variation: 0.05, start_time: 0.0, stop_time: 6.0, ..walk() };
                 let (mut s, h) = (0.0, 1e-4);
-                let mut last = gait.at(0.0, s);
+                let mut last = gait.at(None, 0.0, s);
                 let mut largest = [0.0f64; 2];
                 for k in 0..80_000 {
                     // The middle rule on (1), whose right-hand side is smooth.
                     let half = s + 0.5 * h * last.stride_rate;
                     let t = f64::from(k) * h;
-                    let middle = gait.at(t + 0.5 * h, half);
+                    let middle = gait.at(None, t + 0.5 * h, half);
                     s += h * middle.stride_rate;
-                    let next = gait.at(t + h, s);
+                    let next = gait.at(None, t + h, s);
                     let rate = (next.angle - last.angle) / h;
                     assert!(
                         (rate - middle.speed).abs() < 2e-3,
@@ -289,6 +313,47 @@ mod tests {
                 assert_eq!((last.angle, last.speed, last.torque), (0.0, 0.0, 0.0));
             }
         }
+    }
+
+    /// tau = 3 + 2 cos, w = 5 + 4 sin over 0.8 s, in rows at unequal distances: values, angle and work by hand.
+    #[test]
+    fn a_load_table_has_its_torque_and_motion() {
+        use std::f64::consts::TAU;
+        let (period, rows) = (0.8, 4000);
+        let times: Vec<f64> = (0..rows)
+            .map(|k| f64::from(k) / f64::from(rows))
+            .map(|x| period * (x + 0.08 * (TAU * x).sin() / TAU))
+            .collect();
+        let of = |f: &dyn Fn(f64) -> f64| times.iter().map(|t| f(TAU * t / period)).collect::<Vec<f64>>();
+        let (torques, speeds) = (of(&|p| 3.0 + 2.0 * p.cos()), of(&|p| 5.0 + 4.0 * p.sin()));
+        let table = Cycle::of(&LoadTable { period, times, torques, speeds, angle: Some(0.3) });
+        let gait = Gait { activity: Activity::Table, body_mass: 20.0, support: 0.5, ..walk() };
+        let rate = TAU / period;
+        for k in 0..200 {
+            let t = f64::from(k) * 0.0137;
+            let motion = gait.at(Some(&table), t, t / period);
+            let angle = 0.3 + 5.0 * t + 4.0 / rate * (1.0 - (rate * t).cos());
+            assert!((motion.angle - angle).abs() < 2e-6, "{t} {motion:?} {angle}");
+            assert!((motion.speed - (5.0 + 4.0 * (rate * t).sin())).abs() < 1e-5);
+            assert!((motion.torque - 0.5 * (3.0 + 2.0 * (rate * t).cos())).abs() < 1e-5);
+            // 0.5 (15 t + 10/w sin + 12/w (1 - cos) + 4/w sin^2).
+            let (sin, cos) = (rate * t).sin_cos();
+            let work = 0.5 * (15.0 * t + (10.0 * sin + 12.0 * (1.0 - cos) + 4.0 * sin * sin) / rate);
+            let (strides, found) = gait.on(Some(&table), 0.0, 0.0, t).unwrap();
+            assert!(
+                (strides - t / period).abs() < 1e-12 && (found - work).abs() < 1e-5,
+                "{t} {found} {work}"
+            );
+        }
+        // Standing still: the mean speed stays, the motion about it and the torque are gone.
+        let still = Gait { stop_time: 10.0, ..gait };
+        let motion = still.at(Some(&table), 20.0, 25.0);
+        assert!(
+            (motion.speed - 5.0).abs() < 1e-5
+                && motion.torque == 0.0
+                && still.on(Some(&table), 20.0, 25.0, 0.1).is_none()
+        );
+        assert_eq!(gait.at(None, 0.0, 0.3), Motion::default());
     }
 
     #[test]
@@ -308,13 +373,13 @@ mod tests {
     fn the_work_of_a_step_is_the_integral_of_its_power() {
         for activity in [Activity::Walk, Activity::StairsDown] {
             let gait = Gait { activity, support: 0.7, ..walk() };
-            let rate = gait.at(0.0, 0.0).stride_rate;
+            let rate = gait.at(None, 0.0, 0.0).stride_rate;
             for (from, h) in [(0.31, 1e-3), (0.9995, 1e-3), (0.2, 0.4), (3.7, 1.0 / rate), (0.1, 3.3)] {
-                let (strides, work) = gait.on(7.0, from, h).unwrap();
+                let (strides, work) = gait.on(None, 7.0, from, h).unwrap();
                 assert!((strides - h * rate).abs() < 1e-14 * strides.max(1.0));
                 let n = 20_000;
                 let dt = h / f64::from(n);
-                let power = |k: i32| gait.at(7.0, from + (f64::from(k) + 0.5) * dt * rate);
+                let power = |k: i32| gait.at(None, 7.0, from + (f64::from(k) + 0.5) * dt * rate);
                 let sum: f64 = (0..n).map(power).map(|m| m.torque * m.speed * dt).sum();
                 assert!(
                     (work - sum).abs() < 1e-7 + 1e-6 * sum.abs(),
@@ -328,10 +393,10 @@ mod tests {
     fn what_changes_on_the_way_has_no_short_cut() {
         let gait = Gait { start_time: 1.0, stop_time: 5.0, ramp_time: 2.0, ..walk() };
         let known =
-            [0.0, 0.95, 1.5, 2.95, 3.0, 4.85, 4.95, 6.95, 7.0].map(|t| gait.on(t, 0.3, 0.1).is_some());
+            [0.0, 0.95, 1.5, 2.95, 3.0, 4.85, 4.95, 6.95, 7.0].map(|t| gait.on(None, t, 0.3, 0.1).is_some());
         assert_eq!(known, [true, false, false, false, true, true, false, false, true]);
-        assert_eq!(gait.on(0.0, 0.3, 0.1).unwrap().1, 0.0);
-        assert!(Gait { variation: 0.02, ..walk() }.on(0.0, 0.3, 0.1).is_none());
+        assert_eq!(gait.on(None, 0.0, 0.3, 0.1).unwrap().1, 0.0);
+        assert!(Gait { variation: 0.02, ..walk() }.on(None, 0.0, 0.3, 0.1).is_none());
     }
 
     #[test]

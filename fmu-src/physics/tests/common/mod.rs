@@ -2,6 +2,7 @@
 
 use declare::Group;
 use physics::effects::*;
+use physics::load_table::LoadTable;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
@@ -201,4 +202,10 @@ fn touch(model: &mut AnnulusCooledMotor) {
     let slot = Slot { group: 0, row: 0 };
     let value = model.get(slot);
     model.set(slot, value);
+}
+
+/// A load with three rows, for models that take one.
+pub fn load_table() -> LoadTable {
+    let (torques, speeds) = (vec![20.0, -5.0, 40.0], vec![1.0, -2.0, 0.5]);
+    LoadTable { times: vec![0.0, 0.2, 0.7], torques, speeds, period: 1.1, angle: None }
 }

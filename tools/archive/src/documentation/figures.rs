@@ -60,7 +60,7 @@ const OWN: &[Own] = &[
     },
     Own {
         model: "GaitLoad",
-        figures: &[gait::torques, gait::powers],
+        figures: &[gait::load_table, gait::torques, gait::powers],
         drive: &[],
         shown: &["torque_demand", "joint_angle", "joint_speed"],
     },
@@ -271,7 +271,7 @@ mod tests {
     fn every_model_has_three_figures_and_none_is_empty() {
         for kind in models::ALL.iter() {
             let starts = StartValues::default();
-            let figures = of(&Native { kind, starts: &starts, terms: &[] });
+            let figures = of(&Native { kind, starts: &starts, resources: &describe::Resources::default() });
             assert_eq!(figures.len(), 3, "{kind:?}");
             for figure in figures {
                 let span = |points: &[(f64, f64)]| {
@@ -288,7 +288,9 @@ mod tests {
     fn the_limit_is_reached_in_still_air_alone() {
         let kind = models::by_name("AnnulusCooledMotor").unwrap();
         let starts = StartValues::default();
-        let figure = held_torque(&Native { kind, starts: &starts, terms: &[] }).unwrap();
+        let figure =
+            held_torque(&Native { kind, starts: &starts, resources: &describe::Resources::default() })
+                .unwrap();
         let end: Vec<f64> = figure.figure.series().map(|(_, p)| p.last().unwrap().1).collect();
         let limit = figure.figure.limits().next().unwrap();
         assert!((end[0] - limit).abs() < 0.1, "still air ends at the limit: {end:?}, {limit}");

@@ -59,7 +59,7 @@ pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<
         None => {}
     }
     let library = library_path()?;
-    let contents = Contents { preset: Some(&preset), effects: effects.as_ref() };
+    let contents = Contents { preset: Some(&preset), effects: effects.as_ref(), load: None };
     let paths = build_all(kind, &Standard::ALL, contents, &[Library::here(&library)], out)?;
     let archives: Vec<(Standard, PathBuf)> = Standard::ALL.into_iter().zip(paths).collect();
     let name = |(standard, _): &(Standard, _)| format!("{}/{}.fmu", standard.folder(), outcome.model);

@@ -2,7 +2,7 @@
 
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::Replay;
-use describe::{Driver, GenericTerm, Lag, Law, ModelType, Port, StartValues, usage};
+use describe::{Driver, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
 pub use present::number;
 
 /// The port of a term, as text.
@@ -223,7 +223,7 @@ pub fn replay(replay: &Replay) -> String {
 /// The inputs that have no effect in the modes in which the exported FMUs start, which are those of the experiment; `None` where
 /// all have one.
 pub fn unused_inputs(kind: &ModelType, starts: &StartValues, terms: &[GenericTerm]) -> Option<String> {
-    let found = usage::inputs(kind, starts, terms);
+    let found = usage::inputs(kind, starts, &Resources::of_terms(terms));
     let other_modes = usage::other_modes(&found);
     let sentence = usage::sentence(&found, |_| String::new())?;
     Some(format!(

@@ -29,13 +29,18 @@ const NAMESPACES: [(&str, &str); 3] = [
 const PARAMETER_SET: &str = "initialValues";
 const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatform.com/SSP/OSPAnnotations");
 
-pub(crate) fn write(parts: Parts, path: &Path) -> Result<(), Error> {
+pub(crate) fn write(parts: Parts, path: &Path, inner_only: bool) -> Result<(), Error> {
     let mut connections = resolve(parts, &[])?;
     connections.check_open_inputs(parts, None)?;
     let io = Error::io("write", path);
     let resources = resources(&parts.structure.components);
-    let document =
-        Document { parts, connections: &connections, resources: &resources, units: BTreeMap::new() };
+    let document = Document {
+        parts,
+        connections: &connections,
+        inner_only,
+        resources: &resources,
+        units: BTreeMap::new(),
+    };
     let xml = document.text().map_err(&io)?;
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let failed = |e: zip::result::ZipError| io(io::Error::other(e));
@@ -120,6 +125,8 @@ impl Tag {
 struct Document<'a> {
     parts: Parts<'a>,
     connections: &'a Connections,
+    /// Without inputs and outputs of the system.
+    inner_only: bool,
     resources: &'a [(&'a Path, String)],
     units: BTreeMap<String, BaseUnit>,
 }
@@ -135,10 +142,7 @@ impl Document<'_> {
         let mut system: Vec<Tag> = self.system_connectors().into_iter().collect();
         let components = (0..structure.components.len()).map(|index| self.component(index)).collect();
         system.push(node("ssd:Elements", &[], components));
-        system.extend(list(
-            "ssd:Connections",
-            structure.connections.iter().map(|c| self.connection(c)).collect(),
-        ));
+        system.extend(list("ssd:Connections", self.written().map(|c| self.connection(c)).collect()));
         let mut children = vec![node("ssd:System", &[("name", &structure.name)], system)];
         children.extend(self.unit_definitions());
         children.extend(self.experiment());
@@ -150,11 +154,17 @@ impl Document<'_> {
         String::from_utf8(bytes).map_err(io::Error::other)
     }
 
+    /// The connections that are written.
+    fn written(&self) -> impl Iterator<Item = &Connection> {
+        let inner_only = self.inner_only;
+        self.parts.structure.connections.iter().filter(move |c| !inner_only || c.is_inner())
+    }
+
     /// Connectors of the system: ends of connections without a component.
     fn system_connectors(&mut self) -> Option<Tag> {
         let declared = self.parts.structure.connectors.as_deref();
         let mut ports: Vec<(String, &str, Port)> = Vec::new();
-        for connection in &self.parts.structure.connections {
+        for connection in self.parts.structure.connections.iter().filter(|_| !self.inner_only) {
             let (outer, inner) = match (&connection.start.component, &connection.end.component) {
                 (None, Some(_)) => (&connection.start, &connection.end),
                 (Some(_), None) => (&connection.end, &connection.start),

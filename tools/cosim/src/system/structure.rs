@@ -107,6 +107,13 @@ pub(crate) struct Connection {
     pub(crate) place: Place,
 }
 
+impl Connection {
+    /// Whether it connects two components, not one with an input or output of the system.
+    pub(crate) fn is_inner(&self) -> bool {
+        self.start.component.is_some() && self.end.component.is_some()
+    }
+}
+
 /// What a connection does with a value.
 #[derive(Clone, Debug)]
 pub(crate) struct Leg {

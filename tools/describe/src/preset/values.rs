@@ -83,6 +83,11 @@ impl StartValues {
         starts
     }
 
+    /// Gives the start value of a variable, which the caller has checked.
+    pub fn set(&mut self, entry: &Entry, value: f64) {
+        self.0.insert(entry.value_reference, value);
+    }
+
     /// Whether a start value of the variable is given.
     pub fn names(&self, entry: &Entry) -> bool {
         self.0.contains_key(&entry.value_reference)

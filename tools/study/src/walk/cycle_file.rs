@@ -13,15 +13,15 @@
 //! supply = "48 V"                                   # voltage of the drive
 //! period = "1.2 s"                                  # from the first to the last row, if not given
 //! ```
+//!
+//! [`table_of`] writes this table for a CSV file whose columns have usual names.
 
 use describe::preset::{Source, nearest};
+use physics::load_table::{LoadTable, MOST_ROWS};
 use std::path::Path;
 use toml::Spanned;
 use toml::de::DeValue;
 use units::{Conversion, conversion, split, unchanged};
-
-/// Rows that a file may have.
-const MOST_ROWS: usize = 1_000_000;
 
 /// Gear, load and supply of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +114,8 @@ pub struct Cycle {
     /// rad/s.
     speeds: Vec<f64>,
     period: f64,
+    /// Of the first row, rad, where the file has angles.
+    angle: Option<f64>,
     /// File and columns.
     pub source: String,
 }
@@ -122,7 +124,18 @@ impl Cycle {
     /// No torque at standstill.
     pub fn rest(period: f64) -> Cycle {
         let (times, torques, speeds) = (vec![0.0], vec![0.0], vec![0.0]);
-        Cycle { times, torques, speeds, period, source: "rest".to_owned() }
+        Cycle { times, torques, speeds, period, angle: None, source: "rest".to_owned() }
+    }
+
+    /// Its rows, with a factor on the torque.
+    pub fn table(&self, scale: f64) -> LoadTable {
+        LoadTable {
+            times: self.times.clone(),
+            torques: self.torques.iter().map(|torque| scale * torque).collect(),
+            speeds: self.speeds.clone(),
+            period: self.period,
+            angle: self.angle,
+        }
     }
 
     /// Its period, s.
@@ -176,6 +189,43 @@ const TIME: usize = 0;
 const TORQUE: usize = 1;
 const SPEED: usize = 2;
 const ANGLE: usize = 3;
+
+/// Names of the columns that [`table_of`] knows, in any case; the last one says its unit itself.
+const USUAL: [&[&str]; 4] = [
+    &["time", "t", "time_s"],
+    &["torque", "tau", "m", "load_torque", "joint_torque", "torque_nm"],
+    &["speed", "omega", "w", "n", "joint_speed", "speed_rad_per_s"],
+    &["angle", "phi", "theta", "joint_angle", "angle_rad"],
+];
+
+/// The text of a table `[cycle]` for a CSV file with columns of usual names; speed is preferred to angle.
+///
+/// # Errors
+/// A file that cannot be read, or a column that is not found.
+pub(super) fn table_of(path: &Path) -> Result<String, String> {
+    let (name, text) = text_at(path)?;
+    let (_, head) = rows(&text).next().ok_or_else(|| format!("{name} is empty"))?;
+    let headers = cells(head, separator(head));
+    let find = |place: usize| {
+        headers.iter().find(|header| USUAL[place].contains(&plain(header).to_lowercase().as_str())).copied()
+    };
+    let motion = if find(SPEED).is_some() { SPEED } else { ANGLE };
+    let quoted = |text: &str| toml::Value::from(text).to_string();
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut table = format!("[cycle]\nfile = {}\n", quoted(&file));
+    for place in [TIME, TORQUE, motion] {
+        let header = find(place).ok_or_else(|| {
+            let wanted = if place == ANGLE { [USUAL[SPEED], USUAL[ANGLE]].concat() } else { USUAL[place].to_vec() };
+            format!(
+                "{name} has none of the columns {}; its columns are {}; a load file with the table [cycle] takes columns of any name",
+                wanted.join(", "),
+                headers.join(", ")
+            )
+        })?;
+        table += &format!("{} = {}\n", COLUMNS[place].0, quoted(header));
+    }
+    Ok(table)
+}
 
 /// The cycle and its drive of a table `[cycle]` in a load file in `folder`; errors go to `source`.
 pub(super) fn read(
@@ -283,11 +333,7 @@ fn header_unit(header: &str) -> Option<&str> {
 
 fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
     let file = table.file.ok_or("the key file of [cycle] is missing")?;
-    let path = folder.join(&file);
-    let name = path.display().to_string();
-    let text =
-        std::fs::read_to_string(&path).map_err(|e| format!("the cycle {name} cannot be read ({e})"))?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let (name, text) = text_at(&folder.join(&file))?;
     let (columns, period) = (table.columns, table.period);
     if columns[SPEED].is_some() && columns[ANGLE].is_some() {
         return Err("[cycle] has speed and angle: one of them is enough".to_owned());
@@ -298,15 +344,13 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
             return Err(format!("the key {names} of [cycle] is missing"));
         }
     }
-    let mut lines =
-        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let mut lines = rows(&text);
     let (_, head) = lines.next().ok_or_else(|| format!("{name} is empty"))?;
-    let separator = [';', '\t', ','].into_iter().find(|s| head.contains(*s)).unwrap_or(',');
+    let separator = separator(head);
     let headers: Vec<&str> = cells(head, separator);
     let mut read: Vec<(usize, usize, Conversion)> = Vec::new();
     for (kind, column) in columns.iter().enumerate() {
         let Some(Column { header, unit }) = column else { continue };
-        let plain = |h: &str| h.split(['[', '(']).next().unwrap_or_default().trim().to_owned();
         let place = headers
             .iter()
             .position(|h| h == header)
@@ -349,6 +393,28 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
     let source =
         format!("{file}, columns {}", read.iter().map(|r| headers[r.1]).collect::<Vec<_>>().join(", "));
     cycle(values, period, source).map_err(|sentence| format!("{name}: {sentence}"))
+}
+
+/// Name and text of a file.
+fn text_at(path: &Path) -> Result<(String, String), String> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|e| format!("the cycle {name} cannot be read ({e})"))?;
+    let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned);
+    Ok((name, text))
+}
+
+/// The lines that are no comment, numbered from 0.
+fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+}
+
+fn separator(head: &str) -> char {
+    [';', '\t', ','].into_iter().find(|s| head.contains(*s)).unwrap_or(',')
+}
+
+/// A header without its unit.
+fn plain(header: &str) -> String {
+    header.split(['[', '(']).next().unwrap_or_default().trim().to_owned()
 }
 
 fn cells(line: &str, separator: char) -> Vec<&str> {
@@ -394,5 +460,6 @@ fn cycle(values: [Vec<f64>; 4], period: Option<f64>, source: String) -> Result<C
             values.truncate(rows - 1);
         }
     }
-    Ok(Cycle { times, torques, speeds, period, source })
+    let angle = angles.first().copied();
+    Ok(Cycle { times, torques, speeds, period, angle, source })
 }

@@ -11,7 +11,8 @@
 //! cooling_mode = "annulus_push"
 //! ```
 //!
-//! A table `[cycle]` is a load from a file in place of actuator and gait (`cycle_file.rs`). A mix has phases, each with a load of its own:
+//! A table `[cycle]` is a load from a CSV file (`cycle_file.rs`): in place of actuator and gait, or, in a file with a table `[actuator]`, at
+//! the joint of the actuator, where it is the load table of the gait. A CSV file alone is such a cycle. A mix has phases, each with a load of its own:
 //!
 //! ```toml
 //! [mix]
@@ -23,7 +24,7 @@
 //! ]
 //! ```
 
-use super::cycle_file::{self, Cycle, Drive, SCALE, Setting};
+use super::cycle_file::{self, Cycle, Drive, SCALE, SETTINGS, Setting};
 use super::mix::Mix;
 use super::mix_file::{MixFile, Phase};
 use super::shaft::Shaft;
@@ -34,6 +35,7 @@ use crate::bench::Bench;
 pub use describe::preset::MOTOR;
 use describe::preset::motor_data;
 use describe::{Entry, Kind, Preset, StartValues, models};
+use physics::load_table::LoadTable;
 use physics::models::series_elastic_actuator::MOTOR_DATA;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -49,6 +51,8 @@ const FREE_SHAFT: (&str, &str) = ("mechanical_mode", "free_shaft");
 /// The actuator's supply power is that of the connected motor.
 const POWER_SOURCE: (&str, &str) = ("drive.power_source", "motor_power");
 const ACTIVITY: &str = "gait.activity";
+/// The activity that is a load table.
+const TABLE: &str = "table";
 /// The fraction of the biological torque that is demanded.
 const SUPPORT: &str = "gait.support";
 /// Period of a rest: the longest step that resolves the winding's temperature.
@@ -65,6 +69,8 @@ pub struct Load {
     explicit: BTreeSet<String>,
     /// In place of actuator and gait.
     cycle: Option<(Arc<Cycle>, Drive)>,
+    /// At the joint of the actuator.
+    at_joint: Option<Arc<Cycle>>,
     mix: Option<MixFile<Load>>,
     origin: Arc<Origin>,
 }
@@ -100,6 +106,32 @@ pub struct Derived {
     pub from: &'static str,
 }
 
+/// What to use in place of a variable that a cycle at the joint leaves without effect.
+fn without_effect(name: &str) -> Option<&'static str> {
+    match name {
+        ACTIVITY | "gait.joint" | "gait.body_mass" => Some(""),
+        SCALE => Some("; use gait.support"),
+        "cycle.ratio" => Some("; use transmission.ratio"),
+        "cycle.efficiency" => Some("; use transmission.efficiency"),
+        "cycle.inertia" => Some(": the torque of the file has to contain it"),
+        "cycle.supply" => Some("; use supply_voltage"),
+        _ => None,
+    }
+}
+
+/// Makes a cycle the load table of the gait; `given` are the variables of the gait that the file sets.
+fn put_at_joint(gait: &mut Bench, cycle: &Cycle, drive: &Drive, given: &[&str]) -> Result<(), String> {
+    let changed = |setting: &&Setting| setting.get(drive) != setting.get(&Drive::default());
+    let settings = SETTINGS.iter().filter(changed).map(|setting| setting.name).filter(|name| *name != SCALE);
+    if let Some((name, instead)) =
+        settings.chain(given.iter().copied()).find_map(|n| Some((n, without_effect(n)?)))
+    {
+        return Err(format!("{name} has no effect with [cycle] and [actuator]{instead}"));
+    }
+    gait.set_load(&cycle.table(drive.scale));
+    gait.set_text(ACTIVITY, TABLE).map_err(|error| error.to_string())
+}
+
 impl Load {
     /// From a file; the motor starts from `preset`, and `sets` override both. A name in `sets` belongs to the first of motor,
     /// actuator and gait that has it.
@@ -108,6 +140,10 @@ impl Load {
     /// One sentence with file and line, or with name, value and limits.
     pub fn read(file: &Path, preset: Option<&Preset>, sets: &[(String, String)]) -> Result<Load, StudyError> {
         let name = file.display().to_string();
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv")) {
+            let text = cycle_file::table_of(file).map_err(StudyError::new)?;
+            return Load::parse(&text, &name, preset, sets);
+        }
         let text = std::fs::read_to_string(file)
             .map_err(|e| StudyError::new(format!("the load {name} cannot be read ({e})")))?;
         Load::parse(&text, &name, preset, sets)
@@ -143,13 +179,14 @@ impl Load {
             _ => false,
         })?;
         let used = |k: usize| !values[k].entries().is_empty();
-        if cycle.is_some() && (used(THE_ACTUATOR) || used(THE_GAIT)) {
+        let at_joint = cycle.is_some() && used(THE_ACTUATOR);
+        if cycle.is_some() && !at_joint && used(THE_GAIT) {
             return Err(StudyError::new(format!(
-                "{file}: [cycle] is a load at the motor or behind its gear; [actuator] and [gait] have no effect with it"
+                "{file}: [cycle] without [actuator] is a load at the motor or behind its gear; [gait] has no effect with it"
             )));
         }
         let mut benches = [Bench::new(MOTOR, preset)?, Bench::new(ACTUATOR, None)?, Bench::new(GAIT, None)?];
-        if cycle.is_none() {
+        if cycle.is_none() || at_joint {
             benches[0].set_text(FREE_SHAFT.0, FREE_SHAFT.1)?;
         }
         benches[THE_ACTUATOR].set_text(POWER_SOURCE.0, POWER_SOURCE.1)?;
@@ -161,8 +198,17 @@ impl Load {
         let names = given.iter().filter_map(|(reference, _)| declaration.by_reference(*reference));
         let explicit = names.map(|entry| entry.name.clone()).collect();
         let origin = Origin { text: text.to_owned(), file: file.to_owned(), sets: sets.to_vec() };
-        let cycle = cycle.map(|(cycle, drive)| (Arc::new(cycle), drive));
-        let mut load = Load { benches, explicit, cycle, mix: None, origin: Arc::new(origin) };
+        let mut cycle = cycle.map(|(cycle, drive)| (Arc::new(cycle), drive));
+        let carried = cycle.take_if(|_| at_joint);
+        if let Some((cycle, drive)) = &carried {
+            let of_gait = values[THE_GAIT].entries();
+            let names = of_gait.iter().filter_map(|(r, _)| benches[THE_GAIT].declaration().by_reference(*r));
+            let given: Vec<&str> = names.map(|entry| entry.name.as_str()).collect();
+            put_at_joint(&mut benches[THE_GAIT], cycle, drive, &given)
+                .map_err(|sentence| StudyError::new(format!("{file}: {sentence}")))?;
+        }
+        let at_joint = carried.map(|(cycle, _)| cycle);
+        let mut load = Load { benches, explicit, cycle, at_joint, mix: None, origin: Arc::new(origin) };
         if let Some(mut mix) = mix {
             mix.load(|phase| {
                 let mut found = match &phase.file {
@@ -203,15 +249,17 @@ impl Load {
 
     /// Words for reports.
     pub fn words(&self) -> Words {
-        let of_cycles = self.parts().iter().all(|part| part.cycle.is_some());
-        let (factor, place) = match of_cycles {
-            true => (["factor", "on the torque of the cycle"], "cycle"),
-            false => (["support", "of the biological torque"], "joint"),
+        let parts = self.parts();
+        let of_file = |part: &&Load| part.cycle.is_some() || part.at_joint.is_some();
+        let factor = match parts.iter().all(of_file) {
+            true => ["factor", "on the torque of the cycle"],
+            false => ["support", "of the biological torque"],
         };
-        let period = match (&self.mix, &self.cycle) {
-            (Some(_), _) => "period of the mix",
-            (None, Some(_)) => "cycle",
-            (None, None) => "stride",
+        let place = if parts.iter().all(|part| part.cycle.is_some()) { "cycle" } else { "joint" };
+        let period = match &self.mix {
+            Some(_) => "period of the mix",
+            None if of_file(&self) => "cycle",
+            None => "stride",
         };
         Words { period, factor, place }
     }
@@ -295,6 +343,11 @@ impl Load {
         if let (Some((_, drive)), Some(setting)) = (&mut self.cycle, Setting::named(name)) {
             return setting.set(drive, text).map_err(StudyError::new);
         }
+        if let Some(instead) = self.at_joint.as_ref().and_then(|_| without_effect(name)) {
+            return Err(StudyError::new(format!(
+                "{name} has no effect with a [cycle] at the joint{instead}"
+            )));
+        }
         let place = self.benches.iter().position(|b| b.knows(name, None)).unwrap_or(0);
         if self.cycle.is_some() && place != 0 {
             return Err(StudyError::new(format!(
@@ -334,6 +387,15 @@ impl Load {
         Ok(found)
     }
 
+    /// The load table of a cycle, for an FMU, with file and columns, and the gear and supply that are not part of it.
+    pub fn table(&self) -> Option<(LoadTable, &str, Drive)> {
+        match (&self.cycle, &self.at_joint) {
+            (Some((cycle, drive)), _) => Some((cycle.table(drive.scale), &cycle.source, *drive)),
+            (None, Some(cycle)) => Some((cycle.table(1.0), &cycle.source, Drive::default())),
+            (None, None) => None,
+        }
+    }
+
     /// The three models with the derived values.
     fn prepared(&self) -> Result<[Bench; 3], StudyError> {
         let mut benches = self.benches.clone();
@@ -358,7 +420,7 @@ impl Load {
             });
             return Ok(parts.collect::<Result<Vec<_>, StudyError>>()?.join("; "));
         }
-        if let Some((cycle, _)) = &self.cycle {
+        if let Some(cycle) = self.cycle.as_ref().map(|(cycle, _)| cycle).or(self.at_joint.as_ref()) {
             return Ok(cycle.source.clone());
         }
         let value = self.get(ACTIVITY)?;

@@ -154,6 +154,87 @@ fn a_mix_of_gaits_has_its_activities() {
     assert!(error.contains("every phase"), "{error}");
 }
 
+/// A stride of level walking, sampled to a file in units of its own and carried by the same actuator, is that walk.
+#[test]
+fn a_cycle_at_the_joint_is_the_gait_that_it_was_sampled_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = 1140;
+    for (file, motion) in [("by_speed.csv", "n [rpm]"), ("by_angle.csv", "phi [deg]")] {
+        let mut text = format!("t [ms];{motion};M [N.m]\n");
+        for k in 0..=rows {
+            let mut gait = crate::bench::Bench::new("GaitLoad", None).unwrap();
+            gait.set("gait.initial_phase", f64::from(k % rows) / f64::from(rows)).unwrap();
+            gait.start().unwrap();
+            let mut of = |name: &str| gait.get(name).unwrap();
+            let motion = if file == "by_speed.csv" {
+                of("joint_speed") * 30.0 / PI
+            } else {
+                of("joint_angle").to_degrees()
+            };
+            text += &format!("{k};{motion};{}\n", of("torque_demand"));
+        }
+        std::fs::write(folder.path().join(file), text).unwrap();
+    }
+    let actuator = "[motor]\ndrive_mode = \"current\"\n[actuator]\n\"transmission.ratio\" = 250\n\"spring.stiffness\" = 250\n";
+    let sets = [("fan_command", "1"), ("gait.support", "0.4")];
+    let walk = load(folder.path(), actuator, &sets).unwrap();
+    let walked = periodic(&walk).unwrap();
+    for (file, motion) in [("by_speed.csv", "speed = \"n\""), ("by_angle.csv", "angle = \"phi\"")] {
+        let cycle = format!("[cycle]\nfile = \"{file}\"\ntime = \"t\"\ntorque = \"M\"\n{motion}\n");
+        let of_file = load(folder.path(), &format!("{cycle}{actuator}"), &sets).unwrap();
+        let found = periodic(&of_file).unwrap();
+        println!("{walked:?}\n{found:?}");
+        assert!((found.current_rms / walked.current_rms - 1.0).abs() < 2e-3, "{found:?} {walked:?}");
+        assert!((found.winding_temperature - walked.winding_temperature).abs() < 0.2, "{found:?} {walked:?}");
+        assert!((found.power_joint / walked.power_joint - 1.0).abs() < 2e-3);
+        assert_eq!((of_file.words().period, of_file.words().factor[0]), ("cycle", "factor"));
+        assert!(of_file.source().unwrap().contains(file));
+        // A factor of 0.4 in the file in place of the support.
+        let half = load(folder.path(), &format!("{cycle}scale = 0.4\n{actuator}"), &sets[..1]).unwrap();
+        assert!((periodic(&half).unwrap().current_rms / found.current_rms - 1.0).abs() < 1e-9);
+    }
+    for (more, sets, words) in [
+        ("ratio = 3\n", &[][..], &["cycle.ratio has no effect", "transmission.ratio"][..]),
+        ("", &[("gait.activity", "walk")], &["gait.activity has no effect", "[cycle]"]),
+        ("[gait]\n\"gait.body_mass\" = 80\n", &[], &["gait.body_mass has no effect"]),
+    ] {
+        let text = format!(
+            "[cycle]\nfile = \"by_speed.csv\"\ntime = \"t\"\ntorque = \"M\"\nspeed = \"n\"\n{more}{actuator}"
+        );
+        let error = load(folder.path(), &text, sets).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(words.iter().all(|w| error.contains(w)), "{words:?} in {error}");
+    }
+}
+
+/// A CSV file with columns of usual names needs no load file.
+#[test]
+fn usual_columns_are_recognised() {
+    let folder = tempfile::tempdir().unwrap();
+    let preset = Preset::load("maxon-305015").unwrap();
+    let read = |text: &str| {
+        let file = folder.path().join("own \"cycle\".CSV");
+        std::fs::write(&file, text).unwrap();
+        Load::read(&file, Some(&preset), &[]).map(|load| load.table().unwrap().0).map_err(|e| e.to_string())
+    };
+    let table = read("Time [ms],M (mN.m),n [rpm],phi\n0,5,60,0\n10,6,90,1\n20,5,60,2\n").unwrap();
+    assert!(
+        (table.period - 0.02).abs() < 1e-15
+            && (table.torques[1] - 6e-3).abs() < 1e-15
+            && table.angle.is_none()
+    );
+    assert!((table.speeds[1] - 3.0 * PI).abs() < 1e-12);
+    let table = read("time_s;torque_Nm;theta [deg]\n0;5;180\n0,5;6;180\n1;5;180\n").unwrap();
+    assert_eq!((table.angle, table.speeds[0], table.torques[1]), (Some(PI), 0.0, 6.0));
+    for (text, words) in [
+        ("t,force,n\n0,1,1\n", &["none of the columns torque, tau", "t, force, n", "[cycle]"][..]),
+        ("t,M,pressure\n0,1,1\n", &["speed, omega", "angle, phi"]),
+        ("", &["is empty"]),
+    ] {
+        let error = read(text).unwrap_err();
+        assert!(words.iter().all(|w| error.contains(w)), "{words:?} in {error}");
+    }
+}
+
 #[test]
 fn bad_cycles_are_named_with_file_and_line() {
     let folder = tempfile::tempdir().unwrap();

@@ -22,25 +22,39 @@
 
 use super::spline::{Along, Spline};
 use super::{Activity, Joint};
-use std::sync::OnceLock;
+use crate::load_table::LoadTable;
+use std::sync::{Arc, OnceLock};
 
 /// Joint angle and torque over a stride.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
     /// Seconds for a stride.
     pub stride_time: f64,
-    /// Angle over the phase, rad.
+    /// Angle over the phase, rad, without `turn`.
     pub angle: Spline,
-    /// Torque over the phase, N.m/kg.
+    /// Gain of the angle in each stride, rad.
+    pub turn: f64,
+    /// Torque over the phase, N.m/kg, or N.m for a load table.
     pub torque: Spline,
-    /// Work over the phase, J/kg.
+    /// Work over the phase, J/kg or J.
     pub work: Along,
 }
 
 impl Cycle {
     fn new(stride_time: f64, angle: &[f64], torque: &[f64]) -> Cycle {
         let (angle, torque) = (Spline::through(angle), Spline::through(torque));
-        Cycle { stride_time, work: torque.along(&angle), angle, torque }
+        Cycle { stride_time, work: torque.along(&angle), angle, turn: 0.0, torque }
+    }
+
+    /// The cycle of a table: straight lines through its rows of torque and speed.
+    pub fn of(table: &LoadTable) -> Cycle {
+        let knots: Arc<[f64]> = table.times.iter().map(|t| t / table.period).collect();
+        let rates: Vec<f64> = table.speeds.iter().map(|speed| speed * table.period).collect();
+        let torque = Spline::linear(&knots, &table.torques);
+        let (mut angle, turn) = Spline::integral(&knots, &rates, true);
+        let work = torque.along(&Spline::integral(&knots, &rates, false).0);
+        angle.raise(table.angle.unwrap_or_else(|| -angle.mean()));
+        Cycle { stride_time: table.period, angle, turn, torque, work }
     }
 }
 
@@ -102,17 +116,20 @@ const PEAK_TORQUE: [[Peak; 3]; 2] = [
 ];
 /// Names of the joints in the table, in the order of [`Joint`].
 const JOINTS: [&str; 3] = ["hip", "knee", "ankle"];
-/// Activities.
+/// Activities with measured strides.
 const ACTIVITIES: usize = 8;
 
-/// The stride of an activity at a joint, computed at its first use.
+/// The stride of an activity at a joint, computed at its first use; `None` for the load table, which is data of an instance.
 #[inline]
-pub fn cycle(activity: Activity, joint: Joint) -> &'static Cycle {
+pub fn cycle(activity: Activity, joint: Joint) -> Option<&'static Cycle> {
+    if activity == Activity::Table {
+        return None;
+    }
     static ALL: [OnceLock<Cycle>; ACTIVITIES * JOINTS.len()] =
         [const { OnceLock::new() }; ACTIVITIES * JOINTS.len()];
     let joint = joint as usize - 1;
-    ALL[(activity as usize - 1) * JOINTS.len() + joint].get_or_init(|| match activity {
-        Activity::Walk => adult(joint),
+    Some(ALL[(activity as usize - 1) * JOINTS.len() + joint].get_or_init(|| match activity {
+        Activity::Walk | Activity::Table => adult(joint),
         Activity::StairsUp => stairs(0, joint),
         Activity::StairsDown => stairs(1, joint),
         Activity::ChildWalkVerySlow => child("VerySlow", joint),
@@ -120,7 +137,7 @@ pub fn cycle(activity: Activity, joint: Joint) -> &'static Cycle {
         Activity::ChildWalk => child("Free", joint),
         Activity::ChildWalkFast => child("Fast", joint),
         Activity::ChildWalkVeryFast => child("VeryFast", joint),
-    })
+    }))
 }
 
 /// A column of a table, by its name.
@@ -270,7 +287,7 @@ mod tests {
         let of_free = |line: &str| line.starts_with("Free,");
         let (angle, moment) =
             (column(CHILDREN, "knee_angles_mean", of_free), column(CHILDREN, "knee_moment_mean", of_free));
-        let cycle = cycle(Activity::ChildWalk, Joint::Knee);
+        let cycle = cycle(Activity::ChildWalk, Joint::Knee).unwrap();
         for k in 0..50 {
             let phase = k as f64 / 50.0;
             // Within the gap that is spread over the stride.

@@ -6,13 +6,15 @@ mod variables;
 
 pub use variables::{Indicators, Inputs, LIST, Outputs};
 
-use crate::components::gait::{Gait, Motion, floor};
+use crate::components::gait::{Activity, Cycle, Gait, Motion, NO_TABLE, floor};
 use crate::explicit::{Explicit, Law, Line, Now};
 use crate::groups;
+use crate::load_table::LoadTable;
 use crate::model::{Declaration, Declared, Fault, ModelType};
 use crate::solver::explicit::Tried;
 use declare::State;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// States of the load.
 pub const STATES: usize = LIST.len();
@@ -26,10 +28,12 @@ const STRIDE: usize = 0;
 const ENERGY: usize = 1;
 
 /// The walking person.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Walker {
     /// Body, activity, joint.
     pub gait: Gait,
+    /// Cycle of the activity `table`.
+    table: Option<Arc<Cycle>>,
 }
 
 groups! {
@@ -57,7 +61,7 @@ impl Law<STATES, 0> for Walker {
             Declaration::new(
                 "GaitLoad",
                 "Joint of a person who walks or climbs stairs: angle, speed and torque over the stride from measured \
-                 gait of adults or children, with variation between strides, start and stop",
+                 gait of adults or children or from a load table, with variation between strides, start and stop",
                 GaitLoad::groups(),
                 LIST,
                 &[],
@@ -67,6 +71,9 @@ impl Law<STATES, 0> for Walker {
 
     fn start(&self, _time: f64, _inputs: &Inputs) -> Result<([f64; STATES], [f64; 0]), Fault> {
         let gait = &self.gait;
+        if gait.activity == Activity::Table && self.table.is_none() {
+            return Err(Fault(NO_TABLE.to_owned()));
+        }
         if gait.stop_time < gait.start_time + gait.ramp_time {
             return Err(Fault(format!(
                 "gait.stop_time = {} s is before the end of the start ramp, gait.start_time + gait.ramp_time = {} s.",
@@ -78,7 +85,7 @@ impl Law<STATES, 0> for Walker {
     }
 
     fn point(&self, now: &At<'_>) -> Motion {
-        self.gait.at(now.time, now.states[STRIDE])
+        self.gait.at(self.table.as_deref(), now.time, now.states[STRIDE])
     }
 
     fn rates(motion: &Motion) -> [f64; STATES] {
@@ -117,13 +124,18 @@ impl Law<STATES, 0> for Walker {
         first: Option<&Motion>,
         h: f64,
     ) -> Tried<Motion, STATES> {
-        let Some((strides, work)) = self.gait.on(line.time + t, x[STRIDE], h) else {
+        let Some((strides, work)) = self.gait.on(self.table.as_deref(), line.time + t, x[STRIDE], h) else {
             return self.general(line, t, x, first, h);
         };
         let mut states = *x;
         states[STRIDE] += strides;
         states[ENERGY] += work;
         Tried { states, error: 0.0, point: None }
+    }
+
+    fn set_load(&mut self, table: &LoadTable) -> bool {
+        self.table = Some(Arc::new(Cycle::of(table)));
+        true
     }
 
     fn next_event(&self, time: f64) -> f64 {

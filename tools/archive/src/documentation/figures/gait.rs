@@ -23,6 +23,16 @@ fn choices(native: &Native<'_>, name: &str) -> Vec<&'static str> {
     }
 }
 
+/// Torque and speed of the load table.
+pub fn load_table(native: &Native<'_>) -> Option<Captioned> {
+    let period = native.resources.load.as_ref()?.period;
+    let table = [("gait.activity", "table")];
+    let line = |(name, output): (&str, &str)| (name.to_owned(), stride(native, output, &table));
+    let lines = [("torque in N\u{b7}m", "torque_demand"), ("speed in rad/s", "joint_speed")].map(line);
+    let caption = format!("Load table of this FMU; the period is {period} s.");
+    figure("Torque and speed of the load table", "period in %", "torque, speed", Vec::from(lines), caption)
+}
+
 /// The torque of each joint.
 pub fn torques(native: &Native<'_>) -> Option<Captioned> {
     let joints = choices(native, "gait.joint");

@@ -42,7 +42,7 @@ impl Series {
             let room = 0.6 * swing + STIFF * largest + noise(self.values[k]) / (look.h * steps);
             let size = given.abs().max(measured.abs());
             // NaN is always an error.
-            if size == 0.0 || room > 0.5 * size {
+            if size == 0.0 || room > 0.5 * size || jumps(&self.values[k..=k + WINDOW]) {
                 continue;
             }
             informative += 1;
@@ -54,6 +54,12 @@ impl Series {
         let wrong = factors.len() >= 3 && 10 * factors.len() >= 8 * informative;
         example.filter(|_| wrong && (!look.is_fine || is_steady(&factors)))
     }
+}
+
+/// Whether nearly the whole change is that of one step, as of a counter: a derivative does not show it.
+fn jumps(values: &[f64]) -> bool {
+    let changes = || values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    changes().fold(0.0, f64::max) > 0.95 * changes().sum::<f64>()
 }
 
 /// Whether a derivative is wrong by nearly the same factor at all points. Piecewise constant values, as those of a fixed internal
