@@ -21,8 +21,9 @@ const PLOTTED: usize = 600;
 const TRUSTED: f64 = 1.3;
 /// Sum of squares of a model whose numbers allow for drift and input noise, over that of the fitted one, up to which it is taken.
 const NO_WORSE: f64 = 1.02;
-/// Of a normal distribution, 95 % lie within this many deviations.
+/// Of a normal distribution, 95 % lie within this many deviations, and 95 % below the second number of them.
 const SURE: f64 = 1.96;
+const BELOW: f64 = 1.645;
 /// From this correlation on, two parameters count as hardly separated.
 const CORRELATED: f64 = 0.9;
 
@@ -255,8 +256,10 @@ fn estimates(
         units.chain(added.map(|n| (n.symbol.clone(), 0.0, n.unit))).collect();
     let deviation = |k: usize| covariance[(k, k)].max(0.0).sqrt();
     let all = names.into_iter().enumerate().map(|(k, (name, prior, unit))| {
-        let half = SURE * deviation(k) * scales[k].0 * widen;
-        Estimate { name, value: numbers[k], ci95: (numbers[k] - half, numbers[k] + half), prior, unit }
+        let (scale, limits, _) = scales[k];
+        let half = SURE * deviation(k) * scale * widen;
+        let ci95 = interval(numbers[k], told.moves[k] * scale, half, limits);
+        Estimate { name, value: numbers[k], ci95, prior, unit }
     });
     let all = all.collect();
     let correlation = DMatrix::from_fn(p, p, |a, b| {
@@ -264,6 +267,19 @@ fn estimates(
         if size > 0.0 { covariance[(a, b)] / size } else { 0.0 }
     });
     (all, correlation)
+}
+
+/// The 95 % interval of a number whose unconstrained optimum lies `way` off and whose normal interval has this half width: within the
+/// limits, and for one that stands at a limit by the profile likelihood, which to second order is a parabola about that optimum.
+/// *Source*: Venzon, Moolgavkar, Applied Statistics 37 (1988) 87-94.
+fn interval(number: f64, way: f64, half: f64, (least, most): (f64, f64)) -> (f64, f64) {
+    let inwards = (way * way + half * half).sqrt() - way.abs();
+    let (below, above) = match (number <= least && way <= 0.0, number >= most && way >= 0.0) {
+        (true, _) => (0.0, inwards),
+        (_, true) => (inwards, 0.0),
+        _ => (half, half),
+    };
+    ((number - below).max(least), (number + above).min(most))
 }
 
 /// The greatest change of each output by the last addition, in words.
@@ -287,7 +303,8 @@ fn limits(point: &Point) -> Vec<Limit> {
             return None;
         }
         let gain = point.evidence.gain(&point.listed_column(k, &everywhere)?)?;
-        let size = least.sqrt() * gain.covariance[(0, 0)].sqrt();
+        // A size whose score falls short of the least one with a probability of 5 %.
+        let size = (least.sqrt() + BELOW) * gain.covariance[(0, 0)].sqrt();
         let number = &addition.numbers[0];
         Some(Limit { id: listed.id.to_string(), symbol: listed.symbols[0], size, unit: number.unit })
     });
@@ -376,5 +393,24 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3]) -> Cur
         window: of.window,
         time: rows.iter().map(|row| of.table.time[*row]).collect(),
         outputs: outputs.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::interval;
+
+    const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+    /// The interval of a number at its limit ends where a parabola about the unconstrained optimum has risen by 1.96^2 deviations.
+    #[test]
+    fn intervals_end_at_limits_and_follow_the_profile_there() {
+        assert_eq!(interval(3.0, 0.0, 2.0, FREE), (1.0, 5.0));
+        assert_eq!(interval(1.0, 0.0, 2.0, (0.0, 9.0)), (0.0, 3.0));
+        // Optimum at -1.5: from 0 to 1 the parabola rises from 1.5^2 to 2.5^2, by 2^2.
+        assert_eq!(interval(0.0, -1.5, 2.0, (0.0, 9.0)), (0.0, 1.0));
+        assert_eq!(interval(9.0, 1.5, 2.0, (0.0, 9.0)), (8.0, 9.0));
+        // An optimum at the limit itself: one half of the normal interval.
+        assert_eq!(interval(0.0, 0.0, 2.0, (0.0, 9.0)), (0.0, 2.0));
     }
 }
