@@ -57,11 +57,60 @@ pub fn run(
     let begun = Instant::now();
     progress(0.0, "fitting the declared parameters");
     let deadline = options.budget.map_or_else(Deadline::default, Deadline::after);
+    let setup = Setup::new(experiment, preset)?.until(deadline.clone());
+    let plain = setup.refit(&setup.runs(Role::Fit));
+    let other = match &plain {
+        Ok(plain) if !deadline.is_near() => setup.between_runs(plain, &setup.runs(Role::Fit))?,
+        _ => None,
+    };
+    let closed = match other {
+        None => attempt(setup, plain, options, progress),
+        // Nothing but parameters, or parameters that the fit runs themselves refute: no effect can be looked for from there.
+        Some(other) if options.fit_only || other.is_plain_refuted => {
+            attempt(other.setup, Ok(other.fitted), options, progress)
+        }
+        // Runs may also disagree because an effect acts in some of them.
+        Some(other) => {
+            let end = |part: f64| {
+                let rest = options.budget.map(|budget| budget.saturating_sub(begun.elapsed()).mul_f64(part));
+                rest.map_or_else(Deadline::default, Deadline::after)
+            };
+            let found = attempt(setup.until(end(0.5)), plain, options, progress)?;
+            let next = attempt(other.setup.until(end(1.0)), Ok(other.fitted), options, progress)?;
+            let stays = !found.effects.is_empty() && left(&found) <= left(&next);
+            Ok(if stays { found } else { next })
+        }
+    };
+    let mut outcome = closed?;
+    outcome.seconds = begun.elapsed().as_secs_f64();
+    progress(1.0, outcome.verdict.name());
+    Ok(outcome)
+}
+
+/// What the model leaves of the fit and the validation runs: the normal density at the best variance of each output.
+fn left(outcome: &Outcome) -> f64 {
+    let mut squares: Vec<(&str, f64)> = Vec::new();
+    for error in outcome.errors.iter().filter(|e| e.role != Role::Test && e.after.is_finite()) {
+        let square = error.after.powi(2).max(error.floor.powi(2));
+        match squares.iter_mut().find(|(column, _)| *column == error.column) {
+            Some((_, sum)) => *sum += square,
+            None => squares.push((error.column, square)),
+        }
+    }
+    squares.iter().map(|(_, sum)| sum.ln()).sum()
+}
+
+/// The search from a first fit.
+fn attempt<'a>(
+    mut setup: Setup<'a>,
+    mut refit: Result<Fitted, CalibrateError>,
+    options: Options,
+    progress: &dyn Fn(f64, &str),
+) -> Result<Outcome, CalibrateError> {
+    let deadline = setup.deadline().clone();
     let for_boxes = options.budget.map_or(BOXES.0, |budget| budget.mul_f64(BOXES.1));
-    let mut setup = Setup::new(experiment, preset)?.until(deadline.clone());
     let fit = setup.runs(Role::Fit);
     // What time cuts off is answered with what there is by then.
-    let mut refit = setup.refit_between_runs(&fit);
     let mut is_cut = deadline.is_near();
     if !is_cut {
         let heard = refit.and_then(|r| setup.hear_inputs(&r, &fit).map(|()| r));
@@ -98,7 +147,6 @@ pub fn run(
         }
         let mut outcome = telling::outcome(&setup, &point, &refit.hypothesis, judgement)?;
         outcome.is_cut = is_cut;
-        outcome.seconds = begun.elapsed().as_secs_f64();
         return Ok(outcome);
     };
     search_of.rounds(progress);
@@ -120,8 +168,6 @@ pub fn run(
     verdict.time_for_boxes = for_boxes;
     let mut outcome = telling::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
     outcome.is_cut = is_cut;
-    outcome.seconds = begun.elapsed().as_secs_f64();
-    progress(1.0, outcome.verdict.name());
     Ok(outcome)
 }
 

@@ -17,6 +17,9 @@
 //! *Sources*: Kennedy, O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464 (discrepancy); Geyer, Statistical Science 7 (1992) 473-483 (2), with
 //! the initial positive sequence; MacKay, Neural Computation 4 (1992) 415-447 (3); Stone, J. R. Stat. Soc. B 36 (1974) 111-147 (choice by
 //! prediction). (5) is the normal density at the best variance of each output.
+//!
+//! Runs also disagree where an effect acts in some of them. The search therefore starts from the plain fit as well, and the model that
+//! leaves less of the fit and the validation runs stays (`close_loop`).
 
 use crate::CalibrateError;
 use crate::fit::Fitted;
@@ -40,25 +43,38 @@ struct Residual {
     memory: f64,
 }
 
-impl Setup<'_> {
-    /// The first fit of the declared parameters, with the disagreement between runs as a part of the noise where the plain fit predicts
-    /// left-out runs worse than the preset.
+/// The noise and the fit with the disagreement between runs.
+pub struct Disagreement<'a> {
+    /// With that noise.
+    pub setup: Setup<'a>,
+    /// The fit with it.
+    pub fitted: Fitted,
+    /// Whether the plain fit predicts the very runs that it was fitted to worse than the preset, because its model ends before they do.
+    pub is_plain_refuted: bool,
+}
+
+impl<'a> Setup<'a> {
+    /// The disagreement between runs, where a plain fit predicts left-out runs worse than the preset; `None` where it does not.
     ///
     /// # Errors
-    /// What the model says where it cannot be run from any start.
-    pub fn refit_between_runs(&mut self, runs: &[usize]) -> Result<Fitted, CalibrateError> {
-        let plain = self.refit(runs)?;
-        if self.deadline().is_near() || plain.readings < self.declared.len() {
-            return Ok(plain);
+    /// What the model says where the preset cannot be run.
+    pub fn between_runs(
+        &self,
+        plain: &Fitted,
+        runs: &[usize],
+    ) -> Result<Option<Disagreement<'a>>, CalibrateError> {
+        if plain.readings < self.declared.len() {
+            return Ok(None);
         }
         let strict = self.strict();
         let preset = self.preset();
+        let before = strict.score(&preset, runs)?;
         // A plain fit that no left-out run can be predicted with is none.
         let kept = strict.score_left_out(&plain.hypothesis, runs).unwrap_or(f64::INFINITY);
-        if kept <= strict.score(&preset, runs)? || self.deadline().is_near() {
-            return Ok(plain);
+        if kept <= before || self.deadline().is_near() {
+            return Ok(None);
         }
-        let Ok(added) = self.between_runs(runs) else { return Ok(plain) };
+        let Ok(added) = self.estimated_between_runs(runs) else { return Ok(None) };
         let mut best: Option<(f64, Fitted, Vec<f64>)> = None;
         for scale in SCALES {
             let own: Vec<f64> = added.iter().map(|a| scale * a).collect();
@@ -72,9 +88,11 @@ impl Setup<'_> {
                 break;
             }
         }
-        let Some((_, fitted, own)) = best.filter(|(score, ..)| *score < kept) else { return Ok(plain) };
-        *self = self.with_between_runs(&own);
-        self.judged(fitted.hypothesis, runs)
+        let Some((_, fitted, own)) = best.filter(|(score, ..)| *score < kept) else { return Ok(None) };
+        let setup = self.with_between_runs(&own);
+        let fitted = setup.judged(fitted.hypothesis, runs)?;
+        let is_plain_refuted = strict.score(&plain.hypothesis, runs).map_or(true, |score| score > before);
+        Ok(Some(Disagreement { setup, fitted, is_plain_refuted }))
     }
 
     /// The same with a model that ends at its limits of validity: the measured motor did not.
@@ -96,7 +114,7 @@ impl Setup<'_> {
     }
 
     /// The standard deviation that disagreement between these runs adds to each output, (4) with kappa = 1.
-    fn between_runs(&self, runs: &[usize]) -> Result<Vec<f64>, CalibrateError> {
+    fn estimated_between_runs(&self, runs: &[usize]) -> Result<Vec<f64>, CalibrateError> {
         let of = |fitted: &Fitted, own: &[f64]| -> Result<Vec<f64>, CalibrateError> {
             let informations = self.with_between_runs(own).informations(fitted, runs)?;
             let mut whole: DMatrix<f64> = informations.iter().sum();
@@ -311,15 +329,14 @@ mod tests {
         setup.rmse(&[3], &setup.show(&fitted.hypothesis, &[3]).unwrap())[2]
     }
 
-    /// Where all runs are of one motor, nothing is added to the noise, and the fit is the plain one.
+    /// Where all runs are of one motor, the fit is the plain one.
     #[test]
     fn runs_that_agree_are_fitted_as_they_are() {
         let experiment = runs([0.0; 3]);
-        let mut setup = Setup::new(&experiment, &[]).unwrap();
+        let setup = Setup::new(&experiment, &[]).unwrap();
         let plain = setup.refit(&[0, 1, 2]).unwrap();
-        let found = setup.refit_between_runs(&[0, 1, 2]).unwrap();
-        assert_eq!(plain.hypothesis.declared, found.hypothesis.declared);
-        assert!(setup.between.is_empty() && setup.sensor_noise(2) == setup.sigma(2));
+        assert!(setup.between_runs(&plain, &[0, 1, 2]).unwrap().is_none());
+        assert_eq!(setup.sensor_noise(2), setup.sigma(2));
     }
 
     /// Sensors that are off by another part of the rise in each run: the plain fit explains them by the motor and the seats and predicts a
@@ -327,16 +344,15 @@ mod tests {
     #[test]
     fn runs_that_disagree_do_not_mislead_the_fit() {
         let experiment = runs([0.5, -0.4, -0.2]);
-        let mut setup = Setup::new(&experiment, &[]).unwrap();
-        let sensors: Vec<f64> = (0..4).map(|k| setup.sensor_noise(k)).collect();
+        let setup = Setup::new(&experiment, &[]).unwrap();
         let plain = setup.refit(&[0, 1, 2]).unwrap();
         let worse = tested(&setup, &plain);
-        let found = setup.refit_between_runs(&[0, 1, 2]).unwrap();
-        let better = tested(&setup, &found);
-        assert!(setup.between[2] > 10.0 * sensors[2], "{:?}", setup.between);
+        let found = setup.between_runs(&plain, &[0, 1, 2]).unwrap().unwrap();
+        let better = tested(&found.setup, &found.fitted);
+        assert!(found.setup.between[2] > 10.0 * setup.sigma(2), "{:?}", found.setup.between);
         assert!(better < 0.5 * worse, "{better} K instead of {worse} K");
-        for (k, own) in sensors.iter().enumerate() {
-            assert!((setup.sensor_noise(k) - own).abs() < 1e-6, "output {k}");
+        for k in 0..4 {
+            assert!((found.setup.sensor_noise(k) - setup.sigma(k)).abs() < 1e-6, "output {k}");
         }
     }
 }
