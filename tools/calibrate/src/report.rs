@@ -86,12 +86,25 @@ pub struct ReplayedChannel {
     pub difference_of_a_value: f64,
 }
 
+/// What a report was made of.
+#[derive(Clone, Debug, Serialize)]
+pub struct Provenance {
+    /// Name and version of the program.
+    pub program: String,
+    /// SHA-256 of the experiment's file followed by the files of its runs.
+    pub data_sha256: String,
+    /// Date and time in UTC.
+    pub date: String,
+}
+
 /// The file.
 #[derive(Debug, Serialize)]
 pub struct Report<'a> {
     name: &'a str,
     model: &'static str,
     verdict: &'static str,
+    #[serde(flatten)]
+    provenance: Option<&'a Provenance>,
     seconds: f64,
     seconds_search: f64,
     budget: Budget,
@@ -312,6 +325,7 @@ impl<'a> Report<'a> {
             name: &outcome.name,
             model: outcome.model,
             verdict: outcome.verdict.name(),
+            provenance: None,
             seconds,
             seconds_search: outcome.seconds,
             budget: Budget { seconds: budget, exhausted: outcome.is_cut },
@@ -348,6 +362,12 @@ impl<'a> Report<'a> {
 }
 
 impl<'a> Report<'a> {
+    /// With what it was made of.
+    #[must_use]
+    pub fn made_of(self, provenance: &'a Provenance) -> Report<'a> {
+        Report { provenance: Some(provenance), ..self }
+    }
+
     /// The report on an experiment of which nothing can be said.
     pub fn unusable(
         (name, model): (&'a str, &'static str),
@@ -359,6 +379,7 @@ impl<'a> Report<'a> {
             name,
             model,
             verdict: "unusable",
+            provenance: None,
             seconds,
             seconds_search: 0.0,
             budget: Budget { seconds: budget, exhausted: false },

@@ -2,6 +2,7 @@
 
 mod export;
 mod page;
+mod provenance;
 mod replay;
 mod text;
 
@@ -18,7 +19,7 @@ use calibrate::close_loop::{self, Options};
 use calibrate::experiment::Experiment;
 use calibrate::intake::{self, Refusal, Unusable};
 use calibrate::outcome::Outcome;
-use calibrate::report::{Replay, Report};
+use calibrate::report::{Provenance, Replay, Report};
 use describe::{Preset, models};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
@@ -28,7 +29,7 @@ use std::time::Duration;
 
 /// Find the effects that the model lacks in bench data, add them to the FMUs and report the errors before and after.
 ///
-/// Writes report.json and report.html, preset.toml with the calibrated values, effects.json with the terms that were added, and
+/// Writes report.json and report.html, residuals.csv, preset.toml with the calibrated values, effects.json with the terms that were added, and
 /// the FMUs of both standards, which are then run on the data.
 /// Exit code 0 for a verdict; 1 if the data are unusable, the outputs of an FMU differ from the report or the validator finds errors in it.
 #[derive(clap::Args)]
@@ -87,6 +88,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     let begun = std::time::Instant::now();
     let mut experiment = Experiment::read(&args.experiment)?;
     let preset = preset(&experiment, &args.experiment)?;
+    let made_of = provenance::of(&args.experiment, &experiment)?;
     may_write(args, &experiment)?;
     // Before minutes of work: a folder that cannot be written to is bad input too.
     crate::make_folder(&args.out)?;
@@ -96,7 +98,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
         Err(Refusal::Input(error)) => return Err(error.into()),
         Err(Refusal::Unusable(why)) => {
             bar.finish();
-            return unusable(args, &experiment, &why, begun.elapsed().as_secs_f64());
+            return unusable(args, &experiment, &why, &made_of, begun.elapsed().as_secs_f64());
         }
     }
     let left = (1.0 - KEPT) * args.budget - begun.elapsed().as_secs_f64();
@@ -132,11 +134,14 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
         Some(&replay),
         &notes,
         (begun.elapsed().as_secs_f64(), args.budget),
-    );
+    )
+    .made_of(&made_of);
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     write(&args.out.join("report.json"), &json)?;
-    let page = page::page(&experiment, &outcome, &replay, &notes, (exported.kind.declaration)());
+    let declaration = (exported.kind.declaration)();
+    let page = page::page(&experiment, &outcome, &replay, &notes, declaration, &made_of);
     write(&args.out.join("report.html"), &page)?;
+    write(&args.out.join("residuals.csv"), &text::residuals(&outcome))?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
     outcome.endings.iter().for_each(|why| eprintln!("error: {why}"));
     Ok(crate::outcome(replay.agrees && findings.is_empty() && outcome.endings.is_empty()))
@@ -159,6 +164,9 @@ fn may_write(args: &Files, experiment: &Experiment) -> Result<(), Failure> {
         first.starts_with(export::HEADER) && first.contains(&format!(" the experiment {name}, "))
     })?;
     force.check(&at("effects.json"), &what, |path| TermsFile::load(path).is_ok())?;
+    force.check(&at("residuals.csv"), &what, |path| {
+        String::from_utf8_lossy(&head(path)).starts_with(text::RESIDUALS)
+    })?;
     let model = models::by_name(model).map_or(model.as_str(), |kind| (kind.declaration)().name);
     Standard::ALL
         .iter()
@@ -170,21 +178,27 @@ fn unusable(
     args: &Files,
     experiment: &Experiment,
     why: &Unusable,
+    made_of: &Provenance,
     seconds: f64,
 ) -> Result<ExitCode, Failure> {
     let kind = models::by_name(&experiment.model)
         .ok_or_else(|| Failure::new(format!("unknown model {}", experiment.model)))?;
     let model = (kind.declaration)().name;
     let archives = ["fmi2", "fmi3"].map(|folder| args.out.join(folder).join(format!("{model}.fmu")));
-    for path in ["preset.toml", "effects.json"].map(|file| args.out.join(file)).iter().chain(&archives) {
+    for path in ["preset.toml", "effects.json", "residuals.csv"]
+        .map(|file| args.out.join(file))
+        .iter()
+        .chain(&archives)
+    {
         if path.is_file() {
             std::fs::remove_file(path).map_err(|e| crate::unwritten(path, &e))?;
         }
     }
-    let report = Report::unusable((&experiment.name, model), why, &experiment.notes, (seconds, args.budget));
+    let report = Report::unusable((&experiment.name, model), why, &experiment.notes, (seconds, args.budget))
+        .made_of(made_of);
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     write(&args.out.join("report.json"), &json)?;
-    write(&args.out.join("report.html"), &page::unusable(experiment, why))?;
+    write(&args.out.join("report.html"), &page::unusable(experiment, why, made_of))?;
     let mut text = format!(
         "{}: unusable. {}.\n{}.\n",
         experiment.name,
@@ -236,5 +250,5 @@ fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> 
     for note in notes.iter().filter(|n| **n != text::replay(replay)) {
         text += &format!("note: {note}\n");
     }
-    text + &format!("{}: report.html, report.json, preset.toml, fmi2, fmi3\n", out.display())
+    text + &format!("{}: report.html, report.json, residuals.csv, preset.toml, fmi2, fmi3\n", out.display())
 }

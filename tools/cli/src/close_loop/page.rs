@@ -1,12 +1,13 @@
 //! `report.html`: what closing the loop has found, for a person. One file, for light and dark, without a script.
 
 mod figures;
+mod measurement;
 
 use super::text::{driver, law, list, number, plain, port, replay as replay_words, verdict};
 use calibrate::experiment::{Experiment, Role};
 use calibrate::intake::Unusable;
-use calibrate::outcome::{Curves, Found, Outcome, Unexplained, Verdict};
-use calibrate::report::{ROLES, Replay, column_words, role_name};
+use calibrate::outcome::{Curves, Evidence, Found, Outcome, Unexplained, Verdict};
+use calibrate::report::{Provenance, ROLES, Replay, column_words, role_name};
 use describe::Declaration;
 use maud::{Markup, html};
 use present::page::{Cell, page as page_of, plates, table};
@@ -18,15 +19,20 @@ pub fn page(
     replay: &Replay,
     notes: &[String],
     declaration: &Declaration,
+    provenance: &Provenance,
 ) -> String {
     let body = html! {
         p.lead { (capital(&verdict(outcome))) }
+        p { (status(outcome, replay)) }
         (about(experiment, outcome))
+        (made(provenance))
         (errors(outcome))
         (effects(outcome, declaration))
-        @if let Some(found) = &outcome.unexplained { (unexplained(found, outcome)) }
+        @if let Some(found) = &outcome.unexplained { (unexplained(found, experiment, outcome)) }
+        (next(experiment, outcome))
         (limits(outcome))
-        (residuals(outcome))
+        (residuals(experiment, outcome))
+        (over_drivers(experiment, outcome))
         @if !outcome.localised.is_empty() {
             h2 { "Location of the residual" }
             p {
@@ -37,6 +43,7 @@ pub fn page(
         }
         (candidates(outcome))
         (parameters(experiment, outcome))
+        (measurement::noises(experiment, outcome))
         (whiteness(outcome))
         (exported(outcome, replay))
         @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (note) } } } }
@@ -50,10 +57,11 @@ pub fn title(experiment: &str) -> String {
 }
 
 /// The page on data of which nothing can be said.
-pub fn unusable(experiment: &Experiment, why: &Unusable) -> String {
+pub fn unusable(experiment: &Experiment, why: &Unusable, provenance: &Provenance) -> String {
     let body = html! {
         p.lead { "Unusable data: " (why.reason) "." }
         p { "Channel: " code { (why.channel) } ". Suggestion: " (why.suggestion) ". Nothing was fitted and no effect was looked for." }
+        (made(provenance))
         @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (note) } } } }
     };
     page_of(&title(&experiment.name), body)
@@ -93,6 +101,65 @@ fn about(experiment: &Experiment, outcome: &Outcome) -> Markup {
             (number(outcome.seconds)) " s."
         }
     }
+}
+
+/// Program, data and date.
+fn made(provenance: &Provenance) -> Markup {
+    html! {
+        p.soft {
+            (provenance.program) ", " (provenance.date) ". SHA-256 of the experiment and its runs: " code { @for (k, digit) in provenance.data_sha256.chars().enumerate() { @if k > 0 && k % 16 == 0 { wbr; } (digit) } } "."
+        }
+    }
+}
+
+fn next(experiment: &Experiment, outcome: &Outcome) -> Markup {
+    let sentences = measurement::next(experiment, outcome);
+    html! {
+        @if !sentences.is_empty() { h2 { "Next experiment" } ul { @for text in &sentences { li { (text) } } } }
+    }
+}
+
+fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Markup {
+    let all = figures::over_drivers(experiment, outcome);
+    html! {
+        @if !all.is_empty() {
+            h2 { "Residual over the drivers" }
+            p {
+                "The output whose refit is furthest above its noise. Where points of the residual follow one curve over a driver, an effect \
+                 follows this driver; the law that was found has to lie on them."
+            }
+            (plates(&all))
+        }
+    }
+}
+
+/// What the verdict is worth, in one sentence: errors over noise of the runs that were not fitted, and the replay.
+fn status(outcome: &Outcome, replay: &Replay) -> String {
+    let test: Vec<String> = outcome
+        .errors
+        .iter()
+        .filter(|e| e.role == Role::Test && e.after.is_finite())
+        .map(|e| {
+            let (name, unit) = column_words(e.column);
+            format!(
+                "{name} {} {unit} (before {}, noise {})",
+                number(e.after),
+                number(e.before),
+                number(e.floor)
+            )
+        })
+        .collect();
+    let errors = if test.is_empty() {
+        "no test run".to_owned()
+    } else {
+        format!("test errors: {}", list(&test, "and"))
+    };
+    let agrees = if replay.agrees {
+        "the exported FMUs reproduce them"
+    } else {
+        "the exported FMUs do not reproduce them"
+    };
+    format!("Status: {errors}; {agrees}.")
 }
 
 fn errors(outcome: &Outcome) -> Markup {
@@ -193,7 +260,7 @@ fn support(effect: &Found) -> String {
     )
 }
 
-fn unexplained(found: &Unexplained, outcome: &Outcome) -> Markup {
+fn unexplained(found: &Unexplained, experiment: &Experiment, outcome: &Outcome) -> Markup {
     let given = if found.added {
         "The law above was added to the model, since it lowers the validation error. The figure is the estimate from the data \
          without a law."
@@ -202,7 +269,9 @@ fn unexplained(found: &Unexplained, outcome: &Outcome) -> Markup {
     };
     html! {
         h2 { "Unexplained effect" }
-        p { "An effect acts on " (port(found.port)) " and " (driver(found.follows)) ". " (given) }
+        p { "An effect acts on " (port(found.port)) " and " (driver(found.follows)) ". " (given)
+            @if let Some(power) = measurement::power(found, experiment) { " " (power) }
+        }
         @if !found.shape.is_empty() { (plates(&[figures::shape(found, outcome)])) }
     }
 }
@@ -224,19 +293,20 @@ fn limits(outcome: &Outcome) -> Markup {
     }
 }
 
-fn residuals(outcome: &Outcome) -> Markup {
+fn residuals(experiment: &Experiment, outcome: &Outcome) -> Markup {
     // The test runs first and open; the others can be opened.
     let heading = |c: &Curves| format!("{} ({})", c.file, role_name(c.role));
     html! {
         h2 { "Residuals" }
         p {
             "Measured minus predicted. Where a model is complete, its residual is noise about zero, 95 % of it in the band. The second \
-             figure of each output omits the preset."
+             figure of each output omits the preset. residuals.csv has the values of the figures."
         }
         @for role in ROLES.into_iter().rev() {
             @for curves in outcome.curves.iter().filter(|c| c.role == role) {
                 details open=[(role == Role::Test).then_some("")] {
                     summary { (heading(curves)) }
+                    (plates(&[figures::compared(curves, experiment)]))
                     (plates(&figures::residuals(curves, outcome)))
                 }
             }
@@ -244,14 +314,26 @@ fn residuals(outcome: &Outcome) -> Markup {
     }
 }
 
+/// Probability of a candidate among those of its round and the model without any, as far as BIC approximates the marginal likelihood
+/// (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795).
+fn probability(of: &Evidence, outcome: &Outcome) -> f64 {
+    let round = outcome.ladder.iter().filter(|e| e.round == of.round).map(|e| e.delta_bic_whitened);
+    let most = round.clone().fold(0.0, f64::max);
+    let weight = |delta: f64| (0.5 * (delta - most)).exp();
+    weight(of.delta_bic_whitened) / (weight(0.0) + round.map(weight).sum::<f64>())
+}
+
 fn candidates(outcome: &Outcome) -> Markup {
-    let row = |e: &calibrate::outcome::Evidence| {
+    let mut ranked: Vec<&Evidence> = outcome.ladder.iter().collect();
+    ranked.sort_by(|a, b| a.round.cmp(&b.round).then(b.delta_bic_whitened.total_cmp(&a.delta_bic_whitened)));
+    let row = |e: &Evidence| {
         vec![
             Cell::Number(e.round.to_string()),
             plain(&e.name).into(),
             plain(e.port.name()).into(),
             Cell::number(e.delta_bic),
             Cell::number(e.delta_bic_whitened),
+            Cell::number(probability(e, outcome)),
             Cell::maybe(e.validation_ratio),
             if e.accepted { "accepted" } else { "rejected" }.into(),
             plain(&e.reason).into(),
@@ -263,6 +345,7 @@ fn candidates(outcome: &Outcome) -> Markup {
         "port",
         "decrease of BIC",
         "the same, autocorrelated noise",
+        "probability",
         "validation error ratio",
         "verdict",
         "reason",
@@ -270,7 +353,11 @@ fn candidates(outcome: &Outcome) -> Markup {
     html! {
         @if !outcome.ladder.is_empty() {
             h2 { "Candidates" }
-            (table(&headers, outcome.ladder.iter().map(row).collect()))
+            p {
+                "By rank in each round. Probability: of this candidate among those of its round and the model without any of them, from BIC \
+                 with autocorrelated noise; acceptance also needs the validation runs."
+            }
+            (table(&headers, ranked.into_iter().map(row).collect()))
         }
     }
 }

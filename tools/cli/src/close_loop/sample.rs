@@ -5,7 +5,7 @@ use calibrate::outcome::{
     BlackBox, ChannelError, Curve, Curves, Estimate, Evidence, Follows, Found, Limit, Localised, Outcome,
     Setting, Unexplained, Verdict, Whiteness,
 };
-use calibrate::report::{Replay, ReplayedChannel};
+use calibrate::report::{Provenance, Replay, ReplayedChannel};
 use describe::{Driver, GenericTerm, Port};
 
 fn estimate(name: &str, value: f64, half: f64, prior: f64, unit: &'static str) -> Estimate {
@@ -172,13 +172,25 @@ pub fn replay() -> Replay {
     }
 }
 
+pub fn made_of() -> Provenance {
+    Provenance {
+        program: "motor-fmu 1.0.0".to_owned(),
+        data_sha256: "c0ffee".to_owned(),
+        date: "2026-03-01T12:00:00Z".to_owned(),
+    }
+}
+
 /// The experiment that the outcome is of, in a folder of its own.
 pub fn experiment() -> calibrate::experiment::Experiment {
     let folder = tempfile::tempdir().unwrap();
-    let run = "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,winding_temperature_degC\n\
-               0,1,100,20,3,20\n10,1,100,20,3,21\n";
+    let mut run = String::from(
+        "time_s,current_A,speed_rad_per_s,ambient_temperature_degC,voltage_V,winding_temperature_degC\n",
+    );
+    for k in 0..300 {
+        run += &format!("{},{},100,20,3,20\n", 10 * k, 1 + k / 60 % 3);
+    }
     for file in ["run-1.csv", "run-2.csv"] {
-        std::fs::write(folder.path().join(file), run).unwrap();
+        std::fs::write(folder.path().join(file), &run).unwrap();
     }
     let file = folder.path().join("experiment.toml");
     let text = r#"

@@ -62,6 +62,19 @@ fn what_has_no_name_has_a_port_a_driver_a_shape_and_a_law() {
     assert_eq!(nothing["detection_limits"][0]["size"], json!(2e-6));
 }
 
+/// A row for each run, output and time; a blank where nothing was measured.
+#[test]
+fn residuals_are_a_table() {
+    let outcome = sample::outcome(Verdict::Named);
+    let text = text::residuals(&outcome);
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 2 * 2 * 300);
+    assert!(rows.iter().all(|row| row.len() == 9));
+    assert_eq!(rows[8][..5], ["\"run-1.csv\"", "fit", "voltage_V", "70", ""]);
+    let curve = &outcome.curves[0].outputs[0];
+    assert_eq!((rows[1][4].parse(), rows[1][7].parse()), (Ok(curve.measured[0]), Ok(curve.after[0])));
+}
+
 /// Each verdict is a sentence with its subject.
 #[test]
 fn verdicts_are_sentences() {
@@ -92,7 +105,7 @@ fn a_class_excludes_effects_without_alternatives() {
 fn page_of(verdict: Verdict) -> String {
     let (outcome, replay) = (sample::outcome(verdict), sample::replay());
     let declaration = (describe::models::by_name(outcome.model).unwrap().declaration)();
-    page::page(&sample::experiment(), &outcome, &replay, &outcome.notes, declaration)
+    page::page(&sample::experiment(), &outcome, &replay, &outcome.notes, declaration, &sample::made_of())
 }
 
 /// One file without network references that contains all parts of its verdict.
@@ -100,9 +113,9 @@ fn page_of(verdict: Verdict) -> String {
 fn a_page_is_complete_in_itself() {
     for (verdict, words) in ALL.iter().zip([
         ["Identified effects", "Experiment that distinguishes them", "9.1e-5 ... 9.9e-5"],
-        ["one of iron loss or viscous friction", "explained equally well by", "Candidates"],
-        ["Unexplained effect", "Law: drag torque = 0.002 N.m · (speed / 500)^0.75", "was added to the model"],
-        ["Detection limits", "2e-6", "No effect was found"],
+        ["one of iron loss or viscous friction", "explained equally well by", "Probability"],
+        ["Law: drag torque = 0.002 N.m · (speed / 500)^0.75", "was added to the model", "At most 0.14 W"],
+        ["Detection limits", "2e-6", "predicts the runs to the noise"],
     ]) {
         let page = page_of(*verdict);
         for word in words.iter().chain(&[
@@ -115,6 +128,16 @@ fn a_page_is_complete_in_itself() {
             "set aside as dead",
             "window ends",
             "noise: 0.1 K",
+            "Measured and predicted",
+            "Status: test errors: voltage 0.11 V (before 2.9, noise 0.1)",
+            "the exported FMUs reproduce them",
+            "ARX of order 2",
+            "Unknowns of single runs",
+            "Next experiment",
+            "Noise and drift",
+            "Residual over the drivers",
+            "2026-03-01T12:00:00Z",
+            "c0ffee",
             "unknown",
         ]) {
             assert!(page.to_lowercase().contains(&word.to_lowercase()), "{}: {word}", verdict.name());

@@ -230,3 +230,25 @@ pub fn unused_inputs(kind: &ModelType, starts: &StartValues, terms: &[GenericTer
         "the exported FMUs start in the modes of the experiment: {sentence}; set {other_modes} before initialization to use them"
     ))
 }
+
+/// Header of residuals.csv.
+pub const RESIDUALS: &str = "file,role,channel,time_s,measured,before,refit,after,residual\n";
+
+/// Measured and predicted values of every output and the residual of the model after the repair, as in the figures of the report: a row for each run, output and time.
+pub fn residuals(outcome: &Outcome) -> String {
+    let mut text = String::from(RESIDUALS);
+    let quoted = |file: &str| format!("\"{}\"", file.replace('"', "\"\""));
+    for curves in &outcome.curves {
+        let (file, role) = (quoted(&curves.file), calibrate::report::role_name(curves.role));
+        for curve in &curves.outputs {
+            let columns = [&curve.measured, &curve.before, &curve.refit, &curve.after];
+            for (k, time) in curves.time.iter().enumerate() {
+                let cell = |x: f64| if x.is_finite() { x.to_string() } else { String::new() };
+                let cells = columns.map(|values| cell(values[k])).join(",");
+                let residual = cell(curve.measured[k] - curve.after[k]);
+                text += &format!("{file},{role},{},{time},{cells},{residual}\n", curve.column);
+            }
+        }
+    }
+    text
+}

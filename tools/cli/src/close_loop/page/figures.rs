@@ -11,6 +11,110 @@ use present::page::Plate;
 /// 95 % of a normal distribution lie within this many standard deviations.
 const WITHIN_95: f64 = 1.96;
 
+/// Measured and predicted outputs of a run over time, with the inputs that change below them.
+pub fn compared(curves: &Curves, experiment: &Experiment) -> Plate {
+    let mut figure = Figure::stacked("Measured and predicted", Axis::new("time in s")).thin();
+    let points = |values: &[f64]| curves.time.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
+    for curve in &curves.outputs {
+        figure = figure.panel(Axis::new(&with_unit(curve.column)));
+        figure = figure
+            .colour(0)
+            .line("measured", points(&curve.measured))
+            .colour(1)
+            .line("after", points(&curve.after));
+    }
+    if let Some(run) = run_of(curves, experiment) {
+        for (channel, column) in experiment.inputs.iter().zip(&run.table.columns) {
+            let rows = run.table.time.iter().zip(column).filter(|(t, _)| curves.time.contains(t));
+            let points: Vec<(f64, f64)> = rows.map(|(t, x)| (*t, x - channel.offset)).collect();
+            if points.iter().any(|p| p.1 != points[0].1) {
+                figure = figure.panel(Axis::new(&with_unit(channel.column))).colour(2).line("input", points);
+            }
+        }
+    }
+    Plate::new(
+        "compared",
+        windowed(figure, curves),
+        "Outputs: measured and predicted by the model after the repair. Below: the inputs that change.",
+    )
+}
+
+/// The run of the experiment that curves are of.
+fn run_of<'a>(curves: &Curves, experiment: &'a Experiment) -> Option<&'a calibrate::experiment::Run> {
+    let mut same = experiment.runs.iter().filter(|r| (&r.file, r.role) == (&curves.file, curves.role));
+    let first = same.clone().next();
+    same.find(|r| r.window == curves.window).or(first)
+}
+
+/// Residual of the refit over each driver that was measured, with what the model after the repair predicts beyond the refit; for the output
+/// whose refit is furthest above its noise.
+pub fn over_drivers(experiment: &Experiment, outcome: &Outcome) -> Vec<Plate> {
+    let ratio = |column: &str| {
+        let own = outcome.errors.iter().filter(|e| e.column == column);
+        own.map(|e| e.refit / e.floor).filter(|r| r.is_finite()).fold(0.0, f64::max)
+    };
+    let worst = experiment.outputs.iter().map(|c| c.column).max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    let Some(worst) = worst else { return Vec::new() };
+    let (name, unit) = column_words(worst);
+    // Inputs by their place among the columns, measured temperatures and the time.
+    let mut drivers: Vec<(String, Vec<Vec<f64>>)> = Vec::new();
+    let channels = experiment.inputs.iter().chain(&experiment.outputs).enumerate();
+    for (k, channel) in channels.filter(|(k, c)| *k < experiment.inputs.len() || c.is_temperature()) {
+        let values = outcome.curves.iter().map(|curves| {
+            let table = run_of(curves, experiment).map(|run| &run.table);
+            let at = |t: &f64| {
+                let table = table?;
+                let row = table.time.binary_search_by(|x| x.total_cmp(t)).ok()?;
+                Some(table.columns[k][row] - channel.offset)
+            };
+            curves.time.iter().map(|t| at(t).unwrap_or(f64::NAN)).collect()
+        });
+        drivers.push((with_unit(channel.column), values.collect()));
+    }
+    drivers.push(("time in s".to_owned(), outcome.curves.iter().map(|c| c.time.clone()).collect()));
+    let mut all = Vec::new();
+    for (label, values) in drivers {
+        let finite = || values.iter().flatten().copied().filter(|x| x.is_finite());
+        let span = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+        if span.is_nan() || span <= 0.0 {
+            continue;
+        }
+        let (mut left, mut law) = (Vec::new(), Vec::new());
+        for (curves, x) in outcome.curves.iter().zip(&values) {
+            let Some(curve) = curves.outputs.iter().find(|c| c.column == worst) else { continue };
+            for (row, x) in x.iter().enumerate().filter(|(_, x)| x.is_finite()) {
+                let (y, after) =
+                    (curve.measured[row] - curve.refit[row], curve.after[row] - curve.refit[row]);
+                left.extend(y.is_finite().then_some((*x, y)));
+                law.extend(after.is_finite().then_some((*x, after)));
+            }
+        }
+        if left.is_empty() {
+            continue;
+        }
+        let title = format!("{name} over {}", label.split(" in ").next().unwrap_or(&label));
+        let y = format!("measured − refit in {unit}");
+        let mut figure = Figure::new(&title, Axis::new(&label), Axis::new(&y)).thin();
+        figure = figure.colour(0).points("residual of the refit", left);
+        if !outcome.effects.is_empty() {
+            figure = figure.colour(1).points("law found (after − refit)", law);
+        }
+        all.push(Plate::new(
+            "over-driver",
+            figure,
+            format!("Residual of the refit in all runs over {label}."),
+        ));
+    }
+    all
+}
+
+/// A column in words with its unit; a temperature in degC.
+fn with_unit(column: &str) -> String {
+    let (name, unit) = column_words(column);
+    let unit = if column.ends_with("_degC") { "°C" } else { unit };
+    if unit.is_empty() { name } else { format!("{name} in {unit}") }
+}
+
 /// Measured less model over time, for every output: with the preset, and once more without.
 pub fn residuals(curves: &Curves, outcome: &Outcome) -> Vec<Plate> {
     let mut all = Vec::new();
