@@ -1,10 +1,15 @@
-"""A system of 20 small FMUs of both standards, with two rates and an algebraic loop, against its monolithic solution."""
+"""A system of 20 small FMUs of both standards, with two rates and an algebraic loop, against its monolithic solution; also with a component
+of pythonfmu, and with components that step at the same time."""
 
 import json
+import os
+import subprocess
 
 import corpus
 import numpy as np
 import pytest
+from corpus import exports
+from requirements import where_demanded
 
 LAGS = 18
 #: Time constants (s): each third lag is fast and has a step of its own.
@@ -38,12 +43,19 @@ def monolithic():
     return states, y_a @ states, y_b @ states
 
 
-def description(step):
-    """Lag 0 has the constant input 1; lag 9 gets y_a, all others the lag before them."""
+def description(step, integrator=None):
+    """Lag 0 has the constant input 1; lag 9 gets y_a, all others the lag before them. With an integrator the last lag is made of it and of
+    a sum: its rate is the gain 1 / T times the lag before it minus its own state."""
     connect = [f"x{k - 1}.x -> x{k}.u" for k in range(1, LAGS) if k != 9]
     connect += ["a.y -> x9.u", "b.y -> a.u", "a.y -> b.u", "x8.x -> a.v", "x17.x -> b.v"]
     text = f'[system]\nname = "large"\nconnect = {json.dumps(connect)}\n[experiment]\nstop = {STOP}\nstep = {step}\n'
-    for k, time in enumerate(TIMES):
+    if integrator:
+        last = LAGS - 1
+        text = text.replace(f'"x{last - 1}.x -> x{last}.u"', f'"x{last - 1}.x -> minus.v", "i.y -> minus.u", "minus.y -> i.u"')
+        text = text.replace(f"x{last}.x ->", "i.y ->")
+        text += f'[[component]]\nname = "i"\nfmu = "{integrator}"\n[component.set]\ngain = {1.0 / TIMES[last]}\n'
+        text += '[[component]]\nname = "minus"\nfmu = "sum2.fmu"\n[component.set]\na = -1.0\n'
+    for k, time in enumerate(TIMES[: LAGS - 1] if integrator else TIMES):
         own = f"step = {step / 4}\n" if k % 3 == 0 else ""
         text += f'[[component]]\nname = "x{k}"\nfmu = "lag{2 + k % 2}.fmu"\n{own}[component.set]\nT = {time}\n'
     for name, fmi, gain in (("a", 2, A), ("b", 3, B)):
@@ -51,20 +63,32 @@ def description(step):
     return text
 
 
-@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
-def test_a_large_system_equals_its_monolithic_solution(motor_fmu, tmp_path, algorithm):
+@pytest.fixture
+def parts(tmp_path):
+    """The FMUs of the system."""
     for model in ("lag", "sum"):
         for fmi in (2, 3):
             corpus.build(model, fmi, tmp_path / f"{model}{fmi}.fmu")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "algorithm, exporter", [("jacobi", None), ("gauss-seidel", None), pytest.param("jacobi", "pythonfmu", marks=where_demanded("pythonfmu"))]
+)
+def test_a_large_system_equals_its_monolithic_solution(program, parts, algorithm, exporter):
+    (parts / "pythonfmu").mkdir()
+    integrator = exports.build(exporter, parts / exporter) if exporter else None
+    environment = {**os.environ, **(exports.with_python() if exporter else {})}
+    names = [f"x{k}.x" for k in range(LAGS - 1)] + ["i.y" if exporter else f"x{LAGS - 1}.x", "a.y", "b.y"]
 
     def run(step):
-        (tmp_path / "s.toml").write_text(description(step))
-        done = motor_fmu("cosim", "s.toml", "--algorithm", algorithm, "--json")
+        (parts / "s.toml").write_text(description(step, integrator))
+        command = [program, "cosim", "s.toml", "--algorithm", algorithm, "--json"]
+        done = subprocess.run(command, cwd=parts, env=environment, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stderr
         result = json.loads(done.stdout)
-        assert len(result["order"]) == LAGS + 2
-        final = result["final"]
-        return np.array([*(final[f"x{k}.x"] for k in range(LAGS)), final["a.y"], final["b.y"]])
+        assert len(result["order"]) == LAGS + 2 + (1 if exporter else 0)
+        return np.array([result["final"][name] for name in names])
 
     states, y_a, y_b = monolithic()
     exact = np.array([*states, y_a, y_b])
@@ -77,3 +101,23 @@ def test_a_large_system_equals_its_monolithic_solution(motor_fmu, tmp_path, algo
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.05) and errors[1] / errors[2] == pytest.approx(2.0, rel=0.05)
     extrapolated = [np.abs(2.0 * b - a - exact).max() for a, b in ((coarse, middle), (middle, fine))]
     assert extrapolated[0] / extrapolated[1] == pytest.approx(4.0, rel=0.1) and extrapolated[1] < 1e-5
+
+
+def test_components_that_step_at_the_same_time_give_the_same_bits(motor_fmu, parts):
+    """Also with components that have shorter steps of their own, and an algebraic loop."""
+    (parts / "s.toml").write_text(description(1e-3))
+    rows = []
+    for threads in (1, 3):
+        done = motor_fmu("cosim", "s.toml", "--threads", threads, "--output", f"{threads}.csv")
+        assert done.returncode == 0, done.stderr
+        rows.append((parts / f"{threads}.csv").read_bytes())
+    assert rows[0] == rows[1] and rows[0].count(b"\n") > 1000
+
+
+def test_a_crash_beside_other_steps_is_named(motor_fmu, parts):
+    """Of several calls that last at the same time one is the cause; the sentence has the crashing one among them."""
+    corpus.build("lag:segfault", 2, parts / "lag2.fmu")
+    (parts / "s.toml").write_text(description(1e-3))
+    done = motor_fmu("cosim", "s.toml", "--threads", 3)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert "segmentation fault" in done.stderr and "fmi2DoStep of x" in done.stderr, done.stderr

@@ -221,3 +221,14 @@ def shared(file, columns_of):
         names = next(csv.reader(other))
     with file.open(newline="") as rows:
         return [[row[name] for name in names] for row in csv.DictReader(rows)]
+
+
+@pytest.mark.parametrize("further", [(), ("--algorithm", "jacobi-delayed", "--no-slopes"), ("--tolerance", "1e-3")])
+def test_threads_change_no_bit(motor_fmu, toml, tmp_path, further):
+    rows = []
+    for threads in (1, 2):
+        table = tmp_path / f"{threads}.csv"
+        done = motor_fmu("cosim", toml, "--stop", 0.5, "--threads", threads, "--output", table, *further)
+        assert done.returncode == 0, done.stderr
+        rows.append(table.read_bytes())
+    assert rows[0] == rows[1] and rows[0].count(b"\n") > 20

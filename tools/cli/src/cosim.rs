@@ -42,6 +42,10 @@ pub struct Args {
     /// Variable communication step with this relative error of the connected outputs; the FMUs must support rollback
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     tolerance: Option<f64>,
+    /// Step components at the same time in N threads, with `jacobi` and `jacobi-delayed`. The results are the same bits. Faster where
+    /// a step of a component takes more than about 20 us; the FMUs must not share data, as some do that are made of one library
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    threads: usize,
     /// Record every N-th communication point [default: the least of 1, 2, 5, 10, ... for 100,000 rows at most]
     #[arg(long, value_name = "N")]
     every: Option<usize>,
@@ -122,6 +126,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
         algorithm: args.algorithm.into(),
         held_inputs: args.no_slopes,
         every: args.every,
+        threads: args.threads,
         log: Log::new(),
     };
     let mut run = cosimulate(&system, &options, &mut parent::progress)?;

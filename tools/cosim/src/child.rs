@@ -11,7 +11,7 @@ mod signals;
 pub use inside::{Channel, enter};
 
 use crate::number;
-use crate::page::{self, Function, Page, SharedPage};
+use crate::page::{self, Function, LastCall, Page, SharedPage};
 use crate::raw::function_name;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Write};
@@ -49,21 +49,27 @@ pub struct Call {
 impl Call {
     /// The last call; `instances` have name and file.
     fn last(page: &Page, instances: &[(String, String)]) -> Self {
-        let (lasts, function, version, instance, time) = page.last();
-        let (name, file) = instances.get(instance).cloned().unwrap_or_default();
-        let function = match function {
-            Function::START => return Self { text: "before the first call of an FMU".to_owned(), file },
-            Function::LOAD => "loading the library",
-            Function(number) => function_name(number - Function::FIRST, version),
-        };
-        let mut text = format!("{} {function}", if lasts { "in" } else { "after" });
-        if !name.is_empty() {
-            text += &format!(" of {name}");
+        let (calls, time) = page.last();
+        let (mut texts, mut last) = (Vec::new(), String::new());
+        for LastCall { lasts, function, version, instance } in calls {
+            let (name, file) = instances.get(instance).cloned().unwrap_or_default();
+            let function = match function {
+                Function::START => return Self { text: "before the first call of an FMU".to_owned(), file },
+                Function::LOAD => "loading the library",
+                Function(number) => function_name(number - Function::FIRST, version),
+            };
+            let mut text = format!("{} {function}", if lasts { "in" } else { "after" });
+            if !name.is_empty() {
+                text += &format!(" of {name}");
+            }
+            if function.ends_with("DoStep") {
+                text += &format!(" at t = {} s", number(time));
+            }
+            texts.push(text);
+            last = file;
         }
-        if function.ends_with("DoStep") {
-            text += &format!(" at t = {} s", number(time));
-        }
-        Self { text, file }
+        // Calls of several threads lasted: one of them is the cause.
+        Self { file: if texts.len() == 1 { last } else { String::new() }, text: texts.join(" or ") }
     }
 }
 
@@ -130,7 +136,7 @@ fn follow(
     receive: &mut dyn FnMut(&str),
 ) -> io::Result<Ending> {
     let mut instances: Vec<(String, String)> = Vec::new();
-    let (mut word, mut since) = (page.word(), Instant::now());
+    let (mut word, mut since) = (page.mark(), Instant::now());
     loop {
         match lines.recv_timeout(TICK.min(patience)) {
             Ok(Line::End) => return Ok(Ending::Done),
@@ -156,10 +162,10 @@ fn follow(
             }
             Err(RecvTimeoutError::Timeout) => {}
         }
-        let now = page.word();
+        let now = page.mark();
         if now != word {
             (word, since) = (now, Instant::now());
-        } else if page::is_busy(now) && since.elapsed() >= patience {
+        } else if page.is_busy() && since.elapsed() >= patience {
             return Ok(Ending::Hung(Call::last(page, &instances)));
         }
     }

@@ -236,6 +236,11 @@ impl Instance {
         }
     }
 
+    /// From now on it may step at the same time as other instances.
+    pub(crate) fn take_lane(&mut self) {
+        self.raw.take_lane();
+    }
+
     /// One communication step from `t` to `t + h` (s).
     ///
     /// # Errors

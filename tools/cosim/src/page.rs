@@ -2,6 +2,7 @@
 //!
 //! One word: a counter of calls (32 bits), the number of the instance (15 bits), whether the call lasts (1 bit), the function (16 bits,
 //! of which the uppermost is the standard). Before and after each call it is written once; nothing else is done for a call.
+//! Instances that are called at the same time have a word of their own, a lane.
 use crate::FmiVersion;
 use memmap2::{MmapOptions, MmapRaw};
 use std::fs::{File, OpenOptions};
@@ -17,6 +18,9 @@ pub(crate) const FILE: &str = "call";
 /// Instances that have a number of their own.
 pub(crate) const MOST_INSTANCES: usize = (1 << 15) - 1;
 
+/// Words of a page. Beyond so many instances two share a word, and a crash may name the wrong one of them.
+const LANES: usize = 128;
+
 const BUSY: u64 = 1 << 16;
 const STANDARD_3: u16 = 1 << 15;
 
@@ -24,7 +28,7 @@ const STANDARD_3: u16 = 1 << 15;
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct Page {
-    word: AtomicU64,
+    words: [AtomicU64; LANES],
     /// Time of the last communication step (s), as bits.
     time: AtomicU64,
 }
@@ -42,7 +46,16 @@ impl Function {
     pub(crate) const FIRST: u16 = 2;
 }
 
-static OWN: Page = Page { word: AtomicU64::new(0), time: AtomicU64::new(0) };
+/// A call of an FMU.
+pub(crate) struct LastCall {
+    pub(crate) lasts: bool,
+    pub(crate) function: Function,
+    pub(crate) version: FmiVersion,
+    /// Number of the instance.
+    pub(crate) instance: usize,
+}
+
+static OWN: Page = Page { words: [const { AtomicU64::new(0) }; LANES], time: AtomicU64::new(0) };
 static CURRENT: AtomicPtr<Page> = AtomicPtr::new(ptr::from_ref(&OWN).cast_mut());
 static INSTANCES: AtomicU32 = AtomicU32::new(0);
 
@@ -61,23 +74,36 @@ pub(crate) fn next_instance() -> u16 {
 }
 
 impl Page {
-    pub(crate) fn word(&self) -> u64 {
-        self.word.load(Relaxed)
+    /// A number that changes with each call.
+    pub(crate) fn mark(&self) -> u64 {
+        self.words.iter().fold(0, |mark, word| mark.rotate_left(1).wrapping_add(word.load(Relaxed)))
+    }
+
+    /// Whether a call lasts.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.words.iter().any(|word| word.load(Relaxed) & BUSY != 0)
+    }
+
+    /// The lane of an instance that is called at the same time as others; lane 0 is for all others.
+    pub(crate) fn lane(instance: u16) -> usize {
+        1 + usize::from(instance) % (LANES - 1)
     }
 
     /// A call begins.
     #[inline]
-    pub(crate) fn enter(&self, version: FmiVersion, instance: u16, function: Function) {
+    pub(crate) fn enter(&self, lane: usize, version: FmiVersion, instance: u16, function: Function) {
         let standard = if version == FmiVersion::V3 { STANDARD_3 } else { 0 };
-        let count = (self.word.load(Relaxed) >> 32).wrapping_add(1);
+        let word = &self.words[lane];
+        let count = (word.load(Relaxed) >> 32).wrapping_add(1);
         let call = u64::from(instance) << 17 | BUSY | u64::from(function.0 | standard);
-        self.word.store(count << 32 | call, Relaxed);
+        word.store(count << 32 | call, Relaxed);
     }
 
     /// The call has returned.
     #[inline]
-    pub(crate) fn leave(&self) {
-        self.word.store(self.word.load(Relaxed) & !BUSY, Relaxed);
+    pub(crate) fn leave(&self, lane: usize) {
+        let word = &self.words[lane];
+        word.store(word.load(Relaxed) & !BUSY, Relaxed);
     }
 
     /// The time of a communication step.
@@ -86,13 +112,25 @@ impl Page {
         self.time.store(t.to_bits(), Relaxed);
     }
 
-    /// The last call: whether it lasts, its function and standard, the number of the instance, the time of the last step (s).
-    pub(crate) fn last(&self) -> (bool, Function, FmiVersion, usize, f64) {
-        let word = self.word();
-        let (function, instance) = (word as u16, (word >> 17) as usize & MOST_INSTANCES);
-        let version = if function & STANDARD_3 == 0 { FmiVersion::V2 } else { FmiVersion::V3 };
-        let time = f64::from_bits(self.time.load(Relaxed));
-        (is_busy(word), Function(function & !STANDARD_3), version, instance, time)
+    /// The calls that last, or the last one: whether they last, function and standard, the number of the instance; and the time of the
+    /// last step (s).
+    pub(crate) fn last(&self) -> (Vec<LastCall>, f64) {
+        let call = |word: u64| {
+            let (function, instance) = (word as u16, (word >> 17) as usize & MOST_INSTANCES);
+            let version = if function & STANDARD_3 == 0 { FmiVersion::V2 } else { FmiVersion::V3 };
+            LastCall {
+                lasts: word & BUSY != 0,
+                function: Function(function & !STANDARD_3),
+                version,
+                instance,
+            }
+        };
+        let words = || self.words.iter().map(|word| word.load(Relaxed));
+        let mut calls: Vec<LastCall> = words().map(call).filter(|call| call.lasts).collect();
+        if calls.is_empty() {
+            calls.push(call(words().next().unwrap_or(0)));
+        }
+        (calls, f64::from_bits(self.time.load(Relaxed)))
     }
 }
 
@@ -112,11 +150,6 @@ pub(crate) fn announce(instance: u16, name: &str, file: &Path) {
     }
 }
 
-/// Whether a call lasts.
-pub(crate) fn is_busy(word: u64) -> bool {
-    word & BUSY != 0
-}
-
 /// A page in a file.
 pub(crate) struct SharedPage(MmapRaw);
 
@@ -126,14 +159,14 @@ impl SharedPage {
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(path)?;
         file.set_len(size_of::<Page>() as u64)?;
         let page = Self::map(&file)?;
-        page.word.store(BUSY, Relaxed);
+        page.words[0].store(BUSY, Relaxed);
         Ok(page)
     }
 
     /// For the child: the file becomes its page for as long as it lives.
     pub(crate) fn take(path: &Path) -> io::Result<()> {
         let page = Self::map(&OpenOptions::new().read(true).write(true).open(path)?)?;
-        page.leave();
+        page.leave(0);
         CURRENT.store(page.0.as_mut_ptr().cast(), Relaxed);
         std::mem::forget(page);
         Ok(())

@@ -68,8 +68,9 @@ pub struct RawInstance {
     /// Initialized, and neither terminated nor reset.
     runs: bool,
     page: &'static Page,
-    /// Its number on the page.
+    /// Its number on the page, and its lane there.
     number: u16,
+    lane: usize,
     /// The FMU keeps a pointer to it, hence the box.
     callbacks: Option<Box<Callbacks>>,
     _files: Arc<tempfile::TempDir>,
@@ -160,6 +161,7 @@ impl RawBinary {
             runs: false,
             page: page::current(),
             number,
+            lane: 0,
             callbacks,
             _files: Arc::clone(&self.files),
         })
@@ -245,6 +247,11 @@ impl RawInstance {
         self.loaded.version
     }
 
+    /// From now on it may be called at the same time as other instances.
+    pub(crate) fn take_lane(&mut self) {
+        self.lane = Page::lane(self.number);
+    }
+
     /// The sink of the FMU's messages.
     pub fn log(&self) -> &Log {
         &self.log
@@ -272,9 +279,9 @@ impl RawInstance {
         if self.dead {
             return Status::Fatal;
         }
-        self.page.enter(self.loaded.version, self.number, function);
+        self.page.enter(self.lane, self.loaded.version, self.number, function);
         let status = call(&self.loaded.functions, self.handle).map_or(Status::Error, Status::from_c);
-        self.page.leave();
+        self.page.leave(self.lane);
         // A pending step still uses the instance in another thread: as untouchable as after Fatal.
         self.dead = status >= Status::Fatal;
         if function == ids::exit_initialization {
@@ -308,9 +315,9 @@ impl Drop for RawInstance {
 /// A call that is not one of an instance's own.
 fn during<T>(version: FmiVersion, number: u16, function: Function, call: impl FnOnce() -> T) -> T {
     let page = page::current();
-    page.enter(version, number, function);
+    page.enter(0, version, number, function);
     let result = call();
-    page.leave();
+    page.leave(0);
     result
 }
 

@@ -26,6 +26,7 @@ mod power_bonds;
 mod record;
 mod run;
 mod settings;
+mod side_by_side;
 mod ssd;
 mod structure;
 mod text;

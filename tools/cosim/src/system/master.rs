@@ -7,6 +7,7 @@ use super::memory::Memory;
 use super::order::{Algorithm, Loop, Order};
 use super::parts::Parts;
 use super::power_bonds::{PowerBonds, Stepped};
+use super::side_by_side::SideBySide;
 use super::units::Affine;
 use crate::drive::Drive;
 use crate::input::InputColumn;
@@ -38,6 +39,8 @@ pub(crate) struct Plan<'a> {
     pub(crate) stop: f64,
     /// For the FMUs; each FMU's own proposal when absent.
     pub(crate) tolerance: Option<f64>,
+    /// Threads in which components step.
+    pub(crate) threads: usize,
     /// Inputs over time; times closer than `slack` (s) are the same.
     pub(crate) table: Option<&'a InputTable>,
     pub(crate) slack: f64,
@@ -67,6 +70,8 @@ pub(crate) struct Master<'a> {
     algorithm: Algorithm,
     /// The order of steps; for Gauss-Seidel also the inputs set before and the outputs read after each step.
     component_steps: Vec<ComponentStep>,
+    /// Where components step at the same time.
+    side_by_side: Option<SideBySide>,
 }
 
 /// Largest number of iterations for consistent initial values.
@@ -94,6 +99,9 @@ impl<'a> Master<'a> {
             instances.push(Instance::instantiate_as(archive, &component.name, log, kind, sloped)?);
         }
         let mut master = Self::new(parts, connections, order, plan, instances);
+        if plan.threads > 1 {
+            master.side_by_side = Some(SideBySide::new(plan.threads, &mut master.instances)?);
+        }
         for (index, sets) in connections.sets.iter().enumerate() {
             let variables = &parts.description(index).variables;
             let sets: Vec<(&Variable, Value)> =
@@ -179,6 +187,7 @@ impl<'a> Master<'a> {
             before: vec![0.0; outputs],
             algorithm,
             component_steps,
+            side_by_side: None,
         }
     }
 
@@ -312,9 +321,14 @@ impl<'a> Master<'a> {
         for batch in &mut self.derivative_sets {
             batch.set_derivatives(&mut self.instances, &self.derivatives)?;
         }
+        if let Some(side_by_side) = &mut self.side_by_side {
+            side_by_side.step(&mut self.instances, &self.component_steps, t, h);
+        }
         for place in 0..self.component_steps.len() {
-            if self.advance(place, t, h)? == Step::Terminated {
-                return Ok(Some(self.component_steps[place].component));
+            let component = self.component_steps[place].component;
+            let stepped = self.side_by_side.as_mut().and_then(|all| all.take(component));
+            if stepped.unwrap_or_else(|| self.advance(place, t, h))? == Step::Terminated {
+                return Ok(Some(component));
             }
         }
         Ok(None)

@@ -33,6 +33,8 @@ pub struct SystemOptions {
     pub algorithm: Algorithm,
     /// Hold all inputs constant during a step, also where an FMU takes input derivatives.
     pub held_inputs: bool,
+    /// Threads in which components step at the same time; 0 or 1 steps one after the other. Results are the same bits.
+    pub threads: usize,
     /// Communication points between rows of the recording; by default the least of 1, 2, 5, 10, 20, ... that keeps the
     /// rows at 100,000.
     pub every: Option<usize>,
@@ -106,6 +108,7 @@ pub fn cosimulate(
         start,
         stop,
         tolerance: options.tolerance,
+        threads: options.threads,
         table: table.as_ref(),
         slack: grid.slack,
         log: options.log.clone(),
