@@ -75,10 +75,10 @@ pub fn run(
                 let rest = options.budget.map(|budget| budget.saturating_sub(begun.elapsed()).mul_f64(part));
                 rest.map_or_else(Deadline::default, Deadline::after)
             };
-            let found = attempt(setup.until(end(0.5)), plain, options, progress)?;
+            // A model that cannot be run in all runs is none.
+            let found = attempt(setup.until(end(0.5)), plain, options, progress).ok();
             let next = attempt(other.setup.until(end(1.0)), Ok(other.fitted), options, progress)?;
-            let stays = !found.effects.is_empty() && left(&found) <= left(&next);
-            Ok(if stays { found } else { next })
+            Ok(found.filter(|found| !found.effects.is_empty() && left(found) <= left(&next)).unwrap_or(next))
         }
     };
     let mut outcome = closed?;

@@ -31,6 +31,8 @@ const OPTIONS: Options = Options {
 
 /// The same from a start far off.
 const FAR: Options = Options { damping: 1e-2, linearisations: 40, ..OPTIONS };
+/// The same from the best of several starts: where the cost hardly changes along a direction, the start would decide how far the fit goes.
+const LAST: Options = Options { damping: 1e-6, linearisations: 12, decrease: 1e-5, ..OPTIONS };
 /// Starts that are simulated, and that are fitted, beside the preset; the spread of the former, in ln(1 + the relative deviation), and its
 /// greatest value.
 const TRIED: usize = 48;
@@ -254,7 +256,11 @@ impl Setup<'_> {
                 best = near;
             }
         }
-        best
+        let best = best?;
+        if self.deadline().is_near() {
+            return Ok(best);
+        }
+        self.fit_with(best.hypothesis.clone(), runs, false, &LAST).or(Ok(best))
     }
 
     /// The best of several points about the preset that cover its wide priors evenly (Halton's sequence, Numer. Math. 2 (1960) 84-90).
