@@ -84,6 +84,14 @@ def operating_range(found):
     assert len(agree) >= 3 and all(m["reason"] for name, m in found.items() if name not in agree)
 
 
+def never_far_worse(found):
+    """Runs that disagree mislead neither the refit nor the repair: no channel of a run that was not fitted gets twice the error of the
+    preset, and the repair is as good as the refit."""
+    for split in found["splits"].values():
+        for errors in split["test_K"].values():
+            assert errors["after"] <= 1.02 * errors["refit"] and errors["refit"] <= 2.0 * errors["before"], errors
+
+
 TRUTHS = {
     "01_first_step": (free_shaft,),
     "02_walking": (walking,),
@@ -92,4 +100,5 @@ TRUTHS = {
     "09_plain_master": (tracking,),
     "12_coupling_error": (orders,),
     "13_operating_range": (operating_range,),
+    "14_runs_that_disagree": (never_far_worse,),
 }

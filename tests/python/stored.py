@@ -23,7 +23,7 @@ class Tolerance:
 # The first that matches applies.
 TOLERANCES = (
     Tolerance(r"order: ", 0.0, 0.3, "an order is the slope of errors that differ by rounding and by steps that are rejected"),
-    Tolerance(r"error|residual|floor|refit|before|after", 0.2, 1e-3, "a residual is the small difference of large numbers"),
+    Tolerance(r"error|residual|floor|refit|before|after|blackbox", 0.2, 1e-3, "a residual is the small difference of large numbers"),
     Tolerance(r"_degC$|_K$|temperature", 0.0, 0.1, "0.1 K is what a calibrated thermocouple resolves"),
     Tolerance(r"percent", 0.0, 1.0, "one percentage point of a ratio whose parts have 1 %"),
     Tolerance(r"", 0.01, 1e-6, "1 % is below the uncertainty of any parameter of a motor"),

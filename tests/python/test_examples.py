@@ -21,6 +21,7 @@ ARGUMENTS = {
     "08_walking_study": lambda folder: ("--out", str(folder)),
     "12_coupling_error": lambda folder: ("--out", str(folder)),
     "13_operating_range": lambda folder: ("--out", str(folder)),
+    "14_runs_that_disagree": lambda folder: ("--out", str(folder)),
 }
 FILES = {
     "02_walking": ("walking.json", "walking.svg", "walking.png"),
@@ -30,6 +31,7 @@ FILES = {
     "08_walking_study": ("walking-study.md", "walking-study.svg"),
     "12_coupling_error": ("coupling-error.svg",),
     "13_operating_range": ("operating-range.md", "operating-range.svg"),
+    "14_runs_that_disagree": ("bench-splits.md",),
 }
 # Pages of the documentation that an example writes.
 PAGES = (
@@ -39,6 +41,7 @@ PAGES = (
     "refit-against-repair.md",
     "refit-against-repair.svg",
     "operating-range.md",
+    "bench-splits.md",
 )
 
 
@@ -46,8 +49,9 @@ def test_every_example_has_its_expected_output():
     assert [script.stem for script in SCRIPTS] == sorted(file.stem for file in EXPECTED.glob("*.json"))
 
 
-# The walking study takes minutes; `test_walking_study.py` tests its sentences every day. MuJoCo and Dask serve one example each.
-NIGHTLY = ("08_walking_study", "10_mujoco_leg", "11_dask_sweep")
+# The walking study and the five splits take minutes; `test_walking_study.py` tests the sentences of the former every day. MuJoCo and Dask
+# serve one example each.
+NIGHTLY = ("08_walking_study", "10_mujoco_leg", "11_dask_sweep", "14_runs_that_disagree")
 
 
 def _marked(script):
