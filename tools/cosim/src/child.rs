@@ -87,7 +87,7 @@ pub struct Work<'a> {
 
 /// How often the shared memory is read.
 const TICK: Duration = Duration::from_millis(50);
-/// How long a child may take from its last word to its end.
+/// How long a child may take from its last word to its end, and its last words to arrive after that.
 const GRACE: Duration = Duration::from_secs(2);
 
 /// A line of the child.
@@ -150,8 +150,9 @@ fn follow(
             }
             Err(RecvTimeoutError::Disconnected) => break,
             Err(RecvTimeoutError::Timeout) if child.try_wait()?.is_some() => {
-                // A process that the FMU has started may hold the pipe open. What has arrived still counts.
-                while let Ok(line) = lines.recv_timeout(TICK) {
+                // A process that the FMU has started may hold the pipe open. What was sent still counts, and on a busy machine it takes
+                // its time to arrive; without such a process the wait ends with the last line.
+                while let Ok(line) = lines.recv_timeout(GRACE) {
                     match line {
                         Line::End => return Ok(Ending::Done),
                         Line::Text(text) => receive(&text),
