@@ -21,11 +21,12 @@ CASES = {
         MOTION | {"initial.housing_temperature": "state.core_temperature"},
     ),
     "BrushedGearmotor": (
-        dict(duty=0.8, load_torque=0.2, ambient_temperature=291.0),
+        dict(duty=0.8, load_torque=0.2, ambient_temperature=291.0) | {"thermal.C_g": 20.0, "gear.B": 3000.0},
         MOTION
         | {
             "initial.housing_temperature": "state.housing_temperature",
             "initial.box_temperature": "state.box_temperature",
+            "initial.gear_temperature": "state.gear_temperature",
         },
     ),
 }
@@ -59,7 +60,7 @@ def test_co_simulation_continues(case):
 
 def test_model_exchange_starts_there(case):
     archive, start, pairs = case
-    values = np.array([1.5, 7.0, 3.0, 345.0, 333.0, 305.0][: len(pairs)])
+    values = np.array([1.5, 7.0, 3.0, 345.0, 333.0, 305.0, 320.0][: len(pairs)])
     exchanged = Exchanged(archive, {**start, **dict(zip(pairs, values))})
     assert exchanged.get(pairs.values()) == list(values)
     plain = Exchanged(archive, start)

@@ -34,6 +34,8 @@ pub enum Account {
     Fan,
     /// Heat in the housing, with stator and magnets where they have no account of their own.
     Housing,
+    /// Heat in the gear, where it has a temperature of its own.
+    Gear,
     /// Heat in the box around the motor: its air and walls.
     Enclosure,
     /// The joint that an actuator moves.

@@ -2,7 +2,7 @@
 
 use declare::Group;
 use physics::components::chopper::{Decay, ZeroDuty};
-use physics::effects::{CooledNode, Effects};
+use physics::effects::Effects;
 use physics::model::{Model, Slot};
 use physics::models::brushed_gearmotor::{
     BrushedGearmotor, Constants, Inputs, NODES, STATES, Step, Temperatures,
@@ -19,6 +19,7 @@ const NAMES: [&str; STATES] = [
     "T_w",
     "T_h",
     "T_b",
+    "T_g",
     "E_supply",
     "E_shaft",
     "E_ambient",
@@ -26,7 +27,7 @@ const NAMES: [&str; STATES] = [
     "Q_friction",
 ];
 /// Which states are temperatures, whose size is their rise.
-const TEMPERATURES: std::ops::Range<usize> = 3..6;
+const TEMPERATURES: std::ops::Range<usize> = 3..7;
 
 fn slot(m: &BrushedGearmotor, name: &str) -> Slot {
     m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot
@@ -56,23 +57,13 @@ fn run(m: &mut BrushedGearmotor, steps: usize, h: f64) {
     }
 }
 
-/// Every effect that has a meaning here, at sizes for the output shaft.
+/// All effects, the drags at sizes for the output shaft.
 fn all_effects() -> Effects {
-    let mut effects = Effects::default();
-    effects.coulomb_friction.tau_c = 0.01;
-    effects.coulomb_friction.w_small = 0.05;
+    let mut effects = Effects::examples();
+    (effects.coulomb_friction.tau_c, effects.coulomb_friction.w_small) = (0.01, 0.05);
     effects.viscous_friction.k = 2e-3;
     effects.iron_loss.k = 5e-3;
     effects.windage.k = 2e-4;
-    effects.load_dependent_friction.mu = 0.06;
-    effects.contact_drop.V_b = 0.4;
-    effects.housing_radiation.k = 6e-10;
-    effects.interface_temperature.beta = 0.004;
-    effects.forced_convection.G = 0.03;
-    effects.forced_convection.node = CooledNode::Winding;
-    effects.demagnetisation.fraction = 0.1;
-    effects.demagnetisation.time = 0.25;
-    effects.ambient_drift.rate = 0.01;
     effects
 }
 
@@ -195,6 +186,8 @@ fn a_drive_cycle_against_the_reference() {
         m.parameters.drive.decay = decay;
         let run = Run { line: 0.05, corner: drive, stop: 1.0, h: 1e-3 };
         agrees(m.clone(), &run, 1e-6, "drive cycle");
+        (m.parameters.thermal.C_g, m.parameters.gear.B) = (15.0, 3000.0);
+        agrees(m.clone(), &run, 1e-6, "drive cycle with a gear of its own temperature");
         m.parameters.effects = all_effects();
         agrees(m, &run, 1e-6, "drive cycle with all effects");
     }
@@ -204,9 +197,10 @@ fn a_drive_cycle_against_the_reference() {
 #[test]
 fn the_books_close() {
     for decay in [Decay::Slow, Decay::Fast] {
-        for effects in [Effects::default(), all_effects()] {
+        for (effects, capacity) in [(Effects::default(), 0.0), (all_effects(), 15.0)] {
             for h in [1e-3, 0.02] {
                 let mut m = BrushedGearmotor::default();
+                (m.parameters.thermal.C_g, m.parameters.thermal.friction_to_gear) = (capacity, 0.8);
                 m.parameters.drive.decay = decay;
                 m.parameters.effects = effects;
                 m.start(0.0).unwrap();
@@ -453,10 +447,11 @@ fn the_matrices_are_the_derivatives() {
     for duty in [0.4, 1.0] {
         let mut m = BrushedGearmotor::default();
         m.parameters.effects = all_effects();
+        (m.parameters.thermal.C_g, m.parameters.gear.B) = (15.0, 3000.0);
         (m.inputs.duty, m.inputs.load_torque) = (duty, 0.05);
         m.start(0.0).unwrap();
         let step = m.step_equations();
-        let (x, temperature) = (Fast::new(0.03, 0.6), Temperatures::new(390.0, 340.0, 300.0));
+        let (x, temperature) = (Fast::new(0.03, 0.6), Temperatures::new(390.0, 340.0, 300.0, 360.0));
         for k in 0..2 {
             let mut by = Fast::zeros();
             by[k] = 1e-5;

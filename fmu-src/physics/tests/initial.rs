@@ -44,13 +44,14 @@ const OF_MOTOR: [Pair; 9] = [
     ("initial.housing_temperature", "T_housing[1]"),
 ];
 
-const OF_GEARMOTOR: [Pair; 6] = [
+const OF_GEARMOTOR: [Pair; 7] = [
     ("initial.current", "state.current"),
     ("initial.shaft_speed", "state.shaft_speed"),
     ("initial.shaft_angle", "state.shaft_angle"),
     ("initial.winding_temperature", "state.winding_temperature"),
     ("initial.housing_temperature", "state.housing_temperature"),
     ("initial.box_temperature", "state.box_temperature"),
+    ("initial.gear_temperature", "state.gear_temperature"),
 ];
 
 /// A motor with one segment in these modes, away from rest.
@@ -103,6 +104,7 @@ fn cases() -> Vec<(Box<dyn Model>, Vec<Pair>, String)> {
         m.inputs.duty = duty;
         m.inputs.load_torque = 0.1;
         m.inputs.ambient_temperature = 285.0;
+        (m.parameters.thermal.C_g, m.parameters.gear.B) = (20.0, 3000.0);
         all.push((Box::new(m), OF_GEARMOTOR.to_vec(), format!("gearmotor at duty {duty}")));
     }
     all

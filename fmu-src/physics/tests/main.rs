@@ -11,6 +11,7 @@ mod brushed_gearmotor;
 mod cooling_values;
 mod effects;
 mod fan_at_rest;
+mod gear_node;
 mod hot_spot;
 mod initial;
 mod limits;

@@ -22,12 +22,13 @@ use Node::{Box, Housing, Magnets, Stator, Winding};
 
 /// The initial temperature of each node, and the nodes whose temperature it takes, the nearest first. The tube of an annulus is
 /// not among them: ambient and the air flow are nearer to it than the motor, and it starts at the ambient temperature.
-const NEAREST: [(&str, [Node; 5]); 5] = [
+const NEAREST: [(&str, [Node; 5]); 6] = [
     ("initial.winding_temperature", [Winding, Stator, Housing, Magnets, Box]),
     ("initial.stator_temperature", [Stator, Housing, Winding, Magnets, Box]),
     ("initial.magnet_temperature", [Magnets, Housing, Stator, Winding, Box]),
     ("initial.housing_temperature", [Housing, Stator, Magnets, Winding, Box]),
     ("initial.box_temperature", [Box, Housing, Magnets, Winding, Stator]),
+    ("initial.gear_temperature", [Housing, Stator, Magnets, Winding, Box]),
 ];
 
 /// The initial temperatures of a model whose temperature is known at these nodes, K; none where none is known. A node that is not
@@ -59,8 +60,8 @@ mod tests {
         assert_eq!(values, [360.0, 330.0, 330.0, 330.0], "{motor:?}");
         let gearmotor = named("BrushedGearmotor", &[(Housing, 320.0), (Box, 305.0)]);
         let (names, values): (Vec<_>, Vec<_>) = gearmotor.into_iter().unzip();
-        assert_eq!(names, ["winding", "housing", "box"].map(|n| format!("initial.{n}_temperature")));
-        assert_eq!(values, [320.0, 320.0, 305.0]);
+        assert_eq!(names, ["winding", "housing", "box", "gear"].map(|n| format!("initial.{n}_temperature")));
+        assert_eq!(values, [320.0, 320.0, 305.0, 320.0]);
         assert!(named("BrushedGearmotor", &[]).is_empty());
     }
 }

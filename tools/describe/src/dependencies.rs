@@ -58,7 +58,8 @@ pub struct Dependencies {
 /// A point with given modes: factor on the inputs, and whether all effects are active.
 type Point = (f64, bool);
 /// Inputs of nominal size and a thousand times smaller: a quantity that saturates at one changes at the other. Then half
-/// of the effects, because some replace a direct path by a node. The initial state is that of rest at the ambient temperature
+/// of the effects, because some replace a direct path by a node; parts that are no node by default are none there in half
+/// of the combinations. The initial state is that of rest at the ambient temperature
 /// at the first point, and another one at the second, there with half of the effects.
 const POINTS: [Point; 3] = [(1.0, true), (1e-3, true), (1.0, false)];
 /// Repetitions of all points for the stored dependencies, so that each point of the fan curve has an influence once.
@@ -139,10 +140,10 @@ impl Dependencies {
         let combinations = combinations(declaration, &choices);
         let points = combinations.par_iter().enumerate().flat_map_iter(|(k, combination)| {
             let points = points.iter().enumerate();
-            points.map(move |(turn, point)| (combination, *point, turn, Probe::new(k, turn)))
+            points.map(move |(turn, point)| (k, combination, *point, turn, Probe::new(k, turn)))
         });
-        type Place<'a> = (&'a Vec<(usize, f64)>, Point, usize, Probe);
-        let look = |(combination, (scale, effects), turn, mut probe): Place| -> Both {
+        type Place<'a> = (usize, &'a Vec<(usize, f64)>, Point, usize, Probe);
+        let look = |(place, combination, (scale, effects), turn, mut probe): Place| -> Both {
             let limits = turn < POINTS.len();
             let (mut running, mut initial) = none();
             let mut model = (kind.new)();
@@ -161,7 +162,10 @@ impl Dependencies {
                     1.0
                 };
                 if there(entry) {
-                    model.set(entry.slot, factor * probe.generic(entry, starts));
+                    let value = factor * probe.generic(entry, starts);
+                    if effects || place % 2 == 1 || !is_off(entry) {
+                        model.set(entry.slot, value);
+                    }
                 }
             }
             for &(k, value) in combination {
@@ -179,7 +183,8 @@ impl Dependencies {
                     // An effect may decide which node an initial value belongs to.
                     let off = probe.half_of(&effects_of(declaration));
                     for entry in rest.iter().map(|&k| &declaration.entries[k]) {
-                        if off.iter().any(|prefix| entry.name.starts_with(prefix)) {
+                        let is_off = place % 2 == 0 && is_off(entry);
+                        if is_off || off.iter().any(|prefix| entry.name.starts_with(prefix)) {
                             start.set(entry.slot, starts.of(entry));
                         }
                     }
@@ -228,6 +233,11 @@ fn indices(declaration: &Declaration, which: impl Fn(&Entry) -> bool) -> Vec<usi
 /// Whether a parameter is a start value of a state: of the real parameters these alone are fixed.
 fn is_initial_value(entry: &Entry) -> bool {
     entry.row.kind == Kind::Real && entry.row.variability == Variability::Fixed
+}
+
+/// Whether it is the heat capacity of a part that is no node by default.
+fn is_off(entry: &Entry) -> bool {
+    entry.row.unit == Unit::JoulePerKelvin && entry.row.start == 0.0
 }
 
 /// The prefixes of the groups that are effects.

@@ -1,10 +1,13 @@
-//! A motor in an insulated box: winding, housing, and the box's air and walls.
+//! A gearmotor in an insulated box: winding, housing, gear, and the box's air and walls.
 //!
 //! C_w dT_w/dt = Q_w - (T_w - T_h)/R_wh                                                     (1)
-//! C_h dT_h/dt = Q_h + (T_w - T_h)/R_wh - G_hb (T_h - T_b)                                  (2)
+//! C_h dT_h/dt = Q_h + (T_w - T_h)/R_wh + (T_g - T_h)/R_gh - G_hb (T_h - T_b)               (2)
 //! C_b dT_b/dt = G_hb (T_h - T_b) - G_ba (T_b - T_a)                                        (3)
+//! C_g dT_g/dt = Q_g - (T_g - T_h)/R_gh                                                     (4)
 //!
-//! *Assumes* each node at one temperature. *Neglects* radiation and the leads (inside G_hb).
+//! Q_g is the fraction friction_to_gear of the friction losses, Q_h the rest. Below C_g = 1e-3 J/K the gear is part of the housing:
+//! its capacity is in C_h, its temperature is T_h, and all friction heats the housing.
+//! *Assumes* each node at one temperature. *Neglects* radiation and the leads (inside G_hb), heat from the gear to the box (G_hb).
 //! *Sign*: a flow counts positive from the winding outwards.
 //! *Source*: estimates. 95 J/K in all for the motor of about 210 g of steel and copper, 10 J/K of it the armature's
 //! copper and teeth; 5 K/W across the air gap, as catalogues give for brushed motors of this size (3 to 8 K/W);
@@ -36,5 +39,24 @@ variables! {
         /// Conductance from the box to ambient
         G_ba: f64 = Variable::tunable(6, 0.15, Unit::WattPerKelvin, 1e-6, 1e4).log()
             .source("estimate: box of expanded polystyrene"),
+        /// Heat capacity of the gear; below 0.001 J/K the gear is part of the housing
+        C_g: f64 = Variable::tunable(7, 0.0, Unit::JoulePerKelvin, 0.0, 1e7).nominal(10.0),
+        /// Thermal resistance from gear to housing (not without C_g)
+        R_gh: f64 = Variable::tunable(8, 2.0, Unit::KelvinPerWatt, 1e-4, 1e3).log()
+            .source("estimate: flange of a gear of 37 mm, 1e3 mm2 with 500 W/(m2.K)"),
+        /// Fraction of the friction losses that heats the gear; the rest heats the housing (not without C_g)
+        friction_to_gear: f64 = Variable::tunable(9, 1.0, Unit::One, 0.0, 1.0)
+            .source("neutral: all friction is in the gear"),
+    }
+}
+
+/// Smallest heat capacity of a gear with a temperature of its own, J/K.
+const LEAST_GEAR: f64 = 1e-3;
+
+impl Enclosure {
+    /// Whether the gear has a temperature of its own.
+    #[inline]
+    pub fn has_gear(&self) -> bool {
+        self.C_g >= LEAST_GEAR
     }
 }

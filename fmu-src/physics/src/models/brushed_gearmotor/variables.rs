@@ -33,7 +33,7 @@ variables! {
         shaft_torque: f64 = Variable::output(24, Unit::NewtonMetre),
         /// Temperature of the winding
         winding_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the housing, with magnets and gear
+        /// Temperature of the housing, with magnets, and with the gear without thermal.C_g
         housing_temperature: f64 = Variable::output(26, Unit::Kelvin).nominal(300.0),
         /// Temperature of the box, air and walls
         box_temperature: f64 = Variable::output(27, Unit::Kelvin).nominal(300.0),
@@ -71,7 +71,7 @@ variables! {
         shaft_power: f64 = Variable::output(45, Unit::Watt),
         /// Electrical losses in the winding, ripple loss and contact voltage drop included
         loss_copper: f64 = Variable::output(46, Unit::Watt),
-        /// Friction losses of motor and gear, which heat the housing
+        /// Friction losses of motor and gear, which heat housing and gear
         loss_friction: f64 = Variable::output(47, Unit::Watt),
         /// Losses of the H-bridge, which go to ambient
         loss_drive: f64 = Variable::output(48, Unit::Watt),
@@ -95,6 +95,8 @@ variables! {
         conduction: f64 = Variable::output(57, Unit::One),
         /// Root mean square of the current, ripple included
         current_rms: f64 = Variable::output(58, Unit::Ampere),
+        /// Temperature of the gear; that of the housing without thermal.C_g
+        gear_temperature: f64 = Variable::output(59, Unit::Kelvin).nominal(300.0),
     }
 }
 

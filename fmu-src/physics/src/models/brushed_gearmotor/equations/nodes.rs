@@ -12,19 +12,26 @@ use crate::solver::split::{self, Fast};
 use declare::{Unit, Variable, states, variables};
 use nalgebra::SVector;
 
-/// Thermal nodes: winding, housing and box.
-pub const NODES: usize = 3;
+/// Thermal nodes: winding, housing, box and gear.
+pub const NODES: usize = 4;
 pub(super) const WINDING: usize = 0;
 pub(super) const HOUSING: usize = 1;
 pub(super) const BOX: usize = 2;
+const GEAR: usize = 3;
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
 /// Accounts of the nodes in the energy balance.
-pub(super) const ACCOUNTS: [Account; NODES] = [Account::Winding, Account::Housing, Account::Enclosure];
+pub(super) const ACCOUNTS: [Account; NODES] =
+    [Account::Winding, Account::Housing, Account::Enclosure, Account::Gear];
 
 /// Heat paths, each from a node to another one, or to ambient.
-pub(super) const PATHS: [(usize, Option<usize>); 4] =
-    [(WINDING, Some(HOUSING)), (WINDING, Some(BOX)), (HOUSING, Some(BOX)), (BOX, None)];
+pub(super) const PATHS: [(usize, Option<usize>); 5] = [
+    (WINDING, Some(HOUSING)),
+    (WINDING, Some(BOX)),
+    (HOUSING, Some(BOX)),
+    (BOX, None),
+    (GEAR, Some(HOUSING)),
+];
 
 states! {
     /// The states of the gearmotor, in the order of [`Step::rates`].
@@ -37,10 +44,12 @@ states! {
         "state.shaft_angle" = declare::State::new(703, 803, Unit::Radian).unbounded().nominal(100.0),
         /// Temperature of the winding
         "state.winding_temperature" = declare::State::new(704, 804, Unit::Kelvin).nominal(300.0),
-        /// Temperature of the housing, with magnets and gear
+        /// Temperature of the housing, with magnets, and with the gear without thermal.C_g
         "state.housing_temperature" = declare::State::new(705, 805, Unit::Kelvin).nominal(300.0),
         /// Temperature of the box, air and walls
         "state.box_temperature" = declare::State::new(706, 806, Unit::Kelvin).nominal(300.0),
+        /// Temperature of the gear; constant without thermal.C_g
+        "state.gear_temperature" = declare::State::new(712, 812, Unit::Kelvin).nominal(300.0),
         /// Energy from the supply since the start
         "state.energy_supply" = declare::State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0),
         /// Mechanical energy to the load since the start
@@ -59,7 +68,7 @@ variables! {
     pub struct Initial {
         /// Initial temperature of the winding; 0 K = ambient temperature
         winding_temperature: f64 = Variable::fixed(0, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
-        /// Initial temperature of the housing, with magnets and gear; 0 K = ambient temperature
+        /// Initial temperature of the housing, with magnets, and with the gear without thermal.C_g; 0 K = ambient temperature
         housing_temperature: f64 = Variable::fixed(1, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
         /// Initial temperature of the box, air and walls; 0 K = ambient temperature
         box_temperature: f64 = Variable::fixed(2, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
@@ -69,6 +78,8 @@ variables! {
         shaft_speed: f64 = Variable::fixed(4, 0.0, Unit::RadianPerSecond, -1e5, 1e5).nominal(10.0),
         /// Initial angle of the output shaft
         shaft_angle: f64 = Variable::fixed(5, 0.0, Unit::Radian, -1e9, 1e9).nominal(100.0),
+        /// Initial temperature of the gear (not without thermal.C_g); 0 K = ambient temperature
+        gear_temperature: f64 = Variable::fixed(6, 0.0, Unit::Kelvin, 0.0, 1273.15).nominal(300.0),
     }
 }
 
@@ -79,6 +90,7 @@ impl Initial {
             ("initial.winding_temperature", self.winding_temperature),
             ("initial.housing_temperature", self.housing_temperature),
             ("initial.box_temperature", self.box_temperature),
+            ("initial.gear_temperature", self.gear_temperature),
         ]
     }
 
@@ -102,23 +114,33 @@ impl Initial {
     }
 }
 
-/// Heat capacities of the nodes, J/K.
+/// Heat capacities of the nodes, J/K; that of a gear without a temperature of its own is any, since no heat reaches its node.
 pub(super) fn capacity(parameters: &Parameters) -> Temperatures {
     let thermal = &parameters.thermal;
-    Temperatures::new(thermal.C_w, thermal.C_h, thermal.C_b)
+    let gear = if thermal.has_gear() { thermal.C_g } else { thermal.C_h };
+    Temperatures::new(thermal.C_w, thermal.C_h, thermal.C_b, gear)
 }
 
 impl Step<'_> {
     /// Temperature of the gear, K.
     #[inline]
     pub(super) fn gear_temperature(&self, temperature: &Temperatures) -> f64 {
-        temperature[HOUSING]
+        temperature[if self.model.thermal.has_gear() { GEAR } else { HOUSING }]
+    }
+
+    /// Conductance from gear to housing, W/K.
+    #[inline]
+    fn gear_conductance(&self) -> f64 {
+        let thermal = &self.model.thermal;
+        if thermal.has_gear() { 1.0 / thermal.R_gh } else { 0.0 }
     }
 
     /// Heat that is set free in the nodes by losses in the winding and by friction, W or J.
     #[inline]
     pub(super) fn heats(&self, winding: f64, friction: f64) -> Temperatures {
-        Temperatures::new(winding, friction, 0.0)
+        let thermal = &self.model.thermal;
+        let in_gear = if thermal.has_gear() { thermal.friction_to_gear * friction } else { 0.0 };
+        Temperatures::new(winding, friction - in_gear, 0.0, in_gear)
     }
 
     /// Heat flows along the paths, W.
@@ -132,6 +154,7 @@ impl Step<'_> {
             to_box.winding * (t_w - t_b),
             (thermal.G_hb + to_box.housing) * (t_h - t_b) + effects.housing_to_ambient(t_h, t_b),
             thermal.G_ba * (t_b - self.ambient.at(t)),
+            self.gear_conductance() * (temperature[GEAR] - t_h),
         ]
     }
 
@@ -154,6 +177,7 @@ impl Step<'_> {
                 through + effects.housing_to_ambient_slope(t_b, t_h),
             ],
             [thermal.G_ba; 2],
+            [self.gear_conductance(); 2],
         ]
     }
 }

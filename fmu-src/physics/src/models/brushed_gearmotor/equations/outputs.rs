@@ -45,6 +45,7 @@ impl Step<'_> {
             winding_temperature: effects.winding_sensor(t_w, temperature[BOX]),
             housing_temperature: effects.housing_sensor(temperature[HOUSING], temperature[BOX]),
             box_temperature: temperature[BOX],
+            gear_temperature: self.gear_temperature(temperature),
             voltage_electrical,
             voltage_magnetic,
             voltage_mechanical,
