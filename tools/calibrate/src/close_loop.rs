@@ -31,6 +31,8 @@ const MOVES: usize = 4;
 const SETTLED: f64 = 0.2;
 /// Share of what a force that is free in time explains from which on a switch explains it.
 const SWITCHED: f64 = 0.9;
+/// Fraction of the time for the search from the plain fit where runs disagree; with the disagreement as noise little is left to search.
+const FIRST: f64 = 0.7;
 /// What is left unexplained is said from this evidence on.
 const SAID: f64 = 40.0;
 
@@ -76,7 +78,7 @@ pub fn run(
                 rest.map_or_else(Deadline::default, Deadline::after)
             };
             // A model that cannot be run in all runs is none.
-            let found = attempt(setup.until(end(0.5)), plain, options, progress).ok();
+            let found = attempt(setup.until(end(FIRST)), plain, options, progress).ok();
             let next = attempt(other.setup.until(end(1.0)), Ok(other.fitted), options, progress)?;
             Ok(found.filter(|found| !found.effects.is_empty() && left(found) <= left(&next)).unwrap_or(next))
         }
