@@ -167,17 +167,17 @@ def test_preset_of_a_file_beside_the_experiment(close_loop, tmp_path):
 
 
 def test_dead_sensor_and_gap_are_noted(close_loop, tmp_path):
-    """An open thermocouple reads -40 degC: set aside, not fitted. A gap in the rows: simulated across."""
+    """An open thermocouple reads -61.5 degC: set aside, not fitted. A gap in the rows: simulated across."""
 
     def change(lines):
-        dead = [",".join([*line.split(",")[:5], "-40.0"]) for line in lines[1:]]
+        dead = [",".join([*line.split(",")[:5], "-61.5"]) for line in lines[1:]]
         return [lines[0], *dead[:20], *dead[35:]]
 
     done = close_loop(table=change)
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads((tmp_path / "out" / "report.json").read_text())
     notes = " ".join(report["notes"])
-    assert "run-2.csv" in notes and "winding_temperature_degC" in notes and "dead" in notes
+    assert "run-2.csv" in notes and "winding_temperature_degC" in notes and "set aside" in notes
     assert "no rows from 38 s to 70 s" in notes
     dead = report["error"]["test"].get("winding_temperature_degC")
     assert dead is None or dead["after"] is None

@@ -16,7 +16,10 @@ mod signals;
 use crate::CalibrateError;
 use crate::change::Change;
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Role, Run};
+use crate::experiment::{Channel, Experiment, Role, Run, Start};
+use crate::fit::is_wide;
+use crate::hypothesis::Hypothesis;
+use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
 use physics::declare::Unit;
 use physics::model::Declaration;
@@ -61,22 +64,30 @@ impl From<CalibrateError> for Refusal {
 /// # Errors
 /// [`Refusal`].
 pub fn check(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), Refusal> {
+    sensors(experiment, preset)?;
+    match clocks::check(experiment, preset)?.or_else(|| nothing_left(experiment)) {
+        Some(unusable) => Err(Refusal::Unusable(unusable)),
+        None => Ok(()),
+    }
+}
+
+/// All but the clocks.
+fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), Refusal> {
     enough(experiment)?;
     if let Some(unusable) = outside_limits(experiment) {
         return Err(Refusal::Unusable(unusable));
     }
     let spikes = signals::set_aside(experiment);
-    if let Some(unusable) = consistency::contradiction(experiment, preset)? {
+    let fitted = consistency::contradiction(experiment, preset)?.map_err(Refusal::Unusable)?;
+    if let Some(unusable) = start_elsewhere(experiment) {
         return Err(Refusal::Unusable(unusable));
     }
     let predicted = predicted(experiment, preset, &all_runs(experiment));
+    let fitted = fitted.map(|fitted| predicted_by(experiment, preset, &fitted)).transpose()?;
     pulses::set_aside(experiment, &predicted, &spikes);
-    response::set_aside(experiment, &predicted);
+    response::set_aside(experiment, &predicted, fitted.as_ref().unwrap_or(&predicted));
     if let Some(unusable) = response::dead_input(experiment, &predicted).or_else(|| nothing_left(experiment))
     {
-        return Err(Refusal::Unusable(unusable));
-    }
-    if let Some(unusable) = clocks::check(experiment, preset)?.or_else(|| nothing_left(experiment)) {
         return Err(Refusal::Unusable(unusable));
     }
     Ok(())
@@ -177,6 +188,57 @@ fn predicted(experiment: &Experiment, preset: &[(u32, f64)], runs: &[usize]) -> 
     runs.par_iter().map(of).collect()
 }
 
+/// The same of a fit.
+fn predicted_by(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    fitted: &Hypothesis,
+) -> Result<Vec<Vec<Vec<f64>>>, CalibrateError> {
+    let setup = Setup::new(experiment, preset)?.until(Deadline::after(PATIENCE));
+    let of = |run: usize| {
+        let shown = setup.bench.run(&setup.drives[run], &setup.change(fitted, run));
+        let rows = experiment.runs[run].table.time.len();
+        shown.unwrap_or_else(|_| vec![vec![f64::NAN; rows]; experiment.outputs.len()])
+    };
+    Ok(all_runs(experiment).into_par_iter().map(of).collect())
+}
+
+/// A run that does not start at the ambient temperature although it says so: every node is further from it than any offset of a sensor.
+fn start_elsewhere(experiment: &Experiment) -> Option<Unusable> {
+    const FAR: f64 = 10.0;
+    const FIRST: usize = 3;
+    let inputs = experiment.inputs.len();
+    let column = experiment.inputs.iter().find(|c| c.input == Some("ambient_temperature"))?.column;
+    experiment.runs.iter().filter(|run| run.start == Start::Ambient).find_map(|run| {
+        let zero = ambient(experiment, run).first().copied()?;
+        let first = |k: usize| median(run.table.columns[inputs + k].iter().copied().take(FIRST));
+        let nodes: Vec<(&str, f64)> = experiment
+            .outputs
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| c.node().is_some())
+            .map(|(k, c)| (c.column, first(k) - zero))
+            .filter(|(_, off)| off.is_finite())
+            .collect();
+        let off = |sign: f64| nodes.len() > 1 && nodes.iter().all(|(_, off)| sign * off > FAR);
+        (off(1.0) || off(-1.0)).then(|| {
+            let words: Vec<String> = nodes.iter().map(|(name, off)| format!("{name} by {off:.1} K")).collect();
+            Unusable {
+                channel: column.to_string(),
+                reason: format!(
+                    "the first readings in {} differ from {column} ({:.1} degC): {}; a run starts at the ambient temperature",
+                    run.file,
+                    zero - 273.15,
+                    words.join(", ")
+                ),
+                suggestion: format!(
+                    "state start = \"measured\" in [[run]] if the motor was warm, else check the sensor of {column}"
+                ),
+            }
+        })
+    })
+}
+
 /// The ambient temperature at each row of a run, K; blank without such a column.
 fn ambient(experiment: &Experiment, run: &Run) -> Vec<f64> {
     let place = experiment.inputs.iter().position(|c| c.input == Some("ambient_temperature"));
@@ -209,6 +271,33 @@ fn nothing_left(experiment: &Experiment) -> Option<Unusable> {
             channel,
         }
     })
+}
+
+/// The setup of an experiment with structure errors for the noise, of the size of the readings of these runs.
+fn structured<'a>(
+    experiment: &'a Experiment,
+    preset: &[(u32, f64)],
+    runs: &[usize],
+) -> Result<Setup<'a>, CalibrateError> {
+    let mut setup = Setup::new(experiment, preset)?;
+    setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
+    let inputs = experiment.inputs.len();
+    for (k, channel) in experiment.outputs.iter().enumerate() {
+        let mut squares: Vec<f64> = Vec::new();
+        for run in runs {
+            let run = &experiment.runs[*run];
+            let zero = ambient(experiment, run);
+            let zero = |row: usize| if channel.is_temperature() { zero[row] } else { 0.0 };
+            let column = run.table.columns[inputs + k].iter().enumerate();
+            squares.extend(column.filter(|(_, x)| x.is_finite()).map(|(row, x)| (x - zero(row)).powi(2)));
+        }
+        let count = squares.len() as f64;
+        let size = (squares.iter().sum::<f64>() / count.max(1.0)).sqrt();
+        let samples = (consistency::SAMPLES * runs.len() as f64).min(count.max(1.0));
+        let structure = consistency::STRUCTURE * size * (count / samples).sqrt();
+        setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
+    }
+    Ok(setup)
 }
 
 /// Sorted copy of the finite values.

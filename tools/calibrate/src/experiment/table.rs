@@ -20,10 +20,6 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// A reading that no sensor of a motor gives while it works: that of an open thermocouple, degC.
-const DEAD: f64 = -40.0;
-/// Share of a channel's readings from which on it counts as dead.
-const DEAD_SHARE: f64 = 0.5;
 /// How many times as often as each of so many readings next to it the last one stands there, where a sensor ends.
 const CLIPPED: usize = 8;
 const NEXT: usize = 8;
@@ -144,32 +140,8 @@ impl Table {
         if repeated > 0 {
             table.notes.push(format!("{file}: {repeated} rows repeat the row before them and are set aside"));
         }
-        table.set_dead_aside(file, wanted);
         table.note_gaps(file);
         Ok(table)
-    }
-
-    /// Sensors that are plainly dead are set aside, with a note.
-    fn set_dead_aside(&mut self, file: &str, wanted: &[&'static Channel]) {
-        for (channel, column) in wanted.iter().zip(&mut self.columns) {
-            if !channel.is_temperature() {
-                continue;
-            }
-            let dead = |v: &f64| (v - channel.offset - DEAD).abs() < 0.5;
-            let (count, there) =
-                (column.iter().filter(|v| dead(v)).count(), column.iter().filter(|v| v.is_finite()).count());
-            if count as f64 > DEAD_SHARE * there as f64 {
-                column.fill(f64::NAN);
-                self.notes
-                    .push(format!("{file}: {} reads {DEAD} degC and is set aside as dead", channel.column));
-            } else if count > 0 {
-                column.iter_mut().filter(|v| dead(v)).for_each(|v| *v = f64::NAN);
-                self.notes.push(format!(
-                    "{file}: {count} readings of {DEAD} degC in {} are set aside as drop-outs",
-                    channel.column
-                ));
-            }
-        }
     }
 
     /// Readings that stand at one end of what a sensor shows are no readings: as many times the very same number as its neighbours
@@ -354,15 +326,9 @@ mod tests {
     }
 
     #[test]
-    fn dead_sensors_drop_outs_and_gaps_are_noted() {
-        let rows: String = (0..20).map(|k| format!("{k},-40,1\n")).collect();
-        let dead = read(&format!("{HEADER}{rows}")).unwrap();
-        assert!(dead.columns[1].iter().all(|v| v.is_nan()) && dead.notes[0].contains("set aside as dead"));
-        let rows: String = (0..20).map(|k| format!("{k},{},1\n", if k == 7 { -40 } else { 30 })).collect();
-        let dropped = read(&format!("{HEADER}{rows}100,30,1\n")).unwrap();
-        assert!(dropped.columns[1][7].is_nan() && dropped.columns[1][8] == 303.15);
-        assert!(
-            dropped.notes[0].contains("1 readings of -40") && dropped.notes[1].contains("from 19 s to 100 s")
-        );
+    fn gaps_are_noted() {
+        let rows: String = (0..20).map(|k| format!("{k},30,1\n")).collect();
+        let table = read(&format!("{HEADER}{rows}100,30,1\n")).unwrap();
+        assert!(table.notes.len() == 1 && table.notes[0].contains("from 19 s to 100 s"), "{:?}", table.notes);
     }
 }

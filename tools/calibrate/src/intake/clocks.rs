@@ -15,8 +15,8 @@
 
 mod profile;
 
-use super::consistency::{SAMPLES, STRUCTURE, WORSE, structured, thinned};
-use super::{Unusable, median};
+use super::consistency::{SAMPLES, STRUCTURE, WORSE, thinned};
+use super::{Unusable, median, structured};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role};

@@ -23,12 +23,11 @@
 
 mod mistakes;
 
-use super::{Unusable, ambient, sorted};
+use super::{Unusable, sorted, structured};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
 use crate::experiment::{Experiment, Role, Start};
-use crate::fit::is_wide;
-use crate::setup::Setup;
+use crate::hypothesis::Hypothesis;
 use mistakes::{Mistake, mistakes};
 use physics::declare::Unit;
 use std::time::Duration;
@@ -191,29 +190,31 @@ pub(super) fn thinned(experiment: &Experiment, most: usize) -> Experiment {
     thin
 }
 
-/// Why the data contradict the model, over all runs or in one file.
+/// Why the data contradict the model, over all runs or in one file; else the fit of the data as they are.
 ///
 /// # Errors
 /// An experiment whose model cannot be set up.
 pub fn contradiction(
     experiment: &Experiment,
     preset: &[(u32, f64)],
-) -> Result<Option<Unusable>, CalibrateError> {
+) -> Result<Result<Option<Hypothesis>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
     let experiment = &thinned(experiment, ROWS);
     let deadline = Deadline::after(SEARCH);
     let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
-    let Cost { runs: costs, prior, is_cut, .. } = fitted(&whole, experiment, AS_IS)?;
+    let Cost { runs: costs, prior, is_cut, hypothesis, .. } = fitted(&whole, experiment, AS_IS)?;
+    // Parameters that are strained may stand in for a sensor that does not work.
+    let hypothesis = hypothesis.filter(|_| prior <= STRAINED);
     let limit = GOOD * GOOD * SAMPLES * experiment.outputs.len() as f64;
     let bad: Vec<usize> = all.iter().copied().filter(|r| costs[*r] > limit || prior > STRAINED).collect();
     if bad.is_empty() || is_cut {
-        return Ok(None);
+        return Ok(Ok(hypothesis));
     }
     let predicted = whole.predicted(experiment);
     if 2 * bad.len() > all.len()
         && let Some(unusable) = search(&whole, experiment, &predicted, "every run")?
     {
-        return Ok(Some(unusable));
+        return Ok(Err(unusable));
     }
     // One logger of several: a file at a time.
     let mut files: Vec<(&str, Vec<usize>)> = Vec::new();
@@ -227,10 +228,10 @@ pub fn contradiction(
         let judge = Judge { preset, runs, deadline: deadline.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
         if let Some(unusable) = search(&judge, experiment, &own, file)? {
-            return Ok(Some(unusable));
+            return Ok(Err(unusable));
         }
     }
-    Ok(None)
+    Ok(Ok(hypothesis))
 }
 
 /// The mistakes that together bring the data nearest to the model, if no values that the priors allow explain the data as they are nearly
@@ -428,6 +429,8 @@ struct Cost {
     runs: Vec<f64>,
     /// Whether the time ended before the fit was at its minimum.
     is_cut: bool,
+    /// Where it is; `None` where the model cannot be run.
+    hypothesis: Option<Hypothesis>,
 }
 
 impl Cost {
@@ -459,6 +462,7 @@ fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost
             prior: fitted.cost - fitted.chi_square,
             runs: all.iter().map(of).collect(),
             is_cut: setup.deadline().is_near(),
+            hypothesis: Some(fitted.hypothesis),
         })
     });
     // A model that cannot be run explains nothing.
@@ -467,32 +471,6 @@ fn fitted(judge: &Judge, experiment: &Experiment, time: Duration) -> Result<Cost
         prior: 0.0,
         runs: vec![f64::INFINITY; all.len()],
         is_cut: setup.deadline().is_near(),
+        hypothesis: None,
     }))
-}
-
-/// The setup of an experiment with structure errors for the noise, of the size of the readings of these runs.
-pub(super) fn structured<'a>(
-    experiment: &'a Experiment,
-    preset: &[(u32, f64)],
-    runs: &[usize],
-) -> Result<Setup<'a>, CalibrateError> {
-    let mut setup = Setup::new(experiment, preset)?;
-    setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
-    let inputs = experiment.inputs.len();
-    for (k, channel) in experiment.outputs.iter().enumerate() {
-        let mut squares: Vec<f64> = Vec::new();
-        for run in runs {
-            let run = &experiment.runs[*run];
-            let zero = ambient(experiment, run);
-            let zero = |row: usize| if channel.is_temperature() { zero[row] } else { 0.0 };
-            let column = run.table.columns[inputs + k].iter().enumerate();
-            squares.extend(column.filter(|(_, x)| x.is_finite()).map(|(row, x)| (x - zero(row)).powi(2)));
-        }
-        let count = squares.len() as f64;
-        let size = (squares.iter().sum::<f64>() / count.max(1.0)).sqrt();
-        let samples = (SAMPLES * runs.len() as f64).min(count.max(1.0));
-        let structure = STRUCTURE * size * (count / samples).sqrt();
-        setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
-    }
-    Ok(setup)
 }

@@ -70,8 +70,9 @@ fn spread(values: &[f64]) -> f64 {
     if all.is_empty() { 0.0 } else { at(0.98) - at(0.02) }
 }
 
-/// Sets aside what does not answer, with notes; `predicted` run by run, output by output.
-pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>]) {
+/// Sets aside what does not answer, with notes: neither as the preset predicts, nor as the fit of the declared parameters does, both run by
+/// run and output by output. A current that is the small difference of two voltages follows no prediction of a preset.
+pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], fitted: &[Vec<Vec<f64>>]) {
     let mut notes: Vec<String> = Vec::new();
     for output in 0..experiment.outputs.len() {
         let channel = experiment.outputs[output];
@@ -97,6 +98,15 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>]) {
             let sigma = noise::of_column(&time, &column).unwrap_or(0.0);
             let judge = Judge { channel, own, column: &column, sigma, moves };
             let Some((mut bad, why)) = judge.bad() else { continue };
+            let of_fit = pair(experiment, &fitted[run], run, output);
+            if of_fit.rows == own.rows {
+                let moves = spread(&of_fit.model).max(moves);
+                let Some((also, _)) = (Judge { own: &of_fit, moves, ..judge }).bad() else { continue };
+                bad.iter_mut().zip(also).for_each(|(bad, also)| *bad &= also);
+                if !bad.contains(&true) {
+                    continue;
+                }
+            }
             // What is left of the best there is: the other runs, and what of this one is not bad.
             let good = pairs.iter().enumerate().filter(|(k, _)| *k != run).flat_map(|(_, p)| off(p));
             let kept = off(own).into_iter().zip(&bad).filter(|(_, bad)| !**bad).map(|(x, _)| x);

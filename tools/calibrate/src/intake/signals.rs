@@ -30,6 +30,8 @@ const MOSTLY: f64 = 0.1;
 /// A jump is this many times the greatest change among all but [`RARE`] of the channel's changes, and at least so many kelvin.
 const JUMP: (f64, f64) = (6.0, 3.0);
 const RARE: f64 = 0.005;
+/// Fewest equal readings of a drop-out.
+const REPEATED: usize = 3;
 /// A sensor of temperature never reads beyond, K: outside are the codes of an open or shorted one.
 const POSSIBLE: (f64, f64) = (100.0, 1273.15);
 
@@ -73,6 +75,14 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
                     ),
                 ));
             }
+        }
+        for (k, channel) in channels.iter().enumerate().filter(|(_, c)| c.is_temperature()) {
+            let Some(code) = code(&table.columns[k]) else { continue };
+            let column = &mut table.columns[k];
+            let count = column.iter().filter(|x| **x == code).count();
+            column.iter_mut().filter(|x| **x == code).for_each(|x| *x = f64::NAN);
+            let reading = code - channel.offset;
+            write(about(k, format!("drops out to {reading:.2} degC in {count} rows; these are set aside")));
         }
         let spikes: Vec<Vec<usize>> =
             channels.iter().enumerate().map(|(k, c)| spikes(table, k, c, least)).collect();
@@ -131,6 +141,22 @@ pub fn set_aside(experiment: &mut Experiment) -> Vec<usize> {
     }
     experiment.notes.extend(notes);
     counts
+}
+
+/// The one reading that an amplifier shows without its sensor: exactly repeated and far from all others, of a sensor that repeats none else.
+fn code(column: &[f64]) -> Option<f64> {
+    let all = super::sorted(column.iter().copied());
+    let runs: Vec<&[f64]> = all.chunk_by(|a, b| a == b).collect();
+    let of = |code: &[f64], rest: &[&[f64]], gap: f64| {
+        let (least, most) = (rest.first()?[0], rest.last()?[0]);
+        let readings: usize = rest.iter().map(|r| r.len()).sum();
+        let is_fine = 2 * rest.len() > readings && readings >= NEAR;
+        (code.len() >= REPEATED && is_fine && gap > JUMP.1.max(0.5 * (most - least))).then_some(code[0])
+    };
+    let (first, above) = runs.split_first()?;
+    let (last, below) = runs.split_last()?;
+    let low = of(first, above, above.first()?[0] - first[0]);
+    low.or_else(|| of(last, below, last[0] - below.last().map_or(f64::INFINITY, |r| r[0])))
 }
 
 /// Whether a channel leaves the line between the readings beside these rows.
