@@ -171,3 +171,34 @@ def test_build_says_what_its_libraries_need(motor_fmu, tmp_path):
     assert done.returncode == 0, done.stderr
     pattern = r"libraries for \S+-linux with glibc 2\.\d+ or later" if sys.platform == "linux" else "libraries for "
     assert re.match(pattern, done.stdout), done.stdout
+
+
+def classified(files):
+    """Metadata of an archive: keyword and value by classification."""
+    root = ElementTree.fromstring(files["extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"])
+    space = "http://ssp-standard.org/SSPTraceability1/"
+    assert root.tag == f"{{{space}SimulationResourceMetaData}}SimulationResourceMetaData"
+    assert re.fullmatch(r"[0-9]+[.][0-9]+([.][0-9]+)?", root.get("version")) and root.get("name") and "motor-fmu" in root.get("generationTool")
+    common = f"{{{space}SSPTraceabilityCommon}}"
+    kinds = [element.get("type") for element in root]
+    assert len(kinds) == len(set(kinds)) and {element.tag for element in root} == {common + "Classification"}
+    return {e.get("type"): {entry.get("keyword"): entry.text for entry in e.iter(common + "ClassificationEntry")} for e in root}
+
+
+def test_the_metadata_say_what_the_archive_is_made_of(packed):
+    model, _, _, files = packed
+    found = classified(files)
+    assert found["motor-fmu.model"]["model"] == model
+    assert found["motor-fmu.model"]["token"] in files["modelDescription.xml"].decode()
+    assert found["motor-fmu.model"]["preset"].startswith("none")
+    if model.endswith("otor"):
+        assert found["motor-fmu.validity"]["validity.lowest_temperature"].startswith("100 K; ")
+
+
+@pytest.mark.parametrize("fmi", STANDARDS)
+def test_the_metadata_have_the_values_of_the_preset_with_their_sources(fmi):
+    with zipfile.ZipFile(paths.dist() / "presets" / "maxon-305015" / f"fmi{fmi}" / "AnnulusCooledMotor.fmu") as archive:
+        found = classified({name: archive.read(name) for name in archive.namelist()})
+    assert found["motor-fmu.model"]["preset"] == "maxon-305015"
+    assert found["motor-fmu.start-values"]["motor.R_ref"].startswith("0.386 Ohm; datasheet: terminal resistance")
+    assert found["motor-fmu.validity"]["thermal.T_w_max"].startswith("428.15 K; ")

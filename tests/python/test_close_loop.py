@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 import tomllib
+import zipfile
 
 import fmpy
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from clients.fmu import Archive
 from clients.paths import ROOT
 from conftest import MODEL, STANDARDS
+from test_archive_contents import classified
 
 SET = "drag-power-075"
 FOLDER = ROOT / "tests" / "reference" / "bench-synthetic" / SET
@@ -98,6 +100,15 @@ def test_the_preset_holds_what_was_fitted(closed, report):
     assert (preset["model"], start["drive_mode"], start["mechanical_mode"]) == (MODEL, "current", "imposed_speed")
     for name, parameter in report["parameters"].items():
         assert start[name] == {"value": parameter["value"], "unit": parameter["unit"]}
+
+
+def test_the_archives_have_data_and_errors_of_the_calibration_as_metadata(closed, report):
+    for fmi in STANDARDS:
+        with zipfile.ZipFile(closed[0] / f"fmi{fmi}" / f"{MODEL}.fmu") as archive:
+            found = classified({name: archive.read(name) for name in archive.namelist()})["motor-fmu.calibration"]
+    assert found["SHA-256 of the data"] == report["data_sha256"] and found["verdict"] == report["verdict"]
+    shown = float(found["RMSE of winding_temperature_degC (test)"].split(";")[0])
+    assert shown == pytest.approx(report["error"]["test"]["winding_temperature_degC"]["after"], rel=1e-2)
 
 
 def test_preset_and_terms_make_the_same_archives_again(closed, motor_fmu, tmp_path):

@@ -43,3 +43,60 @@ def test_results_of_another_subject_are_refused(motor_fmu, archive_paths, tmp_pa
     other = ("sweep", "--vary", "ambient_temperature=290:300:2", "--output", "o.csv")
     one_sentence(motor_fmu(*other), CANNOT, "o.csv", "ambient_temperature", "--force")
     one_sentence(motor_fmu(*run, "--plot", "f.svg"), CANNOT, "f.svg", "AnnulusCooledMotor", "--force")
+
+
+SYSTEM = '[system]\nname = "one"\n[experiment]\nstop = 0.01\nstep = 0.001\n[[component]]\nname = "m"\nfmu = "{}"\n'
+
+
+@pytest.mark.parametrize(
+    "command, files", [(("cosim", "s.toml", "--output", "o.csv", "--plot", "f.svg"), ("o.csv", "f.svg")), (("ssp", "s.toml"), ("s.ssp",))]
+)
+def test_results_of_systems_are_overwritten_and_nothing_else(motor_fmu, archive_paths, tmp_path, command, files):
+    (tmp_path / "s.toml").write_text(SYSTEM.format(archive_paths[2]))
+    for _ in range(2):
+        assert motor_fmu(*command).returncode == 0
+    # The same command of another system: its result is no earlier one.
+    (tmp_path / "s.toml").write_text(SYSTEM.format(archive_paths[2]).replace('"one"', '"two"').replace('"m"', '"n"'))
+    one_sentence(motor_fmu(*command), CANNOT, files[0], "exists", "--force")
+    for file in files:
+        assert motor_fmu(*command, "--force").returncode == 0
+        (tmp_path / file).write_text(NOTES)
+        one_sentence(motor_fmu(*command), CANNOT, file, "exists", "--force")
+        assert (tmp_path / file).read_text() == NOTES
+    assert motor_fmu(*command, "--force").returncode == 0
+
+
+EXPERIMENT = """[experiment]
+name = "e"
+model = "AnnulusCooledMotor"
+preset = "maxon-305015"
+inputs = ["current_A", "speed_rad_per_s", "ambient_temperature_degC"]
+outputs = ["winding_temperature_degC"]
+[prior]
+"motor.R_ref" = 0.03
+[[run]]
+file = "r.csv"
+role = "fit"
+"""
+
+
+@pytest.mark.parametrize(
+    "command, file",
+    [
+        (("fit", "e.toml", "--out", "out"), "report.json"),
+        (("fit", "e.toml", "--out", "out"), "preset.toml"),
+        (("close-loop", "e.toml", "--out", "out"), "report.html"),
+        (("close-loop", "e.toml", "--out", "out"), "fmi3/AnnulusCooledMotor.fmu"),
+        (("reproduce", "thesis", "--out", "out"), None),
+        (("reproduce", "paper", "--out", "out"), None),
+    ],
+)
+def test_long_commands_refuse_foreign_files_before_they_compute(motor_fmu, tmp_path, command, file):
+    (tmp_path / "e.toml").write_text(EXPERIMENT)
+    rows = [f"{k},2.0,100.0,25.0,{25.0 + 0.01 * k}" for k in range(200)]
+    (tmp_path / "r.csv").write_text("time_s,current_A,speed_rad_per_s,ambient_temperature_degC,winding_temperature_degC\n" + "\n".join(rows) + "\n")
+    path = tmp_path / "out" / (file or f"{command[1]}.html")
+    path.parent.mkdir(parents=True)
+    path.write_text(NOTES)
+    one_sentence(motor_fmu(*command), CANNOT, path.name, "exists", "--force")
+    assert path.read_text() == NOTES

@@ -3,6 +3,7 @@
 mod error;
 pub use error::BuildError;
 
+use crate::metadata::{self, MadeOf};
 use crate::native::Native;
 pub use crate::platform::{HERE, Library, Platform, library_path};
 use crate::{documentation, object_file, reference, terminals};
@@ -180,6 +181,12 @@ fn common(native: &Native<'_>, contents: Contents<'_>) -> Vec<(String, Vec<u8>)>
     let name = (native.kind.declaration)().name;
     let page = documentation::page(native, contents.preset);
     let mut files = vec![("documentation/index.html".to_string(), page.into_bytes())];
+    let made_of = MadeOf {
+        preset: contents.preset,
+        terms: contents.effects.map(|effects| effects.terms.len()),
+        load: contents.load.map(|load| load.source.as_str()),
+    };
+    files.push((metadata::FILE.to_owned(), metadata::document(native, made_of).into_bytes()));
     if let Some(run) = reference::run(native) {
         let [inputs, results] = reference::file_names(name);
         let entry = |file: &str, text: String| (format!("{}/{file}", reference::FOLDER), text.into_bytes());

@@ -2,6 +2,7 @@
 
 pub mod build;
 mod documentation;
+mod metadata;
 mod native;
 mod object_file;
 pub mod platform;

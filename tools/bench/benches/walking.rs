@@ -23,7 +23,7 @@ fn system(folder: &Path) -> System {
     let preset = Preset::load(PRESET).expect("a preset of ours");
     for kind in models::ALL.iter().filter(|kind| EXAMPLE.contains((kind.declaration)().name)) {
         let preset = Some(&preset).filter(|p| p.model == (kind.declaration)().name);
-        build(kind, Standard::Fmi2, Contents { preset, effects: None }, &library, folder)
+        build(kind, Standard::Fmi2, Contents { preset, ..Contents::default() }, &library, folder)
             .expect("an archive");
     }
     let path = folder.join("walk.toml");

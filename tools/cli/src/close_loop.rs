@@ -107,7 +107,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
         bar.set(what, SEARCH * share.clamp(0.0, 1.0));
     })?;
     bar.set("export", SEARCH);
-    let exported = export::export(&experiment, &outcome, &args.out)?;
+    let exported = export::export(&experiment, &outcome, &made_of, &args.out)?;
     bar.set("replay", 0.95);
     let (replay, findings) = thread::scope(|scope| {
         let findings = scope.spawn(|| exported.findings());

@@ -107,7 +107,7 @@ fn preset_facts(
     };
     let mut changed = differing(&preset.model, rows);
     for value in &mut changed {
-        value.source = comment(&text, &value.name);
+        value.source = preset.source_of(&value.name);
     }
     let facts = vec![
         fact("preset", &preset.name),
@@ -122,19 +122,6 @@ fn preset_facts(
 fn head(text: &str) -> String {
     let lines = text.lines().map_while(|line| line.strip_prefix('#').map(str::trim));
     lines.take_while(|line| !line.starts_with("Each comment")).collect::<Vec<_>>().join(" ")
-}
-
-/// The comment behind the value of a variable, or the one in the line before.
-fn comment(text: &str, name: &str) -> Option<String> {
-    let lines: Vec<&str> = text.lines().collect();
-    let is_of = |line: &str| {
-        let key = line.split('=').next().unwrap_or_default().trim();
-        key.trim_matches('"') == name
-    };
-    let at = lines.iter().position(|line| is_of(line))?;
-    let behind = lines[at].rsplit_once('#').map(|(_, words)| words);
-    let above = at.checked_sub(1).and_then(|k| lines[k].trim().strip_prefix('#'));
-    Some(behind.or(above)?.trim().to_owned())
 }
 
 /// The rows whose start value is not the declared one of the model.

@@ -38,6 +38,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<ExitCode, Failure> {
+    if let Some(folder) = &args.out {
+        // Before the computation: a page of any title may be an earlier result.
+        let name = match args.which {
+            Which::Thesis => "thesis",
+            Which::Paper => "paper",
+        };
+        args.force.check_titled(&folder.join(format!("{name}.html")), EARLIER, |_| true)?;
+    }
     let bar = Progress::new("recomputing the publication");
     let (json, rows, conclusion, page) = match args.which {
         Which::Thesis => {
@@ -66,6 +74,9 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// What an earlier result is called in an error message.
+const EARLIER: &str = "an earlier result of reproduce";
+
 /// The page and its figures.
 fn write(folder: &Path, page: &report::Page, force: Force) -> Result<(), Failure> {
     crate::make_folder(folder)?;
@@ -74,7 +85,7 @@ fn write(folder: &Path, page: &report::Page, force: Force) -> Result<(), Failure
     for (name, text) in &files {
         let own = title(text.as_bytes());
         let is_own = |title: &str| own.as_deref() == Some(title);
-        force.check_titled(&folder.join(name), "an earlier result of reproduce", is_own)?;
+        force.check_titled(&folder.join(name), EARLIER, is_own)?;
     }
     files.iter().try_for_each(|(name, text)| crate::write(&folder.join(name), text))
 }

@@ -37,6 +37,8 @@ pub struct Preset {
     pub description: String,
     /// The values.
     pub starts: StartValues,
+    /// The file, whose comments name the sources of the values; empty for derived values.
+    pub file: String,
 }
 
 /// The errors in a preset: a sentence with file and line for each, on lines of their own.
@@ -92,7 +94,19 @@ impl Preset {
             model: declaration.name.to_owned(),
             description: format!("motor data of the control from preset {}", self.name),
             starts,
+            file: String::new(),
         })
+    }
+
+    /// The source of a value: the comment behind it, or the one in the line before.
+    pub fn source_of(&self, name: &str) -> Option<String> {
+        comment(&self.file, name)
+    }
+
+    /// What the file says of the calibration that made it, in lines `#: keyword: value`.
+    pub fn calibration(&self) -> Vec<(String, String)> {
+        let lines = self.file.lines().filter_map(|line| line.strip_prefix(CALIBRATION)?.split_once(": "));
+        lines.map(|(keyword, value)| (keyword.to_owned(), value.to_owned())).collect()
     }
 
     /// The preset of a text; `file` names it in errors.
@@ -138,8 +152,24 @@ impl Preset {
             _ => StartValues::default(),
         };
         let description = words.get("description").map(|(text, _)| text.clone()).unwrap_or_default();
-        source.finish(Preset { name, model, description, starts })
+        source.finish(Preset { name, model, description, starts, file: text.to_owned() })
     }
+}
+
+/// Begins a line of a preset about the calibration that made it.
+pub const CALIBRATION: &str = "#: ";
+
+/// The comment behind the value of a variable, or the one in the line before.
+fn comment(text: &str, name: &str) -> Option<String> {
+    let lines: Vec<&str> = text.lines().collect();
+    let is_of = |line: &str| {
+        let key = line.split('=').next().unwrap_or_default().trim();
+        key.trim_matches('"') == name
+    };
+    let at = lines.iter().position(|line| is_of(line))?;
+    let behind = lines[at].rsplit_once('#').map(|(_, words)| words);
+    let above = at.checked_sub(1).and_then(|k| lines[k].trim().strip_prefix('#'));
+    Some(behind.or(above)?.trim().to_owned())
 }
 
 /// The motor of the actuator.

@@ -4,6 +4,7 @@ use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
 use physics::model::{Declaration, Entry, Slot};
 use quick_xml::Writer;
+use quick_xml::events::BytesText;
 use std::io;
 
 /// A writer into memory, which does not fail.
@@ -41,6 +42,14 @@ pub fn empty(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::Result<(
     xml.create_element(name)
         .with_attributes(attributes.iter().map(|(k, v)| (*k, v.as_str())))
         .write_empty()?;
+    Ok(())
+}
+
+/// An element with text alone.
+pub fn text(xml: &mut Xml, name: &str, attributes: &Attributes, content: &str) -> io::Result<()> {
+    xml.create_element(name)
+        .with_attributes(attributes.iter().map(|(k, v)| (*k, v.as_str())))
+        .write_text_content(BytesText::new(content))?;
     Ok(())
 }
 

@@ -5,6 +5,8 @@ use archive::build::{Contents, Library, Standard, TermText, TermsFile, build_all
 use archive::validate::{Severity, validate};
 use calibrate::experiment::Experiment;
 use calibrate::outcome::{Outcome, Setting};
+use calibrate::report::Provenance;
+use describe::preset::CALIBRATION;
 use describe::{Declaration, Entry, Kind, ModelType, Preset, models};
 use std::fmt::Write as _;
 use std::panic::resume_unwind;
@@ -44,11 +46,16 @@ impl Exported {
 }
 
 /// Writes preset.toml, effects.json where there are terms, and the archives.
-pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<Exported, Failure> {
+pub fn export(
+    experiment: &Experiment,
+    outcome: &Outcome,
+    made_of: &Provenance,
+    out: &Path,
+) -> Result<Exported, Failure> {
     let kind = models::by_name(outcome.model)
         .ok_or_else(|| Failure::new(format!("unknown model {}", outcome.model)))?;
     let file = out.join("preset.toml");
-    write(&file, &preset_text(experiment, outcome, (kind.declaration)()))?;
+    write(&file, &preset_text(experiment, outcome, made_of, (kind.declaration)()))?;
     let preset = Preset::load(&file.to_string_lossy())?;
     let effects = terms(outcome, &outcome.export)?;
     let path = out.join("effects.json");
@@ -59,12 +66,31 @@ pub fn export(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<
         None => {}
     }
     let library = library_path()?;
-    let contents = Contents { preset: Some(&preset), effects: effects.as_ref(), load: None };
+    let contents = Contents { preset: Some(&preset), effects: effects.as_ref(), ..Contents::default() };
     let paths = build_all(kind, &Standard::ALL, contents, &[Library::here(&library)], out)?;
     let archives: Vec<(Standard, PathBuf)> = Standard::ALL.into_iter().zip(paths).collect();
     let name = |(standard, _): &(Standard, _)| format!("{}/{}.fmu", standard.folder(), outcome.model);
     let names: Vec<String> = archives.iter().map(name).collect();
     Ok(Exported { kind, library, preset, archives, names })
+}
+
+/// What the preset and the metadata of the archives say of their calibration: data, verdict, error of each output before and after.
+fn calibration(experiment: &Experiment, outcome: &Outcome, made_of: &Provenance) -> String {
+    let entry = |keyword: &str, value: &str| (keyword.to_owned(), value.replace('\n', " "));
+    let mut entries = vec![
+        entry("experiment", &outcome.name),
+        entry("program", &made_of.program),
+        entry("SHA-256 of the data", &made_of.data_sha256),
+        entry("preset before", &experiment.preset),
+        entry("verdict", outcome.verdict.name()),
+    ];
+    entries.extend(outcome.effects.iter().map(|effect| entry("effect", &effect.id)));
+    entries.extend(outcome.errors.iter().map(|e| {
+        let [before, refit, after, floor] = [e.before, e.refit, e.after, e.floor].map(super::text::number);
+        let keyword = format!("RMSE of {} ({})", e.column, calibrate::report::role_name(e.role));
+        (keyword, format!("{after}; before {before}, after a fit of the parameters {refit}, noise {floor}"))
+    }));
+    entries.iter().map(|(keyword, value)| format!("{CALIBRATION}{keyword}: {value}\n")).collect()
 }
 
 /// The terms of a setting as a file; `None` where it has none.
@@ -83,13 +109,18 @@ pub fn terms(outcome: &Outcome, setting: &Setting) -> Result<Option<TermsFile>, 
 }
 
 /// The values of the repaired model as a preset, each with where it is from.
-fn preset_text(experiment: &Experiment, outcome: &Outcome, declaration: &Declaration) -> String {
+fn preset_text(
+    experiment: &Experiment,
+    outcome: &Outcome,
+    made_of: &Provenance,
+    declaration: &Declaration,
+) -> String {
     // JSON and TOML write a text between quotes in the same way.
     let quoted = |text: &str| serde_json::Value::from(text).to_string();
     let name = &outcome.name;
     let mut text = format!(
         "{HEADER} the preset {} and the experiment {name}, as in {}.\n\
-         name = {}\nmodel = {}\ndescription = {}\n\n[start]\n",
+         name = {}\nmodel = {}\ndescription = {}\n\n{}\n[start]\n",
         experiment.preset.replace('\n', " "),
         outcome.export.file.replace('\n', " "),
         quoted(name),
@@ -98,7 +129,8 @@ fn preset_text(experiment: &Experiment, outcome: &Outcome, declaration: &Declara
             "{} after the experiment {name}; verdict: {}",
             experiment.preset,
             outcome.verdict.name()
-        ))
+        )),
+        calibration(experiment, outcome, made_of)
     );
     for (name, value) in &outcome.export.values {
         let Some(entry) = declaration.by_name(name) else { continue };

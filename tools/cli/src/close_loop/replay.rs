@@ -41,8 +41,11 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
                 let folder =
                     tempfile::tempdir().map_err(|e| Failure::new(format!("no folder to replay in: {e}")))?;
                 let effects = terms(outcome, setting)?;
-                let contents =
-                    Contents { preset: Some(&exported.preset), effects: effects.as_ref(), load: None };
+                let contents = Contents {
+                    preset: Some(&exported.preset),
+                    effects: effects.as_ref(),
+                    ..Contents::default()
+                };
                 let path = build(exported.kind, *standard, contents, &exported.library, folder.path())?;
                 shown(&Archive::open(&path)?, &differences(setting, outcome, exported), experiment, &drive)?
             };
