@@ -1,6 +1,6 @@
 //! The effects: one line each. An effect acts at a port of the model, keeps the energy balance, and is off by default.
 //!
-//! A port is a line of `ports.rs`. The model's equations know ports alone, and enter what comes out of them in the ledger with both ends.
+//! A port is a line of `../ports.rs`. The model's equations know ports alone, and enter what comes out of them in the ledger with both ends.
 
 mod ambient_drift;
 mod bridge_drop;
@@ -55,9 +55,9 @@ pub use winding_sensor_stem_loss::WindingSensorStemLoss;
 
 use crate::model::Unserved;
 pub use crate::number::Number;
+use crate::ports::ports;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS};
 use num_dual::Dual64;
-use ports::ports;
 pub use ports::{Acts, Effect, IMMINENT, PerNode, Port, Ports, Stator};
 
 /// The derivative of a port with respect to its argument, at `x`.
@@ -132,7 +132,8 @@ macro_rules! effects {
 
 /// The methods of [`Effects`]: what all effects say at each port, and its derivative.
 macro_rules! combine {
-    (($effects:tt) $($(#[$doc:meta])* [$($port:ident)?] $rule:ident $name:ident [$($d:ident : $number:ident)?]
+    (($effects:tt) $($(#[$doc:meta])* [$($port:ident $(as $term:ident $file:literal $unit:ident $(of $live:ident)?)?)?]
+        $rule:ident $name:ident [$($d:ident : $number:ident)?]
         ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$($slope:ident)?];)*) => {
         impl Effects {
             $(one! {

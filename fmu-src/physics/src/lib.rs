@@ -18,6 +18,7 @@ pub mod media;
 pub mod model;
 pub mod models;
 mod number;
+mod ports;
 pub mod slopes;
 pub mod solver;
 pub mod start_values;

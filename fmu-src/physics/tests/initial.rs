@@ -1,20 +1,11 @@
 //! Initial states that are set: a run goes on from the states of another one, a hot motor cools down, and a value outside the
 //! limits of validity is refused.
 
-use crate::common::motor;
+use crate::common::{cooling_modes, motor};
 use physics::effects::Effects;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, CoolingMode, DriveMode, MechanicalMode};
 use physics::models::brushed_gearmotor::BrushedGearmotor;
-
-const COOLING: [CoolingMode; 6] = [
-    CoolingMode::Conductance,
-    CoolingMode::Bare,
-    CoolingMode::FanCrossflow,
-    CoolingMode::AnnulusPush,
-    CoolingMode::AnnulusPull,
-    CoolingMode::WaterJacket,
-];
 
 fn slot(m: &dyn Model, name: &str) -> Slot {
     m.declaration().by_name(name).unwrap_or_else(|| panic!("no variable {name}")).slot
@@ -82,7 +73,7 @@ fn cases() -> Vec<(Box<dyn Model>, Vec<Pair>, String)> {
     let mut all: Vec<(Box<dyn Model>, Vec<Pair>, String)> = Vec::new();
     for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
         for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
-            for cooling in COOLING {
+            for cooling in cooling_modes() {
                 for (effects, name) in
                     [(Effects::default(), "no effect"), (Effects::examples(), "all effects")]
                 {
@@ -238,7 +229,7 @@ fn imposed_quantities_are_no_states() {
 
 #[test]
 fn a_hot_motor_cools_down_to_the_ambient_temperature() {
-    for cooling in COOLING {
+    for cooling in cooling_modes() {
         let mut m = motor(DriveMode::Power, MechanicalMode::ImposedSpeed);
         m.parameters.choices.cooling_mode = cooling;
         m.inputs.fan_command = 1.0;

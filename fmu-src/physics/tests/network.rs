@@ -1,6 +1,6 @@
 //! The network of rotor, housing segments and tube in every mode of cooling: books, accuracy, grid, rollback.
 
-use crate::common::motor;
+use crate::common::{cooling_modes, motor};
 use declare::Group;
 use physics::components::commutation::Commutation;
 use physics::effects::Effects;
@@ -11,13 +11,10 @@ use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Books, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs,
 };
 
-const MODES: [CoolingMode; 5] = [
-    CoolingMode::Bare,
-    CoolingMode::FanCrossflow,
-    CoolingMode::AnnulusPush,
-    CoolingMode::AnnulusPull,
-    CoolingMode::WaterJacket,
-];
+/// The modes with a network.
+fn modes() -> impl Iterator<Item = CoolingMode> {
+    cooling_modes().filter(|mode| *mode != CoolingMode::Conductance)
+}
 
 /// 10 W in the winding of a motor at rest, the fan at full speed: the thesis's experiment.
 fn stalled(mode: CoolingMode) -> AnnulusCooledMotor {
@@ -72,7 +69,7 @@ fn drive(m: &mut AnnulusCooledMotor, name: &str, value: f64, slope: f64) {
 /// A drive cycle with every effect on: the balance holds at each instant, the energies over the whole.
 #[test]
 fn the_books_close_in_every_mode() {
-    for mode in MODES {
+    for mode in modes() {
         for drive_mode in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
             for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
                 let mut m = motor(drive_mode, mechanical);
@@ -210,7 +207,7 @@ impl Reference {
 /// thermal target is 1e-6 of the rise.
 #[test]
 fn a_warm_up_agrees_with_the_equations_written_out() {
-    for mode in MODES {
+    for mode in modes() {
         let mut m = stalled(mode);
         m.parameters.thermal.G_mount = 0.01;
         let body = Body::of(&m.parameters).unwrap();
@@ -277,7 +274,7 @@ fn a_stator_node_agrees_with_the_equations_written_out() {
 /// 8 segments against 64, and 1: what the grid costs.
 #[test]
 fn eight_segments_are_enough() {
-    for mode in MODES {
+    for mode in modes() {
         let settled = |segments: i32| {
             let mut m = stalled(mode);
             m.parameters.choices.air_segments = segments;
@@ -294,7 +291,7 @@ fn eight_segments_are_enough() {
 /// What is saved goes on bit for bit, also in the middle of a tangent and with pieces cut.
 #[test]
 fn rollback_is_bitwise() {
-    for mode in MODES {
+    for mode in modes() {
         let mut m = stalled(mode);
         m.parameters.choices.commutation = Commutation::Sinusoidal;
         m.parameters.choices.mechanical_mode = MechanicalMode::ImposedSpeed;
@@ -473,7 +470,7 @@ fn what_cannot_be_is_named() {
 /// The model stays finite over its whole range: the coldest and the hottest room, any command, thin air.
 #[test]
 fn finite_at_the_limits_of_the_inputs() {
-    for mode in MODES {
+    for mode in modes() {
         for ambient in [173.15, 473.15] {
             for (pressure, command) in [(1e4, 0.0), (2e5, 1.0), (1e4, 1e-9), (1e5, 0.003)] {
                 let mut m = stalled(mode);

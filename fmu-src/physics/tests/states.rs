@@ -1,9 +1,9 @@
 //! States and rates say what steps do, in every mode, and states that were set are those that come back.
 
-use crate::common::motor;
+use crate::common::{cooling_modes, motor};
 use physics::effects::Effects;
 use physics::model::Model;
-use physics::models::annulus_cooled_motor::{CoolingMode, DriveMode, MechanicalMode};
+use physics::models::annulus_cooled_motor::{DriveMode, MechanicalMode};
 use physics::models::brushed_gearmotor::BrushedGearmotor;
 use physics::solver::split::Split;
 
@@ -32,14 +32,7 @@ fn rates_are_what_steps_do() {
     let mut cases = 0;
     for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
         for coupling in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
-            for cooling in [
-                CoolingMode::Conductance,
-                CoolingMode::Bare,
-                CoolingMode::FanCrossflow,
-                CoolingMode::AnnulusPush,
-                CoolingMode::AnnulusPull,
-                CoolingMode::WaterJacket,
-            ] {
+            for cooling in cooling_modes() {
                 for effects in [Effects::default(), Effects::examples()] {
                     let mut m = motor(drive, coupling);
                     m.parameters.choices.cooling_mode = cooling;

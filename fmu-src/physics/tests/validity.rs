@@ -1,6 +1,6 @@
 //! A run ends at its limits of validity, in every mode, and the torque constant is positive up to there.
 
-use crate::common::motor;
+use crate::common::{cooling_modes, motor};
 use physics::components::commutation::Commutation;
 use physics::model::Model;
 use physics::models;
@@ -51,8 +51,7 @@ fn overloaded(cooling: CoolingMode, drive: DriveMode, mechanical: MechanicalMode
 
 #[test]
 fn a_runaway_ends_in_every_mode() {
-    use CoolingMode::*;
-    for cooling in [Conductance, Bare, FanCrossflow, AnnulusPush, AnnulusPull, WaterJacket] {
+    for cooling in cooling_modes() {
         for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
             for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
                 // Voltage on a free shaft under a load that it cannot hold would turn it backwards for ever.

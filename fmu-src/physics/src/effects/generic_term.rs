@@ -46,18 +46,6 @@ variables! {
     }
 }
 
-/// The driver that a port keeps alive within a step.
-fn live(port: Port) -> Option<Driver> {
-    match port {
-        Port::DragTorque => Some(Driver::Speed),
-        Port::TerminalVoltage => Some(Driver::Current),
-        Port::WindingHousingResistance => Some(Driver::WindingTemperature),
-        Port::HousingHeat | Port::HousingAmbientConductance => Some(Driver::HousingTemperature),
-        Port::FanFlow => Some(Driver::FanCommand),
-        _ => None,
-    }
-}
-
 /// The terms of a motor, with the drivers that they were told of last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GenericTerms {
@@ -91,7 +79,7 @@ impl GenericTerms {
     #[inline(never)]
     fn evaluate<D: Number>(&self, port: Port, x: D) -> D {
         let all = self.terms.iter().flatten().enumerate();
-        let live = Some((live(port).unwrap_or(Driver::Speed), x));
+        let live = Some((port.live().unwrap_or(Driver::Speed), x));
         let here = all.filter(|(_, term)| term.port == port);
         here.fold(D::from(0.0), |sum, (k, term)| sum + term.along_as(k, &self.drivers, live))
             * self.tuning.gain
@@ -100,7 +88,7 @@ impl GenericTerms {
     /// The sum at a port.
     #[inline(always)]
     fn sum(&self, port: Port) -> f64 {
-        self.along(port, self.drivers.of(live(port).unwrap_or(Driver::Speed)))
+        self.along(port, self.drivers.of(port.live().unwrap_or(Driver::Speed)))
     }
 
     fn factor<D: Number>(sum: D) -> D {
@@ -139,7 +127,7 @@ impl Effect for GenericTerms {
 
     fn holds(&self, driver: Driver) -> bool {
         let here = self.terms.iter().flatten().filter(|_| self.is_on());
-        here.filter(|term| live(term.port) != Some(driver)).any(|term| term.follows(driver))
+        here.filter(|term| term.port.live() != Some(driver)).any(|term| term.follows(driver))
     }
 
     #[inline]

@@ -1,6 +1,7 @@
 //! Where a term acts, and what it follows: names, units, usual sizes and present values.
 
 use super::MOST_TERMS;
+use crate::ports::ports;
 
 macro_rules! named {
     ($(#[doc = $doc:literal])* pub enum $type:ident { $($(#[doc = $idoc:literal])* $item:ident = $name:literal),* $(,)? }) => {
@@ -25,56 +26,32 @@ macro_rules! named {
     };
 }
 
-named! {
-    /// Where a term acts.
-    pub enum Port {
-        /// Torque against the motion, N.m.
-        DragTorque = "drag_torque",
-        /// Volts lost between terminals and winding, V.
-        TerminalVoltage = "terminal_voltage",
-        /// Relative change of the winding's resistance.
-        WindingResistance = "winding_resistance",
-        /// Relative change of the torque constant.
-        TorqueConstant = "torque_constant",
-        /// Heat set free in the winding, W.
-        WindingHeat = "winding_heat",
-        /// Heat set free in the housing, W.
-        HousingHeat = "housing_heat",
-        /// Relative change of the resistance from winding to housing.
-        WindingHousingResistance = "winding_housing_resistance",
-        /// Further conductance from the housing to ambient, W/K.
-        HousingAmbientConductance = "housing_ambient_conductance",
-        /// Relative change of the heat capacities.
-        HeatCapacity = "heat_capacity",
-        /// Relative change of the command that the fan follows.
-        FanFlow = "fan_flow",
-        /// What the true ambient temperature is above the shown one, K.
-        AmbientSensor = "ambient_sensor",
-        /// What the winding's sensor shows too much, K.
-        WindingSensor = "winding_sensor",
-        /// What the housing's sensor shows too much, K.
-        HousingSensor = "housing_sensor",
-    }
+macro_rules! term_ports {
+    (() $($(#[$doc:meta])* [$($port:ident $(as $term:ident $file:literal $unit:ident $(of $live:ident)?)?)?]
+        $rule:ident $name:ident [$($d:ident : $number:ident)?]
+        ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$($slope:ident)?];)*) => {
+        named! {
+            /// Where a term acts: `effects/generic_term.rs` says what its value does there.
+            pub enum Port {
+                $($($(#[doc = $file] $term = $file,)?)?)*
+            }
+        }
+
+        impl Port {
+            /// The unit of a value there; 1 is a relative change.
+            pub fn unit(self) -> declare::Unit {
+                match self { $($($(Port::$term => declare::Unit::$unit,)?)?)* }
+            }
+
+            /// The driver that is evaluated within a step; the others are constant over a step.
+            pub fn live(self) -> Option<Driver> {
+                match self { $($($($(Port::$term => Some(Driver::$live),)?)?)?)* _ => None }
+            }
+        }
+    };
 }
 
-impl Port {
-    /// The unit of a value there.
-    pub fn unit(self) -> declare::Unit {
-        use declare::Unit::*;
-        match self {
-            Port::DragTorque => NewtonMetre,
-            Port::TerminalVoltage => Volt,
-            Port::WindingHeat | Port::HousingHeat => Watt,
-            Port::HousingAmbientConductance => WattPerKelvin,
-            Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor => Kelvin,
-            Port::WindingResistance
-            | Port::TorqueConstant
-            | Port::WindingHousingResistance
-            | Port::HeatCapacity
-            | Port::FanFlow => One,
-        }
-    }
-}
+ports!(term_ports);
 
 named! {
     /// What a term depends on.

@@ -1,11 +1,11 @@
 //! What the tests share: motors, input profiles, and the comparison with the reference.
 
-use declare::Group;
+use declare::{Group, Scalar};
 use physics::effects::*;
 use physics::load_table::LoadTable;
 use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::{
-    AnnulusCooledMotor, Constants, DriveMode, Inputs, MechanicalMode, STATES, Step,
+    AnnulusCooledMotor, Constants, CoolingMode, DriveMode, Inputs, MechanicalMode, STATES, Step,
 };
 use reference::{Tolerance, integrate};
 use std::fmt;
@@ -22,6 +22,11 @@ pub fn motor(drive: DriveMode, mechanical: MechanicalMode) -> AnnulusCooledMotor
     motor.parameters.choices.drive_mode = drive;
     motor.parameters.choices.mechanical_mode = mechanical;
     motor
+}
+
+/// All modes of cooling.
+pub fn cooling_modes() -> impl Iterator<Item = CoolingMode> {
+    (1..).map_while(|value| CoolingMode::from_f64(f64::from(value)))
 }
 
 /// Dry friction of this torque, N.m.
