@@ -54,7 +54,8 @@ macro_rules! ports {
         /// Further conductances to ambient, W/K, at the fan's `flow`, 0 to 1.
         [AmbientConductance] sum ambient_conductance [] (flow: f64) -> PerNode, derivative [];
         /// Heat flow from the housing at `t_h`, K, to ambient at `t_a` that follows no conductance, W.
-        [HousingToAmbient as HousingAmbientConductance "housing_ambient_conductance" WattPerKelvin of HousingTemperature]
+        [HousingToAmbient as HousingAmbientConductance "housing_ambient_conductance" WattPerKelvin
+            of HousingTemperature]
             sum housing_to_ambient [D: Number] (t_h: D, t_a: f64) -> D,
             derivative [housing_to_ambient_slope];
         /// Multiplies every heat capacity; positive.

@@ -25,9 +25,8 @@ mod nodes;
 mod outputs;
 mod system;
 
-pub use nodes::{Initial, LIST, NODES, Temperatures};
-
 use super::parameters::Parameters;
+use super::states::{HOUSING, NODES, Temperatures, WINDING};
 use super::variables::Inputs;
 use crate::components::chopper::{Bridge, Cycle};
 use crate::components::validity::Limits;
@@ -35,7 +34,7 @@ use crate::effects::{Number, PerNode};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, System};
-use nodes::{ACCOUNTS, HOUSING, PATHS, WINDING};
+use nodes::{ACCOUNTS, PATHS};
 
 /// Energies that are counted: from the supply, to the load, to the surroundings, losses in the winding, friction losses.
 pub const ENERGIES: usize = 5;

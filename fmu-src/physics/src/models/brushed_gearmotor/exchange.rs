@@ -1,9 +1,10 @@
 //! The gearmotor as those see it who integrate it themselves ([`Exchange`]): its states, all of which always move,
 //! and its events.
 
-use super::equations::{ENERGIES, NODES, STATES, State};
+use super::equations::{ENERGIES, STATES, State};
 use super::held::Held;
 use super::motor::BrushedGearmotor;
+use super::states::NODES;
 use super::variables::Indicators;
 use crate::exchange::{Exchange, Update, is_above, is_reached};
 use crate::model::{Fault, Slot};

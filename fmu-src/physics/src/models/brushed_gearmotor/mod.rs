@@ -11,10 +11,12 @@ mod motor;
 mod opening;
 mod parameters;
 pub mod state_function;
+mod states;
 mod variables;
 
-pub use equations::{Constants, ENERGIES, Initial, NODES, Point, STATES, State, Step, Temperatures};
+pub use equations::{Constants, ENERGIES, Point, STATES, State, Step};
 pub use motor::BrushedGearmotor;
 pub use opening::Opening;
 pub use parameters::Parameters;
+pub use states::{Initial, NODES, Temperatures};
 pub use variables::{Indicators, Inputs, Outputs};

@@ -1,9 +1,10 @@
 //! The gearmotor as a model: parameters, inputs, and the state it has reached.
 
-use super::equations::{Constants, LIST, NODES, State, Step};
+use super::equations::{Constants, State, Step};
 use super::held::Held;
 use super::opening::Opening;
 use super::parameters::{Parameters, unserved};
+use super::states::{LIST, NODES};
 use super::variables::{Indicators, Inputs, Outputs};
 use crate::components::validity::Extremes;
 use crate::effects::IMMINENT;

@@ -1,6 +1,6 @@
 //! What a gearmotor is made of, and how it is used.
 
-use super::equations::Initial;
+use super::states::Initial;
 use crate::components::armature::Armature;
 use crate::components::chopper::Drive;
 use crate::components::enclosure::Enclosure;

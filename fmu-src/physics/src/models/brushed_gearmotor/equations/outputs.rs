@@ -1,9 +1,10 @@
 //! What the model shows of its state, and the check of the books.
 
-use super::nodes::{ACCOUNTS, BOX, HOUSING, WINDING};
-use super::{NODES, State, Step};
+use super::nodes::ACCOUNTS;
+use super::{State, Step};
 use crate::ledger::Account;
 use crate::models::brushed_gearmotor::opening::Opening;
+use crate::models::brushed_gearmotor::states::{BOX, HOUSING, NODES, WINDING};
 use crate::models::brushed_gearmotor::variables::Outputs;
 use crate::solver::split::System;
 

@@ -1,8 +1,9 @@
 //! The equations in the form that the integrator takes.
 
-use super::nodes::{PATHS, WINDING};
-use super::{NODES, Step, Temperatures};
+use super::Step;
+use super::nodes::PATHS;
 use crate::components::chopper::Cycle;
+use crate::models::brushed_gearmotor::states::{NODES, Temperatures, WINDING};
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 use num_dual::Dual64;
