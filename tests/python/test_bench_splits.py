@@ -66,9 +66,12 @@ def fitted(folder, preset):
     "presets",
     [
         ("bench-bldc-stall", "maxon-305015"),
-        pytest.param(("bench-bldc-stall", "maxon-305015", "maxon-eci40-488607"), marks=pytest.mark.nightly),
+        pytest.param(
+            ("bench-bldc-stall", "maxon-305015", "maxon-eci40-488607", "maxon-re40-148877", "maxon-ec90flat-323772"),
+            marks=pytest.mark.nightly,
+        ),
     ],
-    ids=("two", "three"),
+    ids=("two", "five"),
 )
 def test_the_refit_of_a_run_is_the_same_from_any_preset(prepared, presets, tmp_path):
     """Heat capacities of the winding in these presets differ by a factor of 40, their errors by a factor of 17."""
