@@ -8,6 +8,7 @@ import csv
 import importlib.util
 import json
 import os
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -73,7 +74,26 @@ def test_ecos_opens_the_archive_and_agrees(ours, system, motor_fmu, tmp_path, ha
         assert theirs_ == ours_, name
 
 
-def record(ssp):
+@pytest.mark.nightly
+@where_demanded("ecospy")
+def test_a_minute_of_walking_takes_no_longer_than_in_ecos(system, program, tmp_path):
+    """Processor time of both, with reading the files; the least of three runs, since other programs only add to it."""
+    subprocess.run([program, "ssp", system, "--out", tmp_path / "ankle.ssp"], check=True, capture_output=True)
+    environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
+    options = ("--algorithm", "jacobi-delayed", "--no-slopes", "--stop", "60", "--step", repr(STEP))
+    ours = [program, "cosim", tmp_path / "ankle.ssp", *options]
+    theirs = [sys.executable, __file__, str(tmp_path / "ankle.ssp"), str(tmp_path / "rows.json"), str(round(60 / STEP))]
+
+    def processor_time(command):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(command, check=True, capture_output=True, env=environment, timeout=300)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+    assert min(processor_time(ours) for _ in range(3)) < min(processor_time(theirs) for _ in range(3))
+
+
+def record(ssp, steps=STEPS, read_each=True):
     """The run by ecos."""
     import ctypes
 
@@ -83,12 +103,16 @@ def record(ssp):
     with EcosSimulation(ssp_path=ssp, step_size=STEP) as simulation:
         assert simulation.init(parameter_set="initialValues"), "ecos could not initialise the system"
         read = lambda: [simulation.get_real(name.replace(".", "::")) for name in READ]  # noqa: E731
+        if not read_each:
+            simulation.step(steps)
+            return [read()]
         rows = [read()]
-        for _ in range(STEPS):
+        for _ in range(steps):
             simulation.step()
             rows.append(read())
     return rows
 
 
 if __name__ == "__main__":
-    Path(sys.argv[2]).write_text(json.dumps(record(sys.argv[1])))
+    further = (int(sys.argv[3]), False) if len(sys.argv) > 3 else ()
+    Path(sys.argv[2]).write_text(json.dumps(record(sys.argv[1], *further)))

@@ -89,3 +89,9 @@ def test_a_variable_of_other_models_is_refused_with_the_reason(motor_fmu, tmp_pa
     system = tmp_path / "one.toml"
     system.write_text(f'[system]\nname = "one"\n[[component]]\nname = "drive"\nfmu = "{fmu}"\n[experiment]\nstop = 0.1\nstep = 0.01\n')
     one_sentence(motor_fmu("cosim", system, "--set", "drive.effect.drive_loss.share=0.1"), CANNOT, "drive: ", sentence)
+
+
+@pytest.mark.parametrize("name, first", [("load", "load_torque"), ("mass", "fan.mass"), ("motor.R", "motor.R_ref")])
+def test_the_nearest_names_begin_with_what_was_written(motor_fmu, name, first):
+    done = motor_fmu("simulate", paths.archive(MOTOR, 2), "--set", f"{name}=1")
+    one_sentence(done, CANNOT, f"has no variable {name}, did you mean {first}")

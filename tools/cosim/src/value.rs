@@ -159,18 +159,21 @@ impl ModelDescription {
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<String> {
     let wanted = name.to_lowercase();
     let letters = wanted.chars().count();
-    let mut scored: Vec<(usize, &str)> = Vec::new();
+    let mut scored: Vec<(usize, bool, usize, &str)> = Vec::new();
     for original in candidates {
         let candidate = original.to_lowercase();
         let contains = wanted.len() >= 3 && candidate.contains(&wanted);
         let score = if contains { 1 } else { strsim::osa_distance(&wanted, &candidate) };
         // A third of the letters may differ, but never all of them.
         if contains || score <= (1 + letters / 4).min(letters.saturating_sub(1)) {
-            scored.push((score, original));
+            // First those in which a part of the name begins with it, the shortest before longer ones.
+            let begins =
+                candidate.starts_with(&wanted) || candidate.split('.').any(|part| part.starts_with(&wanted));
+            scored.push((score, !begins, candidate.len(), original));
         }
     }
     scored.sort();
-    scored.into_iter().take(3).map(|(_, name)| name.to_owned()).collect()
+    scored.into_iter().take(3).map(|(.., name)| name.to_owned()).collect()
 }
 
 fn finite(variable: &Variable) -> String {
