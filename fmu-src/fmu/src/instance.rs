@@ -16,8 +16,8 @@ pub use stepping::{Ended, IntermediateUpdate, IntermediateUpdates, Part, StepInP
 use crate::logger::{CATEGORIES, Category, Log, Status, c_string};
 use crate::refusal::{Outcome, Refused};
 use cache::Cache;
-use physics::load_table::Resources;
 use physics::model::{Fault, Model, ModelType, Slot};
+use physics::resources::Resources;
 use report::Report;
 use saturation::Saturation;
 use std::ffi::{CStr, CString};

@@ -27,8 +27,8 @@ pub mod resources;
 pub mod saved;
 pub mod saved_handle;
 
-use physics::load_table::Resources;
 use physics::model::{Model, ModelType};
+use physics::resources::Resources;
 use physics::start_values;
 
 /// The start values that the archive's builder has written into this library.

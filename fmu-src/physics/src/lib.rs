@@ -19,6 +19,7 @@ pub mod model;
 pub mod models;
 mod number;
 mod ports;
+pub mod resources;
 pub mod slopes;
 pub mod solver;
 pub mod start_values;

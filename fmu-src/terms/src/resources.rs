@@ -1,7 +1,7 @@
 //! The resource folder of an archive.
 
 use crate::{FILE_NAME, TermsError, TermsFile, load};
-use physics::load_table::Resources;
+use physics::resources::Resources;
 use std::path::Path;
 
 /// The data in a resource folder; a file that does not exist is absent.

@@ -10,8 +10,8 @@ mod known;
 
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
-use physics::load_table::Resources;
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
+use physics::resources::Resources;
 use rayon::prelude::*;
 
 /// Start time, s; late, so that a drift has become large enough to change a Boolean output.

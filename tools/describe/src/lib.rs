@@ -17,9 +17,9 @@ pub mod xml;
 
 pub use dependencies::{Dependencies, Unknown};
 pub use physics::declare::{Causality, Kind};
-pub use physics::load_table::{LoadTable, Resources};
 pub use physics::model::{Declaration, Entry, Model, ModelType};
 pub use physics::terms::{Driver, GenericTerm, Lag, Law, Port};
+pub use physics::{load_table::LoadTable, resources::Resources};
 pub use physics::{models, start_values};
 pub use preset::{Preset, StartValues};
 

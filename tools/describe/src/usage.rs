@@ -7,9 +7,9 @@
 use crate::dependencies::{Probe, START};
 use crate::preset::{Preset, StartValues};
 use physics::declare::{Causality, Kind, Unit};
-use physics::load_table::Resources;
 use physics::model::{Declaration, Entry, Model, ModelType, Slot};
 use physics::models;
+use physics::resources::Resources;
 
 /// What the effect is asked of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use describe::{Dependencies, Entry, StartValues, Unknown, generated, lock, models};
 use describe::{Preset, fmi2, fmi3};
 use physics::declare::{Causality, Kind, Scale};
-use physics::load_table::Resources;
+use physics::resources::Resources;
 use physics::terms::{Driver, GenericTerm, Law, Port, Table};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
