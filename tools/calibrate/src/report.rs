@@ -3,10 +3,13 @@
 //! The keys `name`, `verdict`, `seconds`, `effects`, `unexplained`, `parameters`, `error` and `fmu` are the contract;
 //! the others tell the rest of [`Outcome`] in its own words. A number that is not finite is null.
 
+mod law;
+
 use crate::experiment::Role;
 use crate::intake::Unusable;
 use crate::outcome::{self, ChannelError as Error, Estimate, Found, Outcome};
-use physics::terms::{Driver, GenericTerm, Law, Port};
+use law::{LawText, law};
+use physics::terms::{Driver, Port};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
@@ -183,52 +186,6 @@ struct Parameter {
     ci95: (f64, f64),
     prior: f64,
     unit: &'static str,
-}
-
-/// A term's law: value = coefficient * product of ((driver - offset) / reference)^exponent, a table, or a grid over two drivers;
-/// with a lag, a first-order lag of a driver stands in its place.
-#[derive(Debug, Default, Serialize)]
-struct LawText {
-    unit: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    coefficient: Option<f64>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    drivers: Vec<FactorText>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    table: Option<TableText>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grid: Option<GridText>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    lag: Option<LagText>,
-}
-
-#[derive(Debug, Serialize)]
-struct GridText {
-    drivers: [&'static str; 2],
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<Vec<f64>>,
-}
-
-#[derive(Debug, Serialize)]
-struct LagText {
-    driver: &'static str,
-    tau: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct FactorText {
-    driver: &'static str,
-    offset: f64,
-    reference: f64,
-    exponent: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct TableText {
-    driver: &'static str,
-    x: Vec<f64>,
-    y: Vec<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -433,39 +390,6 @@ fn parameters(estimates: &[Estimate]) -> InOrder<'_, Parameter> {
 
 fn parameter(e: &Estimate) -> Parameter {
     Parameter { value: e.value, ci95: e.ci95, prior: e.prior, unit: e.unit }
-}
-
-fn law(term: &GenericTerm) -> LawText {
-    let lag = term.lag.map(|lag| LagText { driver: lag.driver.name(), tau: lag.tau });
-    let text = LawText { unit: unit(term.port), lag, ..LawText::default() };
-    match &term.law {
-        Law::Product(product) => LawText {
-            coefficient: Some(product.coefficient),
-            drivers: product
-                .factors
-                .iter()
-                .flatten()
-                .map(|f| FactorText {
-                    driver: f.driver.name(),
-                    offset: f.offset,
-                    reference: f.reference,
-                    exponent: f.exponent,
-                })
-                .collect(),
-            ..text
-        },
-        Law::Table(table) => {
-            let (x, y) = table.points();
-            let table = TableText { driver: table.driver.name(), x: x.to_vec(), y: y.to_vec() };
-            LawText { table: Some(table), ..text }
-        }
-        Law::Grid(grid) => {
-            let drivers = grid.drivers.map(Driver::name);
-            let [x, y] = [0, 1].map(|k| grid.points(k).to_vec());
-            let z = grid.values().map(<[f64]>::to_vec).collect();
-            LawText { grid: Some(GridText { drivers, x, y, z }), ..text }
-        }
-    }
 }
 
 /// Unit of a value at a port.

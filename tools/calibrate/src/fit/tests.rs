@@ -1,0 +1,88 @@
+use super::*;
+use crate::trial;
+use physics::terms::{GenericTerm, Law, Product};
+
+const PRIORS: &str = "\"motor.R_ref\" = 0.1\n\"conductance.G_still\" = 0.1\n\
+                      \"effect.coulomb_friction.tau_c\" = 0.5\n\"thermal.C_h\" = 0.1";
+
+fn preset(experiment: &crate::experiment::Experiment) -> Vec<f64> {
+    Setup::new(experiment, &[]).unwrap().preset().declared
+}
+
+#[test]
+fn planted_numbers_come_back() {
+    let mut experiment = trial::experiment(PRIORS, true);
+    let mut truth = preset(&experiment);
+    truth.iter_mut().zip([1.03, 0.93, 1.4, 1.08]).for_each(|(x, share)| *x *= share);
+    trial::read(&mut experiment, &truth, None);
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let found = setup.fit(setup.preset(), &[0]).unwrap();
+    for ((found, told), d) in found.hypothesis.declared.iter().zip(&truth).zip(&setup.declared) {
+        assert!((found / told - 1.0).abs() < 2e-3, "{}: {found} instead of {told}", d.name);
+    }
+    assert_eq!(found.readings, 1200);
+}
+
+/// Two runs whose winding sensor sits elsewhere each time: its offset is an unknown of each run, and what is common to both is found
+/// beside it.
+#[test]
+fn unknowns_of_single_runs_come_back() {
+    use crate::experiment::{Deviation, Prior, Role};
+    let mut experiment = trial::experiment(PRIORS, true);
+    let mut truth = preset(&experiment);
+    truth.iter_mut().zip([1.03, 0.93, 1.4, 1.08]).for_each(|(x, share)| *x *= share);
+    trial::read(&mut experiment, &truth, None);
+    let deviation = Deviation::Absolute(2.0);
+    let offset = "effect.winding_sensor_offset.offset";
+    experiment.runs[0].priors = vec![Prior { name: offset.to_string(), deviation }];
+    let mut second = experiment.runs[0].clone();
+    second.file = "second.csv".to_string();
+    // The same file once more, where nothing is fitted.
+    let again = crate::experiment::Run { role: Role::Test, priors: Vec::new(), ..second.clone() };
+    experiment.runs.extend([second, again]);
+    let winding = experiment.inputs.len() + 2;
+    for (run, off) in experiment.runs.iter_mut().zip([1.5, -0.8, -0.8]) {
+        run.table.columns[winding].iter_mut().for_each(|x| *x += off);
+    }
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let found = setup.fit(setup.preset(), &[0, 1]).unwrap();
+    let names: Vec<&str> = setup.declared.iter().map(|d| d.name.as_str()).collect();
+    assert_eq!(names[4..], [format!("{offset} [run.csv]"), format!("{offset} [second.csv]")]);
+    for ((found, told), name) in
+        found.hypothesis.declared.iter().zip(truth.iter().chain(&[1.5, -0.8])).zip(names)
+    {
+        assert!((found / told - 1.0).abs() < 5e-3, "{name}: {found} instead of {told}");
+    }
+    // The second file is as it is wherever it stands; a model for other runs has no such offset.
+    let slot = setup.declared[4].slot;
+    let of = |change: crate::change::Change| change.values.iter().find(|(s, _)| *s == slot).map(|(_, v)| *v);
+    assert_eq!(of(setup.change(&found.hypothesis, 2)), Some(found.hypothesis.declared[5]));
+    assert_eq!(of(setup.common_change(&found.hypothesis, 0)), None);
+    assert_eq!(of(setup.common_change(&found.hypothesis, 2)), None);
+}
+
+/// A torque that drives asks for less than no friction. It stops at none, and what grows with the speed, which could not be
+/// told from it by a step of both, goes to where it is best without.
+#[test]
+fn one_that_stands_at_its_limit_does_not_stop_the_others() {
+    let priors = format!("{PRIORS}\n\"effect.viscous_friction.k\" = 10");
+    let mut experiment = trial::experiment(&priors, true);
+    let mut truth = preset(&experiment);
+    let place = |name: &str| experiment.priors.iter().position(|p| p.name == name).unwrap();
+    let (none, grows) = (place("effect.coulomb_friction.tau_c"), place("effect.viscous_friction.k"));
+    truth[none] = 0.0;
+    truth[grows] = 2e-5;
+    let law = Law::Product(Product { coefficient: -1e-4, factors: [None; 3] });
+    trial::read(&mut experiment, &truth, Some(GenericTerm::new(Port::DragTorque, law)));
+    let setup = Setup::new(&experiment, &[]).unwrap();
+    let found = setup.fit(setup.preset(), &[0]).unwrap();
+    assert_eq!(found.hypothesis.declared[none], 0.0);
+    for (k, d) in setup.declared.iter().enumerate().filter(|(k, _)| *k != none) {
+        for share in [0.997, 1.003] {
+            let mut other = found.hypothesis.clone();
+            other.declared[k] *= share;
+            let other = setup.judged(other, &[0]).unwrap().cost;
+            assert!(other > found.cost, "{} at {share}: {other} instead of {}", d.name, found.cost);
+        }
+    }
+}
