@@ -16,9 +16,6 @@ const OF_NOMINAL: f64 = 1e-7;
 /// Uncertainty, of itself, of a slope that is rounding: so small that it is let through, and known to no third digit.
 const ROUNDING: f64 = 1e-3;
 
-/// Deviation from its quasi-steady value, of its size, at which a state has settled: the relative tolerance of the archives.
-const SETTLED: f64 = 1e-6;
-
 /// As many numbers as there are values.
 fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     if there == wanted {
@@ -88,8 +85,14 @@ impl Instance {
         let declaration = self.model.declaration();
         let mut rates = vec![0.0; declaration.states.len()];
         self.model.derivatives(&mut rates).map_err(|fault| Refused::discard(fault.0))?;
-        self.rates_of_settled(&mut rates);
-        let moves = self.ahead(&rates);
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut moves =
+            vec![Move { known: Known::Time, at: self.model.time(), seed: 1.0, size: 1.0, limits: free }];
+        for (k, (&[state, _], &seed)) in declaration.states.iter().zip(&rates).enumerate() {
+            let entry = &declaration.entries[state];
+            let at = self.model.get(entry.slot);
+            moves.push(Move { known: Known::State(k), at, seed, size: entry.row.nominal, limits: free });
+        }
         let mut out = self.slopes(&moves, &unknowns)?;
         let powers = declaration.states.iter().zip(&rates);
         let powers = powers.filter(|(state, _)| declaration.entries[state[0]].row.unit == Unit::Joule);
@@ -100,48 +103,6 @@ impl Instance {
             }
         }
         Ok(out)
-    }
-
-    /// Time and states, each with its rate.
-    fn ahead(&mut self, rates: &[f64]) -> Vec<Move> {
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let time = Move { known: Known::Time, at: self.model.time(), seed: 1.0, size: 1.0, limits: free };
-        let declaration = self.model.declaration();
-        let of = |(k, (&[state, _], &seed)): (usize, (&[usize; 2], &f64))| {
-            let entry = &declaration.entries[state];
-            let at = self.model.get(entry.slot);
-            Move { known: Known::State(k), at, seed, size: entry.row.nominal, limits: free }
-        };
-        std::iter::once(time).chain(declaration.states.iter().zip(rates).enumerate().map(of)).collect()
-    }
-
-    /// Replaces rates of fast states that have settled by those of their quasi-steady values,
-    ///
-    /// x' = f(x, z, t) = 0 to within the tolerance:  x' = -(df/dz z' + df/dt) / (df/dx),
-    ///
-    /// z the other states. The rate f itself is the deviation from the quasi-steady value over the time constant of x: of a current that
-    /// follows within 50 us, a deviation of 3e-7 of itself makes 10 % of its rate.
-    fn rates_of_settled(&mut self, rates: &mut [f64]) {
-        let declaration = self.model.declaration();
-        for (k, &[state, rate]) in declaration.states.iter().enumerate() {
-            let unknown = [&declaration.entries[rate]];
-            let mut own = self.ahead(rates);
-            own.iter_mut().for_each(|m| m.seed = f64::from(u8::from(m.known == Known::State(k))));
-            let Ok(own) = self.slopes(&own, &unknown).map(|s| s[0]) else { continue };
-            // A time constant of the energy counters is none.
-            if own >= 0.0 || rates[k] == 0.0 {
-                continue;
-            }
-            let mut others = self.ahead(rates);
-            others.iter_mut().filter(|m| m.known == Known::State(k)).for_each(|m| m.seed = 0.0);
-            let Ok(driven) = self.slopes(&others, &unknown).map(|s| s[0]) else { continue };
-            let settled = -driven / own;
-            let entry = &declaration.entries[state];
-            let size = self.model.get(entry.slot).abs().max(entry.row.nominal);
-            if ((rates[k] - settled) / own).abs() <= SETTLED * size {
-                rates[k] = settled;
-            }
-        }
     }
 
     fn ready(&mut self, seed: &[f64]) -> Outcome {
