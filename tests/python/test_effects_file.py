@@ -1,6 +1,7 @@
 """Generic terms as data: `motor-fmu build --effects FILE`, and the FMU with this file."""
 
 import json
+import subprocess
 import zipfile
 
 import pytest
@@ -38,12 +39,16 @@ def effects(tmp_path):
     return write
 
 
-@pytest.fixture
-def built(motor_fmu, effects, tmp_path):
+@pytest.fixture(scope="module")
+def built(program, tmp_path_factory):
     """Archives with the terms, by standard."""
-    done = motor_fmu("build", MODEL, "--effects", effects(text()), "--out", tmp_path / "dist")
+    folder = tmp_path_factory.mktemp("terms")
+    file, out = folder / "found.json", folder / "dist"
+    file.write_text(text())
+    command = [program, "build", MODEL, "--effects", file, "--out", out]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
-    return {fmi: tmp_path / "dist" / f"fmi{fmi}" / f"{MODEL}.fmu" for fmi in STANDARDS}
+    return {fmi: out / f"fmi{fmi}" / f"{MODEL}.fmu" for fmi in STANDARDS}
 
 
 def rewritten(path, content, target):

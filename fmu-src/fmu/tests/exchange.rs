@@ -27,7 +27,7 @@ fn known(kind: &ModelType) -> Known {
     };
     match name(kind) {
         "AnnulusCooledMotor" => rotor(25),
-        "BrushedGearmotor" => rotor(11),
+        "BrushedGearmotor" => rotor(12),
         "SeriesElasticActuator" => Known {
             states: 8,
             input: "torque_demand",

@@ -22,25 +22,26 @@ const CHECKS: &[Check] = &[
 ];
 
 /// Everything.
-const FURTHER: &[Check] = &[("lints", |w| lints(w, &[])), ("generated files", describe::check)];
+const FURTHER: &[Check] =
+    &[("lints", |w| lints(w, &["--all-targets"])), ("generated files", describe::check)];
 
 /// The everyday run: the tests of `describe` compare the generated files, and the benchmarks need criterion and diffsol, which take
-/// longer to compile than all of ours.
-const EVERYDAY: &[Check] = &[("lints", |w| lints(w, &["--exclude", "bench"]))];
+/// longer to compile than all of ours. Tests are linted with everything.
+const EVERYDAY: &[Check] = &[("lints", |w| lints(w, &["--exclude", "bench", "--lib", "--bins"]))];
 
 /// Runs every check, failed or not.
 pub fn run(workspace: &Workspace) -> Outcome {
     all(workspace, CHECKS.iter().chain(FURTHER))
 }
 
-/// Runs the checks that no test repeats; lints without the benchmarks.
+/// Runs the checks that no test repeats; lints without tests and benchmarks.
 pub fn sources(workspace: &Workspace) -> Outcome {
     all(workspace, CHECKS.iter().chain(EVERYDAY))
 }
 
-fn lints(workspace: &Workspace, without: &[&str]) -> Outcome {
-    let mut command = workspace.cargo(&["clippy", "--quiet", "--release", "--workspace", "--all-targets"]);
-    shell::run(command.args(without).args(["--", "--deny", "warnings"]))
+fn lints(workspace: &Workspace, which: &[&str]) -> Outcome {
+    let mut command = workspace.cargo(&["clippy", "--quiet", "--release", "--workspace"]);
+    shell::run(command.args(which).args(["--", "--deny", "warnings"]))
 }
 
 fn all<'a>(workspace: &Workspace, checks: impl Iterator<Item = &'a Check>) -> Outcome {

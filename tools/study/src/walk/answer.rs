@@ -257,6 +257,7 @@ pub fn continuous_support(load: &Load, done: Done<'_>) -> Result<Continuous, Stu
 mod tests {
     use super::*;
     use describe::Preset;
+    use rayon::prelude::*;
     use std::time::Instant;
 
     fn load(text: &str, sets: &[(&str, &str)]) -> Load {
@@ -271,7 +272,7 @@ mod tests {
     /// A housing of small heat capacity reaches it in minutes; the steady state does not depend on the capacity.
     #[test]
     fn the_periodic_steady_state_is_where_a_long_walk_ends() {
-        for (text, sets) in [
+        let cases = [
             (WALK, &[("thermal.C_h", "15"), ("fan_command", "0.5")][..]),
             (WALK, &[("thermal.C_h", "15"), ("drive_mode", "voltage"), ("fan_command", "1")]),
             (
@@ -283,14 +284,15 @@ mod tests {
                     ("fan_command", "1"),
                 ],
             ),
-        ] {
+        ];
+        cases.into_par_iter().for_each(|(text, sets)| {
             let load = load(text, sets);
             let begun = Instant::now();
             let found = periodic(&load).unwrap();
             let seconds = begun.elapsed().as_secs_f64();
-            // From far below, but not from ambient: the way there has been followed by the other tests.
+            // From below, but not from ambient: the way there has been followed by the other tests.
             let (mut walker, _) = steady(&load.walker().unwrap()).unwrap();
-            let below: Vec<f64> = walker.temperatures().iter().map(|t| t - 5.0).collect();
+            let below: Vec<f64> = walker.temperatures().iter().map(|t| t - 1.0).collect();
             walker.put_temperatures(&below);
             let mut twenty_strides =
                 || (0..20).map(|_| walker.stride().unwrap().winding_temperature).last().unwrap();
@@ -308,7 +310,7 @@ mod tests {
             );
             assert!((found.winding_temperature - last).abs() < 5e-3, "{sets:?} {found:?} {last}");
             assert!(found.strides_walked < 15, "{found:?}");
-        }
+        });
     }
 
     /// The envelope against every stride, from cold to the limit.
