@@ -1,6 +1,5 @@
 """The five runs of the measured rig that disagree: their preparation, and fits that do not depend on where they start."""
 
-import csv
 import json
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 from clients.paths import ROOT
 from clients.program import motor_fmu
 from rig import prepare, splits
+from test_bench_rig import table_of
 
 RAW = ROOT / "tests" / "reference" / "bench-bldc-stall"
 OPTIMUM = 0.01  # relative difference of two fits that are the same
@@ -18,12 +18,6 @@ def prepared(tmp_path_factory):
     """Folder of the prepared runs and the shifts of the clocks."""
     folder = tmp_path_factory.mktemp("splits")
     return folder, splits.prepare(RAW, folder)
-
-
-def table_of(path):
-    """Columns of a prepared run; blanks are NaN."""
-    rows = list(csv.DictReader(path.open(encoding="utf-8")))
-    return {name: np.array([float(row[name] or "nan") for row in rows]) for name in rows[0]}
 
 
 def test_runs_keep_energy_and_readings(prepared):
