@@ -27,7 +27,8 @@ fn system(folder: &Path) -> System {
             .expect("an archive");
     }
     let path = folder.join("walk.toml");
-    let text = EXAMPLE.replace(DIST, &format!("{}/", folder.display()));
+    let own = format!("{}/", folder.display());
+    let text = EXAMPLE.replace(&format!("{DIST}presets/{PRESET}/"), &own).replace(DIST, &own);
     std::fs::write(&path, text).expect("a file of ours");
     System::open(&path).expect("a system of ours")
 }
