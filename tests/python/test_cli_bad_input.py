@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+import subprocess
 import zipfile
 
 import pytest
@@ -46,6 +47,58 @@ def test_value_out_of_range(simulate):
 
 def test_value_that_is_no_number(simulate):
     one_sentence(simulate("--set", "motor.R_ref=big"), CANNOT, "motor.R_ref", "big")
+
+
+def test_a_setting_is_given_once(simulate, motor_fmu):
+    one_sentence(simulate("--set", "voltage=3", "--set", "voltage=4"), CANNOT, "voltage", "two values: 3 and 4")
+    one_sentence(motor_fmu("steady", "--set", "fan_command=0", "--set", "fan_command=1"), CANNOT, "fan_command", "two values: 0 and 1")
+
+
+@pytest.mark.parametrize(("value", "code"), [("2,5", 0), ("2,500", CANNOT), ("1,2,3", CANNOT)])
+def test_decimal_comma(simulate, value, code):
+    """A comma that may separate thousands is not guessed."""
+    done = simulate("--set", f"voltage={value}")
+    assert done.returncode == code, done.stderr
+    if code:
+        one_sentence(done, code, "voltage", value)
+
+
+@pytest.mark.parametrize(("name", "word"), [("missing/o.svg", "the folder missing does not exist"), (".", ".svg")])
+def test_place_of_a_plot_is_checked_before_the_run(motor_fmu, archive_paths, name, word):
+    one_sentence(motor_fmu("simulate", archive_paths[2], "--stop", "1e6", "--step", "0.001", "--plot", name), CANNOT, word)
+
+
+def test_outputs_need_a_name(simulate):
+    one_sentence(simulate("--outputs", ""), CANNOT, "--outputs", "no name")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "text"),
+    [
+        ("utf-8-sig", "time [ms];voltage [mV];ambient_temperature [°C]\r\n0;1000,0;25\r\n10;2000,0;25\r\n"),
+        ("cp1252", "# Prüfstand\ntime;voltage;ambient_temperature [°C]\n0;1;25\n0,01;2;25\n"),
+        ("utf-16", "time\tvoltage [V]\tambient_temperature [degF]\n0\t1\t77\n0.01\t2\t77\n"),
+    ],
+)
+def test_input_tables_of_spreadsheets(simulate, tmp_path, encoding, text):
+    table = tmp_path / "in.csv"
+    table.write_bytes(text.encode(encoding))
+    done = simulate("--input", table)
+    assert done.returncode == 0, done.stderr
+    last = (tmp_path / "o.csv").read_text().splitlines()
+    row = dict(zip(last[0].split(","), map(float, last[-1].split(",")), strict=True))
+    assert row["terminal_voltage"] == pytest.approx(2.0, abs=1e-9)
+
+
+def test_table_that_is_no_text(simulate, archive_paths):
+    one_sentence(simulate("--input", archive_paths[2]), CANNOT, "AnnulusCooledMotor.fmu", "not text", "CSV")
+
+
+def test_full_disk_is_no_success(program):
+    """Results that were not written are an error, and no message panics."""
+    with open("/dev/full", "w") as full:
+        assert subprocess.run([program, "steady", "--json"], stdout=full, stderr=subprocess.PIPE).returncode == CANNOT
+        assert subprocess.run([program, "simulate", "none.fmu"], stdout=subprocess.PIPE, stderr=full).returncode == CANNOT
 
 
 def test_unknown_item(simulate):
@@ -137,3 +190,24 @@ def test_set_takes_units_of_the_quantity(motor_fmu):
     si = steady("ambient_temperature=308.15", "imposed_speed=104.71975511965977", "current_command=2.5")
     assert steady("ambient_temperature=35degC", "imposed_speed=1000 rpm", "current_command=2500 mA") == pytest.approx(si, rel=1e-9, abs=1e-9)
     one_sentence(motor_fmu("steady", "--set", "current_command=2 V"), CANNOT, "current_command", '"A"', '"V"')
+
+
+def test_names_of_a_load_are_looked_for_in_all_its_models(motor_fmu, tmp_path):
+    load = tmp_path / "walk.toml"
+    load.write_text('[gait]\n"gait.joint" = "ankle"\n')
+    one_sentence(motor_fmu("steady", "--load", load, "--set", "transmission.rtio=3"), CANNOT, "did you mean transmission.ratio?")
+    load.write_text('name = "x"\n')
+    one_sentence(motor_fmu("steady", "--load", load), CANNOT, "walk.toml:1", "[gait], [cycle], [mix]")
+
+
+def test_far_names_are_not_suggested(motor_fmu):
+    done = motor_fmu("info", "nonsense")
+    one_sentence(done, CANNOT, "nonsense")
+    assert "did you mean" not in done.stderr
+    one_sentence(motor_fmu("steady", "--preset", "no/mine.toml"), CANNOT, "the preset no/mine.toml cannot be read")
+
+
+def test_motors_are_varied_at_constant_inputs(motor_fmu):
+    done = motor_fmu("sweep", "--vary", "preset=maxon-305015,maxon-re40-148877", "--json")
+    assert done.returncode == 0, done.stderr
+    assert [point["values"] for point in json.loads(done.stdout)["points"]] == [["maxon-305015"], ["maxon-re40-148877"]]

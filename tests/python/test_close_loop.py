@@ -86,6 +86,15 @@ def test_the_report_has_the_keys_of_the_format(report):
     assert report["replay"]["agrees"] and report["replay"]["greatest_difference"] <= 1e-6
 
 
+def test_prediction_intervals_hold_95_percent_of_the_readings(report):
+    """Between 92 and 98 %, the criterion of the blind suite for 95 % intervals; also in runs that were not fitted."""
+    for role in ("fit", "validate", "test"):
+        assert set(report["prediction"][role]) == set(OUTPUTS)
+        for column, prediction in report["prediction"][role].items():
+            assert 0.92 <= prediction["inside"] <= 0.98, f"{role} {column}: {prediction}"
+            assert 1.9 * report["error"][role][column]["floor"] < prediction["half_width"]
+
+
 def test_the_page_is_one_file(closed):
     page = (closed[0] / "report.html").read_text()
     assert page.startswith("<!DOCTYPE html>") and page.endswith("</html>\n")

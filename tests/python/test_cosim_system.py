@@ -5,8 +5,11 @@ import json
 import re
 import zipfile
 from math import pi
+from pathlib import Path
 
+import fmpy
 import pytest
+import xmlschema
 from clients import paths
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
@@ -154,6 +157,33 @@ def test_the_archive_is_valid_and_whole(ssp):
         for model in ("AnnulusCooledMotor", "GaitLoad", "SeriesElasticActuator"):
             preset = None if model == "GaitLoad" else "maxon-305015"
             assert archive.read(f"resources/{model}.fmu") == paths.archive(model, 2, preset).read_bytes()
+
+
+def test_parameters_of_the_system_are_valid_files_that_can_be_exchanged(motor_fmu, cosim, toml, tmp_path):
+    """All four files follow the schemas of SSP 1.0; another value in the file of values reaches both variables."""
+    toml.write_text(toml.read_text() + '\n[[parameter]]\nname = "warm"\nvalue = 310.0\nset = ["motor.ambient_temperature"]\n')
+    ssp = toml.with_suffix(".ssp")
+    assert motor_fmu("ssp", toml, "--dictionary").returncode == 0
+    schemas = Path(fmpy.__file__).parent / "ssp" / "schema"
+    files = {
+        "SystemStructure.ssd": "SystemStructureDescription",
+        "resources/parameters.ssv": "SystemStructureParameterValues",
+        "resources/parameters.ssm": "SystemStructureParameterMapping",
+        "resources/signals.ssb": "SystemStructureSignalDictionary",
+    }
+    other = tmp_path / "other.ssp"
+    with zipfile.ZipFile(ssp) as archive, zipfile.ZipFile(other, "w") as changed:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name in files:
+                xmlschema.XMLSchema(str(schemas / f"{files[name]}.xsd")).validate(content.decode())
+            assert set(files) < set(archive.namelist())
+            changed.writestr(name, content.replace(b'"310"', b'"320"') if name.endswith(".ssv") else content)
+    warm = {}
+    for system in (toml, ssp, other):
+        cosim(system, "--stop", "0.01", "--output", tmp_path / "out.csv")
+        warm[system] = float(rows(tmp_path / "out.csv")[0]["motor.winding_temperature"])
+    assert warm == {toml: 310.0, ssp: 310.0, other: 320.0}
 
 
 def test_fmpy_s_own_master_runs_it(cosim, ssp, tmp_path):

@@ -12,7 +12,9 @@ import subprocess
 import sys
 
 from clients import paths
+import pytest
 from requirements import where_demanded
+from timing import processor_time
 
 STEP_NS, STEPS = 1_953_125, 512
 READ = (
@@ -27,9 +29,11 @@ READ = (
 
 
 @where_demanded("libcosimpy")
-def test_the_same_bits(motor_fmu, tmp_path):
+@pytest.mark.parametrize("parameter", ["", '\n[[parameter]]\nname = "fan"\nvalue = 0.5\nset = ["motor.fan_command"]\n'])
+def test_the_same_bits(motor_fmu, tmp_path, parameter):
+    """A parameter of the system is in files that libcosim does not read, and at the component."""
     text = re.sub(r'"\.\./\.\./dist/', f'"{paths.dist()}/', (paths.EXAMPLES / "systems" / "actuator-gait.toml").read_text())
-    (tmp_path / "walk.toml").write_text(text)
+    (tmp_path / "walk.toml").write_text(text + parameter)
     made = motor_fmu("ssp", "walk.toml")
     assert made.returncode == 0, made.stderr
     step = STEP_NS * 1e-9
@@ -52,7 +56,20 @@ def test_the_same_bits(motor_fmu, tmp_path):
     assert max(abs(row[3]) for row in ours) > 100.0
 
 
-def record(ssp):
+@pytest.mark.nightly
+@where_demanded("libcosimpy")
+def test_a_minute_of_walking_takes_no_longer(motor_fmu, program, tmp_path):
+    text = re.sub(r'"\.\./\.\./dist/', f'"{paths.dist()}/', (paths.EXAMPLES / "systems" / "actuator-gait.toml").read_text())
+    (tmp_path / "walk.toml").write_text(text)
+    assert motor_fmu("ssp", "walk.toml").returncode == 0
+    environment = {**os.environ, "PYTHONPATH": str(paths.EXAMPLES)}
+    steps, ssp = 60 * 512, str(tmp_path / "walk.ssp")
+    options = ("--algorithm", "jacobi-delayed", "--no-slopes", "--stop", "60", "--step", repr(STEP_NS * 1e-9))
+    theirs = [sys.executable, __file__, ssp, str(tmp_path / "rows.json"), str(steps)]
+    assert processor_time([program, "cosim", ssp, *options], environment) < processor_time(theirs, environment)
+
+
+def record(ssp, steps=STEPS, read_each=True):
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
 
@@ -67,12 +84,12 @@ def record(ssp):
             reference[component, variable.name.decode()] = variable.reference
     read = lambda component, name: observer.last_real_values(index[component], [reference[component, name]])[0]
     rows = []
-    for _ in range(STEPS):
-        assert execution.step(1)
+    for _ in range(steps if read_each else 1):
+        assert execution.step(1 if read_each else steps)
         rows.append([read(*which) for which in READ])
     return rows
 
 
 if __name__ == "__main__":
     with open(sys.argv[2], "w") as out:
-        json.dump(record(sys.argv[1]), out)
+        json.dump(record(sys.argv[1], *([int(sys.argv[3]), False] if len(sys.argv) > 3 else [])), out)

@@ -2,12 +2,15 @@
 
 import json
 import os
+import re
+import shlex
 import subprocess
 import time
 import tomllib
 from pathlib import Path
 
 import pytest
+import scipy.integrate
 
 NO, CANNOT = 1, 2
 DOC = Path(__file__).resolve().parents[2] / "docs" / "from-a-datasheet.md"
@@ -155,6 +158,39 @@ def test_names_are_hinted_and_manuals_written(motor_fmu, tmp_path):
     assert "preset" in motor_fmu("completions", "bash").stdout
     assert motor_fmu("man", "--out", tmp_path).returncode == 0
     assert ".TH" in (tmp_path / "motor-fmu-preset-new.1").read_text()
+
+
+def test_time_to_the_limit_of_the_tutorial(motor_fmu, tmp_path):
+    """The tutorial's overload: the FMU trips when the two bodies of the datasheet reach the limit, solved by scipy."""
+    text = DOC.read_text()
+    sheet = text.split("```toml\n")[1].split("```")[0]
+    (tmp_path / "sheet.toml").write_text(sheet)
+    for command in (["preset", "new", "--from", "sheet.toml"], ["build", "AnnulusCooledMotor", "--fmi", "2", "--preset", "my-re40.toml"]):
+        assert motor_fmu(*command).returncode == 0
+    steps = text.split("## 5.")[1].split("```sh\n")[1].split("```")[0]
+    done = motor_fmu(*shlex.split(steps.replace("\\\n", " "))[1:])
+    assert done.returncode == 0, done.stderr
+    assert text.split("```text\n")[-1].split("```")[0].strip() in done.stdout
+    printed = float(re.search(r"over_temperature +true since t = ([\d.]+) s", done.stdout)[1])
+
+    value = {key: entry for key, entry in tomllib.loads(sheet)["datasheet"].items() if isinstance(entry, (int, float))}
+    inner, outer = value["resistance_winding_housing"], value["resistance_housing_ambient"]
+    winding = value["winding_time_constant"] / inner
+    housing = value["motor_time_constant"] / outer - winding
+
+    def rates(_, rise):
+        copper = 6.0**2 * value["terminal_resistance"] * (1.0 + 0.0039 * rise[0])
+        through = (rise[0] - rise[1]) / inner
+        return [(copper - through) / winding, (through - rise[1] / outer) / housing]
+
+    def limit(_, rise):
+        return rise[0] - (value["max_winding_temperature"] - 25.0)
+
+    limit.terminal = True
+    solved = scipy.integrate.solve_ivp(rates, (0.0, 300.0), [0.0, 0.0], events=limit, rtol=1e-9)
+    # The output is seen at the next of the steps of 0.1 s.
+    assert 0.0 <= printed - solved.t[-1] <= 0.11
+    assert f"{solved.t[-1]:.1f} s" in text
 
 
 def read(path):

@@ -13,12 +13,14 @@ import csv
 import json
 import re
 import subprocess
+import textwrap
 import tomllib
 from math import log, pi
 from pathlib import Path
 
 import pytest
 from clients.paths import EXAMPLES
+from fmpy import simulate_fmu
 
 FILES = {file.stem: file for file in sorted((EXAMPLES / "presets").glob("*.toml"))}
 PRINTED = tomllib.loads((Path(__file__).parent / "preset_datasheets.toml").read_text())
@@ -246,3 +248,18 @@ def test_the_program_lists_every_file_and_names_the_nearest(motor_fmu):
     assert [line.split()[0] for line in table] == [preset["name"] for preset in listed]
     wrong = motor_fmu("steady", "--preset", "maxon-re40-148878")
     assert wrong.returncode == 2 and "did you mean maxon-re40-148877?" in wrong.stderr
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_preset_with_inputs_and_an_experiment_runs_without_settings(motor_fmu, tmp_path, fmi):
+    """The preset of docs/importers.md: a tool that only loads the FMU and starts it sees a motor that warms up."""
+    page = (EXAMPLES.parent / "docs" / "importers.md").read_text()
+    text = re.search(r"```toml\n(.*?)```", page, re.S)[1]
+    (tmp_path / "loaded.toml").write_text(textwrap.dedent(text))
+    done = motor_fmu("build", "AnnulusCooledMotor", "--fmi", fmi, "--preset", tmp_path / "loaded.toml", "--out", tmp_path / "dist")
+    assert done.returncode == 0, done.stderr
+    result = simulate_fmu(str(tmp_path / "dist" / f"fmi{fmi}" / "AnnulusCooledMotor.fmu"))
+    assert result["time"][-1] == pytest.approx(1800.0)
+    assert result["shaft_speed"][-1] > 500.0
+    stated = int(re.search(r"the winding is at (\d+) °C", page)[1])
+    assert result["winding_temperature"][-1] - 273.15 == pytest.approx(stated, abs=0.5)

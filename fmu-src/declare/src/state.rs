@@ -47,10 +47,10 @@ impl State {
         }
     }
 
-    /// With a nominal value, also for the change in one second.
-    pub const fn nominal(mut self, nominal: f64) -> State {
-        self.value = self.value.nominal(nominal);
-        self.rate = self.rate.nominal(nominal);
+    /// With a nominal value, and one of the derivative: what the nominal inputs cause at the start.
+    pub const fn nominal(mut self, value: f64, rate: f64) -> State {
+        self.value = self.value.nominal(value);
+        self.rate = self.rate.nominal(rate);
         self
     }
 

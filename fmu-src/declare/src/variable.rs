@@ -302,6 +302,14 @@ pub trait Group {
     /// If the table has no such element.
     fn set(&mut self, index: usize, value: f64) -> bool;
 
+    /// A group with the value 0 in every row.
+    ///
+    /// # Panics
+    /// If the type of a row has no value 0.
+    fn zero() -> Self
+    where
+        Self: Sized;
+
     /// All values, in the order of the table.
     fn values(&self) -> impl Iterator<Item = f64> {
         (0..Self::TABLE.len()).map(|row| self.get(row))

@@ -51,6 +51,11 @@ macro_rules! variables {
                     })*
                     panic!("no row {index}")
                 }
+
+                #[inline]
+                fn zero() -> Self {
+                    Self { $($field: <$type as $crate::Scalar>::from_f64(0.0).expect("a table of numbers")),* }
+                }
             }
 
             impl Default for $name {

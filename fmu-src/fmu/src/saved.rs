@@ -6,7 +6,17 @@ use physics::declare::Causality;
 use physics::model::Model;
 
 /// Begins every serialized state; the digit is the format's version.
-const MAGIC: &[u8; 8] = b"motorfm4";
+const MAGIC: &[u8; 8] = b"motorfm5";
+
+/// Bytes of the checksum after it.
+const CHECKSUM: usize = size_of::<u32>();
+
+/// Writes the checksum (CRC-32) of the bytes that follow it. A damaged number is a valid number as a rule, and a damaged mode another
+/// mode, so only the checksum finds them.
+pub fn seal(bytes: &mut [u8]) {
+    let (head, body) = bytes.split_at_mut(MAGIC.len() + CHECKSUM);
+    head[MAGIC.len()..].copy_from_slice(&crc32fast::hash(body).to_le_bytes());
+}
 
 /// The content of an FMU state handle.
 pub struct Saved {
@@ -25,20 +35,22 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// The state as bytes: magic, interface, mode, token, count of numbers, and these: window, tolerance, how many discrete outputs are
+    /// The state as bytes: magic, checksum of the rest, interface, mode, token, count of numbers, and these: window, tolerance, how many discrete outputs are
     /// discrete_pre, what they show, the model.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut numbers = vec![self.window.0, self.window.1, self.tolerance, self.discrete_pre.len() as f64];
         numbers.extend(&self.discrete_pre);
         self.model.save(&mut numbers);
         let token = self.model.declaration().token.as_bytes();
-        let mut bytes = Vec::with_capacity(MAGIC.len() + 10 + token.len() + 8 * numbers.len());
+        let mut bytes = Vec::with_capacity(MAGIC.len() + CHECKSUM + 10 + token.len() + 8 * numbers.len());
         bytes.extend(MAGIC);
+        bytes.extend([0; CHECKSUM]);
         bytes.extend([self.interface as u8, self.mode as u8]);
         bytes.extend((token.len() as u32).to_le_bytes());
         bytes.extend(token);
         bytes.extend((numbers.len() as u32).to_le_bytes());
         numbers.iter().for_each(|n| bytes.extend(n.to_le_bytes()));
+        seal(&mut bytes);
         bytes
     }
 
@@ -54,7 +66,11 @@ impl Saved {
         };
         let length = |b: &[u8]| u32::from_le_bytes(b.try_into().unwrap_or_default()) as usize;
         if take(MAGIC.len())? != MAGIC {
-            return Err(bad("does not have version 4 of this library"));
+            return Err(bad("does not have version 5 of this library"));
+        }
+        let checksum = take(CHECKSUM)?.to_vec();
+        if checksum != crc32fast::hash(&bytes[MAGIC.len() + CHECKSUM..]).to_le_bytes() {
+            return Err(bad("is damaged"));
         }
         if take(1)?[0] != interface as u8 {
             return Err(bad("belongs to an instance of another interface"));

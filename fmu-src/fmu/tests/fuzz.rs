@@ -8,6 +8,7 @@ use crate::common::{Fmu, Importer, Look, MODELS, Options, Saved};
 use motor_fmu::fmi2::*;
 use motor_fmu::fmi3::*;
 use motor_fmu::logger::Status;
+use motor_fmu::saved::seal;
 use physics::model::ModelType;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -199,15 +200,24 @@ impl TestInstance {
         self.saved.get(rng.below(self.saved.len().max(1)))
     }
 
-    /// A saved state through its bytes, some of them spoilt now and then.
+    /// A saved state through its bytes: as they are, with a damaged bit, or with a damaged number and the checksum that belongs to it.
     fn through_bytes(&mut self, rng: &mut Source) -> Status {
         let Some(saved) = self.a_state(rng) else {
             return self.importer.state_size(null_mut(), &mut 0);
         };
         let mut bytes = saved.bytes();
-        if rng.coin() {
-            let k = rng.below(bytes.len());
-            bytes[k] ^= 1 << rng.below(8);
+        match rng.below(4) {
+            0 => {
+                let k = rng.below(bytes.len());
+                bytes[k] ^= 1 << rng.below(8);
+            }
+            1 => {
+                // The mode stands before: that of an instance that failed is a valid one.
+                let k = rng.below(bytes.len() - NUMBERS) + NUMBERS;
+                bytes[k] ^= 1 << rng.below(8);
+                seal(&mut bytes);
+            }
+            _ => {}
         }
         let keep = if rng.below(4) == 0 { rng.below(bytes.len() + 1) } else { bytes.len() };
         let made = self.importer.read(&bytes[..keep]);
@@ -218,6 +228,9 @@ impl TestInstance {
         made.map(|saved| self.saved.push(saved)).err().unwrap_or(Status::Ok)
     }
 }
+
+/// Bytes of a serialized state before its token and numbers: magic, checksum, interface, mode.
+const NUMBERS: usize = 14;
 
 /// Calls of one instance.
 const CALLS: u64 = 400;

@@ -89,6 +89,23 @@ fn damaged_bytes_are_refused() {
     for n in 0..size {
         assert_eq!(motor.read(&bytes[..n]).err(), Some(Status::Error), "{n} bytes");
     }
-    bytes[0] ^= 1;
+    for n in 0..size {
+        bytes[n] ^= 1 << (n % 8);
+        assert_eq!(motor.read(&bytes).err(), Some(Status::Error), "byte {n}");
+        bytes[n] ^= 1 << (n % 8);
+    }
+}
+
+#[test]
+fn an_invalid_number_is_refused_with_a_correct_checksum() {
+    let motor = Importer::motor(CS2).started(&[]);
+    let mut bytes = motor.save().bytes();
+    // Magic, checksum, interface, mode, length of the token, token, count; then window and factor on the tolerance.
+    let token = u32::from_le_bytes(bytes[14..18].try_into().expect("four bytes")) as usize;
+    let tolerance = 18 + token + 4 + 2 * 8;
+    assert_eq!(bytes[tolerance..][..8], 1.0f64.to_le_bytes());
+    assert!(motor.read(&bytes).is_ok());
+    bytes[tolerance + 7] ^= 0x80;
+    motor_fmu::saved::seal(&mut bytes);
     assert_eq!(motor.read(&bytes).err(), Some(Status::Error));
 }

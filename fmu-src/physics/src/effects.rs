@@ -21,8 +21,12 @@ mod interface_temperature;
 mod iron_loss;
 mod load_dependent_friction;
 mod ports;
+mod propeller_load;
 mod pwm_ripple;
+mod speed_convection;
+mod stator_loss;
 mod stator_node;
+mod torque_sensor_offset;
 mod viscous_friction;
 mod windage;
 mod winding_sensor_offset;
@@ -46,8 +50,12 @@ pub use housing_sensor_stem_loss::HousingSensorStemLoss;
 pub use interface_temperature::InterfaceTemperature;
 pub use iron_loss::IronLoss;
 pub use load_dependent_friction::LoadDependentFriction;
+pub use propeller_load::PropellerLoad;
 pub use pwm_ripple::PwmRipple;
+pub use speed_convection::SpeedConvection;
+pub use stator_loss::StatorLoss;
 pub use stator_node::StatorNode;
+pub use torque_sensor_offset::TorqueSensorOffset;
 pub use viscous_friction::ViscousFriction;
 pub use windage::Windage;
 pub use winding_sensor_offset::WindingSensorOffset;
@@ -211,6 +219,14 @@ effects! {
     bridge_drop: BridgeDrop @ "effect.bridge_drop." 1210 at Bridge;
     /// Dead time of the drive's bridge.
     dead_time: DeadTime @ "effect.dead_time." 1220 at Bridge;
+    /// Convection of the housing that grows with the speed.
+    speed_convection: SpeedConvection @ "effect.speed_convection." 1230 at Any;
+    /// Losses that arise in the stator, not in the winding.
+    stator_loss: StatorLoss @ "effect.stator_loss." 1240 at StatorLoss;
+    /// Shaft power of a propeller or fan.
+    propeller_load: PropellerLoad @ "effect.propeller_load." 1250 at PowerModeLoad;
+    /// A torque sensor whose zero is wrong.
+    torque_sensor_offset: TorqueSensorOffset @ "effect.torque_sensor_offset." 1260 at TorqueSensor;
     // A reading passes these in their order: what is lost along the stem is a share of the true rise.
     /// A sensor of the housing that follows late.
     housing_sensor_lag: HousingSensorLag @ "effect.housing_sensor_lag." 1130 at HousingSensorLag;

@@ -6,7 +6,6 @@
 pub mod components;
 pub mod correlations;
 pub mod effects;
-pub mod ending;
 pub mod exchange;
 pub mod explicit;
 mod fault;
@@ -20,6 +19,7 @@ pub mod models;
 mod number;
 mod ports;
 pub mod resources;
+pub mod runtime;
 pub mod slopes;
 pub mod solver;
 pub mod start_values;

@@ -433,28 +433,6 @@ pub trait Model: Exchange + Send + Sync {
     fn as_any(&self) -> &dyn std::any::Any;
 }
 
-/// The three methods of [`Model`] by which one instance of a type is copied to another of the same type.
-#[macro_export]
-macro_rules! copies {
-    () => {
-        fn boxed_clone(&self) -> Box<dyn $crate::model::Model> {
-            Box::new(self.clone())
-        }
-
-        fn copy_from(&mut self, other: &dyn $crate::model::Model) -> bool {
-            let other = other.as_any().downcast_ref::<Self>();
-            if let Some(other) = other {
-                self.clone_from(other);
-            }
-            other.is_some()
-        }
-
-        fn as_any(&self) -> &dyn std::any::Any {
-            self
-        }
-    };
-}
-
 /// A kind of model: its declaration and how to make one.
 pub struct ModelType {
     /// The declaration, made at the first call.

@@ -75,8 +75,16 @@ macro_rules! ports {
         /// `t_a`, K.
         [HousingSensor as HousingSensor "housing_sensor" Kelvin]
             chain housing_sensor [] (t: f64, t_a: f64) -> f64, derivative [];
+        /// What the torque sensor indicates at the torque `tau`, N.m, of the shaft on its load.
+        [TorqueSensor as TorqueSensor "torque_sensor" NewtonMetre]
+            chain torque_sensor [] (tau: f64) -> f64, derivative [];
         /// Fraction of the input electrical_power that never reaches the winding and heats ambient.
         [DriveLoss] sum drive_loss [] () -> f64, derivative [];
+        /// Fraction of the electrical_power that reaches the motor (drive_mode power) and heats the stator, not the winding.
+        [StatorLoss] sum stator_loss [] () -> f64, derivative [];
+        /// Torque of the load at the imposed speed `w`, rad/s, whose power is a part of electrical_power (drive_mode power):
+        /// N.m, of the sign of `w`.
+        [PowerModeLoad] sum power_mode_torque [] (w: f64) -> f64, derivative [];
     } };
 }
 pub(crate) use ports;

@@ -1,7 +1,7 @@
 //! The split against diffsol (BDF at 1e-10) on the same equations, and what is left between them.
 
 use crate::common::{Errors, Profile, compare, friction, motor};
-use physics::effects::{Effects, StatorNode};
+use physics::effects::{Effects, SpeedConvection, StatorNode};
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{AnnulusCooledMotor, DriveMode, MechanicalMode};
 use std::collections::BTreeSet;
@@ -95,14 +95,21 @@ fn the_callers_step_does_not_matter() {
 
 /// Effects that a run without a network compares: each of the table alone, then all together. The list is that of the
 /// declaration, so that none is omitted. The stator node is not among the states of `Step::rates` (`network.rs` compares it);
-/// terms come from a file (`terms.rs`).
+/// terms come from a file (`terms.rs`), and what follows its driver in the middle of a step as they do is compared in
+/// `rig_effects.rs`.
+fn examples() -> Effects {
+    let (stator_node, speed_convection) = (StatorNode::default(), SpeedConvection::default());
+    Effects { stator_node, speed_convection, ..Effects::examples() }
+}
+
+/// Each of these effects alone, then all together.
 fn each_and_all() -> Vec<(String, Effects)> {
     let mut all = AnnulusCooledMotor::default();
-    all.parameters.effects = Effects { stator_node: StatorNode::default(), ..Effects::examples() };
+    all.parameters.effects = examples();
     let entries = all.declaration().entries.iter().filter(|e| e.name.starts_with("effect."));
     let entries: Vec<_> = entries.map(|e| (e.name.split('.').nth(1).unwrap(), e.slot)).collect();
     let ids: BTreeSet<&str> = entries.iter().map(|(id, _)| *id).collect();
-    assert!(ids.len() >= 23, "{ids:?}");
+    assert!(ids.len() >= 27, "{ids:?}");
     let alone = ids.into_iter().map(|id| {
         let mut one = AnnulusCooledMotor::default();
         for (_, slot) in entries.iter().filter(|(of, _)| *of == id) {
@@ -135,7 +142,7 @@ fn every_effect_follows_its_inputs_within_a_step() {
 /// All effects at a step of 1 ms.
 #[test]
 fn all_effects_on_ramps_in_every_mode() {
-    let effects = Effects { stator_node: StatorNode::default(), ..Effects::examples() };
+    let effects = examples();
     for drive in [DriveMode::Voltage, DriveMode::Pwm, DriveMode::Current, DriveMode::Power] {
         for mechanical in [MechanicalMode::FreeShaft, MechanicalMode::ImposedSpeed] {
             let error = with_effects(drive, mechanical, effects, (0.5, 1e-3));

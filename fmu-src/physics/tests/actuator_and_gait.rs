@@ -51,10 +51,10 @@ fn at_the_start_the_spring_carries_the_demand() {
 #[test]
 fn an_inertia_swings_at_its_frequency() {
     let mut m = twisted(0.0, |m| {
-        m.law.transmission.coupling = Coupling::Elastic;
-        m.law.transmission.inertia = 1e-6;
-        m.law.transmission.coupling_damping = 0.0;
-        m.law.transmission.efficiency = 1.0;
+        m.parameters.transmission.coupling = Coupling::Elastic;
+        m.parameters.transmission.inertia = 1e-6;
+        m.parameters.transmission.coupling_damping = 0.0;
+        m.parameters.transmission.efficiency = 1.0;
     });
     let w: f64 = ((1.0 + 250.0 / 250.0f64.powi(2)) / 1e-6f64).sqrt();
     m.set_states(0.0, &[0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -75,18 +75,18 @@ fn the_actuators_books_close() {
     for change in [
         (|_| ()) as fn(&mut SeriesElasticActuator),
         |m| {
-            m.law.spring.damping = 2.0;
-            m.law.parallel.stiffness = 60.0;
-            m.law.transmission.backlash = 0.004;
+            m.parameters.spring.damping = 2.0;
+            m.parameters.parallel.stiffness = 60.0;
+            m.parameters.transmission.backlash = 0.004;
         },
         |m| {
-            m.law.transmission.coupling = Coupling::Elastic;
-            m.law.transmission.inertia = 2e-6;
-            m.law.transmission.coupling_damping = 5e-4;
+            m.parameters.transmission.coupling = Coupling::Elastic;
+            m.parameters.transmission.inertia = 2e-6;
+            m.parameters.transmission.coupling_damping = 5e-4;
         },
         |m| {
             m.set(m.declaration().by_name("transmission.kind").unwrap().slot, 2.0);
-            m.law.drive.efficiency = 0.9;
+            m.parameters.drive.efficiency = 0.9;
         },
     ] {
         let m = RefCell::new(twisted(0.0, change));

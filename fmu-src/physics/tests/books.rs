@@ -215,8 +215,12 @@ fn input_parameter(m: &mut AnnulusCooledMotor, name: &str, value: f64) {
 }
 
 /// A second in which everything moves; all outputs and states at its end, bit for bit.
-fn bits(drive: DriveMode, cooling: CoolingMode, change: impl Fn(&Entry) -> Option<f64>) -> Vec<u64> {
-    let mut m = motor(drive, MechanicalMode::FreeShaft);
+fn bits(
+    (drive, coupling): (DriveMode, MechanicalMode),
+    cooling: CoolingMode,
+    change: impl Fn(&Entry) -> Option<f64>,
+) -> Vec<u64> {
+    let mut m = motor(drive, coupling);
     m.parameters.choices.cooling_mode = cooling;
     let entries = || m.declaration().entries.iter().filter(|e| e.name.starts_with("effect."));
     let changes: Vec<_> = entries().filter_map(|e| change(e).map(|value| (e.slot, value))).collect();
@@ -225,6 +229,7 @@ fn bits(drive: DriveMode, cooling: CoolingMode, change: impl Fn(&Entry) -> Optio
     }
     m.inputs.load_torque = 0.03;
     m.inputs.electrical_power = 20.0;
+    m.inputs.imposed_speed = 300.0;
     m.start(0.0).unwrap();
     for k in 0..100 {
         let x = f64::from(k);
@@ -268,8 +273,9 @@ fn extreme(entry: &Entry) -> f64 {
 fn an_effect_that_is_off_is_not_there() {
     for drive in DRIVES {
         for cooling in [CoolingMode::Conductance, CoolingMode::AnnulusPush] {
-            let others = bits(drive, cooling, |e| (!is_switch(e)).then(|| extreme(e)));
-            assert_eq!(bits(drive, cooling, |_| None), others, "{drive:?} {cooling:?}");
+            let modes = (drive, MechanicalMode::FreeShaft);
+            let others = bits(modes, cooling, |e| (!is_switch(e)).then(|| extreme(e)));
+            assert_eq!(bits(modes, cooling, |_| None), others, "{drive:?} {cooling:?}");
         }
     }
 }
@@ -284,10 +290,12 @@ fn an_effect_that_is_on_is_seen() {
     assert!(ids.len() >= 22, "{ids:?}");
     for id in ids {
         let on = |e: &Entry| (effect(e) == id && is_switch(e)).then_some(e.row.nominal.min(0.5 * e.row.max));
-        let moves = |drive| {
-            bits(drive, CoolingMode::Conductance, |_| None) != bits(drive, CoolingMode::Conductance, on)
+        let moves = |modes| {
+            bits(modes, CoolingMode::Conductance, |_| None) != bits(modes, CoolingMode::Conductance, on)
         };
-        // A drive with its bridge, and one that has losses of its own.
-        assert!([DriveMode::Pwm, DriveMode::Power].into_iter().any(moves), "{id} does nothing");
+        // A drive with its bridge, and one that has losses of its own; a shaft that is free, and one that is driven.
+        let drives = [DriveMode::Pwm, DriveMode::Power].into_iter();
+        let mut modes = drives.flat_map(|drive| COUPLINGS.map(|coupling| (drive, coupling)));
+        assert!(modes.any(moves), "{id} does nothing");
     }
 }

@@ -101,7 +101,7 @@ fn compare(mut m: BrushedGearmotor, run: &Run) -> Vec<(&'static str, f64)> {
     for piece in 0..(run.stop / line).round() as usize {
         let (a, b) = ((run.corner)(piece), (run.corner)(piece + 1));
         let t0 = piece as f64 * line;
-        let mut slopes = Inputs::ZERO;
+        let mut slopes = Inputs::zero();
         for row in 0..Inputs::TABLE.len() {
             slopes.set(row, (b.get(row) - a.get(row)) / line);
         }

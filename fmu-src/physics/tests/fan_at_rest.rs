@@ -129,7 +129,7 @@ fn a_horizontal_gap_at_rest_conducts_and_circulates() {
 }
 
 /// Heat, flow and outlet temperature pass without a jump from the fan at rest to full speed, in both orientations and
-/// directions, and where the motor is as warm as the room.
+/// directions, and where the motor is at the ambient temperature.
 #[test]
 fn from_rest_to_full_flow_nothing_jumps() {
     for mode in MODES {

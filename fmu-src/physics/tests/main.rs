@@ -17,6 +17,7 @@ mod initial;
 mod limits;
 mod network;
 mod reading;
+mod rig_effects;
 mod served;
 mod short_cuts;
 mod states;

@@ -88,7 +88,7 @@ fn by_quadrature(m: &SeriesElasticActuator, opening: &[f64; 2], lines: &[(Slot, 
     let mut states = Vec::new();
     m.states(&mut states);
     let states: [f64; 8] = std::array::from_fn(|k| states[k]);
-    m.law.one(&line, 0.0, &states, None, h).point.is_none()
+    m.parameters.one(&line, 0.0, &states, None, h).point.is_none()
 }
 
 /// Every state of the actuator, in every way that its springs, its play, its control and its supply change a step: within
@@ -119,7 +119,7 @@ fn a_step_of_the_actuator_is_that_of_its_equations() {
     for (what, change) in changes {
         let mut m = SeriesElasticActuator::default();
         change(&mut m);
-        let (_, opening) = m.law.start(0.0, &m.inputs).unwrap();
+        let (_, opening) = m.parameters.start(0.0, &m.inputs).unwrap();
         let (ratio, stiffness) = (get(&mut m, "transmission.ratio"), get(&mut m, "spring.stiffness"));
         m.start(0.0).unwrap();
         let declaration = m.declaration();

@@ -7,7 +7,9 @@ use crate::metadata::{self, MadeOf};
 use crate::native::Native;
 pub use crate::platform::{HERE, Library, Platform, library_path};
 use crate::{documentation, object_file, reference, terminals};
-use describe::{Dependencies, ModelType, Preset, Resources, StartValues, fmi2, fmi3, start_values};
+use describe::{
+    Dependencies, Experiment, ModelType, Preset, Resources, StartValues, fmi2, fmi3, start_values,
+};
 use rayon::prelude::*;
 use std::fs;
 use std::io::{self, Cursor, Write};
@@ -57,7 +59,7 @@ impl Standard {
 /// Additional content of an archive.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contents<'a> {
-    /// Start values.
+    /// Start values and default experiment.
     pub preset: Option<&'a Preset>,
     /// Terms that are data.
     pub effects: Option<&'a TermsFile>,
@@ -94,6 +96,7 @@ pub fn build_all(
         return Err(BuildError(format!("preset {} is for {} and not for {name}", preset.name, preset.model)));
     }
     let mut starts = contents.preset.map(|p| p.starts.clone()).unwrap_or_default();
+    let experiment = contents.preset.map(|p| p.experiment).unwrap_or_default();
     let resources = resources(kind, contents)?;
     if resources.load.is_some() {
         select_table(kind, &mut starts);
@@ -105,7 +108,7 @@ pub fn build_all(
     );
     let write = |standard: &Standard| {
         let path = archive_path(out, *standard, name);
-        let bytes = pack(&entries(kind, *standard, &starts, &found, &binaries, &common));
+        let bytes = pack(&entries(kind, *standard, &starts, &found, experiment, &binaries, &common));
         let written = bytes.and_then(|bytes| {
             fs::create_dir_all(path.parent().unwrap_or(out))?;
             fs::write(&path, bytes)
@@ -208,14 +211,15 @@ fn entries(
     standard: Standard,
     starts: &StartValues,
     found: &Dependencies,
+    experiment: Experiment,
     binaries: &[(Platform, Vec<u8>)],
     common: &[(String, Vec<u8>)],
 ) -> Vec<File> {
     let declaration = (kind.declaration)();
     let name = declaration.name;
     let description = match standard {
-        Standard::Fmi2 => fmi2::model_description(declaration, starts, found),
-        Standard::Fmi3 => fmi3::model_description(declaration, starts, found),
+        Standard::Fmi2 => fmi2::model_description(declaration, starts, found, experiment),
+        Standard::Fmi3 => fmi3::model_description(declaration, starts, found, experiment),
     };
     let licenses = "documentation/licenses";
     let mut files = vec![file("modelDescription.xml", description)];

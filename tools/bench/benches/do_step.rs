@@ -5,6 +5,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use libloading::Library;
+use physics::declare::Group;
 use physics::model::Model;
 use physics::models::annulus_cooled_motor::{
     AnnulusCooledMotor, Constants, CoolingMode, Inputs, STATES, Step,
@@ -148,7 +149,8 @@ fn steps(criterion: &mut Criterion) {
             for &voltage in &volts {
                 let inputs = Inputs { voltage, ..Inputs::default() };
                 let conductance = motor.parameters.to_ambient(inputs.fan_command);
-                let step = Step::new(&motor.parameters, &constants, &inputs, &Inputs::ZERO, conductance, 0.0);
+                let step =
+                    Step::new(&motor.parameters, &constants, &inputs, &Inputs::zero(), conductance, 0.0);
                 y = integrate(|t, y| step.rates(t, y), &y, &[1e-3], tolerance).expect("a smooth step")[0];
             }
             black_box(y)

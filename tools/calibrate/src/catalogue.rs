@@ -47,7 +47,8 @@ impl Listed {
             slots.push(found.slot);
             numbers.push(Number {
                 symbol: (*symbol).to_string(),
-                value: 0.0,
+                // The size is looked for from zero on; what gives its shape starts at the value of the preset.
+                value: if k == 0 { 0.0 } else { setup.bench.start_of(found.slot) },
                 limits: (found.row.min.max(-most), found.row.max.min(most)),
                 unit: found.row.unit.name(),
                 scale: found.row.nominal,

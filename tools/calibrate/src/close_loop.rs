@@ -283,15 +283,24 @@ impl<'a> Search<'a> {
         let mut judgement =
             Judgement { localised, ladder, notes, ..Judgement::of(Verdict::Nothing, &self.first) };
         let remembered = self.remembered.take();
+        let setup = self.setup;
         if remembered.is_none()
             && let Some(free) = self.history().cloned()
         {
-            judgement.verdict = Verdict::Unexplained;
-            judgement.unexplained = Some(told(&free, false));
-            judgement.beside = self.beside(free.port, &self.first);
-            return Ok(judgement);
+            // A law that predicts better stays, whatever remains unexplained beside it.
+            if self.has_law() {
+                judgement.notes.push(format!(
+                    "beside the law that was added, a time-dependent input at {} explains more of the fit runs than any law: part of the \
+                     residual there remains unexplained",
+                    free.port.name()
+                ));
+            } else {
+                judgement.verdict = Verdict::Unexplained;
+                judgement.unexplained = Some(told(&free, false));
+                judgement.beside = self.beside(free.port, &self.first);
+                return Ok(judgement);
+            }
         }
-        let setup = self.setup;
         let unfitted: Vec<usize> = [Role::Validate, Role::Test].iter().flat_map(|r| setup.runs(*r)).collect();
         let mut effects = Vec::new();
         for round in &self.rounds {
@@ -354,6 +363,11 @@ impl<'a> Search<'a> {
             }
         }
         Ok(judgement)
+    }
+
+    /// Whether a law of no list was taken.
+    fn has_law(&self) -> bool {
+        self.rounds.iter().filter_map(Round::winner).any(|c| !c.addition().is_listed())
     }
 
     /// A model moved to where its numbers are best beside a force at a port that is free in time; `None` where that cannot be run.

@@ -72,10 +72,21 @@ pub fn digits(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outcome::Prediction;
 
     fn error(role: Role, refit: f64, after: f64, blackbox: f64) -> ChannelError {
         let column = "winding_temperature_degC";
-        ChannelError { role, column, before: 9.0, refit, after, floor: 0.1, blackbox: Some(blackbox) }
+        let prediction = Prediction { half_width: 0.2, inside: 0.95 };
+        ChannelError {
+            role,
+            column,
+            before: 9.0,
+            refit,
+            after,
+            floor: 0.1,
+            blackbox: Some(blackbox),
+            prediction,
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod channel;
 mod clock;
 mod columns;
+mod shared_rows;
 mod stamp;
 mod table;
 pub mod units;
@@ -11,7 +12,6 @@ pub use channel::{CHANNELS, Channel};
 pub use table::Table;
 
 use crate::CalibrateError;
-use columns::ColumnText;
 use physics::declare::{Causality, Kind};
 use physics::model::{Declaration, Entry, ModelType};
 use serde::Deserialize;
@@ -94,7 +94,10 @@ impl Deviation {
 
 /// A prior as a file has it: a relative standard deviation, or one with a unit.
 #[derive(Clone, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a relative standard deviation such as 0.1, or one with a unit such as \"0.5 K\""
+)]
 enum PriorText {
     Relative(f64),
     Absolute(String),
@@ -123,14 +126,16 @@ pub struct Experiment {
     pub runs: Vec<Run>,
     /// What is odd but no error.
     pub notes: Vec<String>,
+    /// Columns with the headers that `[columns]` gives them.
+    pub headers: Vec<(&'static str, String)>,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "the tables of an experiment")]
 struct Document {
     experiment: Head,
     #[serde(default)]
-    columns: BTreeMap<Spanned<String>, ColumnText>,
+    columns: BTreeMap<Spanned<String>, Value>,
     #[serde(default)]
     set: BTreeMap<Spanned<String>, Value>,
     #[serde(default)]
@@ -141,7 +146,7 @@ struct Document {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table [experiment]")]
 struct Head {
     name: String,
     model: Spanned<String>,
@@ -151,7 +156,7 @@ struct Head {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table [[run]]")]
 struct RunText {
     file: String,
     role: Role,
@@ -191,6 +196,11 @@ impl Experiment {
             .map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         Experiment::parse(&text, file, &folder)
+    }
+
+    /// Indices of the runs of a role.
+    pub fn of_role(&self, role: Role) -> Vec<usize> {
+        (0..self.runs.len()).filter(|r| self.runs[*r].role == role).collect()
     }
 
     fn parse(text: &str, file: String, folder: &Path) -> Result<Experiment, CalibrateError> {
@@ -299,6 +309,7 @@ impl Experiment {
                 notes.push(note.clone());
             }
         }
+        notes.extend(shared_rows::notes(&runs));
         notes.extend(clock::notes(&inputs, &outputs, &runs));
         Ok(Experiment {
             name: head.name.clone(),
@@ -311,6 +322,7 @@ impl Experiment {
             noise,
             runs,
             notes,
+            headers: mapped.into_iter().map(|c| (c.column, c.header)).collect(),
         })
     }
 }

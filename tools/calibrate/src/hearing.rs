@@ -33,20 +33,17 @@ impl Setup<'_> {
         Ok(())
     }
 
-    /// Mean variance of each output that white noise on the inputs makes over runs: at once, and in all.
-    ///
-    /// # Errors
-    /// What the model says where it cannot be run.
-    pub fn input_noise(
-        &self,
-        hypothesis: &Hypothesis,
-        runs: &[usize],
-    ) -> Result<(Vec<f64>, Vec<f64>), CalibrateError> {
-        Ok(self.variances(&self.by_inputs(hypothesis, runs)?, |_| true))
+    /// Mean variance of each output that white noise on the inputs makes over linearised runs ([`by_inputs`](Setup::by_inputs)): at once,
+    /// and in all.
+    pub fn input_noise(&self, slopes: &Slopes) -> (Vec<f64>, Vec<f64>) {
+        self.variances(slopes, |_| true)
     }
 
     /// A hypothesis linearised along runs, with what each input does.
-    fn by_inputs(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Slopes, CalibrateError> {
+    ///
+    /// # Errors
+    /// What the model says where it cannot be run.
+    pub fn by_inputs(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Slopes, CalibrateError> {
         let probes: Vec<Probe> = (0..self.experiment.inputs.len()).map(Probe::Input).collect();
         Slopes::new(self, hypothesis, runs, &probes)
     }

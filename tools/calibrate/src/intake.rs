@@ -30,6 +30,9 @@ use std::time::Duration;
 const LEAST_ROWS: usize = 5;
 /// Fraction of an input's readings outside the limits of its variable from which on its unit is wrong, not its sensor.
 const WRONG_UNIT: f64 = 0.5;
+/// Most that a working sensor of temperature is off, K: two thermocouples of class 2 (2.5 K each, IEC 60584-1) with cold junctions
+/// (2 K each) differ by up to 9 K.
+const FAR: f64 = 10.0;
 /// Time for one simulation of all runs: data that contradict the model can lead it into a corner where steps are tiny.
 const PATIENCE: Duration = Duration::from_secs(3);
 
@@ -85,7 +88,9 @@ fn sensors(experiment: &mut Experiment, preset: &[(u32, f64)]) -> Result<(), Ref
     let predicted = predicted(experiment, preset, &all_runs(experiment));
     let fitted = fitted.map(|fitted| predicted_by(experiment, preset, &fitted)).transpose()?;
     pulses::set_aside(experiment, &predicted, &spikes);
-    response::set_aside(experiment, &predicted, fitted.as_ref().unwrap_or(&predicted));
+    let asked = experiment.clone();
+    let deviations = || deviations(&asked, preset, &predicted);
+    response::set_aside(experiment, &predicted, fitted.as_ref().unwrap_or(&predicted), deviations);
     if let Some(unusable) = response::dead_input(experiment, &predicted).or_else(|| nothing_left(experiment))
     {
         return Err(Refusal::Unusable(unusable));
@@ -203,9 +208,35 @@ fn predicted_by(
     Ok(all_runs(experiment).into_par_iter().map(of).collect())
 }
 
+/// Standard deviations of what the preset's model predicts, from the priors of the declared parameters; 0 where it cannot be simulated.
+fn deviations(
+    experiment: &Experiment,
+    preset: &[(u32, f64)],
+    predicted: &[Vec<Vec<f64>>],
+) -> Vec<Vec<Vec<f64>>> {
+    let mut all: Vec<Vec<Vec<f64>>> =
+        predicted.iter().map(|run| run.iter().map(|c| vec![0.0; c.len()]).collect()).collect();
+    let Ok(setup) = Setup::new(experiment, preset) else { return all };
+    for (k, declared) in setup.declared.iter().enumerate() {
+        let mut moved = setup.preset();
+        moved.declared[k] = (declared.prior + declared.deviation).clamp(declared.limits.0, declared.limits.1);
+        let Ok(shown) = predicted_by(experiment, preset, &moved) else { continue };
+        let rows =
+            all.iter_mut().zip(&shown).zip(predicted).flat_map(|((a, b), c)| a.iter_mut().zip(b).zip(c));
+        for ((sum, moved), own) in rows {
+            for ((sum, moved), own) in
+                sum.iter_mut().zip(moved).zip(own).filter(|((_, a), b)| (**a - **b).is_finite())
+            {
+                *sum += (moved - own).powi(2);
+            }
+        }
+    }
+    all.iter_mut().flatten().flatten().for_each(|x| *x = x.sqrt());
+    all
+}
+
 /// A run that does not start at the ambient temperature although it says so: every node is further from it than any offset of a sensor.
 fn start_elsewhere(experiment: &Experiment) -> Option<Unusable> {
-    const FAR: f64 = 10.0;
     const FIRST: usize = 3;
     let inputs = experiment.inputs.len();
     let column = experiment.inputs.iter().find(|c| c.input == Some("ambient_temperature"))?.column;
@@ -282,22 +313,29 @@ fn structured<'a>(
     let mut setup = Setup::new(experiment, preset)?;
     setup.declared.iter_mut().for_each(|d| d.is_free = is_wide(d));
     let inputs = experiment.inputs.len();
-    for (k, channel) in experiment.outputs.iter().enumerate() {
-        let mut squares: Vec<f64> = Vec::new();
-        for run in runs {
-            let run = &experiment.runs[*run];
-            let zero = ambient(experiment, run);
-            let zero = |row: usize| if channel.is_temperature() { zero[row] } else { 0.0 };
-            let column = run.table.columns[inputs + k].iter().enumerate();
-            squares.extend(column.filter(|(_, x)| x.is_finite()).map(|(row, x)| (x - zero(row)).powi(2)));
-        }
-        let count = squares.len() as f64;
-        let size = (squares.iter().sum::<f64>() / count.max(1.0)).sqrt();
+    for k in 0..experiment.outputs.len() {
+        let (square, count) = mean_square(experiment, runs, k);
+        let count = count as f64;
         let samples = (consistency::SAMPLES * runs.len() as f64).min(count.max(1.0));
-        let structure = consistency::STRUCTURE * size * (count / samples).sqrt();
+        let structure = consistency::STRUCTURE * (square * count / samples).sqrt();
         setup.noise[inputs + k] = setup.noise[inputs + k].hypot(structure);
     }
     Ok(setup)
+}
+
+/// Mean square of an output over runs, of a temperature over ambient, and the number of its readings.
+fn mean_square(experiment: &Experiment, runs: &[usize], output: usize) -> (f64, usize) {
+    let place = experiment.inputs.len() + output;
+    let is_temperature = experiment.outputs[output].is_temperature();
+    let (mut sum, mut count) = (0.0, 0);
+    for run in runs.iter().map(|r| &experiment.runs[*r]) {
+        let zero = ambient(experiment, run);
+        for (y, zero) in run.table.columns[place].iter().zip(zero).filter(|(y, _)| y.is_finite()) {
+            sum += (y - if is_temperature { zero } else { 0.0 }).powi(2);
+            count += 1;
+        }
+    }
+    (sum / count.max(1) as f64, count)
 }
 
 /// Sorted copy of the finite values.

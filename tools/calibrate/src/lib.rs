@@ -21,6 +21,7 @@
 //! | [`close_loop`] | the whole way, and the verdict |
 //! | `blackbox`, `comparison` | models without physics from the same inputs, and where the repair is not the best |
 //! | [`separate`] | the run or reading that would tell two models apart |
+//! | `prediction` | prediction intervals |
 //! | `telling`, [`outcome`], [`report`] | intervals, errors, words: as data, and as `report.json` |
 
 mod blackbox;
@@ -40,6 +41,7 @@ pub mod intake;
 pub mod noise;
 pub mod outcome;
 pub mod point;
+mod prediction;
 pub mod report;
 pub mod rounds;
 pub mod search;

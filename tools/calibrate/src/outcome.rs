@@ -109,6 +109,17 @@ pub struct ChannelError {
     pub floor: f64,
     /// Of the black box of this channel, where there was time for one.
     pub blackbox: Option<f64>,
+    /// 95 % prediction interval of the repaired model.
+    pub prediction: Prediction,
+}
+
+/// 95 % prediction intervals of one output over the readings of one role.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// Root mean square of half their widths, in the channel's unit.
+    pub half_width: f64,
+    /// Fraction of the readings inside.
+    pub inside: f64,
 }
 
 /// The black box of a channel.
@@ -208,6 +219,8 @@ pub struct Curve {
     pub refit: Vec<f64>,
     /// By the repaired model.
     pub after: Vec<f64>,
+    /// Half the width of its 95 % prediction interval.
+    pub half_width: Vec<f64>,
 }
 
 /// The model as it must be set for one run.

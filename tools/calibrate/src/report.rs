@@ -118,6 +118,7 @@ pub struct Report<'a> {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     run_parameters: BTreeMap<&'a str, BTreeMap<&'a str, Parameter>>,
     error: BTreeMap<&'static str, InOrder<'a, Errors>>,
+    prediction: BTreeMap<&'static str, InOrder<'a, Prediction>>,
     blackbox: InOrder<'a, &'a str>,
     fmu: &'a [String],
     replay: Option<&'a Replay>,
@@ -215,6 +216,13 @@ struct Errors {
     blackbox: Option<f64>,
 }
 
+/// 95 % prediction intervals of the repaired model: root mean square of half the widths, and the fraction of the readings inside.
+#[derive(Debug, Serialize)]
+struct Prediction {
+    half_width: f64,
+    inside: f64,
+}
+
 #[derive(Debug, Serialize)]
 struct Pair<'a> {
     parameters: (&'a str, &'a str),
@@ -274,6 +282,14 @@ impl<'a> Report<'a> {
             });
             (role_name(role), InOrder(numbers.collect()))
         };
+        let predictions = |role: Role| {
+            let of_role = outcome.errors.iter().filter(|e| e.role == role);
+            let numbers = of_role.map(|e| {
+                let outcome::Prediction { half_width, inside } = e.prediction;
+                (e.column, Prediction { half_width, inside })
+            });
+            (role_name(role), InOrder(numbers.collect()))
+        };
         let mut run_parameters: BTreeMap<&str, BTreeMap<&str, Parameter>> = BTreeMap::new();
         for (file, e) in &outcome.of_runs {
             run_parameters.entry(file).or_default().insert(&e.name, parameter(e));
@@ -292,6 +308,7 @@ impl<'a> Report<'a> {
             parameters: parameters(&outcome.parameters),
             run_parameters,
             error: ROLES.map(errors).into_iter().collect(),
+            prediction: ROLES.map(predictions).into_iter().collect(),
             blackbox: InOrder(outcome.boxes.iter().map(|b| (b.column, b.kind.as_str())).collect()),
             fmu,
             replay,
@@ -350,6 +367,7 @@ impl<'a> Report<'a> {
             parameters: InOrder(Vec::new()),
             run_parameters: BTreeMap::new(),
             error: ROLES.map(|role| (role_name(role), InOrder(Vec::new()))).into_iter().collect(),
+            prediction: ROLES.map(|role| (role_name(role), InOrder(Vec::new()))).into_iter().collect(),
             blackbox: InOrder(Vec::new()),
             fmu: &[],
             replay: None,

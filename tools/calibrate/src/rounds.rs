@@ -80,6 +80,8 @@ pub struct Round<'a> {
     excuse: Option<&'static str>,
     /// Others that the data cannot tell from it.
     pub alike: Vec<usize>,
+    /// Candidates that could not be fitted, and why.
+    failed: Vec<(Scored, CalibrateError)>,
 }
 
 impl<'a> Round<'a> {
@@ -128,43 +130,56 @@ impl<'a> Round<'a> {
     /// The round as a report tells it.
     pub fn ladder(&self, round: usize) -> Vec<Evidence> {
         let best = self.winner().map(|c| c.name.clone());
-        self.contenders
-            .iter()
-            .enumerate()
-            .map(|(k, c)| {
-                let reason = match (&c.refused, &best) {
-                    (Some(refused), _) => refused.clone(),
-                    (None, _) if self.taken == Some(k) => {
-                        self.excuse.unwrap_or("explains most of all, and passes the gate").to_string()
-                    }
-                    (None, Some(best)) if self.alike.contains(&k) => {
-                        format!("explains as much as {best}: this data cannot tell them apart")
-                    }
-                    (None, Some(best)) => format!("explains less than {best}"),
-                    (None, None) => "is not the best".to_string(),
-                };
-                Evidence {
-                    round,
-                    name: c.name.clone(),
-                    port: c.addition().port,
-                    delta_bic: c.delta.1,
-                    delta_bic_whitened: c.delta.0,
-                    validation_ratio: c.validation,
-                    accepted: self.taken == Some(k),
-                    reason,
+        let failed = self.failed.iter().map(|(scored, error)| Evidence {
+            round,
+            name: scored.name.clone(),
+            port: scored.port,
+            delta_bic: scored.raw,
+            delta_bic_whitened: scored.evidence,
+            validation_ratio: None,
+            accepted: false,
+            reason: format!("could not be fitted, BIC to first order: {error}"),
+        });
+        let contenders = self.contenders.iter().enumerate().map(|(k, c)| {
+            let reason = match (&c.refused, &best) {
+                (Some(refused), _) => refused.clone(),
+                (None, _) if self.taken == Some(k) => {
+                    self.excuse.unwrap_or("explains most of all, and passes the gate").to_string()
                 }
-            })
-            .collect()
+                (None, Some(best)) if self.alike.contains(&k) => {
+                    format!("explains as much as {best}: this data cannot tell them apart")
+                }
+                (None, Some(best)) => format!("explains less than {best}"),
+                (None, None) => "is not the best".to_string(),
+            };
+            Evidence {
+                round,
+                name: c.name.clone(),
+                port: c.addition().port,
+                delta_bic: c.delta.1,
+                delta_bic_whitened: c.delta.0,
+                validation_ratio: c.validation,
+                accepted: self.taken == Some(k),
+                reason,
+            }
+        });
+        contenders.chain(failed).collect()
     }
 }
 
 /// Lets the best of what was scored at a point compete; `point` is the model without any of them, and their fits begin at
-/// `start`. A candidate that the model cannot be run with is none.
+/// `start`. A candidate with which the model cannot be run is listed with the reason.
 pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> Round<'a> {
     let chosen = choose(scored);
     let fitted: Vec<Result<Contender<'a>, CalibrateError>> =
         chosen.par_iter().map(|scored| fitted(point, start, scored)).collect();
-    let mut contenders: Vec<Contender<'a>> = fitted.into_iter().filter_map(Result::ok).collect();
+    let (mut contenders, mut failed) = (Vec::new(), Vec::new());
+    for (result, scored) in fitted.into_iter().zip(chosen) {
+        match result {
+            Ok(contender) => contenders.push(contender),
+            Err(error) => failed.push((scored.clone(), error)),
+        }
+    }
     contenders.sort_by(|a, b| b.sure().total_cmp(&a.sure()));
     let mut taken = None;
     let mut alike = Vec::new();
@@ -207,7 +222,7 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     if taken.is_some_and(|t| !contenders[t].addition().is_listed()) {
         alike.clear();
     }
-    Round { contenders, taken, excuse: None, alike }
+    Round { contenders, taken, excuse: None, alike, failed }
 }
 
 /// Of two laws of no list that explain the same, the likelier comes first: a sensor that errs by what the motor does is rarer than a
@@ -250,7 +265,7 @@ fn follows_another_node(addition: &Addition) -> bool {
 }
 
 fn is_sensor(port: Port) -> bool {
-    matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor)
+    matches!(port, Port::AmbientSensor | Port::WindingSensor | Port::HousingSensor | Port::TorqueSensor)
 }
 
 /// Of the laws at the port and over the driver of the `k`-th contender, the one that predicts best what was not fitted. A power goes
@@ -366,4 +381,29 @@ fn at_limit(addition: &Addition) -> Option<String> {
         (number.value <= least && least != 0.0) || number.value >= most
     })?;
     Some(format!("{} = {:.4} stands at its limit", stuck.symbol, stuck.value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A candidate that could not be fitted is listed with the reason.
+    #[test]
+    fn a_failed_candidate_is_listed() {
+        let scored = Scored {
+            addition: None,
+            name: "drag_torque over speed".to_string(),
+            port: Port::DragTorque,
+            follows: Follows::Driver(Driver::Speed),
+            listed: false,
+            evidence: 80.0,
+            raw: 90.0,
+            shape: Vec::new(),
+        };
+        let failed = vec![(scored, CalibrateError("the step size is too small".to_string()))];
+        let round = Round { contenders: Vec::new(), taken: None, excuse: None, alike: Vec::new(), failed };
+        let ladder = round.ladder(2);
+        assert_eq!((ladder.len(), ladder[0].round, ladder[0].delta_bic), (1, 2, 90.0));
+        assert!(!ladder[0].accepted && ladder[0].reason.ends_with("the step size is too small"));
+    }
 }

@@ -146,6 +146,8 @@ pub fn search(point: &Point) -> Vec<Scored> {
         .iter()
         .flat_map(|p| Driver::ALL.iter().map(move |d| (*p, *d)))
         .filter(|(_, driver)| *driver != Driver::LoadTorque || point.setup.has_load())
+        // No term follows a heat flow without a lag.
+        .filter(|(_, driver)| !driver.is_heat())
         .collect();
     let mut shapes: Vec<(Port, Driver, Scored)> = jobs
         .par_iter()
@@ -155,7 +157,10 @@ pub fn search(point: &Point) -> Vec<Scored> {
     // A power is a shape as well: where no shape explains much, none does.
     let likely = &shapes[..shapes.len().min(LIKELY)];
     all.par_extend(
-        likely.par_iter().flat_map_iter(|(port, driver, _)| powers(point, *port, *driver, per_number)),
+        likely
+            .par_iter()
+            .filter(|(_, driver, _)| *driver != Driver::Time)
+            .flat_map_iter(|(port, driver, _)| powers(point, *port, *driver, per_number)),
     );
     all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
     let mut free: Vec<Scored> =
@@ -347,19 +352,21 @@ fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
     let gain = point.evidence.shape(&columns, &alike(&knots))?;
     let name = format!("{} over {}", port.name(), driver.name());
     let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + CHOICE, &knots);
-    let numbers = knots.iter().enumerate().map(|(k, x)| Number {
+    let number = |(k, x): (usize, &f64)| Number {
         symbol: format!("value at {} = {x:.4}", driver.name()),
         value: gain.size[k],
         limits: (f64::NEG_INFINITY, f64::INFINITY),
         unit: port.unit().name(),
         scale: gain.covariance[(k, k)].sqrt(),
         sloped: true,
-    });
-    found.addition = Some(Addition {
+    };
+    let numbers: Vec<Number> = knots.iter().enumerate().map(number).collect();
+    // What happened at a time of these runs says nothing of another run: a law over time cannot be added.
+    found.addition = (driver != Driver::Time).then(|| Addition {
         id: "generic_term".to_string(),
         port,
         follows: Follows::Driver(driver),
-        numbers: numbers.collect(),
+        numbers,
         shape: Shape::Table { driver, knots },
         active: vec![true; point.setup.experiment.runs.len()],
         late: None,

@@ -239,7 +239,7 @@ impl<'a> Setup<'a> {
 
     /// The runs of a role.
     pub fn runs(&self, role: Role) -> Vec<usize> {
-        (0..self.experiment.runs.len()).filter(|r| self.experiment.runs[*r].role == role).collect()
+        self.experiment.of_role(role)
     }
 
     /// The fitted run of the same file as a run: the same file has the same effects, whatever rows are asked for.

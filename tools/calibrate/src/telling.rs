@@ -7,13 +7,17 @@ use crate::comparison;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
-use crate::outcome::{ChannelError, Curve, Curves, Estimate, Limit, Outcome, Setting, Verdict, Whiteness};
+use crate::outcome::{
+    ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Verdict, Whiteness,
+};
 use crate::point::Point;
+use crate::prediction;
 use crate::report::{ROLES, column_words};
 use crate::rounds::LEAST;
 use crate::setup::{Declared, Setup, Shown};
 use nalgebra::DMatrix;
 use physics::terms::Port;
+use rayon::prelude::*;
 
 /// Rows of a run in plots, at most.
 const PLOTTED: usize = 600;
@@ -45,7 +49,7 @@ pub fn outcome(
     let mut corrected = hypothesis.clone();
     let (mut naive, _) = estimates(setup, first, None, None);
     naive.truncate(setup.declared.len());
-    let (mut estimates_of, correlation) = estimates(setup, point, None, Some(&mut corrected));
+    let (mut estimates_of, covariance) = estimates(setup, point, None, Some(&mut corrected));
     let exact = setup.exact();
     // Where nothing was found nothing is repaired: the model stays the fit to the sensors as they read. Nor is one taken that errs more.
     let is_repaired = !matches!(judged.verdict, Verdict::Nothing | Verdict::Fitted);
@@ -56,7 +60,8 @@ pub fn outcome(
         let (others, _) = estimates(setup, beside, Some(*port), None);
         // How far the parameters are off if the law at this port is another one.
         for (estimate, other) in estimates_of.iter_mut().zip(others) {
-            *estimate = Estimate { value: estimate.value, ..other };
+            let ((a, b), (c, d)) = (estimate.ci95, other.ci95);
+            *estimate = Estimate { value: estimate.value, ci95: (a.min(c), b.max(d)), ..other };
         }
     }
     // The values are those of the exported model; what was estimated otherwise widens their intervals.
@@ -114,6 +119,9 @@ pub fn outcome(
     notes.extend(endings.iter().cloned());
     let boxes = black_boxes(setup, &Deadline::after(judged.time_for_boxes));
     let mut errors = Vec::new();
+    let mut half_widths = vec![Shown::new(); all.len()];
+    // The structure error of the fit runs, then of the validation runs, which are no part of the fit.
+    let mut structure = None;
     for role in ROLES {
         let runs = setup.runs(role);
         let pick = |shown: &[Shown]| runs.iter().map(|r| shown[*r].clone()).collect::<Vec<Shown>>();
@@ -122,7 +130,21 @@ pub fn outcome(
             continue;
         }
         let (b, r, a) = (rmse(&before), rmse(&fitted), rmse(&after));
-        let (direct, whole) = setup.input_noise(&hypothesis, &runs)?;
+        let slopes = setup.by_inputs(&hypothesis, &runs)?;
+        let (direct, whole) = setup.input_noise(&slopes);
+        let variances: Vec<Vec<f64>> = (0..runs.len())
+            .into_par_iter()
+            .map(|place| prediction::variance(setup, &hypothesis, &slopes, place, &covariance))
+            .collect();
+        let own: Vec<&Shown> = runs.iter().map(|r| &after[*r]).collect();
+        let of_role = prediction::structure(setup, &runs, &own, &variances);
+        let used = structure.get_or_insert_with(|| of_role.clone());
+        for (run, variance) in runs.iter().zip(&variances) {
+            half_widths[*run] = prediction::half_widths(setup, &after[*run], variance, used);
+        }
+        structure = Some(of_role);
+        let widths: Vec<&Shown> = runs.iter().map(|r| &half_widths[*r]).collect();
+        let predictions = prediction::coverage(setup, &runs, &own, &widths);
         for (k, channel) in experiment.outputs.iter().enumerate().filter(|(k, _)| b[*k].is_finite()) {
             // The noise of an output holds already what the inputs' noise does to it at once.
             let floor = (setup.sensor_noise(k).powi(2) + (whole[k] - direct[k]).max(0.0)).sqrt();
@@ -138,6 +160,7 @@ pub fn outcome(
                 after: a[k],
                 floor,
                 blackbox,
+                prediction: Prediction { half_width: predictions[k].0, inside: predictions[k].1 },
             });
         }
     }
@@ -152,10 +175,12 @@ pub fn outcome(
         .chain(added.map(|(a, n)| format!("{}.{}", a.id, n.symbol)))
         .collect();
     let mut correlated = Vec::new();
-    for a in 0..correlation.nrows() {
+    for a in 0..covariance.nrows() {
         for b in 0..a {
-            if correlation[(a, b)].abs() > CORRELATED {
-                correlated.push((names[b].clone(), names[a].clone(), correlation[(a, b)]));
+            let size = (covariance[(a, a)] * covariance[(b, b)]).sqrt();
+            let correlation = if size > 0.0 { covariance[(a, b)] / size } else { 0.0 };
+            if correlation.abs() > CORRELATED {
+                correlated.push((names[b].clone(), names[a].clone(), correlation));
             }
         }
     }
@@ -183,7 +208,7 @@ pub fn outcome(
         limits: limits(point),
         curves: all
             .iter()
-            .map(|run| curves(setup, *run, [&before[*run], &fitted[*run], &after[*run]]))
+            .map(|run| curves(setup, *run, [&before[*run], &fitted[*run], &after[*run]], &half_widths[*run]))
             .collect(),
         settings,
         export,
@@ -228,7 +253,7 @@ fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bo
     Ok(of(one, &fit)? + validated.0 <= NO_WORSE * (of(other, &fit)? + validated.1))
 }
 
-/// Every number that slopes find, with its interval, and their correlations: beside drifting sensors, and beside a force at a port
+/// Every number that slopes find, with its interval, and their covariance: beside drifting sensors, and beside a force at a port
 /// that is free in time. Where sensors drift, a `corrected` hypothesis takes the numbers that are best with that drift.
 fn estimates(
     setup: &Setup,
@@ -262,11 +287,9 @@ fn estimates(
         Estimate { name, value: numbers[k], ci95, prior, unit }
     });
     let all = all.collect();
-    let correlation = DMatrix::from_fn(p, p, |a, b| {
-        let size = deviation(a) * deviation(b);
-        if size > 0.0 { covariance[(a, b)] / size } else { 0.0 }
-    });
-    (all, correlation)
+    let unit = |k: usize| scales[k].0 * widen;
+    let covariance = DMatrix::from_fn(p, p, |a, b| unit(a) * covariance[(a, b)] * unit(b));
+    (all, covariance)
 }
 
 /// The 95 % interval of a number whose unconstrained optimum lies `way` off and whose normal interval has this half width: within the
@@ -369,7 +392,7 @@ fn setting(setup: &Setup, hypothesis: &Hypothesis, run: usize) -> Result<Setting
     Ok(Setting { file: of.file.clone(), role: of.role, values, terms: change.terms })
 }
 
-fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3]) -> Curves {
+fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3], half: &Shown) -> Curves {
     let (of, m) = (&setup.experiment.runs[run], setup.outputs());
     let rows: Vec<usize> = (0..of.table.time.len()).step_by(of.table.time.len().div_ceil(PLOTTED)).collect();
     let inputs = setup.experiment.inputs.len();
@@ -385,6 +408,7 @@ fn curves(setup: &Setup, run: usize, [before, refit, after]: [&Shown; 3]) -> Cur
             before: shown(before),
             refit: shown(refit),
             after: shown(after),
+            half_width: rows.iter().map(|row| half[row * m + output]).collect(),
         }
     });
     Curves {

@@ -1,5 +1,6 @@
 //! Experiments whose readings are the model's own: for tests.
 
+use crate::change::Change;
 use crate::experiment::Experiment;
 use crate::hypothesis::{Addition, Hypothesis};
 use crate::setup::Setup;
@@ -10,23 +11,38 @@ use rand_pcg::Pcg64Mcg;
 /// Noise that the experiment states, in the channels' units: small beside everything.
 pub const NOISE: f64 = 1e-3;
 
+/// Columns of all outputs.
+pub const OUTPUTS: [&str; 4] =
+    ["voltage_V", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];
+
 /// An experiment of one run, 300 rows of 5 s: loads, speeds and the fan come and go; `wild` false: all stand still. No reading yet.
 pub fn experiment(priors: &str, wild: bool) -> Experiment {
+    driven_by(("current_A", 1.0, 90.0), &OUTPUTS, priors, wild)
+}
+
+/// The same with a column of the drive, its ampere in this column's unit, a period of the speed over 2 pi, s, and columns of outputs.
+pub fn driven_by(
+    (drive, factor, period): (&str, f64, f64),
+    outputs: &[&str],
+    priors: &str,
+    wild: bool,
+) -> Experiment {
     let folder = tempfile::tempdir().unwrap();
-    let outputs = ["voltage_V", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];
-    let mut rows = String::from("time_s,current_A,speed_rad_per_s,fan_command_1,ambient_temperature_degC,");
+    let mut rows = format!("time_s,{drive},speed_rad_per_s,fan_command_1,ambient_temperature_degC,");
     rows.push_str(&format!("{}\n", outputs.join(",")));
+    let blank = ",".repeat(outputs.len());
     for k in 0..300 {
         let t = 5.0 * f64::from(k);
-        let turn = if wild { (t / 90.0).sin() } else { 0.5 };
+        let turn = |period: f64| if wild { (t / period).sin() } else { 0.5 };
         let fan = if wild && k > 200 { 0.6 } else { 0.0 };
-        rows.push_str(&format!("{t},{},{},{fan},23,,,,\n", 3.0 + 2.0 * turn, 300.0 + 200.0 * turn));
+        let (load, speed) = (factor * (3.0 + 2.0 * turn(90.0)), 300.0 + 200.0 * turn(period));
+        rows.push_str(&format!("{t},{load},{speed},{fan},23{blank}\n"));
     }
     std::fs::write(folder.path().join("run.csv"), rows).unwrap();
     let noise: String = outputs.iter().map(|o| format!("{o} = {NOISE}\n")).collect();
     let text = format!(
         "[experiment]\nname = \"t\"\nmodel = \"AnnulusCooledMotor\"\npreset = \"maxon-305015\"\n\
-         inputs = [\"current_A\", \"speed_rad_per_s\", \"fan_command_1\", \"ambient_temperature_degC\"]\n\
+         inputs = [\"{drive}\", \"speed_rad_per_s\", \"fan_command_1\", \"ambient_temperature_degC\"]\n\
          outputs = [\"{}\"]\n[set]\ncooling_mode = \"conductance\"\n\
          \"effect.coulomb_friction.tau_c\" = 0.005\n[prior]\n{priors}\n[noise]\n{noise}\n\
          [[run]]\nfile = \"run.csv\"\nrole = \"fit\"\n",
@@ -38,12 +54,19 @@ pub fn experiment(priors: &str, wild: bool) -> Experiment {
 
 /// Lets the run read what the model shows with these parameters and a term.
 pub fn read(experiment: &mut Experiment, declared: &[f64], term: Option<GenericTerm>) {
-    let columns = {
-        let setup = Setup::new(experiment, &[]).unwrap().exact();
+    read_of(experiment, |setup| {
         let truth = Hypothesis { declared: declared.to_vec(), additions: Vec::new() };
         let mut change = setup.change(&truth, 0);
         change.terms.extend(term);
-        setup.bench.run(&setup.drives[0], &change).unwrap()
+        change
+    });
+}
+
+/// Lets the run read what the model shows with a change.
+pub fn read_of(experiment: &mut Experiment, change: impl Fn(&Setup) -> Change) {
+    let columns = {
+        let setup = Setup::new(experiment, &[]).unwrap().exact();
+        setup.bench.run(&setup.drives[0], &change(&setup)).unwrap()
     };
     let inputs = experiment.inputs.len();
     experiment.runs[0].table.columns.splice(inputs.., columns);

@@ -12,6 +12,7 @@ mod sample;
 mod tests;
 
 use crate::existing::{Force, head};
+use crate::parent::complain;
 use crate::progress::Progress;
 use crate::{Failure, write};
 use archive::build::{Standard, TermsFile, archive_path};
@@ -128,6 +129,8 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     if !replay.agrees {
         notes.push(text::replay(&replay));
     }
+    let texts: Vec<&str> = notes.iter().map(String::as_str).collect();
+    notes.extend(text::own_headers(&experiment, &texts));
     let report = Report::new(
         &outcome,
         &exported.names,
@@ -143,7 +146,7 @@ fn calibrate(args: &Files, fit_only: bool) -> Result<ExitCode, Failure> {
     write(&args.out.join("report.html"), &page)?;
     write(&args.out.join("residuals.csv"), &text::residuals(&outcome))?;
     crate::say(&if args.json { json } else { summary(&outcome, &replay, &notes, &args.out) });
-    outcome.endings.iter().for_each(|why| eprintln!("error: {why}"));
+    outcome.endings.iter().for_each(|why| complain(&format!("error: {why}")));
     Ok(crate::outcome(replay.agrees && findings.is_empty() && outcome.endings.is_empty()))
 }
 
@@ -199,13 +202,9 @@ fn unusable(
     let json = format!("{}\n", serde_json::to_string_pretty(&report)?);
     write(&args.out.join("report.json"), &json)?;
     write(&args.out.join("report.html"), &page::unusable(experiment, why, made_of))?;
-    let mut text = format!(
-        "{}: unusable. {}.\n{}.\n",
-        experiment.name,
-        page::capital(&why.reason),
-        page::capital(&why.suggestion)
-    );
-    for note in &experiment.notes {
+    let mut text =
+        format!("{}: unusable: {}.\n{}.\n", experiment.name, why.reason, page::capital(&why.suggestion));
+    for note in experiment.notes.iter().cloned().chain(text::own_headers(experiment, &[&why.reason])) {
         text += &format!("note: {note}\n");
     }
     crate::say(if args.json { &json } else { &text });
@@ -246,6 +245,7 @@ fn summary(outcome: &Outcome, replay: &Replay, notes: &[String], out: &Path) -> 
             e.column
         );
     }
+    text += &text::parameters(outcome);
     text += &format!("\n{}\n", text::replay(replay));
     for note in notes.iter().filter(|n| **n != text::replay(replay)) {
         text += &format!("note: {note}\n");

@@ -1,12 +1,12 @@
 //! `motor-fmu cosim` runs a system of FMUs, `motor-fmu ssp` writes one as an SSP archive.
 use crate::Failure;
 use crate::drawing;
-use crate::existing::Force;
+use crate::existing::{Force, check_place};
 use crate::outputs::{self, Shown};
 use crate::parent;
-use crate::simulate::{is_a_number, remarks, rounded, setting, significant};
+use crate::simulate::{check_once, is_a_number, remarks, rounded, setting, significant};
 use clap::ValueEnum;
-use cosim::{Algorithm, Log, PowerBond, System, SystemOptions, SystemRun, cosimulate};
+use cosim::{Algorithm, Log, PowerBond, SspForm, System, SystemOptions, SystemRun, cosimulate};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -78,6 +78,9 @@ pub struct SspArgs {
     /// Leave out the inputs and outputs of the system itself: for ecos, which reads connections between components only
     #[arg(long)]
     components_only: bool,
+    /// Connect the components through a signal dictionary (SSB) in a file of its own. Not for ecos and libcosim
+    #[arg(long)]
+    dictionary: bool,
     #[command(flatten)]
     force: Force,
 }
@@ -107,6 +110,7 @@ impl From<Scheme> for Algorithm {
 pub fn run(args: Args) -> Result<u8, Failure> {
     let system = System::open(&args.system)?;
     may_write(&args, &system)?;
+    check_once(&args.sets)?;
     for (name, description) in system.descriptions() {
         let sentence = crate::unused::unserved(&format!("{name}."), description, &args.sets);
         sentence.map_or(Ok(()), |sentence| Err(Failure::new(format!("component {name}: {sentence}"))))?;
@@ -155,6 +159,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
 fn may_write(args: &Args, system: &System) -> Result<(), Failure> {
     let name = system.name();
     if let Some(path) = &args.output {
+        check_place(path)?;
         // Outputs of the system have names of their own.
         let is_column = |column: &str| {
             column
@@ -173,10 +178,12 @@ pub fn run_ssp(args: &SspArgs) -> Result<ExitCode, Failure> {
         return Err(Failure::new(format!("{} would be written over itself, give --out", out.display())));
     }
     let system = System::open(&args.system)?;
+    check_place(&out)?;
     args.force.check(&out, &format!("an SSP archive of {}", system.name()), |path| {
         System::open(path).is_ok_and(|earlier| earlier.name() == system.name())
     })?;
-    system.write_ssp(&out, args.components_only)?;
+    let form = SspForm { components_only: args.components_only, dictionary: args.dictionary };
+    system.write_ssp(&out, form)?;
     let note = |name: &str| {
         format!(
             "component {name} has variables that begin with {name}., and OMSimulator cannot read such a system; rename it for this tool"

@@ -1,7 +1,7 @@
 //! Figures as files: SVG, PNG or a page, by the ending of the file's name.
 
 use crate::Failure;
-use crate::existing::{Force, title};
+use crate::existing::{Force, check_place, title};
 use maud::{PreEscaped, html};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
@@ -42,6 +42,7 @@ pub fn check(
 ) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
     Format::of(path)?;
+    check_place(path)?;
     force.check_titled(path, what, is_title)
 }
 

@@ -6,7 +6,7 @@
 use crate::Failure;
 use cosim::Archive;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 /// How much of a file is read to recognize it, bytes.
@@ -84,6 +84,20 @@ impl Force {
     }
 }
 
+/// Refuses a file that cannot be written, before the work for it: a folder, or a file in a folder that does not exist.
+pub fn check_place(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        _ if path.is_dir() => Err(Failure::new(format!("{} is a folder, not a file", path.display()))),
+        Some(folder) => Err(Failure::new(format!(
+            "{} cannot be written: the folder {} does not exist",
+            path.display(),
+            folder.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// The beginning of a file.
 pub fn head(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -94,21 +108,7 @@ pub fn head(path: &Path) -> Vec<u8> {
 
 /// Names of the columns of a CSV file.
 pub fn header(path: &Path) -> Vec<String> {
-    let mut line = String::new();
-    let read = File::open(path).and_then(|file| BufReader::new(file.take(HEAD)).read_line(&mut line));
-    if read.is_err() {
-        return Vec::new();
-    }
-    // Quotes hold names such as a[1,2].
-    let (mut names, mut quoted) = (vec![String::new()], false);
-    for c in line.trim_end().chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => names.push(String::new()),
-            c => names.last_mut().into_iter().for_each(|name| name.push(c)),
-        }
-    }
-    names
+    delimited::Table::parse(&head(path)).map_or(Vec::new(), |table| table.header().to_vec())
 }
 
 /// The title of a figure or a page of this program.

@@ -77,12 +77,17 @@ impl<E: std::error::Error> From<E> for Failure {
     }
 }
 
-/// Prints to stdout. A closed pipe is no failure; `print!` would panic.
+/// Prints to stdout. A closed pipe is no failure; a full disk ends the command.
 pub fn say(text: &str) {
     if parent::say(text) {
         return;
     }
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let mut out = std::io::stdout();
+    let printed = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    if let Some(error) = printed.err().filter(|e| e.kind() != std::io::ErrorKind::BrokenPipe) {
+        parent::complain(&format!("error: the standard output cannot be written: {error}"));
+        std::process::exit(2);
+    }
 }
 
 /// Prints notes to stderr, a line each.
@@ -151,7 +156,7 @@ fn main() -> ExitCode {
         Command::Work(args) => supervised::work(&args),
     };
     outcome.unwrap_or_else(|Failure(sentence)| {
-        eprintln!("error: {sentence}");
+        parent::complain(&format!("error: {sentence}"));
         ExitCode::from(2)
     })
 }

@@ -160,7 +160,8 @@ impl Shown {
             let own = variable.unit.as_deref().unwrap_or("1");
             let value = match (unit, description.display_unit(variable)) {
                 ("", Some(display)) if self.units == Some(Units::Datasheet) => of_display(&display, number),
-                ("", _) => return Ok((name, text)),
+                ("", _) if text.parse::<f64>().is_ok() => return Ok((name, text)),
+                ("", _) => number,
                 (unit, _) => {
                     let refused = |refusal| {
                         Failure::new(format!("{name} has the unit \"{own}\", not \"{unit}\": {refusal}"))

@@ -1,6 +1,7 @@
 //! Messages of a child process to its parent (see `supervised.rs`).
 use cosim::child::Channel;
 use serde::{Deserialize, Serialize};
+use std::io::Write;
 use std::sync::OnceLock;
 
 /// The time limit of a call of an FMU (s); a step of a large model may take minutes.
@@ -43,7 +44,8 @@ pub fn say(text: &str) -> bool {
 /// Lets the parent print lines to standard error; without a parent, this process does.
 pub fn complain(text: &str) {
     if !send(Event::Complain(format!("{text}\n"))) {
-        eprintln!("{text}");
+        // `eprintln!` would panic where nobody reads.
+        let _ = writeln!(std::io::stderr(), "{text}");
     }
 }
 

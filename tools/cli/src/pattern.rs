@@ -17,6 +17,9 @@ impl<'a> Patterns<'a> {
     /// # Errors
     /// A pattern that no name matches, with the nearest name.
     pub fn choose(&self, names: &[&str]) -> Result<Vec<usize>, String> {
+        if self.0.is_empty() {
+            return Err("no name is given".to_owned());
+        }
         let mut chosen: Vec<usize> = Vec::new();
         for pattern in &self.0 {
             let found: Vec<usize> = (0..names.len()).filter(|k| matches(pattern, names[*k])).collect();

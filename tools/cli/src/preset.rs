@@ -1,6 +1,7 @@
 //! `motor-fmu preset new`: a preset from a datasheet.
 
-use crate::existing::Force;
+use crate::existing::{Force, check_place};
+use crate::parent::complain;
 use crate::{Failure, say, say_json};
 use ::study::datasheet::{
     Certainty, Contradiction, Datasheet, Draft, Given, Implausible, QUANTITIES, Quantity, Value,
@@ -118,6 +119,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         Failure::new(lines.join("\n"))
     })?;
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", sheet.name)));
+    check_place(&path)?;
     args.force.check_any(&path)?;
     crate::write(&path, &draft.toml())?;
     let consistent = contradictions.is_empty() && implausible.is_empty();
@@ -144,8 +146,9 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
 /// Asks for everything that is not there yet; an empty line leaves it out.
 fn ask(sheet: &mut Datasheet) -> Result<(), Failure> {
     let question = |text: &str| -> Result<String, Failure> {
-        eprint!("{text}: ");
-        std::io::stderr().flush()?;
+        let mut terminal = std::io::stderr();
+        write!(terminal, "{text}: ")?;
+        terminal.flush()?;
         let mut line = String::new();
         std::io::stdin().lock().read_line(&mut line)?;
         Ok(line.trim().to_owned())
@@ -159,8 +162,8 @@ fn ask(sheet: &mut Datasheet) -> Result<(), Failure> {
     if sheet.source.is_empty() {
         sheet.source = question("source: document, edition, page")?;
     }
-    eprintln!(
-        "Printed values: a number in the unit shown or with another unit; an empty line where nothing is printed."
+    complain(
+        "Printed values: a number in the unit shown or with another unit; an empty line where nothing is printed.",
     );
     for quantity in QUANTITIES {
         while sheet.value(quantity.key).is_none() {
@@ -171,7 +174,7 @@ fn ask(sheet: &mut Datasheet) -> Result<(), Failure> {
             }
             match Value::parse(quantity, &text) {
                 Ok(value) => sheet.put(value),
-                Err(sentence) => eprintln!("{sentence}"),
+                Err(sentence) => complain(&sentence),
             }
         }
     }

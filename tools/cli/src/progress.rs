@@ -1,5 +1,6 @@
 //! Progress: a bar on a terminal, else a line on standard error every few seconds.
 
+use crate::parent::complain;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -75,6 +76,7 @@ fn lines(state: &Mutex<(String, f64)>, ended: &Receiver<()>) {
     let begun = Instant::now();
     while ended.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
         let (what, fraction) = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        eprintln!("{:3.0} s, {:2.0} %: {what}", begun.elapsed().as_secs_f64(), 100.0 * fraction);
+        let seconds = begun.elapsed().as_secs_f64();
+        complain(&format!("{seconds:3.0} s, {:2.0} %: {what}", 100.0 * fraction));
     }
 }

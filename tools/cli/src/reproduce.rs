@@ -45,6 +45,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
             Which::Paper => "paper",
         };
         args.force.check_titled(&folder.join(format!("{name}.html")), EARLIER, |_| true)?;
+        crate::make_folder(folder)?;
     }
     let bar = Progress::new("recomputing the publication");
     let (json, rows, conclusion, page) = match args.which {
@@ -79,7 +80,6 @@ const EARLIER: &str = "an earlier result of reproduce";
 
 /// The page and its figures.
 fn write(folder: &Path, page: &report::Page, force: Force) -> Result<(), Failure> {
-    crate::make_folder(folder)?;
     let figures = page.figures.iter().map(|(name, svg)| (format!("{name}.svg"), svg));
     let files: Vec<_> = figures.chain([(format!("{}.html", page.name), &page.html)]).collect();
     for (name, text) in &files {

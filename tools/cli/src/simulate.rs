@@ -1,7 +1,7 @@
 //! `motor-fmu simulate`: run one FMU and show, record or draw its outputs.
 use crate::Failure;
 use crate::drawing;
-use crate::existing::Force;
+use crate::existing::{Force, check_place};
 use crate::outputs::{self, Shown, thin};
 use crate::parent::{self, complain};
 use cosim::{Archive, Causality, InputTable, Log, ModelDescription, Options, Recording, Status};
@@ -91,6 +91,7 @@ impl Interface {
 pub fn run(args: Args) -> Result<u8, Failure> {
     let archive = Archive::open(&args.file)?;
     may_write(&args, archive.description())?;
+    check_once(&args.sets)?;
     let sets = args.shown.sets(args.sets, archive.description())?;
     let input =
         args.input.as_deref().map(|path| InputTable::read(path, archive.description())).transpose()?;
@@ -145,6 +146,7 @@ pub fn run(args: Args) -> Result<u8, Failure> {
 fn may_write(args: &Args, description: &ModelDescription) -> Result<(), Failure> {
     let model = &description.model_name;
     if let Some(path) = &args.output {
+        check_place(path)?;
         let is_column = |name: &str| {
             let known = |name: &str| {
                 let variable = description.variable(name);
@@ -167,6 +169,19 @@ pub fn is_a_number(recording: &Recording) -> bool {
         complain(&format!("error: {name}: output {output} is NaN (not a number) from t = {time} s on"));
     }
     nan.is_none()
+}
+
+/// Refuses settings that give a variable two values.
+pub fn check_once(sets: &[(String, String)]) -> Result<(), Failure> {
+    let other =
+        |(k, (name, _)): (usize, &(String, String))| sets[..k].iter().position(|(other, _)| other == name);
+    match sets.iter().enumerate().find_map(|set| Some((set.0, other(set)?))) {
+        Some((k, j)) => {
+            let [(name, first), (_, second)] = [&sets[j], &sets[k]];
+            Err(Failure::new(format!("--set gives {name} two values: {first} and {second}")))
+        }
+        None => Ok(()),
+    }
 }
 
 /// `name=value`; the value may have further equal signs.

@@ -3,13 +3,15 @@
 mod walk;
 
 use crate::drawing;
-use crate::existing::{Force, header};
+use crate::existing::{Force, check_place, header};
 use crate::progress::Progress;
 use crate::{Failure, write};
 use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
-use ::study::sweep::{Case, ConstantInputs, Constraint, Goal, Point, Sweep, Vary, Walking, edges, sweep};
+use ::study::sweep::{
+    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, edges, sweep,
+};
 use ::study::walk::Load;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -37,7 +39,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "load.toml")]
     pub load: Option<PathBuf>,
     /// Longest duration of the walk in hours, with --load
-    #[arg(long, value_name = "H", default_value_t = 2.0)]
+    #[arg(long, value_name = "H", default_value_t = 2.0, allow_negative_numbers = true)]
     pub hours: f64,
 }
 
@@ -51,13 +53,18 @@ impl Start {
                 self.model
             )));
         }
-        let preset = self.preset.as_deref().map(describe::Preset::load).transpose()?;
+        let preset = self.checked()?;
         Ok(Load::read(file, preset.as_ref(), &self.sets)?)
     }
 
     fn setup(&self) -> Result<Setup, Failure> {
-        let preset = self.preset.as_deref().map(describe::Preset::load).transpose()?;
-        Ok(Setup { model: self.model.clone(), preset, sets: self.sets.clone() })
+        Ok(Setup { model: self.model.clone(), preset: self.checked()?, sets: self.sets.clone() })
+    }
+
+    /// The preset, with settings that are each given once.
+    fn checked(&self) -> Result<Option<describe::Preset>, Failure> {
+        crate::simulate::check_once(&self.sets)?;
+        Ok(self.preset.as_deref().map(describe::Preset::load).transpose()?)
     }
 }
 
@@ -96,7 +103,7 @@ pub fn run_steady(args: &SteadyArgs) -> Result<ExitCode, Failure> {
     let continuous = continuous_torque(&bench);
     let found = match steady(&mut bench) {
         Err(StudyError::Unsettled(sentence)) => {
-            eprintln!("error: {sentence}");
+            crate::parent::complain(&format!("error: {sentence}"));
             return Ok(crate::outcome(false));
         }
         found => found?,
@@ -197,8 +204,8 @@ pub fn run_sweep(args: &SweepArgs) -> Result<ExitCode, Failure> {
         }
         None => {
             let setup = args.start.setup()?;
-            let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
-            let notes = setup.notes(&varied)?;
+            let varied = vary.iter().map(|v| v.name.as_str()).filter(|name| *name != PRESET);
+            let notes = setup.notes(&varied.collect::<Vec<_>>())?;
             (Box::new(ConstantInputs { setup }), notes)
         }
     };
@@ -230,6 +237,7 @@ fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
     let varied: Vec<&str> = vary.iter().map(|v| v.name.as_str()).collect();
     let names = varied.join(", ");
     if let Some(path) = &args.output {
+        check_place(path)?;
         args.force.check(path, &format!("a table of a sweep over {names}"), |path| {
             let columns = header(path);
             columns.len() > varied.len() && columns.iter().zip(&varied).all(|(column, name)| column == name)

@@ -59,7 +59,7 @@ pub fn run(file: &Path, patience: f64) -> Result<ExitCode, Failure> {
             )));
         }
     }
-    eprint!("{complaints}");
+    complaints.lines().for_each(parent::complain);
     crate::say(&said);
     failure.map_or(Ok(ExitCode::from(code)), |sentence| Err(Failure::new(sentence)))
 }

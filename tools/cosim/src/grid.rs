@@ -39,7 +39,11 @@ impl Grid {
         }
         let ratio = span / step;
         if ratio > MAX_STEPS || start + step == start || stop - step == stop {
-            return refuse("step size", step, format!("is too small for a span of {span} s"));
+            return refuse(
+                "step size",
+                step,
+                format!("is too small for a span of {} s", crate::number(span)),
+            );
         }
         // An integer up to rounding error: 3600 / 0.01 is not exactly 360000.
         let whole = (ratio - ratio.round()).abs() <= 1e-9 * ratio.max(1.0) && ratio.round() >= 1.0;

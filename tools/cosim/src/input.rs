@@ -1,10 +1,12 @@
 //! Tables of inputs over time, from CSV.
 use crate::system::{Affine, conversion, unit_of};
 use crate::{Causality, Error, Kind, ModelDescription, Value, Variability, Variable};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use units::Conversion;
 
-/// Inputs over time: header `time,<input names>`, then rows of numbers (enumerations also by item name). A name may be followed by a
-/// unit of the FMU, such as `speed [rpm]`.
+/// Inputs over time: header `time,<input names>`, then rows of numbers (enumerations also by item name), in any form that
+/// [`delimited`] reads. A name may be followed by a unit of the FMU or of the quantity, such as `speed [rpm]`.
 ///
 /// Continuous reals are interpolated linearly; all other inputs are constant until the next row. Before the first row and after
 /// the last one the values are constant. Two rows with the same time define a discontinuity.
@@ -77,34 +79,15 @@ impl InputTable {
     pub(crate) fn parse_for<'a>(path: &Path, bytes: &[u8], find: &Find<'a, '_>) -> Result<Self, Error> {
         let file = path.display().to_string();
         let fault = |line, message: String| Error::Text { file: file.clone(), line, message };
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(bytes);
+        let text = delimited::Table::parse(bytes).map_err(|f| fault(f.line, f.message))?;
         let mut table =
             Self { path: path.to_owned(), times: Vec::new(), columns: Vec::new(), notes: Vec::new() };
-        let mut header: Option<Vec<Cell>> = None;
-        let mut record = csv::StringRecord::new();
-        loop {
-            let more = reader.read_record(&mut record).map_err(|e| {
-                fault(e.position().map_or(0, csv::Position::line), "the text is not UTF-8".to_owned())
-            })?;
-            if !more {
-                break;
-            }
-            // The position of a record may include the empty lines before it.
-            let line = record.position().map_or(0, |p| line_of(bytes, p.byte()));
-            match &header {
-                Some(cells) => {
-                    table.push_row(&record, cells, line).map_err(|message| fault(line, message))?
-                }
-                None => header = Some(table.header(&record, find).map_err(|message| fault(line, message))?),
-            }
-        }
-        if header.is_none() {
-            return Err(fault(1, "the file is empty".to_owned()));
+        let (time, cells) =
+            table.header(text.header(), find).map_err(|message| fault(text.header_line(), message))?;
+        for row in text.rows() {
+            let row = row.map_err(|f| fault(f.line, f.message))?;
+            let cell = |k: usize| text.pointed(row.cells.get(k).unwrap_or_default());
+            table.push_row(&cell, time, &cells, row.line).map_err(|message| fault(row.line, message))?;
         }
         if table.times.is_empty() {
             return Err(fault(1, "there are no rows below the header".to_owned()));
@@ -166,16 +149,20 @@ impl InputTable {
         if share == 1.0 { v1 } else { v0 + share * (v1 - v0) }
     }
 
+    /// The conversion of the times to s, and the other columns.
     fn header<'a>(
         &mut self,
-        record: &csv::StringRecord,
+        header: &[String],
         find: &Find<'a, '_>,
-    ) -> Result<Vec<Cell<'a>>, String> {
-        if record.get(0) != Some("time") {
-            return Err(format!("the first column is {:?}, not \"time\"", record.get(0).unwrap_or("")));
-        }
+    ) -> Result<(Conversion, Vec<Cell<'a>>), String> {
+        let first = header.first().map_or("", String::as_str);
+        let time = match name_and_unit(first) {
+            ("time", unit) => units::conversion(unit.unwrap_or("s"), "s", false)
+                .map_err(|refusal| format!("column time has the unit \"s\": {refusal}"))?,
+            _ => return Err(format!("the first column is {first:?}, not \"time\"")),
+        };
         let mut cells = Vec::new();
-        for text in record.iter().skip(1) {
+        for text in header.iter().skip(1) {
             let (name, unit) = name_and_unit(text);
             let targets = find(name, unit)?;
             let first = self.columns.len();
@@ -213,26 +200,32 @@ impl InputTable {
             }
             cells.push(Cell { first, targets });
         }
-        if cells.is_empty() { Err("there is no input column besides time".to_owned()) } else { Ok(cells) }
+        if cells.is_empty() {
+            return Err("there is no input column besides time".to_owned());
+        }
+        Ok((time, cells))
     }
 
-    fn push_row(&mut self, record: &csv::StringRecord, cells: &[Cell], line: u64) -> Result<(), String> {
-        if record.len() != cells.len() + 1 {
-            return Err(format!("{} cells where the header has {}", record.len(), cells.len() + 1));
-        }
-        let text = record.get(0).unwrap_or("");
-        let time: f64 = text
-            .parse()
-            .ok()
-            .filter(|t: &f64| t.is_finite())
-            .ok_or_else(|| format!("time = {text:?} is not a finite number (in s)"))?;
+    /// Adds the row of a line, of which `text` gives each cell.
+    fn push_row<'t>(
+        &mut self,
+        text: &dyn Fn(usize) -> Cow<'t, str>,
+        time: Conversion,
+        cells: &[Cell],
+        line: u64,
+    ) -> Result<(), String> {
+        let first = text(0);
+        let number = first.parse().ok().filter(|t: &f64| t.is_finite());
+        let number = number.ok_or_else(|| format!("time = {first:?} is not a finite number (in s)"))?;
+        let time = time.of(number);
         if let Some(last) = self.times.last().filter(|last| time < **last) {
             return Err(format!("time runs backwards from {last} s to {time} s"));
         }
-        for (cell, text) in cells.iter().zip(record.iter().skip(1)) {
+        for (k, cell) in cells.iter().enumerate() {
+            let text = text(k + 1);
             for (target, column) in cell.targets.iter().zip(&mut self.columns[cell.first..]) {
                 let Target { description, variable, convert, .. } = target;
-                let value = description.typed_value(variable, text).map_err(|e| e.to_string())?;
+                let value = description.typed_value(variable, &text).map_err(|e| e.to_string())?;
                 let value = match value {
                     Value::Real(x) => Value::Real(convert.of(x)),
                     other => other,
@@ -262,10 +255,8 @@ impl InputTable {
 
 /// `name [unit]`; brackets that follow the name at once belong to it.
 fn name_and_unit(text: &str) -> (&str, Option<&str>) {
-    match text.strip_suffix(']').and_then(|rest| rest.rsplit_once(" [")) {
-        Some((name, unit)) => (name.trim_end(), Some(unit.trim())),
-        None => (text, None),
-    }
+    let (name, unit) = delimited::name_and_unit(text);
+    if text[name.len()..].starts_with(char::is_whitespace) { (name, unit) } else { (text, None) }
 }
 
 /// The conversion of numbers in `unit`, by default that of the variable, to the unit of the variable.
@@ -284,20 +275,25 @@ pub(crate) fn from_unit(
         return Ok(Affine { factor: 1.0 / display.factor, offset: -offset / display.factor });
     }
     let defined = description.units.iter().find(|u| u.name == wanted);
-    let convert = defined.and_then(|from| conversion(Some(from), own.as_ref(), variable.relative));
-    convert.filter(|_| own.is_some()).ok_or_else(|| {
-        let of_variable =
-            variable.unit.as_deref().map_or("no unit".to_owned(), |u| format!("the unit {u:?}"));
-        let why = if defined.is_some() { "cannot be converted" } else { "is not defined in the FMU" };
-        format!("column {} has {of_variable}, and the unit {wanted:?} of the header {why}", variable.name)
-    })
-}
-
-/// The line (from 1) of the first cell at or after byte `position`: blank lines are skipped.
-fn line_of(bytes: &[u8], position: u64) -> u64 {
-    let start = (position as usize).min(bytes.len());
-    let blank = bytes[start..].iter().take_while(|b| b"\r\n".contains(b)).count();
-    1 + bytes[..start + blank].iter().filter(|b| **b == b'\n').count() as u64
+    if let Some(convert) = conversion(defined, own.as_ref(), variable.relative).filter(|_| defined.is_some())
+    {
+        return Ok(convert);
+    }
+    // A unit that the FMU does not define, by its usual meaning.
+    let of_variable = variable.unit.as_deref();
+    let usual = units::conversion(wanted, of_variable.unwrap_or("1"), variable.relative);
+    match usual {
+        Ok(usual) if !usual.reciprocal => {
+            let offset = usual.of(0.0);
+            Ok(Affine { factor: usual.of(1.0) - offset, offset })
+        }
+        refused => {
+            let own = of_variable.map_or("no unit".to_owned(), |u| format!("the unit {u:?}"));
+            let why =
+                refused.err().map_or(format!("{wanted:?} is a reciprocal"), |refusal| refusal.to_string());
+            Err(format!("column {} has {own}, and {why}", variable.name))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -332,16 +328,24 @@ mod tests {
         )
         .unwrap();
         let parse = |text: &str| InputTable::parse(Path::new("in.csv"), text.as_bytes(), &described);
-        for (text, expected) in [("T [degC],w[1] [rpm]", (298.15, 2.0)), ("T [K],w[1]", (25.0, 20.0))] {
-            let table = parse(&format!("time,{text}\n0,25,20\n")).unwrap();
-            let found = (table.after(0, 0.0, 0.0), table.after(1, 0.0, 0.0));
+        for (text, expected) in [
+            ("time,T [degC],w[1] [rpm]\n0,25,20\n", (298.15, 2.0)),
+            ("time,T [K],w[1]\n0,25,20\n", (25.0, 20.0)),
+            (
+                "\u{feff}time [ms];T [°F];w[1] [deg/s]\n0;77,0;180,0\n500;77;180\n",
+                (298.15, std::f64::consts::PI),
+            ),
+        ] {
+            let table = parse(text).unwrap();
+            let found = (table.after(0, 0.5, 0.0), table.after(1, 0.5, 0.0));
             assert!((found.0 - expected.0).abs() + (found.1 - expected.1).abs() < 1e-12, "{text}: {found:?}");
+            assert!(table.times()[0] == 0.0 && table.times().get(1).is_none_or(|t| *t == 0.5));
         }
         let refused = parse("time,T [rpm]\n0,25\n").unwrap_err().to_string();
-        let expected = r#"in.csv, line 1: column T has the unit "K", and the unit "rpm" of the header cannot be converted"#;
+        let expected = r#"in.csv, line 1: column T has the unit "K", and "rpm" is not a unit of the same quantity as "K""#;
         assert_eq!(refused, expected);
-        let refused = parse("time,T [degF]\n0,25\n").unwrap_err().to_string();
-        assert!(refused.ends_with(r#"the unit "degF" of the header is not defined in the FMU"#), "{refused}");
+        let refused = parse("time [K],T\n0,25\n").unwrap_err().to_string();
+        assert!(refused.contains(r#"column time has the unit "s""#), "{refused}");
     }
 
     #[test]

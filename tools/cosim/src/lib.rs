@@ -14,6 +14,7 @@
 //! | call any function, valid or not, to test an FMU | [`raw`] |
 //! | FMUs in a child process that may crash or hang | [`child`] |
 //! | systems of FMUs: SSP and TOML, the master | [`System`], [`cosimulate`], [`SystemRun`] |
+//! | a solver of ordinary differential equations for Model Exchange | [`ode`] |
 //! | the whole run | [`simulate`](fn@simulate), [`Options`], [`Recording`] |
 //!
 //! Every failure is an [`Error`]: one sentence that names the variable, value, limits, file and line.
@@ -37,6 +38,7 @@ mod input;
 mod instance;
 mod integrator;
 mod log;
+pub mod ode;
 mod page;
 mod plot;
 pub mod raw;
@@ -60,7 +62,7 @@ pub use plot::Limit;
 pub use raw::Experiment;
 pub use recording::{Column, Recording};
 pub use simulate::{Options, simulate};
-pub use system::{Algorithm, PowerBond, System, SystemOptions, SystemRun, cosimulate};
+pub use system::{Algorithm, PowerBond, SspForm, System, SystemOptions, SystemRun, cosimulate};
 pub use value::Value;
 
 #[cfg(test)]

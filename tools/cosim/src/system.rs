@@ -13,6 +13,7 @@ mod batch;
 mod bindings;
 mod component_steps;
 mod connections;
+mod dictionary;
 mod ends;
 mod flatten;
 mod inputs;
@@ -21,6 +22,7 @@ mod master;
 mod memory;
 mod order;
 mod package;
+mod parameter_files;
 mod parts;
 mod power_bonds;
 mod record;
@@ -29,12 +31,14 @@ mod settings;
 mod side_by_side;
 mod ssd;
 mod structure;
+mod tags;
 mod text;
 mod units;
 mod variable_step;
 
 pub(crate) use batch::Batch;
 pub use order::Algorithm;
+pub use package::SspForm;
 pub use power_bonds::PowerBond;
 pub use run::{SystemOptions, SystemRun, cosimulate};
 pub(crate) use units::{Affine, conversion, unit_of};
@@ -117,12 +121,12 @@ impl System {
     }
 
     /// Writes the system as an SSP archive: its structure, and the FMUs as they are. The same system gives the same
-    /// bytes. With `inner_only` the connections with inputs and outputs of the system are left out.
+    /// bytes.
     ///
     /// # Errors
     /// All that is wrong with connections and values; [`Error::Io`].
-    pub fn write_ssp(&self, path: &Path, inner_only: bool) -> Result<(), Error> {
-        package::write(self.parts(), path, inner_only)
+    pub fn write_ssp(&self, path: &Path, form: SspForm) -> Result<(), Error> {
+        package::write(self.parts(), path, form)
     }
 
     /// Components whose name is a prefix of names of their variables, which OMSimulator cannot read.

@@ -9,6 +9,7 @@ mod allocation;
 mod archives;
 mod figures;
 mod instances;
+mod ode;
 mod simulations;
 mod system_allocation;
 mod system_faults;

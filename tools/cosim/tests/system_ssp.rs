@@ -1,6 +1,6 @@
 //! SSP as others write it: values inline and in files, with prefixes and units, connectors of the system, conversions.
 use crate::parts::*;
-use cosim::{SystemOptions, SystemRun, cosimulate};
+use cosim::{SspForm, SystemOptions, SystemRun, cosimulate};
 
 /// Two components, everything that is read; `%` stands for what a test puts there.
 pub const SSD: &str = include_str!("data/units.ssd");
@@ -12,6 +12,14 @@ fn run(ssd: &str, sets: &[(&str, &str)]) -> SystemRun {
     let system = Folder::new().ssp(ssd, &[("resources/all.ssv", SSV)]).unwrap();
     let options = SystemOptions { sets: crate::common::sets(sets), ..SystemOptions::default() };
     cosimulate(&system, &options, &mut |_| ()).unwrap()
+}
+
+/// A file of a package.
+fn text_of(package: &std::path::Path, name: &str) -> String {
+    let mut text = String::new();
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(package).unwrap()).unwrap();
+    std::io::Read::read_to_string(&mut archive.by_name(name).unwrap(), &mut text).unwrap();
+    text
 }
 
 fn last(run: &SystemRun, name: &str) -> f64 {
@@ -88,7 +96,7 @@ fn an_archive_that_is_written_again_means_the_same() {
     folder.fmu("gain", &described.replace(output, &format!("{output} unit=\"rpm\"")));
     let first = folder.ssp(&ssd, &[("resources/all.ssv", SSV)]).unwrap();
     let path = folder.path("again.ssp");
-    first.write_ssp(&path, false).unwrap();
+    first.write_ssp(&path, SspForm::default()).unwrap();
     let mut text = String::new();
     let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
     std::io::Read::read_to_string(&mut archive.by_name("SystemStructure.ssd").unwrap(), &mut text).unwrap();
@@ -137,7 +145,7 @@ fn one_archive_for_several_components_is_unpacked_once() {
     let r = cosimulate(&system, &SystemOptions::default(), &mut |_| ()).unwrap();
     assert_eq!(r.recording.columns.len(), 120);
     let out = folder.path("many.ssp");
-    system.write_ssp(&out, false).unwrap();
+    system.write_ssp(&out, SspForm::default()).unwrap();
     let archive = zip::ZipArchive::new(std::fs::File::open(&out).unwrap()).unwrap();
     let names: Vec<String> = archive.file_names().map(|n| n.unwrap().into_owned()).collect();
     assert_eq!(names, ["SystemStructure.ssd", "resources/gain.fmu"]);
@@ -176,10 +184,29 @@ fn nested_systems_dictionaries_and_mappings_are_flattened() {
         close(last(&r, "result"), -speed / RPM);
     };
     check(&system);
-    // Written again it is flat, and means the same.
+    // Written again it is flat, means the same, and still has the parameter with its unit in a file, mapped to the variable. The value that a
+    // table of the mapping replaced stands at the component.
     let path = folder.path("flat.ssp");
-    system.write_ssp(&path, false).unwrap();
+    system.write_ssp(&path, SspForm { dictionary: true, ..SspForm::default() }).unwrap();
     check(&cosim::System::open(&path).unwrap());
+    // One entry for the speed that two components use, in the unit of its source.
+    let signals = text_of(&path, "resources/signals.ssb");
+    assert_eq!(signals.matches("<ssb:DictionaryEntry").count(), 1, "{signals}");
+    assert!(
+        signals.contains("name=\"drive.inner.rotor.speed\"") && signals.contains("unit=\"rad/s\""),
+        "{signals}"
+    );
+    system.write_ssp(&path, SspForm::default()).unwrap();
+    check(&cosim::System::open(&path).unwrap());
+    let values = text_of(&path, "resources/parameters.ssv");
+    assert!(
+        values.contains("name=\"of.start\"") && values.contains("<ssv:Real value=\"60\" unit=\"rpm\"/>"),
+        "{values}"
+    );
+    assert!(values.contains("<ssc:Unit name=\"rpm\">") && !values.contains("switch"), "{values}");
+    let mapping = text_of(&path, "resources/parameters.ssm");
+    assert!(mapping.contains("source=\"of.start\" target=\"drive.inner.rotor.w\""), "{mapping}");
+    assert!(mapping.contains("factor=\"0.5\" offset=\"1\""), "{mapping}");
     // Two sources for one entry.
     let twice = "<ssd:Connection startElement=\"b\" startConnector=\"y\" endElement=\"line\" endConnector=\"speed\"/>";
     let ssd = NESTED.replace(
@@ -193,12 +220,52 @@ fn nested_systems_dictionaries_and_mappings_are_flattened() {
     );
 }
 
+/// A parameter of the system sets variables of two components; a change in the file of values reaches both.
+#[test]
+fn a_parameter_of_the_system_is_one_value_for_several_variables() {
+    let folder = Folder::new();
+    let text = r#"
+[system]
+name = "shared"
+connect = ["rotor.speed -> gain.u"]
+[[component]]
+name = "rotor"
+fmu = "rotor.fmu"
+[[component]]
+name = "gain"
+fmu = "gain.fmu"
+[[parameter]]
+name = "level"
+value = 3
+set = ["rotor.w", "gain.g"]
+"#;
+    let system = folder.toml(text).unwrap();
+    let at_start = |system: &cosim::System| {
+        let options = SystemOptions { stop: Some(0.01), ..SystemOptions::default() };
+        let r = cosimulate(system, &options, &mut |_| ()).unwrap();
+        ["rotor.speed", "gain.y"].map(|name| r.recording.column(name).unwrap().values[0])
+    };
+    let [speed, y] = at_start(&system);
+    assert_eq!((speed, y), (3.0, 9.0));
+    let path = folder.path("level.ssp");
+    system.write_ssp(&path, SspForm::default()).unwrap();
+    assert_eq!(at_start(&cosim::System::open(&path).unwrap()), [3.0, 9.0]);
+    let values = text_of(&path, "resources/parameters.ssv").replace("value=\"3\"", "value=\"2\"");
+    let (ssd, mapping) = (text_of(&path, "SystemStructure.ssd"), text_of(&path, "resources/parameters.ssm"));
+    let changed =
+        [("resources/parameters.ssv", values.as_str()), ("resources/parameters.ssm", mapping.as_str())];
+    assert_eq!(at_start(&folder.ssp(&ssd, &changed).unwrap()), [2.0, 4.0]);
+    let empty = text.replace("set = [\"rotor.w\", \"gain.g\"]", "set = []");
+    let sentence = folder.toml(&empty).unwrap_err().to_string();
+    assert!(sentence.contains("parameter level: the list `set` names no component.variable"), "{sentence}");
+}
+
 #[test]
 fn an_archive_has_what_other_tools_need() {
     let folder = Folder::new();
     let text = PAIR.replace("fmu = \"rotor.fmu\"", "fmu = \"rotor.fmu\"\nstep = 0.005");
     let path = folder.path("pair.ssp");
-    folder.toml(&text).unwrap().write_ssp(&path, false).unwrap();
+    folder.toml(&text).unwrap().write_ssp(&path, SspForm::default()).unwrap();
     let mut ssd = String::new();
     let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
     std::io::Read::read_to_string(&mut archive.by_name("SystemStructure.ssd").unwrap(), &mut ssd).unwrap();

@@ -143,9 +143,9 @@ fn runs_repeat_to_the_bit_from_toml_and_from_the_archive_made_of_it() {
     let folder = Folder::new();
     let system = folder.toml(PAIR).unwrap();
     let (one, two) = (folder.path("one.ssp"), folder.path("two.ssp"));
-    system.write_ssp(&one, false).unwrap();
+    system.write_ssp(&one, cosim::SspForm::default()).unwrap();
     let packed = cosim::System::open(&one).unwrap();
-    packed.write_ssp(&two, false).unwrap();
+    packed.write_ssp(&two, cosim::SspForm::default()).unwrap();
     assert_eq!(std::fs::read(&one).unwrap(), std::fs::read(&two).unwrap());
     for tolerance in [None, Some(1e-4)] {
         for algorithm in [Algorithm::Jacobi, Algorithm::GaussSeidel] {

@@ -2,7 +2,7 @@
 
 use crate::preset::StartValues;
 use crate::xml::{self, Xml, element, empty, list};
-use crate::{Dependencies, Unknown};
+use crate::{Dependencies, Experiment, Unknown};
 use physics::declare::Kind;
 use physics::model::{Declaration, Entry};
 use std::io;
@@ -23,17 +23,18 @@ const CAN: &[&str] = &[
     "providesDirectionalDerivative",
 ];
 
-/// The text of modelDescription.xml of an archive with these start values and dependencies.
+/// The text of modelDescription.xml of an archive with these start values, dependencies and default experiment.
 pub fn model_description(
     declaration: &'static Declaration,
     starts: &StartValues,
     found: &Dependencies,
+    experiment: Experiment,
 ) -> String {
     let mut root = xml::root("2.0", "guid", declaration);
     root.push(("numberOfEventIndicators", declaration.indicators.len().to_string()));
     let listed = Listed::new(declaration, starts);
     xml::document("fmiModelDescription", &root, |xml| {
-        xml::preamble(xml, declaration, [CAN_EXCHANGE, CAN], |xml, attributes, items| {
+        xml::preamble(xml, declaration, [CAN_EXCHANGE, CAN], experiment, |xml, attributes, items| {
             element(xml, "SimpleType", attributes, |xml| element(xml, "Enumeration", &vec![], items))
         })?;
         element(xml, "ModelVariables", &vec![], |xml| {

@@ -1,7 +1,7 @@
 //! The generated files of `model-description/`: their text, and a check that they are up to date.
 
-use crate::Dependencies;
 use crate::preset::StartValues;
+use crate::{Dependencies, Experiment};
 use crate::{fmi2, fmi3, lock, markdown};
 use std::fs;
 use std::io;
@@ -31,8 +31,14 @@ pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
         let declaration = (kind.declaration)();
         let home = folder.join(declaration.name);
         let found = Dependencies::of_all(kind);
-        files.push((home.join("fmi2.xml"), fmi2::model_description(declaration, &starts, &found)));
-        files.push((home.join("fmi3.xml"), fmi3::model_description(declaration, &starts, &found)));
+        files.push((
+            home.join("fmi2.xml"),
+            fmi2::model_description(declaration, &starts, &found, Experiment::default()),
+        ));
+        files.push((
+            home.join("fmi3.xml"),
+            fmi3::model_description(declaration, &starts, &found, Experiment::default()),
+        ));
         files.push((home.join("parameters.md"), markdown::parameters(kind)));
         files.push((home.join("dependencies.toml"), found.text(declaration)));
     }

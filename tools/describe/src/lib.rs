@@ -36,3 +36,18 @@ pub const LICENSE: &str = "MIT AND CC0-1.0 AND LicenseRef-CC-BY-SA";
 pub const DEFAULT_STEP: f64 = 1e-3;
 /// Stop time of the default experiment, s.
 pub const DEFAULT_STOP: f64 = 1.0;
+
+/// The default experiment of an archive; it starts at time 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Experiment {
+    /// Stop time, s.
+    pub stop: f64,
+    /// Communication step, s.
+    pub step: f64,
+}
+
+impl Default for Experiment {
+    fn default() -> Experiment {
+        Experiment { stop: DEFAULT_STOP, step: DEFAULT_STEP }
+    }
+}

@@ -9,11 +9,16 @@
 //! "motor.R_ref" = { value = 386, unit = "mOhm" }
 //! "motor.J" = "33.3 g.cm2"
 //! "drive_mode" = "current"
+//!
+//! [experiment]
+//! stop = "10 min"
+//! step = 0.01
 //! ```
 
 mod nearest;
 mod values;
 
+use crate::Experiment;
 pub use nearest::nearest;
 use physics::declare::Causality;
 use physics::model::{Declaration, ModelType};
@@ -37,6 +42,8 @@ pub struct Preset {
     pub description: String,
     /// The values.
     pub starts: StartValues,
+    /// The default experiment.
+    pub experiment: Experiment,
     /// The file, whose comments name the sources of the values; empty for derived values.
     pub file: String,
 }
@@ -68,6 +75,9 @@ impl Preset {
         match std::fs::read_to_string(Path::new(name_or_file)) {
             Ok(text) => Preset::parse(&text, name_or_file),
             Err(error) => {
+                if name_or_file.contains(['/', '\\']) || name_or_file.ends_with(".toml") {
+                    return Err(PresetError(format!("the preset {name_or_file} cannot be read ({error})")));
+                }
                 let names = BUILT_IN.iter().map(|(name, _)| *name);
                 let near = nearest(name_or_file, names);
                 Err(PresetError(format!(
@@ -94,6 +104,7 @@ impl Preset {
             model: declaration.name.to_owned(),
             description: format!("motor data of the control from preset {}", self.name),
             starts,
+            experiment: Experiment::default(),
             file: String::new(),
         })
     }
@@ -114,7 +125,7 @@ impl Preset {
         let mut source = Source::new(text, file);
         let table = source.table();
         let mut words = BTreeMap::new();
-        let mut start = None;
+        let (mut start, mut experiment) = (None, Experiment::default());
         for (key, value) in table.get_ref() {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 (known @ ("name" | "model" | "description"), DeValue::String(word)) => {
@@ -124,8 +135,11 @@ impl Preset {
                     source.error(value.span().start, format!("{known} must be a string"));
                 }
                 ("start", DeValue::Table(values)) => start = Some(values),
+                ("experiment", DeValue::Table(values)) => {
+                    experiment = values::experiment(values, &mut source)
+                }
                 (other, _) => {
-                    let keys = "the keys are name, model, description and [start]";
+                    let keys = "the keys are name, model, description, [start] and [experiment]";
                     source.error(key.span().start, format!("{other} is not a key of a preset; {keys}"));
                 }
             }
@@ -152,7 +166,7 @@ impl Preset {
             _ => StartValues::default(),
         };
         let description = words.get("description").map(|(text, _)| text.clone()).unwrap_or_default();
-        source.finish(Preset { name, model, description, starts, file: text.to_owned() })
+        source.finish(Preset { name, model, description, starts, experiment, file: text.to_owned() })
     }
 }
 
@@ -196,6 +210,26 @@ mod tests {
     fn refusal(start: &str) -> String {
         let text = format!("name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n\n[start]\n{start}\n");
         Preset::parse(&text, "x.toml").unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_preset_may_have_a_default_experiment() {
+        let of = |experiment: &str| {
+            let text =
+                format!("name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n\n[experiment]\n{experiment}\n");
+            Preset::parse(&text, "x.toml").map(|preset| preset.experiment).map_err(|error| error.to_string())
+        };
+        assert_eq!(of(""), Ok(Experiment::default()));
+        assert_eq!(of("stop = \"10 min\"\nstep = 0.01"), Ok(Experiment { stop: 600.0, step: 0.01 }));
+        for (wrong, words) in [
+            ("stop = 0", "x.toml:5: stop is not a time above 0"),
+            ("stop = \"5 V\"", "x.toml:5: stop is not a time"),
+            ("step = 2", "x.toml:5: step = 2 s is longer than stop = 1 s"),
+            ("end = 2", "x.toml:5: end is not a key of [experiment]"),
+        ] {
+            let message = of(wrong).unwrap_err();
+            assert!(message.starts_with(words), "{message}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Common parts of both model descriptions: writer, numbers, units.
 
+use crate::Experiment;
 use crate::preset::StartValues;
 use physics::declare::{Causality, Kind, Unit, Variability};
 use physics::model::{Declaration, Entry, Slot};
@@ -81,6 +82,7 @@ pub(crate) fn preamble(
     xml: &mut Xml,
     declaration: &Declaration,
     [exchange, stepping]: [&[&'static str]; 2],
+    experiment: Experiment,
     wrap: impl Fn(&mut Xml, &Attributes, &dyn Fn(&mut Xml) -> io::Result<()>) -> io::Result<()>,
 ) -> io::Result<()> {
     empty(xml, "ModelExchange", &interface(declaration, exchange))?;
@@ -90,7 +92,7 @@ pub(crate) fn preamble(
     unit_definitions(xml, declaration)?;
     type_definitions(xml, declaration, wrap)?;
     log_categories(xml)?;
-    default_experiment(xml)
+    default_experiment(xml, experiment)
 }
 
 /// The enumeration types; `wrap` writes the element around the items.
@@ -166,12 +168,12 @@ fn log_categories(xml: &mut Xml) -> io::Result<()> {
     })
 }
 
-fn default_experiment(xml: &mut Xml) -> io::Result<()> {
+fn default_experiment(xml: &mut Xml, experiment: Experiment) -> io::Result<()> {
     let attributes = vec![
         ("startTime", "0".to_string()),
-        ("stopTime", number(crate::DEFAULT_STOP)),
+        ("stopTime", number(experiment.stop)),
         ("tolerance", number(physics::model::TOLERANCE)),
-        ("stepSize", number(crate::DEFAULT_STEP)),
+        ("stepSize", number(experiment.step)),
     ];
     empty(xml, "DefaultExperiment", &attributes)
 }

@@ -1,6 +1,6 @@
 //! Properties of the whole variable table of every model.
 
-use describe::{Dependencies, Entry, StartValues, Unknown, generated, lock, models};
+use describe::{Dependencies, Entry, Experiment, StartValues, Unknown, generated, lock, models};
 use describe::{Preset, fmi2, fmi3};
 use physics::declare::{Causality, Kind, Scale};
 use physics::resources::Resources;
@@ -99,8 +99,9 @@ fn dependencies_are_the_physics() {
     assert_eq!(inputs(&found.outputs, "stator_temperature"), [""; 0], "a state depends on no input at once");
     // An output with stem loss does.
     assert_eq!(inputs(&found.outputs, "winding_temperature"), ["ambient_temperature"]);
-    // The power because of effect drive_loss; the coolant because the heat that it takes counts as heat to ambient.
-    let air = ["fan_command", "ambient_temperature", "ambient_pressure"];
+    // The speed because of effect speed_convection, the power because of effect drive_loss; the coolant because the heat that it takes
+    // counts as heat to ambient.
+    let air = ["imposed_speed", "fan_command", "ambient_temperature", "ambient_pressure"];
     let cooled = [&air[..], &["electrical_power", "coolant_inlet_temperature", "coolant_flow_rate"]].concat();
     assert_eq!(inputs(&found.outputs, "heat_to_ambient"), cooled);
     assert_eq!(on(&found.outputs, "shaft_speed"), ["imposed_speed", "state.shaft_speed"]);
@@ -144,10 +145,10 @@ fn segments_are_counted_by_the_start_values() {
     let starts = Preset::parse(preset, "x.toml").unwrap().starts;
     let found = Dependencies::of(kind, &Resources::default(), &starts);
     assert_eq!(found.rates.len(), 17 + 11);
-    let two = fmi2::model_description(declaration, &starts, &found);
+    let two = fmi2::model_description(declaration, &starts, &found, Experiment::default());
     assert!(two.contains("\"T_housing[11]\"") && two.contains("\"der(T_housing[11])\""));
     assert!(!two.contains("T_housing[12]"));
-    let three = fmi3::model_description(declaration, &starts, &found);
+    let three = fmi3::model_description(declaration, &starts, &found, Experiment::default());
     assert!(!three.contains("T_housing["));
     let line = |start: &str| three.lines().filter(|l| l.contains(start)).map(str::trim).collect::<Vec<_>>();
     let size = line("name=\"air_segments\"")[0];

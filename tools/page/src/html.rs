@@ -3,7 +3,7 @@
 use crate::choice::MODEL;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use describe::{Declaration, Kind, Preset, models};
+use describe::{Declaration, Kind, Preset, StartValues, models};
 use maud::{Markup, PreEscaped, html};
 use study::StudyError;
 
@@ -14,6 +14,8 @@ const STYLE: &str = include_str!("controls.css");
 /// A number that the reader chooses: key of the state, label, unit, start, least, most, step.
 type Number = (&'static str, &'static str, &'static str, f64, f64, f64, f64);
 
+/// The motor that is selected first: that of the declared defaults.
+const FIRST: &str = "maxon-305015";
 /// Numbers about motor and ambient.
 const AMBIENT: [Number; 3] = [
     ("fan", "Fan speed", "of full speed", 0.0, 0.0, 1.0, 0.05),
@@ -61,15 +63,15 @@ fn choice(key: &str, label: &str, items: &[(String, String)]) -> Markup {
     }
 }
 
-/// The items of an enumeration with their descriptions.
+/// The items of an enumeration with their descriptions, the declared start value first: it is selected at the start.
 fn items(declaration: &Declaration, name: &str) -> Vec<(String, String)> {
     let words = |text: &str| text.split(['.', ';', ':']).next().unwrap_or_default().trim().to_owned();
-    match declaration.by_name(name).map(|entry| entry.row.kind) {
-        Some(Kind::Enumeration(t)) => {
-            t.items.iter().map(|item| (item.name.to_owned(), words(item.doc))).collect()
-        }
-        _ => Vec::new(),
-    }
+    let Some(entry) = declaration.by_name(name) else { return Vec::new() };
+    let Kind::Enumeration(t) = entry.row.kind else { return Vec::new() };
+    let start = StartValues::default().of(entry);
+    let mut items: Vec<_> = t.items.iter().collect();
+    items.sort_by_key(|item| f64::from(item.value) != start);
+    items.into_iter().map(|item| (item.name.to_owned(), words(item.doc))).collect()
 }
 
 fn declaration(model: &str) -> Result<&'static Declaration, StudyError> {
@@ -82,11 +84,12 @@ fn declaration(model: &str) -> Result<&'static Declaration, StudyError> {
 /// # Errors
 /// A built-in preset that cannot be read.
 pub fn page(wasm: &[u8]) -> Result<String, StudyError> {
-    let motors: Vec<(String, String)> = Preset::built_in()?
+    let mut motors: Vec<(String, String)> = Preset::built_in()?
         .into_iter()
         .filter(|preset| preset.model == MODEL)
         .map(|preset| (preset.name, preset.description))
         .collect();
+    motors.sort_by_key(|(name, _)| name != FIRST);
     let mut cooling = vec![(String::new(), "as in the preset of the motor".to_owned())];
     cooling.extend(items(declaration(MODEL)?, "cooling_mode"));
     let gait = declaration("GaitLoad")?;
@@ -152,6 +155,13 @@ mod tests {
         }
         for (name, _) in items(declaration(MODEL).unwrap(), "cooling_mode") {
             assert!(page.contains(&format!("<option value=\"{name}\">")), "{name}");
+        }
+        // A browser selects the first option.
+        for (control, first) in [("motor", FIRST), ("activity", "walk"), ("joint", "ankle")] {
+            assert!(
+                page.contains(&format!("<select id=\"{control}\"><option value=\"{first}\">")),
+                "{control}"
+            );
         }
         // Every control has a label, and every label a control.
         for part in page.split("<label for=\"").skip(1) {

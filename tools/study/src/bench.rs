@@ -226,7 +226,10 @@ impl Bench {
             let change: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
             if let Some(hot) = now.iter().position(|t| !t.is_finite() || *t > RUNAWAY) {
                 let (name, t) = (&slots[hot].name, now[hot]);
-                return Err(self.unsettled(&format!("{name} passes {t:.0} K: thermal runaway")));
+                return Err(self.unsettled(&format!(
+                    "{name} passes {t:.0} K {:.0} s after the start: thermal runaway",
+                    self.time
+                )));
             }
             if let Some(last) = &changes {
                 let left = last.iter().zip(&change).map(|(d1, d2)| to_come(*d1, *d2));
@@ -256,10 +259,9 @@ impl Bench {
 
     fn unsettled(&self, why: &str) -> StudyError {
         StudyError::Unsettled(format!(
-            "{} does not settle: {} ({:.0} s after the start)",
+            "{} does not settle: {}",
             self.declaration.name,
-            why.trim_end_matches('.'),
-            self.time
+            why.trim_end_matches('.')
         ))
     }
 }

@@ -163,15 +163,24 @@ pub fn unchanged() -> Conversion {
     Conversion { from: one, to: one, relative: false, reciprocal: false }
 }
 
-/// A number and the unit behind it, as in `3.5 mH` or `25degC`; the unit is empty where there is none.
+/// A number and the unit behind it, as in `3.5 mH`, `3,5 mH` or `25degC`; the unit is empty where there is none. `None` where there is no
+/// number, or a comma that may separate thousands or decimals, as in `7,590`.
 pub fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
+    let pointed = if text.contains('.') { text.to_owned() } else { text.replacen(',', ".", 1) };
     // The longest beginning that is a number: 1e3 is one, 1eV is 1 with a unit.
-    let ends = text.char_indices().map(|(at, c)| at + c.len_utf8()).rev();
+    let ends = pointed.char_indices().map(|(at, c)| at + c.len_utf8()).rev();
     let (number, end) =
-        ends.filter_map(|end| Some((text[..end].trim_end().parse::<f64>().ok()?, end))).next()?;
+        ends.filter_map(|end| Some((pointed[..end].trim_end().parse::<f64>().ok()?, end))).next()?;
+    if let Some((whole, decimals)) = text[..end].trim_end().split_once(',')
+        && decimals.len() == 3
+        && !whole.trim_start_matches(['+', '-', '0']).is_empty()
+    {
+        return None;
+    }
     let starts_as_number = text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'));
-    starts_as_number.then(|| (number, text[end..].trim()))
+    let unit = text[end..].trim();
+    (starts_as_number && !unit.starts_with([',', '.'])).then_some((number, unit))
 }
 
 #[cfg(test)]
@@ -270,6 +279,21 @@ mod tests {
             assert_eq!(si(value, from, to), expected, "{value} {from}");
         }
         assert_eq!(si(0.1 + 0.2, "Ohm", "Ohm"), 0.1 + 0.2, "the same unit changes no bit");
+    }
+
+    #[test]
+    fn decimal_commas_are_taken_and_thousands_are_not_guessed() {
+        for (text, parts) in [
+            ("3,5 mH", Some((3.5, "mH"))),
+            ("-0,125", Some((-0.125, ""))),
+            ("27,61degC", Some((27.61, "degC"))),
+            ("7,590 rpm", None),
+            ("1,234.5", None),
+            ("1,2,3", None),
+            ("1e3 V", Some((1000.0, "V"))),
+        ] {
+            assert_eq!(split(text), parts, "{text}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 mod page;
 
-use crate::files::{read, write};
+use crate::files::{read, write_page};
 use crate::{Outcome, product, shell, venv, workspace::Workspace};
 use std::path::Path;
 use std::process::Stdio;
@@ -17,7 +17,7 @@ const SYSTEM: &str = "examples/systems/actuator-gait.toml";
 const BENCH: &str = "examples/04_close_the_loop_bench.py";
 
 /// Builds all that the page shows, and the page.
-pub fn run(workspace: &Workspace) -> Outcome {
+pub fn run(workspace: &Workspace, force: bool) -> Outcome {
     // First, so that a missing Python is reported before minutes of compiling.
     let python = venv::python(workspace, venv::TESTS)?;
     shell::stage("building everything");
@@ -38,8 +38,7 @@ pub fn run(workspace: &Workspace) -> Outcome {
     let bench = dist.join("bench");
     example(workspace, &python, BENCH, &bench)?;
     let report = dist.join("bench.html");
-    std::fs::copy(bench.join("fan/report.html"), &report)
-        .map_err(|e| format!("{} cannot be written: {e}", report.display()))?;
+    write_page(&report, &read(&bench.join("fan/report.html"))?, force)?;
     shell::stage("the two publications recomputed");
     let published = ["thesis", "paper"];
     for what in published {
@@ -51,7 +50,7 @@ pub fn run(workspace: &Workspace) -> Outcome {
     let [study, figure] = STUDY.map(|file| read(&workspace.root.join(file)));
     let study = page::study(&study?, &figure?)?;
     let html = page::html(walk, study, page::bench(&read(&bench.join("fan/report.json"))?)?);
-    write(&page, &html)?;
+    write_page(&page, &html, force)?;
     println!("FMUs: {0}/fmi2, {0}/fmi3\nresults: {1}", dist.display(), page.display());
     println!("system: {}", system.display());
     println!("closed loop: {}, all of it in {}", report.display(), bench.display());

@@ -13,6 +13,16 @@ pub fn write(file: &Path, text: &str) -> Outcome {
     std::fs::write(file, text).map_err(|e| format!("{} cannot be written: {e}", file.display()))
 }
 
+/// Writes a page. A file of another title is no earlier result: it is overwritten only with `force`.
+pub fn write_page(file: &Path, html: &str, force: bool) -> Outcome {
+    let title = |text: &str| Some(text.split_once("<title>")?.1.split_once("</title>")?.0.to_owned());
+    let earlier = std::fs::read(file).map(|bytes| title(&String::from_utf8_lossy(&bytes)));
+    if !force && earlier.is_ok_and(|earlier| earlier.is_none() || earlier != title(html)) {
+        return Err(format!("{} exists and is no earlier result; --force overwrites it", file.display()));
+    }
+    write(file, html)
+}
+
 /// What a folder holds, sorted.
 pub fn entries(folder: &Path) -> Outcome<Vec<PathBuf>> {
     let entries = folder.read_dir().map_err(|e| format!("{} cannot be read: {e}", folder.display()))?;
@@ -55,4 +65,23 @@ pub fn remove(folder: &Path) -> Outcome {
         return Ok(());
     }
     std::fs::remove_dir_all(folder).map_err(|e| format!("{} cannot be removed: {e}", folder.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_earlier_pages_are_overwritten() {
+        let file = std::env::temp_dir().join(format!("motor-fmu-page-{}.html", std::process::id()));
+        let page = |title: &str| format!("<!DOCTYPE html><title>{title}</title>");
+        assert_eq!(write_page(&file, &page("walk"), false), Ok(()));
+        assert_eq!(write_page(&file, &page("walk"), false), Ok(()));
+        assert!(write_page(&file, &page("other"), false).unwrap_err().contains("--force"));
+        assert_eq!(read(&file), Ok(page("walk")));
+        assert_eq!(write_page(&file, &page("other"), true), Ok(()));
+        write(&file, "notes").unwrap();
+        assert!(write_page(&file, "notes", false).is_err());
+        std::fs::remove_file(&file).unwrap();
+    }
 }

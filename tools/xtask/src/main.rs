@@ -34,7 +34,7 @@ type Outcome<T = ()> = Result<T, String>;
 #[command(name = "cargo xtask", about)]
 enum Command {
     /// Build and validate the FMUs, walk for 20 minutes, close the loop on bench data, write dist/index.html.
-    Demo,
+    Demo(Force),
     /// Run the everyday tests: sources, Rust, FMUs, Python, mutants of changed files.
     Test,
     /// Run all tests: also removals, all mutants, fuzz, cross, importers, page, wheel, blind, bench.
@@ -72,7 +72,7 @@ enum Command {
         toolchain: Option<PathBuf>,
     },
     /// Compile the models for WebAssembly and write dist/page.html, a page to try motors.
-    Page,
+    Page(Force),
     /// Pack a Python wheel with the program, the FMUs and the package motor_fmu into dist/.
     Wheel,
     /// Apply each mutation of the table and expect the tests to fail.
@@ -82,6 +82,14 @@ enum Command {
     },
     /// Remove each effect in turn and compile the physics.
     Removals,
+}
+
+/// What may be overwritten in dist/.
+#[derive(clap::Args)]
+struct Force {
+    /// Overwrite files that are no earlier results.
+    #[arg(long)]
+    force: bool,
 }
 
 fn main() -> ExitCode {
@@ -97,7 +105,7 @@ fn main() -> ExitCode {
 
 fn run(workspace: &Workspace, command: &Command) -> Outcome {
     match command {
-        Command::Demo => demo::run(workspace),
+        Command::Demo(Force { force }) => demo::run(workspace, *force),
         Command::Test => test::run(workspace),
         Command::Nightly => nightly::run(workspace),
         Command::Tidy => tidy::run(workspace),
@@ -110,7 +118,7 @@ fn run(workspace: &Workspace, command: &Command) -> Outcome {
         Command::Fuzz(options) => fuzz::run(workspace, options),
         Command::Importers => importers::run(workspace),
         Command::Cross { toolchain } => cross::run(workspace, toolchain.as_deref()),
-        Command::Page => page::run(workspace),
+        Command::Page(Force { force }) => page::run(workspace, *force),
         Command::Wheel => wheel::run(workspace),
         Command::Mutants { names } => mutants::run(workspace, names),
         Command::Removals => mutants::removal::summary(workspace).1,

@@ -1,13 +1,13 @@
 //! `cargo xtask page`: compiles the native models for WebAssembly and writes `dist/page.html`, which holds everything and needs no network.
 
-use crate::{Outcome, product, shell, venv, workspace::Workspace};
+use crate::{Outcome, files, product, shell, venv, workspace::Workspace};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// Opens the page in Chromium and compares its values with `motor-fmu`; a stage of `cargo xtask nightly`.
 const TESTS: &str = "tests/python/browser_page.py";
 
 /// Compiles the models and writes the page.
-pub fn run(workspace: &Workspace) -> Outcome {
+pub fn run(workspace: &Workspace, force: bool) -> Outcome {
     shell::stage("compiling the models for WebAssembly");
     let mut build =
         workspace.cargo(&["build", "--release", "--package", "page", "--lib", "--target", TARGET]);
@@ -17,14 +17,16 @@ pub fn run(workspace: &Workspace) -> Outcome {
     let models = workspace.target.join(TARGET).join("release/page.wasm");
     let page = workspace.dist().join("page.html");
     let mut write = workspace.cargo(&["run", "--quiet", "--release", "--package", "page", "--"]);
-    shell::run(write.arg(models).arg(&page))?;
+    let made = workspace.target.join("page.html");
+    shell::run(write.arg(models).arg(&made))?;
+    files::write_page(&page, &files::read(&made)?, force)?;
     println!("page: {}", page.display());
     Ok(())
 }
 
 /// Writes the page and tests it in Chromium.
 pub fn test(workspace: &Workspace) -> Outcome {
-    run(workspace)?;
+    run(workspace, false)?;
     product::build(workspace)?;
     product::archives(workspace)?;
     let mut tests = product::python(workspace, &venv::python(workspace, venv::TESTS)?);

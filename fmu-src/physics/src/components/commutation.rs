@@ -104,6 +104,8 @@ pub struct Phases {
     pub above: [f64; PHASES],
 }
 
+crate::saved!(Phases { above });
+
 /// What heats and cools the phases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseLoad {

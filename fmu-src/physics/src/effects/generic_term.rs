@@ -15,6 +15,7 @@
 //! | fan_flow | the command times 1 + y, not below 0 | fan_command |
 //! | ambient_sensor | the true ambient temperature is y, K, above the shown one | |
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
+//! | torque_sensor | the indicated torque is y, N.m, too high | |
 //!
 //! *Assumes* that drivers which are not alive stand still over a step, at the middle of where they begin and end, so that such a
 //! term is of second order in the step; of first where it acts on the very quantity that it follows and that answers within the step
@@ -65,6 +66,10 @@ impl Group for GenericTerms {
     #[inline]
     fn set(&mut self, index: usize, value: f64) -> bool {
         self.tuning.set(index, value)
+    }
+
+    fn zero() -> Self {
+        GenericTerms { tuning: Tuning::zero(), ..GenericTerms::default() }
     }
 }
 
@@ -205,6 +210,11 @@ impl Effect for GenericTerms {
     fn housing_sensor(&self, t: f64, _t_a: f64) -> f64 {
         t + self.sum(Port::HousingSensor)
     }
+
+    #[inline]
+    fn torque_sensor(&self, tau: f64) -> f64 {
+        tau + self.sum(Port::TorqueSensor)
+    }
 }
 
 #[cfg(test)]
@@ -290,6 +300,7 @@ mod tests {
         assert!(terms.take_terms(&three));
         assert_eq!((terms.winding_heat(), terms.winding_sensor(300.0, 290.0)), (3.0, 307.0));
         assert_eq!((terms.housing_sensor(300.0, 290.0), terms.ambient_offset()), (300.0, 0.0));
+        assert_eq!(terms.torque_sensor(0.05), 0.05);
         assert!(!terms.take_terms(&[three[0]; 4]));
         assert_eq!(terms.winding_heat(), 3.0);
     }

@@ -136,7 +136,7 @@ macro_rules! define {
         /// Where an effect acts: the ports of [`Effect`].
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Port {
-            /// Any of them: what acts there is decided by data.
+            /// Any of them: data decide where it acts, or the effect is told its drivers ([`tell`](Effect::tell)).
             Any,
             $($(#[doc = concat!("Port of [`", stringify!($name), "`](Effect::", stringify!($name), ").")] $port,)?)*
         }

@@ -8,12 +8,12 @@ pub mod series_elastic_actuator;
 use crate::model::ModelType;
 use annulus_cooled_motor::AnnulusCooledMotor;
 use brushed_gearmotor::BrushedGearmotor;
-use gait_load::Walker;
-use series_elastic_actuator::Actuator;
+use gait_load::GaitLoad;
+use series_elastic_actuator::SeriesElasticActuator;
 
 /// Every model of the project: one line each.
 pub const ALL: &[ModelType] =
-    &[AnnulusCooledMotor::TYPE, BrushedGearmotor::TYPE, Actuator::TYPE, Walker::TYPE];
+    &[AnnulusCooledMotor::TYPE, BrushedGearmotor::TYPE, SeriesElasticActuator::TYPE, GaitLoad::TYPE];
 
 /// The model of this name.
 pub fn by_name(name: &str) -> Option<&'static ModelType> {

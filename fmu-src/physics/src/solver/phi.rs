@@ -35,14 +35,16 @@ pub fn product<const N: usize>(m: &SMatrix<f64, N, N>, x: &SVector<f64, N>) -> S
     SVector::from(y)
 }
 
-/// How many phi functions are kept: phi_0 ... phi_5, as (4) needs.
-const KEPT: usize = 6;
+/// How many phi functions are kept: phi_0 ... phi_6, as (4) with t^2 in place of t needs.
+const KEPT: usize = 7;
+/// How many of them a matrix of more than two rows needs: phi_0 ... phi_5, as (4) needs.
+const KEPT_OF_MORE: usize = 6;
 /// Of these at half the step: phi_0 ... phi_3.
 const HALF: usize = 4;
-/// Even power at which the Taylor series of phi_5 of a matrix of size 1 ends, with the odd one behind it: what is left out
-/// is 5! / 21! of what stays, far below the rounding of a double.
+/// Even power at which the Taylor series of phi_6 of a matrix of size 1 ends, with the odd one behind it: what is left out
+/// is 6! / 22! of what stays, far below the rounding of a double.
 const POWER: usize = 14;
-/// A size for which a power of [`POWER_SMALL`] is enough: 1e-3^6 5! / 11!.
+/// A size for which a power of [`POWER_SMALL`] is enough: 1e-3^6 6! / 12!.
 const SMALL: f64 = 1e-3;
 const POWER_SMALL: usize = 4;
 /// Eigenvalues beyond which p + q z loses digits that the product of matrices keeps.
@@ -58,9 +60,9 @@ const RECIPROCAL: [f64; KEPT + POWER + 1] = {
     reciprocal
 };
 /// 2^-k
-const HALVED: [f64; KEPT] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
+const HALVED: [f64; KEPT] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
 
-/// phi_0 ... phi_5 of h A, and what half the step needs, for one A and one h.
+/// phi_0 ... phi_6 of h A (of more than two rows: phi_0 ... phi_5), and what half the step needs, for one A and one h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phi<const N: usize> {
     a: SMatrix<f64, N, N>,
@@ -71,18 +73,20 @@ pub struct Phi<const N: usize> {
     moment: [SMatrix<f64, N, N>; 4],
     /// 2 phi_3 - phi_2: what a parabola gives beyond a line.
     curvature: SMatrix<f64, N, N>,
+    /// 4 phi_3 - phi_2: what the last of the three values of a parabola gives.
+    last: SMatrix<f64, N, N>,
 }
 
-/// phi_0 ... phi_5 at the whole step, and phi_0 ... phi_3 at half of it.
+/// phi_0 ... phi_6 at the whole step, and phi_0 ... phi_3 at half of it.
 type Functions<T> = ([T; KEPT], [T; HALF]);
 
 /// The functions of z times 2^doublings, by eqs. (1) and (5); `times` multiplies two functions of z, `plus` adds a number
-/// times `one`.
+/// times `one`; the first `kept` of them.
 #[inline(always)]
 fn functions<T>(
     [one, z]: [T; 2],
-    power: usize,
-    doublings: i32,
+    kept: usize,
+    (power, doublings): (usize, i32),
     times: impl Fn(&T, &T) -> T,
     plus: impl Fn(T, f64) -> T,
 ) -> Functions<T>
@@ -91,21 +95,21 @@ where
 {
     // Even and odd powers apart: neither waits for the other.
     let square = times(&z, &z);
-    let (mut even, mut odd) = (one * RECIPROCAL[KEPT - 1 + power], one * RECIPROCAL[KEPT + power]);
+    let (mut even, mut odd) = (one * RECIPROCAL[kept - 1 + power], one * RECIPROCAL[kept + power]);
     for k in (0..power).step_by(2).rev() {
-        even = plus(times(&square, &even), RECIPROCAL[KEPT - 1 + k]);
-        odd = plus(times(&square, &odd), RECIPROCAL[KEPT + k]);
+        even = plus(times(&square, &even), RECIPROCAL[kept - 1 + k]);
+        odd = plus(times(&square, &odd), RECIPROCAL[kept + k]);
     }
     let mut phi = [one; KEPT];
-    phi[KEPT - 1] = even + times(&z, &odd);
-    for k in (0..KEPT - 1).rev() {
+    phi[kept - 1] = even + times(&z, &odd);
+    for k in (0..kept - 1).rev() {
         phi[k] = plus(times(&z, &phi[k + 1]), RECIPROCAL[k]);
     }
     let mut half = [one; HALF];
     for _ in 0..doublings {
         half.copy_from_slice(&phi[..HALF]);
         let e = phi[0];
-        for k in (1..KEPT).rev() {
+        for k in (1..kept).rev() {
             // 1 / 1! and 1 / 0! are no factors.
             let mut sum = times(&e, &phi[k]) + phi[k];
             if k > 1 {
@@ -155,7 +159,7 @@ fn pair<const N: usize>(z: &SMatrix<f64, N, N>) -> Option<Functions<SMatrix<f64,
     };
     let plus = |a: Vector2<f64>, number: f64| Vector2::new(a[0] + number, a[1]);
     let (full, half) =
-        functions([Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)], power, doublings, times, plus);
+        functions([Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)], KEPT, (power, doublings), times, plus);
     let matrix =
         |f: Vector2<f64>| SMatrix::from_fn(|i, j| f[1] * z[(i, j)] + if i == j { f[0] } else { 0.0 });
     Some((full.map(matrix), half.map(matrix)))
@@ -171,7 +175,8 @@ impl<const N: usize> Phi<N> {
                 let (doublings, power) = scaling(z.abs().column_sum().max());
                 let z = z * 0.5f64.powi(doublings);
                 let one = SMatrix::identity();
-                functions([one, z], power, doublings, |a, b| a * b, |a, number| a + one * number)
+                let kept = if N == 2 { KEPT } else { KEPT_OF_MORE };
+                functions([one, z], kept, (power, doublings), |a, b| a * b, |a, number| a + one * number)
             }
         };
         Self::of(a, h, full, half)
@@ -190,6 +195,7 @@ impl<const N: usize> Phi<N> {
             half,
             moment: [phi[1] - phi[2], phi[2] - phi[3], phi[3] - phi[4], (phi[4] - phi[5]) * 2.0],
             curvature: phi[3] * 2.0 - phi[2],
+            last: phi[3] * 4.0 - phi[2],
         }
     }
 
@@ -201,6 +207,11 @@ impl<const N: usize> Phi<N> {
     /// The matrix for which these functions hold, 1/s.
     pub fn matrix(&self) -> &SMatrix<f64, N, N> {
         &self.a
+    }
+
+    /// phi_k, k = 0 ... 6; the last one of two rows alone.
+    pub(super) fn functions(&self) -> &[SMatrix<f64, N, N>; KEPT] {
+        &self.full
     }
 
     /// x(h/2) for a constant forcing `n`, eq. (2) at half the step.
@@ -253,14 +264,20 @@ impl<const N: usize> Phi<N> {
     pub fn curvature_error(&self, n: &Forcing<N>) -> SVector<f64, N> {
         product(&self.curvature, &n.n2) * self.h
     }
+
+    /// By how much x(h) changes where the quadratic forcing at the end of the step is larger by `late`.
+    #[inline]
+    pub fn last_stage_error(&self, late: &SVector<f64, N>) -> SVector<f64, N> {
+        product(&self.last, late) * self.h
+    }
 }
 
 /// A forcing n0 + n1 s + n2 s^2 over a step, s = t/h from 0 to 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Forcing<const N: usize> {
-    n0: SVector<f64, N>,
-    n1: SVector<f64, N>,
-    n2: SVector<f64, N>,
+    pub(super) n0: SVector<f64, N>,
+    pub(super) n1: SVector<f64, N>,
+    pub(super) n2: SVector<f64, N>,
 }
 
 impl<const N: usize> Forcing<N> {

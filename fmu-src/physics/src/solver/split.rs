@@ -9,9 +9,8 @@
 //! x1  = x(h; parabola through N_0, N_a, N(h, x_b))                                         (1)
 //! ```
 //!
-//! Heat: the system turns the *integrals* of the fast solution into the heat of the step ([`System::work`]), so
-//! a current transient that dies within the step heats the winding by what it really dissipates, and the books
-//! close whatever the step. The thermal block then takes a heat flow with that very integral.
+//! Heat: the system turns the *integrals* of the fast solution, that of i^2 included, into the heat of the step
+//! ([`System::work`]), so a current transient that dies within the step heats the winding by what it really dissipates. The thermal block then takes a heat flow with that very integral.
 //! The blocks are solved in turn until the temperatures at the end of the step stand still.
 //!
 //! *Error control*: the parabola against the line (the error of the order below) for both blocks, what the fast
@@ -21,12 +20,15 @@
 //! with.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
+mod square;
 mod system;
 
 pub use system::{Fast, Segment, System, Work};
 
 use super::phi::{Forcing, Phi, product};
+use crate::runtime::Saved;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use square::Squares;
 
 /// Relative tolerance of one step on what the temperatures and the energies miss, and on the fast block's last stage where
 /// rates bend within a stiff step ([`System::bends_where_stiff`]).
@@ -129,6 +131,17 @@ impl<const N: usize, const E: usize> State<N, E> {
     }
 }
 
+impl<const N: usize, const E: usize> Saved for State<N, E> {
+    fn save(&self, out: &mut Vec<f64>) {
+        out.extend(self.to_numbers());
+    }
+
+    fn load(&mut self, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
+        *self = Self::from_numbers(next)?;
+        Some(())
+    }
+}
+
 /// Why a step could not be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stuck {
@@ -145,6 +158,7 @@ type Frozen<const N: usize> = (Matrix2<f64>, f64, SMatrix<f64, N, N>, f64);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split<const N: usize> {
     fast: Phi<2>,
+    squares: Squares,
     thermal: Phi<N>,
     /// The tolerance over [`TOLERANCE`].
     ease: f64,
@@ -160,7 +174,19 @@ impl<const N: usize> Default for Split<N> {
     /// Frozen for no step at all: the first step renews both blocks.
     fn default() -> Self {
         let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
-        Split { fast, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
+        let squares = Squares::of(&fast);
+        Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial: f64::INFINITY }
+    }
+}
+
+impl<const N: usize> Saved for Split<N> {
+    fn save(&self, out: &mut Vec<f64>) {
+        out.extend(self.to_numbers());
+    }
+
+    fn load(&mut self, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
+        *self = Self::from_numbers(next)?;
+        Some(())
     }
 }
 
@@ -184,7 +210,8 @@ impl<const N: usize> Split<N> {
         }
         let (fast, thermal) = (block(next)?, block(next)?);
         let trial = next().filter(|step| *step > 0.0)?;
-        Some(Split { fast, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial })
+        let squares = Squares::of(&fast);
+        Some(Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial })
     }
 
     /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] as they are eased: one, where that is wider than all.
@@ -242,6 +269,7 @@ impl<const N: usize> Split<N> {
             } else {
                 if let Some((a, fast, m, thermal)) = backup {
                     (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
+                    self.squares = Squares::of(&self.fast);
                 }
                 return Err(Stuck { t: done, h: try_h });
             }
@@ -275,6 +303,7 @@ impl<const N: usize> Split<N> {
         }
         if !fast {
             self.fast = Phi::new(a, h);
+            self.squares = Squares::of(&self.fast);
         }
         if !thermal {
             self.thermal = Phi::new(m, h);
@@ -318,12 +347,17 @@ impl<const N: usize> Split<N> {
             let forcing = Forcing::through(n0, na, nb);
             let x1 = fast.end(&x0, &slope0, &forcing);
             let xm = fast.middle(&x0, &forcing);
+            let x = [x0, xm, x1];
+            let (integral, moment) = (fast.integral(&x0, &forcing), fast.moment(&x0, &forcing));
+            let (square, doubt_of_square) = self.squares.integral(h, &x, &forcing, [&integral, &moment]);
             let segment = Segment {
                 t,
                 h,
-                x: [x0, xm, x1],
-                integral: fast.integral(&x0, &forcing),
-                moment: if system.wants_moment() { fast.moment(&x0, &forcing) } else { Fast::zeros() },
+                x,
+                square,
+                doubt_of_square,
+                integral,
+                moment,
                 temperature: [temp0, tempm, temp1],
             };
             let instants = [start, system.instant(middle, &xm, &tempm), system.instant(until, &x1, &temp1)];
@@ -356,8 +390,7 @@ impl<const N: usize> Split<N> {
             // Where the block is stiff, its end is the remainder's end value over A, and the parabola and the line
             // agree on that; what tells is how far the remainder at the end is from that at the last stage.
             let late = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
-            let none = Fast::zeros();
-            let late = fast.end(&none, &none, &Forcing::through(none, none, late));
+            let late = fast.last_stage_error(&late);
             let late = late.component_div(&size).amax();
             // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
             let miss_thermal = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;

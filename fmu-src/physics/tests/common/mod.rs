@@ -99,7 +99,7 @@ impl Profile {
     }
 
     fn slope(&self, base: &Inputs, t: f64) -> Inputs {
-        let mut slope = Inputs::ZERO;
+        let mut slope = Inputs::zero();
         if self.slopes() {
             let (a, b) = (self.at(base, t + 0.25 * self.line), self.at(base, t + 0.75 * self.line));
             // The line that holds at t: its quarter points lie on it where t is its start.

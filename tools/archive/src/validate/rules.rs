@@ -63,9 +63,9 @@ pub struct Rule {
     pub severity: Severity,
     /// The condition in a few words.
     pub title: &'static str,
-    /// Section of FMI 2.0 (numbering of 2.0.4).
+    /// Section of FMI 2.0.5.
     pub fmi2: &'static str,
-    /// Section of FMI 3.0.
+    /// Section of FMI 3.0.2.
     pub fmi3: &'static str,
 }
 
@@ -76,8 +76,8 @@ pub(crate) struct Breach {
     pub(crate) message: String,
 }
 
-/// Rules without a section whose breach is an error nevertheless.
-const BY_DECLARATION: [&str; 2] = ["reference-differs", "unit-contradiction"];
+/// Rules that follow from a declaration of the FMU; a section, if any, defines this declaration.
+const BY_DECLARATION: [&str; 4] = ["reference-differs", "unit-contradiction", "derivative-unit", "step-size"];
 const FOR_SAFETY: [&str; 8] = [
     "archive-bomb",
     "entry-duplicate",
@@ -165,6 +165,36 @@ mod tests {
         }
         for code in BY_DECLARATION.iter().chain(&FOR_SAFETY) {
             assert!(ALL.iter().any(|r| r.code == *code), "{code}");
+        }
+    }
+
+    /// The numbers of the headings of chapters 2 to 4 in the texts of the standards.
+    const HEADINGS: [&str; 2] = [
+        "2 2.1 2.1.1-9 2.2 2.2.1-9 2.3 2.3.1-2 3 3.1 3.2 3.2.1-4 3.3 3.3.1-2 4 4.1 4.1.1-2 4.2 4.2.1-5 4.3 4.3.1-2",
+        "2 2.1 2.2 2.2.1-12 2.2.7.1-4 2.2.8.1-4 2.2.12.1-2 2.3 2.3.1-8 2.4 2.4.1-10 2.4.7.1-5 2.4.7.5.1 2.4.9.1-2 2.4.9.1.1-4 \
+         2.4.9.2.1-7 2.4.10.1-7 2.5 2.5.1-4 2.5.1.1-6 2.5.1.1.1 2.5.1.4.1-3 2.5.4.1-2 2.6 3 3.1 3.1.1 3.2 3.2.1 3.3 3.4 \
+         3.4.1 4 4.1 4.1.1-3 4.2 4.2.1-2 4.3 4.3.1-5 4.4 4.4.1 4.4.1.1",
+    ];
+
+    #[test]
+    fn sections_exist_in_the_standards() {
+        let exists = |headings: &str, section: &str| {
+            headings.split_whitespace().any(|heading| match heading.split_once('-') {
+                None => heading == section,
+                Some((first, last)) => {
+                    let (above, from) = first.rsplit_once('.').unwrap();
+                    let numbers = from.parse::<u32>().unwrap()..=last.parse().unwrap();
+                    section
+                        .rsplit_once('.')
+                        .is_some_and(|(a, n)| a == above && n.parse().is_ok_and(|n| numbers.contains(&n)))
+                }
+            })
+        };
+        assert!(!exists(HEADINGS[0], "2.1.10") && !exists(HEADINGS[1], "2.4.7.6"));
+        for rule in ALL.iter() {
+            for (headings, section) in HEADINGS.iter().zip([rule.fmi2, rule.fmi3]) {
+                assert!(section.is_empty() || exists(headings, section), "{}: {section}", rule.code);
+            }
         }
     }
 

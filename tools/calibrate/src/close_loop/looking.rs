@@ -101,9 +101,12 @@ impl<'a> Search<'a> {
         }
         let Some(known) = known_past(&self.scored[0]) else { return false };
         self.remembered = Some(free_at(&self.scored[0], known.port).unwrap_or(known).clone());
-        for (k, round) in self.rounds.drain(..).enumerate() {
-            let round = round.without_taken("stood in for what knows its past, and leaves much of it");
-            self.refused.extend(round.ladder(k + 1));
+        // A law that predicts better stays, whatever remains unexplained beside it.
+        if !self.has_law() {
+            for (k, round) in self.rounds.drain(..).enumerate() {
+                let round = round.without_taken("stood in for what knows its past, and leaves much of it");
+                self.refused.extend(round.ladder(k + 1));
+            }
         }
         true
     }
@@ -169,9 +172,9 @@ impl<'a> Search<'a> {
         }
         let stripped = Point::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
         let round = compete(&without, &others, &search(&stripped));
-        let old = self.rounds.remove(0);
         if let Some(winner) = round.winner().filter(|_| cost(&round) < whole + LEAST) {
             let same = (&winner.addition().id, winner.addition().port) == (&own.id, own.port);
+            self.rounds.remove(0);
             self.rounds.push(round);
             return Ok(!same);
         }
@@ -179,6 +182,8 @@ impl<'a> Search<'a> {
         let mut kept = others;
         kept.additions.push(own);
         let point = Point::judged(self.setup, self.setup.judged(kept, &runs)?, &runs)?;
+        // Only now: where time ends before, the rounds stay those of the model.
+        let old = self.rounds.remove(0);
         self.rounds.push(old.with_point(point));
         Ok(false)
     }

@@ -5,21 +5,12 @@ use super::channel::{CHANNELS, Channel};
 use super::units::{self, FileUnit};
 use crate::CalibrateError;
 use physics::declare::Unit;
-use serde::Deserialize;
 use std::collections::BTreeMap;
-use toml::Spanned;
+use toml::{Spanned, Value};
 
 /// The column of the time in files, and its quantity.
 pub const TIME: &str = "time_s";
 const TIME_QUANTITY: &str = "time";
-
-/// A header with what it records.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ColumnText {
-    name: Spanned<String>,
-    unit: Option<Spanned<String>>,
-}
 
 /// A header of a file and the column of the contract that it stands for.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,12 +24,10 @@ pub struct Column {
 }
 
 /// The columns of `[columns]`.
-pub fn read(
-    table: &BTreeMap<Spanned<String>, ColumnText>,
-    place: &Place,
-) -> Result<Vec<Column>, CalibrateError> {
-    let one = |(header, text): (&Spanned<String>, &ColumnText)| {
-        let (name, at) = (text.name.get_ref(), text.name.span().start);
+pub fn read(table: &BTreeMap<Spanned<String>, Value>, place: &Place) -> Result<Vec<Column>, CalibrateError> {
+    let one = |(header, value): (&Spanned<String>, &Value)| {
+        let at = header.span().start;
+        let (name, unit) = parts(value).map_err(|sentence| place.at(at, &sentence))?;
         let (column, si) = quantity(name).ok_or_else(|| {
             let mut known: Vec<&str> = vec![TIME_QUANTITY];
             known.extend(CHANNELS.iter().map(Channel::quantity));
@@ -52,15 +41,33 @@ pub fn read(
                 ),
             )
         })?;
-        let stated = text.unit.as_ref().map_or(units::names(si)[0], |unit| unit.get_ref());
+        // What stands in brackets may also be a remark.
+        let in_brackets =
+            delimited::name_and_unit(header.get_ref()).1.filter(|unit| units::is_unit(si, unit));
+        let stated = unit.or(in_brackets).unwrap_or(units::names(si)[0]);
         let unit = units::by_name(si, stated).ok_or_else(|| {
-            let known = units::names(si).join(", ");
-            let at = text.unit.as_ref().map_or(at, |unit| unit.span().start);
-            place.at(at, &format!("{stated} is no unit of {name}; there is {known}"))
+            place.at(at, &format!("{stated} is no unit of {name}; there is {}", units::names(si).join(", ")))
         })?;
         Ok(Column { header: header.get_ref().clone(), column, unit })
     };
     table.iter().map(one).collect()
+}
+
+/// Quantity and unit of `"speed"` or `{ name = "speed", unit = "rpm" }`.
+fn parts(value: &Value) -> Result<(&str, Option<&str>), String> {
+    let form = "a column is \"quantity\" or { name = \"quantity\", unit = \"unit\" }";
+    match value {
+        Value::String(name) => Ok((name, None)),
+        Value::Table(table) => {
+            let is_part = |key: &str, value: &Value| matches!(key, "name" | "unit") && value.is_str();
+            if let Some((key, _)) = table.iter().find(|(key, value)| !is_part(key, value)) {
+                return Err(format!("{key} is not a key of a column or no text; {form}"));
+            }
+            let of = |key: &str| table.get(key).and_then(Value::as_str);
+            Ok((of("name").ok_or(form)?, of("unit")))
+        }
+        _ => Err(form.to_owned()),
+    }
 }
 
 /// The column of a quantity, or of its own name, and the SI unit.

@@ -5,6 +5,7 @@ use super::columns::{Column, TIME};
 use super::stamp::{DAY, Stamp};
 use super::units::FileUnit;
 use crate::CalibrateError;
+use delimited::Row;
 use std::path::Path;
 
 /// What a file holds, in SI units.
@@ -40,31 +41,21 @@ impl Table {
     ) -> Result<Table, CalibrateError> {
         let file = path.display();
         let bytes = std::fs::read(path).map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
-        // What is no UTF-8 is ISO 8859-1, whose bytes are code points.
-        let text = String::from_utf8(bytes)
-            .unwrap_or_else(|e| e.into_bytes().iter().map(|byte| char::from(*byte)).collect());
-        Table::parse(&text, &file.to_string(), wanted, mapped, blank)
+        Table::parse(&bytes, &file.to_string(), wanted, mapped, blank)
     }
 
-    /// The table of a text; `file` names it in errors.
+    /// The table of the bytes of a file; `file` names it in errors.
     pub fn parse(
-        text: &str,
+        bytes: &[u8],
         file: &str,
         wanted: &[&'static Channel],
         mapped: &[Column],
         blank: &[&str],
     ) -> Result<Table, CalibrateError> {
         let at = |line: u64, message: String| CalibrateError(format!("{file}:{line}: {message}"));
-        let text = text.trim_start_matches('\u{feff}');
-        let apart = separator(text);
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .delimiter(apart)
-            .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        let header = reader.headers().map_err(|e| at(1, format!("the header cannot be read: {e}")))?.clone();
-        let line = header.position().map_or(1, csv::Position::line);
-        let place = |column: &str| source(&header, column, mapped).map_err(|message| at(line, message));
+        let text = delimited::Table::parse(bytes).map_err(|f| at(f.line, f.message))?;
+        let (header, line) = (text.header(), text.header_line());
+        let place = |column: &str| source(header, column, mapped).map_err(|message| at(line, message));
         let (time_at, time_unit) = place(TIME)?;
         let places = wanted.iter().map(|c| {
             let found = place(c.column);
@@ -83,24 +74,15 @@ impl Table {
             dated: false,
             notes: Vec::new(),
         };
-        let has_comma = apart != b',';
         let (mut repeated, mut midnights, mut before) = (0, 0.0, None);
-        for record in reader.records() {
-            let record = record.map_err(|e| {
-                let line = e.position().map_or(0, csv::Position::line);
-                let why = if has_comma {
-                    ""
-                } else {
-                    " (a file with decimal commas needs semicolons between columns)"
-                };
-                at(line, format!("the row does not fit the header: {e}{why}"))
-            })?;
-            let line = record.position().map_or(0, csv::Position::line);
-            if before.as_ref() == Some(&record) {
+        for row in text.rows() {
+            let Row { line, cells } = row.map_err(|f| at(f.line, f.message))?;
+            let cell = |k: usize| text.pointed(&cells[k]);
+            if before.as_ref() == Some(&cells) {
                 repeated += 1;
                 continue;
             }
-            let mut time = match time_of(&record[time_at], has_comma).map_err(|m| at(line, m))? {
+            let mut time = match time_of(&cell(time_at)).map_err(|m| at(line, m))? {
                 Stamp::Number(number) => time_unit.map_or(number, |u| u.factor * number),
                 Stamp::Date(seconds) => {
                     table.dated = true;
@@ -110,7 +92,7 @@ impl Table {
             };
             if let Some(last) = table.time.last().filter(|last| time <= **last) {
                 // A clock that goes on after 23:59.
-                if record[time_at].contains(':') && !table.dated && last - time > 0.5 * DAY {
+                if cells[time_at].contains(':') && !table.dated && last - time > 0.5 * DAY {
                     midnights += DAY;
                     time += DAY;
                 } else {
@@ -126,10 +108,10 @@ impl Table {
                     column.push(f64::NAN);
                     continue;
                 };
-                let value = number(&record[*k], channel.column, has_comma).map_err(|m| at(line, m))?;
+                let value = number(&cell(*k), channel.column).map_err(|m| at(line, m))?;
                 column.push(unit.map_or(value + channel.offset, |u| u.factor * value + u.offset));
             }
-            before = Some(record);
+            before = Some(cells);
         }
         if table.time.len() < 2 {
             return Err(CalibrateError(format!(
@@ -191,18 +173,8 @@ fn clipped(column: &[f64], side: f64) -> Option<f64> {
     (next.len() == NEXT && first.len() >= CLIPPED * usual).then_some(side * first[0])
 }
 
-/// What separates the cells of a text: the most frequent of semicolon, tabulator and comma in its header, in this order.
-fn separator(text: &str) -> u8 {
-    let header = text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
-    *b";\t,".iter().find(|mark| header.as_bytes().contains(mark)).unwrap_or(&b',')
-}
-
 /// Where a column of the contract stands in a file, and its unit if `[columns]` has it. One sentence else.
-fn source(
-    header: &csv::StringRecord,
-    column: &str,
-    mapped: &[Column],
-) -> Result<(usize, Option<FileUnit>), String> {
+fn source(header: &[String], column: &str, mapped: &[Column]) -> Result<(usize, Option<FileUnit>), String> {
     let at = |name: &str| header.iter().position(|h| h == name);
     let there: Vec<(usize, &Column)> =
         mapped.iter().filter(|c| c.column == column).filter_map(|c| Some((at(&c.header)?, c))).collect();
@@ -210,34 +182,24 @@ fn source(
         [(k, found)] => Ok((k, Some(found.unit))),
         [(_, a), (_, b), ..] => Err(format!("{} and {} both record {column}", a.header, b.header)),
         [] => at(column).map(|k| (k, None)).ok_or_else(|| {
-            let headers: Vec<&str> = header.iter().collect();
             let names: Vec<&str> =
                 mapped.iter().filter(|c| c.column == column).map(|c| c.header.as_str()).collect();
             let or = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
             format!(
                 "the column {column}{or} is missing; there is {}. [columns] can map another header to it; not_measured = \
                  [\"{column}\"] in [[run]] states that this run did not measure an output",
-                headers.join(", ")
+                header.join(", ")
             )
         }),
     }
 }
 
-/// A cell with a decimal point in place of a decimal comma.
-fn pointed(cell: &str, has_comma: bool) -> std::borrow::Cow<'_, str> {
-    if has_comma && cell.contains(',') && !cell.contains('.') {
-        cell.replace(',', ".").into()
-    } else {
-        cell.into()
-    }
-}
-
 /// The time of a cell. One sentence else.
-fn time_of(cell: &str, has_comma: bool) -> Result<Stamp, String> {
+fn time_of(cell: &str) -> Result<Stamp, String> {
     if cell.is_empty() {
         return Err("time_s is blank; every row needs a time".to_string());
     }
-    match Stamp::of(&pointed(cell, has_comma)) {
+    match Stamp::of(cell) {
         Some(Stamp::Number(number)) if !number.is_finite() => {
             Err(format!("time_s = {cell} is not a finite number"))
         }
@@ -249,11 +211,11 @@ fn time_of(cell: &str, has_comma: bool) -> Result<Stamp, String> {
 }
 
 /// The number of a cell; a blank is NaN. One sentence else.
-fn number(cell: &str, column: &str, has_comma: bool) -> Result<f64, String> {
+fn number(cell: &str, column: &str) -> Result<f64, String> {
     if cell.is_empty() {
         return Ok(f64::NAN);
     }
-    match pointed(cell, has_comma).parse::<f64>() {
+    match cell.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(format!("{column} = {cell} is not a finite number; leave blank what was not measured")),
         Err(_) => Err(format!("{column} = {cell} is not a number; leave blank what was not measured")),
@@ -266,7 +228,7 @@ mod tests {
 
     fn read(text: &str) -> Result<Table, CalibrateError> {
         let wanted = ["current_A", "winding_temperature_degC"].map(|c| Channel::of(c).unwrap());
-        Table::parse(text, "run.csv", &wanted, &[], &[])
+        Table::parse(text.as_bytes(), "run.csv", &wanted, &[], &[])
     }
 
     const HEADER: &str = "time_s,winding_temperature_degC,current_A\n";

@@ -237,6 +237,24 @@ fn a_foreign_file_is_read_through_its_columns() {
     }
 }
 
+/// A column named by its quantity alone has the unit in the brackets of its header; what is no unit there is a remark.
+#[test]
+fn units_of_headers_count() {
+    let rows = RUN.replacen("current_A", "I [mA]", 1).replacen("speed_rad_per_s", "n (Sensor 2)", 1);
+    let runs = "[columns]\n\"I [mA]\" = \"current\"\n\"n (Sensor 2)\" = \"speed\"\n[[run]]\nfile = \"a.csv\"\nrole = \"fit\"\n";
+    let own = read_with("[[run]]\nfile = \"a.csv\"\nrole = \"fit\"\n", RUN.as_bytes()).unwrap();
+    let found = read_with(runs, rows.as_bytes()).unwrap();
+    let columns = |e: &Experiment| e.runs[0].table.columns.clone();
+    let milli: Vec<f64> = columns(&own)[0].iter().map(|i| i * 1e-3).collect();
+    assert_eq!((&columns(&found)[0], &columns(&found)[1]), (&milli, &columns(&own)[1]));
+    assert!(found.headers.contains(&("current_A", "I [mA]".to_owned())));
+    let sentence = |runs: String| read_with(&runs, rows.as_bytes()).unwrap_err().to_string();
+    let refused = sentence(runs.replacen("\"current\"", "\"voltage\"", 1));
+    assert!(refused.contains("mA is no unit of voltage"), "{refused}");
+    let refused = sentence(runs.replacen("\"current\"", "3", 1));
+    assert!(refused.contains("a column is \"quantity\" or {") && !refused.contains("struct"), "{refused}");
+}
+
 /// A clock without dates goes on after midnight, and a column may keep its contract name beside mapped ones.
 #[test]
 fn clocks_and_names_of_the_contract() {

@@ -1,6 +1,7 @@
 //! Units in which bench files record a quantity. The conversions are those of the crate `units`; here stand the units by whose exchange
 //! readings may be wrong, and that messages list.
 
+use ::units::Refusal;
 use physics::declare::Unit;
 
 /// A unit of a file: SI value = factor * reading + offset.
@@ -36,18 +37,26 @@ pub fn units(of: Unit) -> Vec<(&'static str, FileUnit)> {
     names(of).iter().filter_map(|name| Some((*name, by_name(of, name)?))).collect()
 }
 
-/// The unit of this name, where it is one of the quantity: any product of units with prefixes, as datasheets write them.
-pub fn by_name(of: Unit, name: &str) -> Option<FileUnit> {
-    // What is common in headers and means another thing elsewhere: a coulomb, a farad, a difference.
-    let name = match (of, name) {
+/// Whether a text is a unit, of this or of another quantity.
+pub fn is_unit(of: Unit, name: &str) -> bool {
+    !matches!(::units::conversion(usual(of, name), of.name(), false), Err(Refusal::Unknown(_)))
+}
+
+/// What is common in headers and means another thing elsewhere: a coulomb, a farad, a difference.
+fn usual(of: Unit, name: &str) -> &str {
+    match (of, name) {
         (Unit::Kelvin, "C") => "degC",
         (Unit::Kelvin, "F") => "degF",
         (Unit::Kelvin, "R") => "degR",
         (Unit::One, "-") => "1",
         (Unit::RadianPerSecond, "rad_per_s") => "rad/s",
         (_, name) => name,
-    };
-    let way = ::units::conversion(name, of.name(), false).ok().filter(|way| !way.reciprocal)?;
+    }
+}
+
+/// The unit of this name, where it is one of the quantity: any product of units with prefixes, as datasheets write them.
+pub fn by_name(of: Unit, name: &str) -> Option<FileUnit> {
+    let way = ::units::conversion(usual(of, name), of.name(), false).ok().filter(|way| !way.reciprocal)?;
     // A temperature in percent or a time in degC is none.
     let offset = way.of(0.0);
     Some(FileUnit { factor: way.of(1.0) - offset, offset })

@@ -16,10 +16,10 @@
 mod profile;
 
 use super::consistency::{SAMPLES, STRUCTURE, WORSE, thinned};
-use super::{Unusable, median, structured};
+use super::{Unusable, mean_square, median, structured};
 use crate::CalibrateError;
 use crate::deadline::Deadline;
-use crate::experiment::{Channel, Experiment, Role};
+use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
 use crate::noise;
@@ -153,10 +153,7 @@ fn search(
     preset: &[(u32, f64)],
     deadline: &Deadline,
 ) -> Result<Option<Shift>, CalibrateError> {
-    let of = |role: Role| -> Vec<usize> {
-        (0..experiment.runs.len()).filter(|r| experiment.runs[*r].role == role).collect()
-    };
-    let (fit, validate) = (of(Role::Fit), of(Role::Validate));
+    let (fit, validate) = (experiment.of_role(Role::Fit), experiment.of_role(Role::Validate));
     let setup = structured(experiment, preset, &fit)?.until(deadline.clone());
     let Ok(as_is) = setup.refit(&fit) else { return Ok(None) };
     let inputs = experiment.inputs.len();
@@ -339,18 +336,8 @@ impl Judge<'_> {
 
     /// Mean square that noise and structure error leave of an output.
     fn structure(&self, output: usize) -> f64 {
-        let experiment = self.setup.experiment;
-        let place = experiment.inputs.len() + output;
-        let channel: &Channel = experiment.outputs[output];
-        let (mut sum, mut count) = (0.0, 0usize);
-        for run in self.fit.iter().map(|r| &experiment.runs[*r]) {
-            let zero = super::ambient(experiment, run);
-            for (y, zero) in run.table.columns[place].iter().zip(zero).filter(|(y, _)| y.is_finite()) {
-                sum += (y - if channel.is_temperature() { zero } else { 0.0 }).powi(2);
-                count += 1;
-            }
-        }
-        2.0 * self.noise[output] + STRUCTURE.powi(2) * sum / count.max(1) as f64
+        let (square, _) = mean_square(self.setup.experiment, self.fit, output);
+        2.0 * self.noise[output] + STRUCTURE.powi(2) * square
     }
 
     /// The shift about a fit with its 95 % interval; `None` where a lag of the sensor does as well.

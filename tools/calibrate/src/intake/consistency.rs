@@ -12,7 +12,8 @@
 //! r the correlation of y and p, s their standard deviations. The question is asked only if the declared parameters, fitted with the
 //! structure error below, leave more than [`GOOD`] times of it in a run. A
 //! mistake in a column is a hypothesis that changes the data: another unit, in either direction; a power of ten; a wrong sign; two columns
-//! exchanged; a rise over ambient in place of a temperature; any factor; a wrong unit of the time. The score of a hypothesis is
+//! exchanged; a rise over ambient in place of a temperature; an ambient sensor that the motor heats; an input that was not
+//! measured, whose values an output implies; any factor; a wrong unit of the time. The score of a hypothesis is
 //! the sum of ln q_k. Hypotheses over outputs cost nothing; those over inputs are simulated only if some q is large. The best ones
 //! are confirmed: the declared parameters are fitted with the data as they are and as the hypothesis would have them, with a
 //! structure error of [`STRUCTURE`] of each output's size and [`SAMPLES`] independent readings in each run as the noise. Only where
@@ -22,6 +23,7 @@
 //! hypotheses: Basseville and Nikiforov, Detection of Abrupt Changes (1993), ch. 2.
 
 mod mistakes;
+mod unmeasured;
 
 use super::{Unusable, sorted, structured};
 use crate::CalibrateError;
@@ -314,6 +316,8 @@ fn search(
                 best.push((score(&judge.outputs(&changed, &shown)), mistake.clone(), changed, shown));
             }
         }
+        let implied = unmeasured::of(judge, &at, &predicted, &outputs);
+        best.extend(implied.into_iter().filter(|one| !taken(&one.1)));
         if best.is_empty() {
             break;
         }
@@ -327,7 +331,12 @@ fn search(
         let mut confirmed: Option<(Cost, Changed)> = None;
         for one in best {
             let as_meant = fitted(judge, &one.2, FIT)?;
-            if as_is.is_worse_than(&as_meant)
+            // An output that implies an input is no evidence: both sides are judged without it.
+            let without = match one.1 {
+                Mistake::Unmeasured { by, .. } => Some(fitted(judge, &blanked(&at, judge.runs, by), FIT)?),
+                _ => None,
+            };
+            if without.as_ref().unwrap_or(&as_is).is_worse_than(&as_meant)
                 && confirmed.as_ref().is_none_or(|(least, _)| as_meant.whole() < 0.9 * least.whole())
             {
                 confirmed = Some((as_meant, one));
@@ -345,6 +354,13 @@ fn search(
         suggestion = format!("{suggestion}; {what}");
     }
     Ok(Some(Unusable { channel, reason, suggestion }))
+}
+
+/// The experiment without the readings of a column in these runs.
+fn blanked(experiment: &Experiment, runs: &[usize], column: usize) -> Experiment {
+    let mut changed = experiment.clone();
+    runs.iter().for_each(|run| changed.runs[*run].table.columns[column].fill(f64::NAN));
+    changed
 }
 
 /// Keeps the best few, the best one first; of equals the first that was tried.

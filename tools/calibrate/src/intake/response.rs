@@ -3,7 +3,7 @@
 //! The model of the preset predicts p at every row; y is the reading and p0 where both begin (ambient temperature, else 0). The model may be
 //! wrong by any parameter, so that y - p0 may be several times p - p0, or a fraction of it; but it has to follow:
 //!
-//! level  (y - p0) / (b (p - p0)) within [`LEVEL`] while p - p0 is clear of zero                     (1)
+//! level  (y - p0) / (b (p - p0)) within [`LEVEL`], or y within [`FAR`] of p0 + b (p - p0)             (1)
 //! slope  cov(y, b p) / var(b p) over a stretch in which p moves: at least [`SLOPE`]                   (2)
 //! repeat exactly the same reading, while p moves by more than [`STEPS`] resolutions                   (3)
 //!
@@ -14,9 +14,10 @@
 //! *Assumes* that a law of physics changes a temperature rise by less than a factor of eight. *Sources*: Isermann, Fault-Diagnosis Systems
 //! (2006), ch. 7 and 10 (signal models, parity equations).
 
-use super::{Unusable, ambient, median, sorted};
+use super::{FAR, Unusable, ambient, median, sorted};
 use crate::experiment::{Channel, Experiment, Role};
 use crate::noise;
+use std::cell::LazyCell;
 
 /// (1): a sensor on the motor reads at least an eighth of the rise, and no more than eight times.
 const LEVEL: (f64, f64) = (0.125, 8.0);
@@ -25,6 +26,11 @@ const SLOPE: f64 = 0.1;
 /// (3), and the fewest rows of a stretch.
 const STEPS: f64 = 5.0;
 const LEAST_ROWS: usize = 30;
+/// Standard deviations of a prediction that its movement has to exceed: those from -2 to +2, in which 95 % of the priors lie.
+const CERTAIN: f64 = 4.0;
+/// Fraction of a jump that the model leaves unpredicted, from which on it is the sensor's: a thermal capacity of the preset within a
+/// factor of two of the motor's predicts half of a step.
+const UNPREDICTED: f64 = 0.5;
 /// Parts of a run in which (2) is asked.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
 /// Fraction of its movement over all runs that the prediction has to move in a stretch to ask (2) or (3) there.
@@ -72,7 +78,13 @@ fn spread(values: &[f64]) -> f64 {
 
 /// Sets aside what does not answer, with notes: neither as the preset predicts, nor as the fit of the declared parameters does, both run by
 /// run and output by output. A current that is the small difference of two voltages follows no prediction of a preset.
-pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], fitted: &[Vec<Vec<f64>>]) {
+pub fn set_aside(
+    experiment: &mut Experiment,
+    predicted: &[Vec<Vec<f64>>],
+    fitted: &[Vec<Vec<f64>>],
+    deviations: impl FnOnce() -> Vec<Vec<Vec<f64>>>,
+) {
+    let deviations = LazyCell::new(deviations);
     let mut notes: Vec<String> = Vec::new();
     for output in 0..experiment.outputs.len() {
         let channel = experiment.outputs[output];
@@ -96,13 +108,22 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], fitte
             let column: Vec<f64> = own.rows.iter().map(|row| table.columns[first][*row]).collect();
             let time: Vec<f64> = own.rows.iter().map(|row| table.time[*row]).collect();
             let sigma = noise::of_column(&time, &column).unwrap_or(0.0);
-            let judge = Judge { channel, own, column: &column, sigma, moves };
+            let doubt = |rows: &[usize]| {
+                let of = |row: &usize| deviations[run].get(output).map_or(0.0, |all| all[*row].powi(2));
+                (rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64).sqrt()
+            };
+            let judge = Judge { channel, own, column: &column, sigma, moves, doubt: &doubt };
             let Some((mut bad, why)) = judge.bad() else { continue };
             let of_fit = pair(experiment, &fitted[run], run, output);
             if of_fit.rows == own.rows {
                 let moves = spread(&of_fit.model).max(moves);
-                let Some((also, _)) = (Judge { own: &of_fit, moves, ..judge }).bad() else { continue };
+                let fit = Judge { own: &of_fit, moves, ..judge };
+                let Some((also, _)) = fit.bad() else { continue };
                 bad.iter_mut().zip(also).for_each(|(bad, also)| *bad &= also);
+                if !bad.contains(&true) {
+                    // A jump that neither predicts: they only disagree on the side which is wrong.
+                    fit.moved().into_iter().for_each(|k| bad[k] = true);
+                }
                 if !bad.contains(&true) {
                     continue;
                 }
@@ -112,7 +133,8 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], fitte
             let kept = off(own).into_iter().zip(&bad).filter(|(_, bad)| !**bad).map(|(x, _)| x);
             let usual = sorted(good.chain(kept));
             let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(0.0);
-            widen(&mut bad, &off(own), usual.max(4.0 * sigma));
+            let jumps = if channel.is_temperature() { super::signals::jumps(&column) } else { Vec::new() };
+            widen(&mut bad, &off(own), usual.max(4.0 * sigma), &jumps);
             let count = bad.iter().filter(|bad| **bad).count();
             let file = experiment.runs[run].file.clone();
             let column = &mut experiment.runs[run].table.columns[first];
@@ -140,19 +162,26 @@ pub fn set_aside(experiment: &mut Experiment, predicted: &[Vec<Vec<f64>>], fitte
     experiment.notes.extend(notes);
 }
 
-/// Grows what is bad as far as the reading is away from the prediction by more than usual, with a margin.
-fn widen(bad: &mut [bool], off: &[f64], usual: f64) {
+/// Grows what is bad as far as the reading is away from the prediction by more than usual, with a margin. It ends at a jump: there the
+/// sensor began or ceased to work.
+fn widen(bad: &mut [bool], off: &[f64], usual: f64, jumps: &[usize]) {
     const MARGIN: usize = 5;
-    let n = bad.len();
-    for k in 1..n {
-        bad[k] |= bad[k - 1] && off[k] > usual;
-    }
-    for k in (1..n).rev() {
-        bad[k - 1] |= bad[k] && off[k - 1] > usual;
-    }
-    let edges: Vec<usize> = (0..n).filter(|k| bad[*k]).collect();
-    for k in edges {
-        bad[k.saturating_sub(MARGIN)..(k + MARGIN + 1).min(n)].fill(true);
+    let mut ends = vec![0];
+    ends.extend(jumps);
+    ends.push(bad.len());
+    for (from, to) in ends.windows(2).map(|w| (w[0], w[1])) {
+        let (bad, off) = (&mut bad[from..to], &off[from..to]);
+        for k in 1..bad.len() {
+            bad[k] |= bad[k - 1] && off[k] > usual;
+        }
+        for k in (1..bad.len()).rev() {
+            bad[k - 1] |= bad[k] && off[k - 1] > usual;
+        }
+        let edges: Vec<usize> = (0..bad.len()).filter(|k| bad[*k]).collect();
+        for k in edges {
+            let end = (k + MARGIN + 1).min(bad.len());
+            bad[k.saturating_sub(MARGIN)..end].fill(true);
+        }
     }
 }
 
@@ -163,6 +192,8 @@ struct Judge<'a> {
     column: &'a [f64],
     sigma: f64,
     moves: f64,
+    /// Standard deviation of the prediction that the priors leave, over some rows.
+    doubt: &'a dyn Fn(&[usize]) -> f64,
 }
 
 impl Judge<'_> {
@@ -211,14 +242,15 @@ impl Judge<'_> {
         stretches.iter().filter(|s| long(s)).flat_map(|(a, b)| *a..=*b).collect()
     }
 
-    /// Stretches between jumps that lie further from the prediction than the best one by far.
+    /// Stretches between jumps that lie further from the prediction than the best one by far. Where none does, all but the longest
+    /// one between jumps that the model does not predict: a sensor that has moved reads something else on either side.
     fn jumped(&self) -> Vec<usize> {
         let jumps = super::signals::jumps(self.column);
         if jumps.is_empty() {
             return Vec::new();
         }
         let mut ends = vec![0];
-        ends.extend(jumps);
+        ends.extend(&jumps);
         ends.push(self.column.len());
         let off =
             |(a, b): (usize, usize)| median((a..b).map(|k| (self.own.read[k] - self.own.model[k]).abs()));
@@ -227,7 +259,34 @@ impl Judge<'_> {
         let best =
             parts.iter().filter(|(a, b)| b - a >= LEAST_ROWS).map(|p| off(*p)).fold(f64::INFINITY, f64::min);
         let least = (3.0 * best).max(0.1 * self.moves).max(CLEAR * self.sigma);
-        parts.into_iter().filter(|p| off(*p) > least).flat_map(|(a, b)| a..b).collect()
+        let far: Vec<usize> = parts.into_iter().filter(|p| off(*p) > least).flat_map(|(a, b)| a..b).collect();
+        if far.is_empty() { self.moved() } else { far }
+    }
+
+    /// All readings but those of the longest stretch between jumps that are no change of the prediction, and of stretches at its level.
+    fn moved(&self) -> Vec<usize> {
+        if !self.channel.is_temperature() {
+            return Vec::new();
+        }
+        let jumps = super::signals::jumps(self.column);
+        let change = |of: &[f64], k: usize| of[k] - of[k - 1];
+        let sizes = jumps.iter().map(|k| (*k, change(&self.own.read, *k), change(&self.own.model, *k)));
+        let own: Vec<(usize, f64)> = sizes
+            .filter(|(_, read, model)| (read - model).abs() > UNPREDICTED * read.abs())
+            .map(|(k, read, model)| (k, read - model))
+            .collect();
+        let least = own.iter().map(|(_, size)| size.abs()).fold(f64::INFINITY, f64::min);
+        // Stretches with the sum of the jumps before each.
+        let mut parts = vec![(0..self.column.len(), 0.0)];
+        for (k, size) in own {
+            let Some((last, level)) = parts.last_mut() else { break };
+            let next = (k..last.end, *level + size);
+            last.end = k;
+            parts.push(next);
+        }
+        let longest = parts.iter().max_by_key(|(part, _)| part.len()).map_or(0.0, |(_, level)| *level);
+        let elsewhere = parts.into_iter().filter(|(_, level)| (level - longest).abs() > 0.5 * least);
+        elsewhere.flat_map(|(part, _)| part).collect()
     }
 
     /// (1)
@@ -236,8 +295,8 @@ impl Judge<'_> {
         let least = (0.2 * most).max(5.0).max(CLEAR * self.sigma);
         let tells: Vec<usize> = (0..self.column.len()).filter(|k| self.own.model[*k] > least).collect();
         let fails = |k: &usize| {
-            let share = self.own.read[*k] / self.own.model[*k];
-            !(LEVEL.0..=LEVEL.1).contains(&share)
+            let (read, model) = (self.own.read[*k], self.own.model[*k]);
+            !(LEVEL.0..=LEVEL.1).contains(&(read / model)) && (read - model).abs() > FAR
         };
         // Cold, a sensor that reads beyond all that the run makes of it.
         let far = |k: &usize| (self.own.read[*k] - self.own.model[*k]).abs() > self.moves.max(25.0);
@@ -278,7 +337,9 @@ impl Judge<'_> {
                     own += (m - b).powi(2);
                 }
                 let moves = spread(&self.own.read[part.clone()]);
-                if (both / own).abs() < SLOPE && moves < 3.0 * SLOPE * moved + CLEAR * self.sigma {
+                let is_still = (both / own).abs() < SLOPE && moves < 3.0 * SLOPE * moved + CLEAR * self.sigma;
+                // What the priors leave open may be all of the movement: a current as the small difference of two voltages.
+                if is_still && moved > CERTAIN * (self.doubt)(&self.own.rows[part.clone()]) {
                     all.extend(part);
                 }
             }

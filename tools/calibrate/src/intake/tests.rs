@@ -8,6 +8,7 @@ const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_
 /// Noise of inputs and outputs, SI units.
 const SIGMA: [f64; 8] = [0.004, 0.3, 0.0, 0.02, 0.02, 6e-4, 0.1, 0.1];
 const CURRENT: usize = 0;
+const SPEED: usize = 1;
 const AMBIENT: usize = 3;
 const VOLTAGE: usize = 4;
 const TORQUE: usize = 5;
@@ -16,6 +17,11 @@ const HOUSING: usize = 7;
 
 /// One run of 1200 rows of 3 s with steps of current, speed and fan, its readings those of a specimen that differs from the preset.
 fn experiment(seed: u64) -> Experiment {
+    with_inputs(seed, |_| ())
+}
+
+/// The same with other inputs.
+fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
     let mut experiment = trial::experiment(PRIORS, true);
     experiment.noise.clear();
     let rows = 1200;
@@ -28,6 +34,7 @@ fn experiment(seed: u64) -> Experiment {
         of(&[0.0, 0.0, 1.0], 130),
         vec![296.15; rows],
     ];
+    change(&mut table.columns);
     table.columns.resize(8, vec![f64::NAN; rows]);
     let setup = Setup::new(&experiment, &[]).unwrap();
     let shares = [1.02, 0.98, 1.1, 0.9, 1.1, 0.95, 0.9];
@@ -177,4 +184,94 @@ fn a_run_that_starts_elsewhere_is_unusable() {
         run.runs[0].start = Start::Measured;
         assert_eq!(start_elsewhere(&run), None);
     }
+}
+
+fn unusable(experiment: &mut Experiment) -> Option<String> {
+    match check(experiment, &[]) {
+        Err(Refusal::Unusable(why)) => Some(why.channel),
+        other => {
+            assert_eq!(other, Ok(()));
+            None
+        }
+    }
+}
+
+/// A sensor that is moved reads another fraction of the rise, or an offset, from then on: the longer part is kept, and all of it.
+#[test]
+fn readings_of_a_sensor_that_has_moved_are_set_aside() {
+    for (k, from, share, offset) in [
+        (HOUSING, 700, 0.6, 0.0),
+        (HOUSING, 400, 1.0, -9.0),
+        (WINDING, 800, 0.7, 0.0),
+        (WINDING, 300, 1.0, 12.0),
+    ] {
+        let mut moved = experiment(10);
+        column(&mut moved, k)[from..].iter_mut().for_each(|x| *x = 296.15 + share * (*x - 296.15) + offset);
+        assert_eq!(unusable(&mut moved), None);
+        let blank = |rows: std::ops::Range<usize>| {
+            moved.runs[0].table.columns[k][rows].iter().filter(|x| x.is_nan()).count()
+        };
+        let parts = [blank(0..from), blank(from..1200)];
+        let (shorter, longer) = if from > 600 { (parts[1], parts[0]) } else { (parts[0], parts[1]) };
+        let least = if from > 600 { 1200 - from } else { from };
+        assert!(shorter == least && longer < 20, "{k} from {from}: {parts:?} {:?}", moved.notes);
+    }
+}
+
+/// A speed that nobody measured; not one of a shaft that truly is locked, whatever is wrong with the voltage.
+#[test]
+fn an_input_that_was_not_measured_is_unusable() {
+    let mut unmeasured = experiment(11);
+    column(&mut unmeasured, SPEED).fill(0.0);
+    assert_eq!(unusable(&mut unmeasured).as_deref(), Some("speed_rad_per_s"));
+    let mut locked = with_inputs(12, |columns| columns[SPEED].fill(0.0));
+    column(&mut locked, SPEED).fill(0.0);
+    column(&mut locked, VOLTAGE).iter_mut().for_each(|v| *v += 0.7 * (*v / 0.2).tanh());
+    assert_ne!(unusable(&mut locked).as_deref(), Some("speed_rad_per_s"));
+}
+
+/// An ambient sensor on the motor or beside it; one in a room that warms is used.
+#[test]
+fn an_ambient_sensor_that_the_motor_heats_is_unusable() {
+    for share in [0.9, 1.0] {
+        let mut heated = experiment(13);
+        let housing = column(&mut heated, HOUSING).clone();
+        let of = |(x, housing): (&mut f64, f64)| *x += share * (housing - *x);
+        column(&mut heated, AMBIENT).iter_mut().zip(housing).for_each(of);
+        assert_eq!(unusable(&mut heated).as_deref(), Some("ambient_temperature_degC"), "{share}");
+    }
+    let mut warming = with_inputs(14, |columns| {
+        columns[AMBIENT].iter_mut().enumerate().for_each(|(k, x)| *x += 0.004 * k as f64);
+    });
+    assert_eq!(unusable(&mut warming), None, "{:?}", warming.notes);
+}
+
+/// No-load currents of a voltage drive are the small difference of two voltages: 3 % of the torque constant predict amperes. The
+/// priors say so, and the readings are used; a prediction that were certain would call the sensor dead.
+#[test]
+fn a_small_current_is_no_dead_sensor() {
+    let outputs = ["current_A", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];
+    let mut run = trial::driven_by(("voltage_V", 1.0, 190.0), &outputs, PRIORS, true);
+    run.noise.clear();
+    let start =
+        |name: &str| Setup::new(&run, &[]).unwrap().declared.iter().find(|d| d.name == name).unwrap().prior;
+    let (r, k_t) = (start("motor.R_ref"), 1.03 * start("motor.k_t"));
+    let mut rng = rng(15);
+    let rows = 1200;
+    let table = &mut run.runs[0].table;
+    table.time = (0..rows).map(|k| 3.0 * k as f64).collect();
+    let speed: Vec<f64> = (0..rows).map(|k| [100.0, 800.0, 400.0][k / 70 % 3]).collect();
+    let current: Vec<f64> =
+        (0..rows).map(|k| if k < 300 { 4.0 } else { 0.0 } + 0.02 * normal(&mut rng)).collect();
+    let voltage = speed.iter().zip(&current).map(|(w, i)| k_t * w + r * i).collect();
+    table.columns = vec![voltage, speed, vec![0.0; rows], vec![296.15; rows], current];
+    table.columns.resize(8, vec![f64::NAN; rows]);
+    let preset = predicted(&run, &[], &[0]);
+    let blank = |doubts: Vec<Vec<Vec<f64>>>| {
+        let mut run = run.clone();
+        response::set_aside(&mut run, &preset, &preset, || doubts);
+        run.runs[0].table.columns[4].iter().filter(|x| x.is_nan()).count()
+    };
+    assert_eq!(blank(deviations(&run, &[], &preset)), 0);
+    assert!(blank(vec![vec![vec![0.0; rows]; 4]]) > 100);
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::hypothesis::Hypothesis;
 use crate::setup::Setup;
 use crate::trial;
 use physics::terms::{GenericTerm, Lag, Law, Product};
@@ -104,4 +105,57 @@ fn a_hidden_state_is_found_with_its_time_constant() {
         assert!((lag.tau / 250.0 - 1.0).abs() < 0.05, "{lag:?}");
         assert!(fitted.chi_square < 10.0 * fitted.readings as f64, "{}", fitted.chi_square);
     });
+}
+
+/// A law over time is scored, so that it competes with others for the explanation, and cannot be added.
+#[test]
+fn a_law_over_time_is_not_added() {
+    let factor = Factor { driver: Driver::Time, offset: 0.0, reference: 1000.0, exponent: 1.0 };
+    let law = Law::Product(Product { coefficient: 0.005, factors: [Some(factor), None, None] });
+    found_of(GenericTerm::new(Port::DragTorque, law), |_, scored| {
+        let over_time: Vec<&Scored> =
+            scored.iter().filter(|s| s.follows == over(Driver::Time) && !s.listed).collect();
+        assert!(over_time.iter().any(|s| s.port == Port::DragTorque && s.sure() > 100.0));
+        assert!(over_time.iter().all(|s| s.addition.is_none()));
+    });
+}
+
+/// Effects of test rigs are the best explanation of readings with them, by name, and a fit finds their size from zero.
+#[test]
+fn effects_of_test_rigs_are_named() {
+    let power = ("electrical_power_W", 4.0, 190.0);
+    let current = ("current_A", 1.0, 190.0);
+    let temperatures = &trial::OUTPUTS[2..];
+    for (id, size, drive, outputs) in [
+        ("speed_convection", 0.05, current, &trial::OUTPUTS[..]),
+        ("speed_convection", 0.01, power, temperatures),
+        ("torque_sensor_offset", 0.004, current, &trial::OUTPUTS[..]),
+        ("torque_sensor_offset", -0.004, current, &trial::OUTPUTS[..]),
+        ("stator_loss", 0.2, power, temperatures),
+        ("propeller_load", 1e-8, power, temperatures),
+        ("drive_loss", 0.1, power, temperatures),
+    ] {
+        let what = format!("{id} = {size} with {}", drive.0);
+        let mut experiment = trial::driven_by(drive, outputs, PRIORS, true);
+        trial::read_of(&mut experiment, |setup| {
+            let additions = vec![trial::addition(setup, id, size)];
+            setup.change(&Hypothesis { additions, ..setup.preset() }, 0)
+        });
+        let setup = Setup::new(&experiment, &[]).unwrap();
+        let point = Point::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+        let scored = search(&point);
+        let listed: Vec<&Scored> = scored.iter().filter(|s| s.listed).collect();
+        assert_eq!(
+            listed[0].addition.as_ref().map(|a| a.id.as_str()),
+            Some(id),
+            "{what}: {}",
+            listed[0].name
+        );
+        let mut hypothesis = setup.preset();
+        hypothesis.additions.extend(listed[0].addition.clone());
+        let fitted = setup.fit(hypothesis, &[0]).unwrap();
+        let found = &fitted.hypothesis.additions[0].numbers[0];
+        assert!((found.value / size - 1.0).abs() < 0.05, "{what}: {}", found.value);
+        assert!(fitted.chi_square < 2.0 * fitted.readings as f64, "{what}: {}", fitted.chi_square);
+    }
 }

@@ -3,7 +3,7 @@
 mod figures;
 mod measurement;
 
-use super::text::{driver, law, list, number, plain, port, replay as replay_words, verdict};
+use super::text::{driver, law, list, number, own_headers, plain, port, replay as replay_words, verdict};
 use calibrate::experiment::{Experiment, Role};
 use calibrate::intake::Unusable;
 use calibrate::outcome::{Curves, Evidence, Found, Outcome, Unexplained, Verdict};
@@ -61,6 +61,7 @@ pub fn unusable(experiment: &Experiment, why: &Unusable, provenance: &Provenance
     let body = html! {
         p.lead { "Unusable data: " (why.reason) "." }
         p { "Channel: " code { (why.channel) } ". Suggestion: " (why.suggestion) ". Nothing was fitted and no effect was looked for." }
+        @if let Some(headers) = own_headers(experiment, &[&why.reason]) { p { (capital(&headers)) "." } }
         (made(provenance))
         @if !experiment.notes.is_empty() { h2 { "Notes" } ul { @for note in &experiment.notes { li { (note) } } } }
     };
@@ -264,6 +265,8 @@ fn unexplained(found: &Unexplained, experiment: &Experiment, outcome: &Outcome) 
     let given = if found.added {
         "The law above was added to the model, since it lowers the validation error. The figure is the estimate from the data \
          without a law."
+    } else if outcome.effects.iter().any(|e| e.term.is_some()) {
+        "The law above was added to the model, since it lowers the validation error; it explains a part of this effect."
     } else {
         "It was not added to the model, since it does not lower the validation error."
     };

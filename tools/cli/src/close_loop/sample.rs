@@ -3,7 +3,7 @@
 use calibrate::experiment::Role;
 use calibrate::outcome::{
     BlackBox, ChannelError, Curve, Curves, Estimate, Evidence, Follows, Found, Limit, Localised, Outcome,
-    Setting, Unexplained, Verdict, Whiteness,
+    Prediction, Setting, Unexplained, Verdict, Whiteness,
 };
 use calibrate::report::{Provenance, Replay, ReplayedChannel};
 use describe::{Driver, GenericTerm, Port};
@@ -43,7 +43,14 @@ fn curves(file: &str, role: Role) -> Curves {
         let of = |off: f64| time.iter().map(|t| 20.0 + (t / 300.0).sin() + off * (t / 900.0).cos()).collect();
         let mut measured: Vec<f64> = of(0.0);
         measured[7] = f64::NAN;
-        Curve { column, measured, before: of(3.0), refit: of(0.5), after: of(0.05) }
+        Curve {
+            column,
+            measured,
+            before: of(3.0),
+            refit: of(0.5),
+            after: of(0.05),
+            half_width: vec![0.2; 300],
+        }
     });
     Curves { file: file.to_owned(), role, window: Some((0.0, 2000.0)), time, outputs: outputs.to_vec() }
 }
@@ -87,6 +94,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         after: 0.11,
         floor: 0.1,
         blackbox: Some(0.7),
+        prediction: Prediction { half_width: 0.2, inside: 0.95 },
     };
     let export = Setting {
         file: "run-2.csv".to_owned(),

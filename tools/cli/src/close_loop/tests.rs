@@ -38,6 +38,7 @@ fn the_report_is_that_of_the_contract() {
     assert_eq!(found["parameters"]["motor.R_ref"]["prior"], json!(0.386));
     let voltage = json!({"before": 1.9, "refit": 0.5, "after": 0.11, "floor": 0.1, "blackbox": 0.7});
     assert_eq!(found["error"]["fit"]["voltage_V"], voltage);
+    assert_eq!(found["prediction"]["fit"]["voltage_V"], json!({"half_width": 0.2, "inside": 0.95}));
     assert_eq!(found["error"]["validate"], json!({}), "a role without runs is there and empty");
     assert_eq!(found["fmu"], json!(["fmi2/AnnulusCooledMotor.fmu"]));
 }

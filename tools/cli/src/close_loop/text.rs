@@ -1,5 +1,6 @@
 //! Verdict, effects and replay of closing the loop, as text.
 
+use calibrate::experiment::Experiment;
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::Replay;
 use describe::{Driver, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
@@ -21,6 +22,7 @@ pub fn port(port: Port) -> &'static str {
         Port::AmbientSensor => "the ambient temperature's sensor",
         Port::WindingSensor => "the winding's temperature sensor",
         Port::HousingSensor => "the housing's temperature sensor",
+        Port::TorqueSensor => "the torque sensor",
     }
 }
 
@@ -170,23 +172,16 @@ pub fn verdict(outcome: &Outcome) -> String {
                 list(&effects, "and")
             )
         }
-        Verdict::Unexplained => match &outcome.unexplained {
-            Some(u) => {
-                let laws: Vec<String> =
-                    outcome.effects.iter().filter_map(|e| e.term.as_ref()).map(law).collect();
-                let given = if u.added {
-                    format!("a law was added to the model: {}", list(&laws, "and"))
-                } else {
-                    "none was added, since it does not lower the validation error".to_owned()
-                };
-                format!(
-                    "an effect that is not in the list acts on {} and {}; {given}.",
-                    port(u.port),
-                    driver(u.follows)
-                )
+        Verdict::Unexplained => {
+            let listed: Vec<String> =
+                outcome.effects.iter().filter(|e| e.term.is_none()).map(found).collect();
+            match &listed[..] {
+                [] => unexplained(outcome),
+                listed => {
+                    format!("the model lacks {}; beside that, {}", list(listed, "and"), unexplained(outcome))
+                }
             }
-            None => "the model lacks an effect that is not in the list.".to_owned(),
-        },
+        }
         Verdict::Fitted => {
             "the declared parameters were fitted; no missing effect was looked for.".to_owned()
         }
@@ -194,6 +189,55 @@ pub fn verdict(outcome: &Outcome) -> String {
             "no missing effect is detected; other parameter values explain the differences.".to_owned()
         }
     }
+}
+
+/// The sentence on what no listed effect explains.
+fn unexplained(outcome: &Outcome) -> String {
+    match &outcome.unexplained {
+        Some(u) => {
+            let laws: Vec<String> = outcome.effects.iter().filter_map(|e| e.term.as_ref()).map(law).collect();
+            let given = if u.added {
+                format!("a law was added to the model: {}", list(&laws, "and"))
+            } else if laws.is_empty() {
+                "none was added, since it does not lower the validation error".to_owned()
+            } else {
+                format!("a law that explains part of it was added to the model: {}", list(&laws, "and"))
+            };
+            format!(
+                "an effect that is not in the list acts on {} and {}; {given}.",
+                port(u.port),
+                driver(u.follows)
+            )
+        }
+        None => "the model lacks an effect that is not in the list.".to_owned(),
+    }
+}
+
+/// The declared parameters before and after, as a table.
+pub fn parameters(outcome: &Outcome) -> String {
+    if outcome.parameters.is_empty() {
+        return String::new();
+    }
+    let mut text =
+        format!("\n{:32} {:>12} {:>12} {:12} 95 % interval\n", "parameter", "before", "after", "unit");
+    for p in &outcome.parameters {
+        let [before, after, low, high] = [p.prior, p.value, p.ci95.0, p.ci95.1].map(number);
+        let unit = if p.unit == "1" { "" } else { p.unit };
+        text += &format!("{:32} {before:>12} {after:>12} {unit:12} {low} ... {high}\n", p.name);
+    }
+    text
+}
+
+/// Which headers of the files the columns have that the texts name; `None` where the files have the columns' own names.
+pub fn own_headers(experiment: &Experiment, texts: &[&str]) -> Option<String> {
+    let named = |column: &str| texts.iter().any(|text| text.contains(column));
+    let headers: Vec<String> = experiment
+        .headers
+        .iter()
+        .filter(|(column, header)| column != header && named(column))
+        .map(|(column, header)| format!("{column} is the column \"{header}\""))
+        .collect();
+    (!headers.is_empty()).then(|| format!("in the files, {}", list(&headers, "and")))
 }
 
 /// Agreement of the FMUs with the model.

@@ -1,6 +1,6 @@
 //! Parameter sets (SSV) and parameter mappings (SSM) of SSP, inline or in files.
 use super::ssd::{File, Reader};
-use super::structure::Setting;
+use super::structure::{Setting, Shared};
 use super::units::Affine;
 use crate::Error;
 use crate::xml::{child, elements};
@@ -9,8 +9,8 @@ use roxmltree::Node;
 impl Reader {
     /// All values that the bindings of an element give. The prefix of a binding is part of the names in its mapping; with a mapping, only
     /// the parameters that it names are set.
-    pub(super) fn settings(&self, file: &File, element: Node) -> Result<Vec<Setting>, Error> {
-        let mut settings = Vec::new();
+    pub(super) fn settings(&self, file: &File, element: Node) -> Result<(Vec<Setting>, Vec<Shared>), Error> {
+        let (mut settings, mut shared) = (Vec::new(), Vec::new());
         for binding in elements(child(element, "ParameterBindings")) {
             let prefix = binding.attribute("prefix").unwrap_or("");
             let mut own = Vec::new();
@@ -30,14 +30,14 @@ impl Reader {
             self.check_base(file, mapping)?;
             if let Some(source) = mapping.attribute("source") {
                 self.with_file(file, mapping, source, "mapping", |file| {
-                    mapped(file, file.xml.root(), &own, &mut settings)
+                    mapped(file, file.xml.root(), &own, &mut settings, &mut shared)
                 })?;
             }
             for inline in elements(Some(mapping)) {
-                mapped(file, inline, &own, &mut settings)?;
+                mapped(file, inline, &own, &mut settings, &mut shared)?;
             }
         }
-        Ok(settings)
+        Ok((settings, shared))
     }
 
     fn check_base(&self, file: &File, node: Node) -> Result<(), Error> {
@@ -71,7 +71,13 @@ fn parameters(file: &File, set: Node, prefix: &str, settings: &mut Vec<Setting>)
 }
 
 /// The values that one `ParameterMapping` makes of those of its binding.
-fn mapped(file: &File, mapping: Node, from: &[Setting], settings: &mut Vec<Setting>) -> Result<(), Error> {
+fn mapped(
+    file: &File,
+    mapping: Node,
+    from: &[Setting],
+    settings: &mut Vec<Setting>,
+    shared: &mut Vec<Shared>,
+) -> Result<(), Error> {
     if mapping.tag_name().name() != "ParameterMapping" {
         let message = format!("<{}> is not a <ParameterMapping>", mapping.tag_name().name());
         return Err(file.fault(mapping, message));
@@ -101,6 +107,19 @@ fn mapped(file: &File, mapping: Node, from: &[Setting], settings: &mut Vec<Setti
                     setting.text = file.required(found, "target")?.to_owned();
                 }
                 _ => {}
+            }
+        }
+        // A value that a table of the mapping replaces is a value of its own.
+        if setting.text == given.text && setting.unit == given.unit {
+            let target = (target.to_owned(), setting.linear);
+            match shared.iter_mut().find(|known| known.name == source) {
+                Some(known) => known.targets.push(target),
+                None => shared.push(Shared {
+                    name: source.to_owned(),
+                    text: given.text.clone(),
+                    unit: given.unit.clone(),
+                    targets: vec![target],
+                }),
             }
         }
         settings.push(setting);

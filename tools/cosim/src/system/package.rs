@@ -1,17 +1,18 @@
-//! The writer of SSP 1.0: `SystemStructure.ssd` with everything inline, and the FMUs below `resources`.
+//! The writer of SSP 1.0: `SystemStructure.ssd`, the parameters of the system (`parameter_files.rs`), and the FMUs below `resources`.
 //!
 //! Other tools support only a part of the standard, so the file uses the common part: the usual prefixes; only connected inputs are
 //! connectors; values of enumerations are integers, as in FMI 2; units are those of the FMUs; the step size is in an
 //! annotation that other masters read as well.
 use super::connections::{Connections, between, resolve};
+use super::dictionary::{self, Dictionary};
+use super::parameter_files::{self, MAPPING, VALUES};
 use super::parts::{Parts, Port};
 use super::ssd::{FMU, MAIN, STEP_ANNOTATION};
-use super::structure::{Component, Connection, Connector, End, Leg};
+use super::structure::{Component, Connection, End, Leg, unit_in};
+use super::tags::{NAMESPACES, Tag, between_ends, document, leaf, list, node, type_tag, unit_tag, within};
 use super::units::{Affine, unit_of};
 use crate::raw::encoded;
 use crate::{BaseUnit, Causality, Error, Kind, Unit, Value, Variable};
-use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Cursor, Write};
@@ -19,33 +20,50 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// Names of the XML prefixes.
-const NAMESPACES: [(&str, &str); 3] = [
-    ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
-    ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
-    ("xmlns:ssv", "http://ssp-standard.org/SSP1/SystemStructureParameterValues"),
-];
 /// The name of the parameter sets of all components: some tools read those of one name only.
 const PARAMETER_SET: &str = "initialValues";
 const STEP_NAMESPACE: (&str, &str) = ("xmlns:osp", "http://opensimulationplatform.com/SSP/OSPAnnotations");
 
-pub(crate) fn write(parts: Parts, path: &Path, inner_only: bool) -> Result<(), Error> {
+/// What an SSP archive has beside components, values and connections.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SspForm {
+    /// Leave out the inputs and outputs of the system, for tools that read connections between components only.
+    pub components_only: bool,
+    /// Connect the components through a signal dictionary (SSB) in a file of its own.
+    pub dictionary: bool,
+}
+
+pub(crate) fn write(parts: Parts, path: &Path, form: SspForm) -> Result<(), Error> {
     let mut connections = resolve(parts, &[])?;
     connections.check_open_inputs(parts, None)?;
     let io = Error::io("write", path);
     let resources = resources(&parts.structure.components);
-    let document = Document {
+    let parameters = parameter_files::files(parts, &connections).map_err(&io)?;
+    let mut document = Document {
         parts,
+        has_parameters: parameters.is_some(),
         connections: &connections,
-        inner_only,
+        inner_only: form.components_only,
+        dictionary: None,
         resources: &resources,
         units: BTreeMap::new(),
     };
+    document.dictionary =
+        form.dictionary.then(|| Dictionary::of(parts, document.sources())).filter(|d| !d.is_empty());
+    let dictionary = document.dictionary.as_ref().map(Dictionary::file).transpose().map_err(&io)?;
     let xml = document.text().map_err(&io)?;
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let failed = |e: zip::result::ZipError| io(io::Error::other(e));
     zip.start_file(MAIN, entry(CompressionMethod::Deflated)).map_err(&failed)?;
     zip.write_all(xml.as_bytes()).map_err(&io)?;
+    for (name, text) in [VALUES, MAPPING].into_iter().zip(parameters.into_iter().flatten()) {
+        zip.start_file(name, entry(CompressionMethod::Deflated)).map_err(&failed)?;
+        zip.write_all(text.as_bytes()).map_err(&io)?;
+    }
+    if let Some(text) = dictionary {
+        zip.start_file(dictionary::FILE, entry(CompressionMethod::Deflated)).map_err(&failed)?;
+        zip.write_all(text.as_bytes()).map_err(&io)?;
+    }
     for (source, name) in &resources {
         let bytes = fs::read(source).map_err(Error::io("read", source))?;
         // FMUs are compressed already.
@@ -85,48 +103,14 @@ fn resources(components: &[Component]) -> Vec<(&Path, String)> {
     named
 }
 
-/// An XML element to be written; without a list of children it is empty.
-struct Tag {
-    name: &'static str,
-    attributes: Vec<(&'static str, String)>,
-    children: Option<Vec<Tag>>,
-}
-
-fn leaf(name: &'static str, attributes: &[(&'static str, &str)]) -> Tag {
-    let attributes = attributes.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
-    Tag { name, attributes, children: None }
-}
-
-fn node(name: &'static str, attributes: &[(&'static str, &str)], children: Vec<Tag>) -> Tag {
-    Tag { children: Some(children), ..leaf(name, attributes) }
-}
-
-/// An element in others without attributes, the outermost of them first.
-fn within(names: &[&'static str], inner: Tag) -> Tag {
-    names.iter().rev().fold(inner, |inner, name| node(name, &[], vec![inner]))
-}
-
-/// An element around a list, if there is anything in it.
-fn list(name: &'static str, children: Vec<Tag>) -> Option<Tag> {
-    (!children.is_empty()).then(|| node(name, &[], children))
-}
-
-impl Tag {
-    fn write(&self, xml: &mut Writer<Vec<u8>>) -> io::Result<()> {
-        let attributes = self.attributes.iter().map(|(name, value)| (*name, value.as_str()));
-        let start = BytesStart::new(self.name).with_attributes(attributes);
-        let Some(children) = &self.children else { return xml.write_event(Event::Empty(start)) };
-        xml.write_event(Event::Start(start))?;
-        children.iter().try_for_each(|child| child.write(xml))?;
-        xml.write_event(Event::End(BytesEnd::new(self.name)))
-    }
-}
-
 struct Document<'a> {
     parts: Parts<'a>,
+    /// Whether the package has files with parameters of the system.
+    has_parameters: bool,
     connections: &'a Connections,
     /// Without inputs and outputs of the system.
     inner_only: bool,
+    dictionary: Option<Dictionary>,
     resources: &'a [(&'a Path, String)],
     units: BTreeMap<String, BaseUnit>,
 }
@@ -140,24 +124,29 @@ impl Document<'_> {
         root.extend(has_step.then_some(STEP_NAMESPACE));
         root.extend([("name", structure.name.as_str()), ("version", "1.0"), ("generationTool", "motor-fmu")]);
         let mut system: Vec<Tag> = self.system_connectors().into_iter().collect();
-        let components = (0..structure.components.len()).map(|index| self.component(index)).collect();
+        system.extend(self.has_parameters.then(parameter_files::binding));
+        let mut components: Vec<Tag> =
+            (0..structure.components.len()).map(|index| self.component(index)).collect();
+        components.extend(self.dictionary.as_ref().map(Dictionary::reference));
         system.push(node("ssd:Elements", &[], components));
-        system.extend(list("ssd:Connections", self.written().map(|c| self.connection(c)).collect()));
+        system.extend(list("ssd:Connections", self.connections()));
+        system.extend(self.dictionary.as_ref().map(|_| dictionary::declaration()));
         let mut children = vec![node("ssd:System", &[("name", &structure.name)], system)];
         children.extend(self.unit_definitions());
         children.extend(self.experiment());
-        let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
-        xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-        node("ssd:SystemStructureDescription", &root, children).write(&mut xml)?;
-        let mut bytes = xml.into_inner();
-        bytes.push(b'\n');
-        String::from_utf8(bytes).map_err(io::Error::other)
+        document(&node("ssd:SystemStructureDescription", &root, children))
     }
 
     /// The connections that are written.
     fn written(&self) -> impl Iterator<Item = &Connection> {
         let inner_only = self.inner_only;
         self.parts.structure.connections.iter().filter(move |c| !inner_only || c.is_inner())
+    }
+
+    /// The outputs that are connected to a component, once for each connection.
+    fn sources(&self) -> impl Iterator<Item = (&End, Port)> {
+        let inner = self.written().filter(|connection| connection.is_inner());
+        inner.map(|connection| self.ends(connection).0).filter_map(|end| Some((end, self.port(end)?)))
     }
 
     /// Connectors of the system: ends of connections without a component.
@@ -212,20 +201,15 @@ impl Document<'_> {
     /// A connector for a variable, with the unit that the structure declares, else the variable's.
     fn connector(&mut self, name: &str, kind: &str, port: Port, unit: Option<Unit>) -> Tag {
         let variable = self.parts.variable(port);
-        let sort = match variable.kind {
+        let unit = match variable.kind {
             Kind::Float64 | Kind::Float32 => {
                 let own = || unit_of(self.parts.description(port.component), variable);
-                let unit = unit.or_else(own).and_then(|u| self.define(u));
-                leaf("ssc:Real", &unit.iter().map(|unit| ("unit", unit.as_str())).collect::<Vec<_>>())
+                unit.or_else(own).and_then(|u| self.define(u))
             }
-            Kind::Boolean => leaf("ssc:Boolean", &[]),
-            Kind::String => leaf("ssc:String", &[]),
-            Kind::Binary | Kind::Clock => leaf("ssc:Binary", &[]),
-            // The items of the type are defined in the FMU and are not repeated in SSP.
-            Kind::Enumeration => return node("ssd:Connector", &[("name", name), ("kind", kind)], Vec::new()),
-            _ => leaf("ssc:Integer", &[]),
+            _ => None,
         };
-        node("ssd:Connector", &[("name", name), ("kind", kind)], vec![sort])
+        let sort = type_tag(variable.kind, unit.as_deref());
+        node("ssd:Connector", &[("name", name), ("kind", kind)], sort.into_iter().collect())
     }
 
     /// The name under which a unit is defined in the file: its own, or a numbered one if another FMU means something
@@ -257,22 +241,36 @@ impl Document<'_> {
         Some(within(&["ssd:ParameterBindings", "ssd:ParameterBinding", "ssd:ParameterValues"], set))
     }
 
-    fn connection(&self, connection: &Connection) -> Tag {
-        // Some readers require the source first.
+    /// Connections between components pass the signal dictionary, if there is one.
+    fn connections(&self) -> Vec<Tag> {
+        let through = |connection: &Connection| {
+            let (from, to) = self.ends(connection);
+            match self.dictionary.as_ref().and_then(|d| d.entry(from)).filter(|_| connection.is_inner()) {
+                Some(entry) => self.connection(connection, &entry, to),
+                None => self.connection(connection, from, to),
+            }
+        };
+        let into = self.dictionary.iter().flat_map(Dictionary::sources);
+        into.map(|(from, to)| leaf("ssd:Connection", &between_ends(from, &to)))
+            .chain(self.written().map(through))
+            .collect()
+    }
+
+    /// The ends of a connection, the source first, which some readers require.
+    fn ends<'c>(&self, connection: &'c Connection) -> (&'c End, &'c End) {
         let backwards = self.port(&connection.start).is_some_and(|p| {
             connection.end.component.is_some()
                 && connection.start.component.is_some()
                 && self.parts.variable(p).causality == Causality::Input
         });
-        let (from, to) = match backwards {
+        match backwards {
             true => (&connection.end, &connection.start),
             false => (&connection.start, &connection.end),
-        };
-        let mut attributes: Vec<(&str, &str)> = Vec::new();
-        attributes.extend(from.component.as_deref().map(|element| ("startElement", element)));
-        attributes.push(("startConnector", &from.connector));
-        attributes.extend(to.component.as_deref().map(|element| ("endElement", element)));
-        attributes.push(("endConnector", &to.connector));
+        }
+    }
+
+    fn connection(&self, connection: &Connection, from: &End, to: &End) -> Tag {
+        let mut attributes = between_ends(from, to);
         // A connection through nested systems becomes one, with the numbers of all its legs.
         let leg = match &connection.legs[..] {
             [leg] => leg.clone(),
@@ -309,15 +307,7 @@ impl Document<'_> {
     }
 
     fn unit_definitions(&self) -> Option<Tag> {
-        let unit = |(name, base): (&String, &BaseUnit)| {
-            let used = BaseUnit::NAMES.into_iter().zip(base.exponents).filter(|(_, e)| *e != 0);
-            let mut attributes: Vec<_> = used.map(|(name, exponent)| (name, exponent.to_string())).collect();
-            attributes.extend((base.factor != 1.0).then(|| ("factor", base.factor.to_string())));
-            attributes.extend((base.offset != 0.0).then(|| ("offset", base.offset.to_string())));
-            let base = Tag { name: "ssc:BaseUnit", attributes, children: None };
-            node("ssc:Unit", &[("name", name)], vec![base])
-        };
-        list("ssd:Units", self.units.iter().map(unit).collect())
+        list("ssd:Units", self.units.iter().map(|(name, base)| unit_tag(name, base)).collect())
     }
 
     fn experiment(&self) -> Option<Tag> {
@@ -345,11 +335,6 @@ fn step_annotation(step: f64) -> Tag {
     let annotation = [("type", STEP_ANNOTATION)];
     let annotation = node("ssc:Annotation", &annotation, vec![within(&["osp:Algorithm"], algorithm)]);
     within(&["ssd:Annotations"], annotation)
-}
-
-/// The unit that a declared connector has.
-fn unit_in(connectors: Option<&[Connector]>, name: &str) -> Option<Unit> {
-    connectors?.iter().find(|c| c.name == name)?.unit.clone()
 }
 
 fn kind_of(variable: &Variable) -> &'static str {

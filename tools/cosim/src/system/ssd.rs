@@ -2,7 +2,7 @@
 //! and mappings are read in `bindings.rs`.
 use super::flatten::{Edge, Joint, flat};
 use super::structure::{
-    Component, Connection, Connector, Direction, End, Leg, Place, Setting, Sort, Structure,
+    Component, Connection, Connector, Direction, End, Leg, Place, Setting, Shared, Sort, Structure,
 };
 use crate::archive::unpacked;
 use crate::xml::{Fault, Xml, child, elements};
@@ -119,7 +119,7 @@ impl Reader {
 
         let mut whole = Whole::default();
         self.system(&file, system, "", &[], &mut whole)?;
-        let Whole { components, settings, edges, joints } = whole;
+        let Whole { components, settings, shared, edges, joints } = whole;
         let connectors = connectors(&file, system)?;
         let is_source = |end: &End| {
             let (of, gives) = match &end.component {
@@ -141,6 +141,7 @@ impl Reader {
             components,
             connectors: Some(connectors),
             settings,
+            shared,
             connections,
             files: None,
         })
@@ -160,9 +161,15 @@ impl Reader {
         for node in elements(child(system, "SignalDictionaries")) {
             dictionaries.push(self.dictionary(file, node, path)?);
         }
-        for mut setting in self.settings(file, system)? {
+        let (settings, shared) = self.settings(file, system)?;
+        for mut setting in settings {
             setting.name.insert_str(0, path);
             whole.settings.push(setting);
+        }
+        for mut one in shared {
+            one.name.insert_str(0, path);
+            one.targets.iter_mut().for_each(|(target, _)| target.insert_str(0, path));
+            whole.shared.push(one);
         }
         // Names of references to dictionaries, and the elements that they stand for.
         let mut references: Vec<(String, String)> = Vec::new();
@@ -288,7 +295,7 @@ impl Reader {
             path,
             source,
             connectors: Some(connectors(file, node)?),
-            settings: self.settings(file, node)?,
+            settings: self.settings(file, node)?.0,
             place: file.place(node),
             name,
         })
@@ -318,6 +325,7 @@ impl Reader {
 struct Whole {
     components: Vec<Component>,
     settings: Vec<Setting>,
+    shared: Vec<Shared>,
     edges: Vec<Edge>,
     joints: Vec<Joint>,
 }

@@ -53,6 +53,11 @@ pub(crate) struct Connector {
     pub(crate) place: Place,
 }
 
+/// The unit that a declared connector has.
+pub(crate) fn unit_in(connectors: Option<&[Connector]>, name: &str) -> Option<Unit> {
+    connectors?.iter().find(|c| c.name == name)?.unit.clone()
+}
+
 /// A value for a parameter or an input, as text.
 #[derive(Clone, Debug)]
 pub(crate) struct Setting {
@@ -63,6 +68,17 @@ pub(crate) struct Setting {
     /// The transformation of a parameter mapping, after the conversion of units.
     pub(crate) linear: Affine,
     pub(crate) place: Place,
+}
+
+/// A parameter of the system: one value for variables of several components.
+#[derive(Clone, Debug)]
+pub(crate) struct Shared {
+    pub(crate) name: String,
+    pub(crate) text: String,
+    /// The unit of the value; that of the variables when absent.
+    pub(crate) unit: Option<Unit>,
+    /// Variables as `component.variable`, each with the transformation of the value after the conversion of units.
+    pub(crate) targets: Vec<(String, Affine)>,
 }
 
 /// A component: one instance of an FMU.
@@ -153,6 +169,8 @@ pub(crate) struct Structure {
     pub(crate) connectors: Option<Vec<Connector>>,
     /// Values for `component.variable` or for an input of the system.
     pub(crate) settings: Vec<Setting>,
+    /// Where values of `settings` come from, which a mapping gives to several variables.
+    pub(crate) shared: Vec<Shared>,
     pub(crate) connections: Vec<Connection>,
     /// Unpacked files that must stay while components point there.
     pub(crate) files: Option<Arc<TempDir>>,

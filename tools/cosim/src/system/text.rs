@@ -1,5 +1,5 @@
 //! A system in TOML.
-use super::structure::{Component, Connection, End, Leg, Place, Setting, Structure};
+use super::structure::{Component, Connection, End, Leg, Place, Setting, Shared, Structure};
 use super::units::Affine;
 use crate::Error;
 use serde::Deserialize;
@@ -16,6 +16,17 @@ struct Document {
     experiment: Experiment,
     #[serde(default)]
     component: Vec<Entry>,
+    #[serde(default)]
+    parameter: Vec<Parameter>,
+}
+
+/// One value for variables of several components.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parameter {
+    name: Spanned<String>,
+    value: Value,
+    set: Vec<Spanned<String>>,
 }
 
 #[derive(Deserialize)]
@@ -63,19 +74,50 @@ impl Lines<'_> {
         self.place(item.span().start)
     }
 
+    /// A value as text.
+    fn text(place: &Place, name: &str, value: Value) -> Result<String, Error> {
+        match value {
+            Value::String(text) => Ok(text),
+            Value::Integer(number) => Ok(number.to_string()),
+            Value::Float(number) => Ok(number.to_string()),
+            Value::Boolean(flag) => Ok(flag.to_string()),
+            _ => Err(place.fault(format!("{name} is not a number, text or Boolean"))),
+        }
+    }
+
+    /// The parameters of the system, and the settings that they are.
+    fn parameters(&self, parameters: Vec<Parameter>) -> Result<(Vec<Shared>, Vec<Setting>), Error> {
+        let (mut shared, mut settings) = (Vec::<Shared>::new(), Vec::new());
+        for Parameter { name, value, set } in parameters {
+            let place = self.of(&name);
+            let name = name.into_inner();
+            if shared.iter().any(|known| known.name == name) {
+                return Err(place.fault(format!("there are two parameters {name}")));
+            }
+            if set.is_empty() {
+                return Err(
+                    place.fault(format!("parameter {name}: the list `set` names no component.variable"))
+                );
+            }
+            let text = Self::text(&place, &name, value)?;
+            settings.extend(set.iter().map(|target| Setting {
+                name: target.get_ref().clone(),
+                text: text.clone(),
+                unit: None,
+                linear: Affine::IDENTITY,
+                place: self.of(target),
+            }));
+            let targets = set.into_iter().map(|target| (target.into_inner(), Affine::IDENTITY)).collect();
+            shared.push(Shared { name, text, unit: None, targets });
+        }
+        Ok((shared, settings))
+    }
+
     fn settings(&self, table: BTreeMap<Spanned<String>, Value>) -> Result<Vec<Setting>, Error> {
         let mut settings: Vec<Setting> = Vec::new();
         for (name, value) in table {
             let place = self.of(&name);
-            let text = match value {
-                Value::String(text) => text,
-                Value::Integer(number) => number.to_string(),
-                Value::Float(number) => number.to_string(),
-                Value::Boolean(flag) => flag.to_string(),
-                _ => {
-                    return Err(place.fault(format!("{} is not a number, text or Boolean", name.get_ref())));
-                }
-            };
+            let text = Self::text(&place, name.get_ref(), value)?;
             settings.push(Setting {
                 name: name.into_inner(),
                 text,
@@ -132,6 +174,8 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
             place,
         });
     }
+    let (shared, mut settings) = lines.parameters(document.parameter)?;
+    settings.extend(lines.settings(document.system.set)?);
     Ok(Structure {
         name: document.system.name.into_inner(),
         start: document.experiment.start,
@@ -139,7 +183,8 @@ fn parse(text: &str, file: &str, folder: &Path) -> Result<Structure, Error> {
         step: document.experiment.step,
         components,
         connectors: None,
-        settings: lines.settings(document.system.set)?,
+        settings,
+        shared,
         connections,
         files: None,
     })
@@ -183,6 +228,10 @@ on = true
 [[component]]
 name = "b"
 fmu = "b.fmu"
+[[parameter]]
+name = "level"
+value = 2
+set = ["a.k", "b.port.k"]
 "#;
         let s = parse(text, "s.toml", Path::new("dir")).unwrap();
         assert_eq!((s.name.as_str(), s.start, s.stop, s.step), ("pair", None, Some(2.5), None));
@@ -191,7 +240,9 @@ fmu = "b.fmu"
             s.components[0].settings.iter().map(|s| (&*s.name, &*s.text, s.place.line)).collect();
         let expected = [("mode", "fast", 16), ("n", "3", 17), ("quoted.name", "0.5", 18), ("on", "true", 19)];
         assert_eq!(settings, expected);
-        assert_eq!((&*s.settings[0].name, s.settings[0].place.line), ("room", 9));
+        let settings: Vec<_> = s.settings.iter().map(|s| (&*s.name, &*s.text, s.place.line)).collect();
+        assert_eq!(settings, [("a.k", "2", 26), ("b.port.k", "2", 26), ("room", "300", 9)]);
+        assert_eq!((s.shared[0].name.as_str(), s.shared[0].targets.len()), ("level", 2));
         assert_eq!(s.connections[0].to_string(), "connection a.y -> b.port.u");
         assert_eq!((s.connections[0].end.connector.as_str(), s.connections[0].place.line), ("port.u", 5));
         assert_eq!(s.connections[1].end, End { component: None, connector: "result".to_owned() });

@@ -5,12 +5,13 @@ const EDIT: usize = 10;
 /// Names that are listed.
 const MOST: usize = 3;
 
-/// The question for the most similar of the known names; empty if there is none.
+/// The question for the most similar of the known names; empty if there is none that differs in at most one letter of four.
 ///
 /// A part of a known name, from the beginning of one of its words, may be meant: `maxon-re25` is two presets, `mass` is `motor.mass`.
 /// Where the unknown name is such a part of several, up to three are named, the shortest first.
 pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let mut scored: Vec<(usize, &str)> = known.map(|candidate| (cost(name, candidate), candidate)).collect();
+    let scored = known.map(|candidate| (cost(name, candidate), candidate));
+    let mut scored: Vec<(usize, &str)> = scored.filter_map(|(cost, name)| Some((cost?, name))).collect();
     scored.sort_by_key(|(cost, _)| *cost);
     let Some(best) = scored.first() else { return String::new() };
     // A name without a typing error is a part of all of these.
@@ -29,27 +30,33 @@ pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// Edits from the name to a part of the candidate that begins with a word, and the letters of the candidate outside that part.
-fn cost(name: &str, candidate: &str) -> usize {
+/// Edits from the name to a part of the candidate that begins with a word, and the letters of the candidate outside that part; `None` for
+/// another name.
+fn cost(name: &str, candidate: &str) -> Option<usize> {
     let (name, letters) = (name.to_lowercase(), candidate.to_lowercase());
     let (name, letters): (Vec<char>, Vec<char>) = (name.chars().collect(), letters.chars().collect());
     let starts = (0..letters.len()).filter(|k| *k == 0 || !letters[k - 1].is_alphanumeric());
-    starts.map(|start| start + to_prefix(&name, &letters[start..])).min().unwrap_or(EDIT * name.len())
+    let parts = starts.map(|start| (start, to_prefixes(&name, &letters[start..])));
+    let costs = parts.flat_map(|(start, edits)| {
+        let left = letters.len() - start;
+        edits.into_iter().enumerate().map(move |(k, edits)| (edits, EDIT * edits + start + left - k))
+    });
+    costs.filter(|(edits, _)| 4 * edits <= name.len()).map(|(_, cost)| cost).min()
 }
 
-/// The cost from the name to the best prefix of the letters: the last row of the matrix of edit distances.
-fn to_prefix(name: &[char], letters: &[char]) -> usize {
-    let mut row: Vec<usize> = (0..=letters.len()).map(|k| EDIT * k).collect();
+/// Edits from the name to each prefix of the letters: the last row of the matrix of edit distances.
+fn to_prefixes(name: &[char], letters: &[char]) -> Vec<usize> {
+    let mut row: Vec<usize> = (0..=letters.len()).collect();
     for (k, c) in name.iter().enumerate() {
         let mut diagonal = row[0];
-        row[0] = EDIT * (k + 1);
+        row[0] = k + 1;
         for (j, l) in letters.iter().enumerate() {
-            let change = diagonal + if c == l { 0 } else { EDIT };
+            let change = diagonal + usize::from(c != l);
             diagonal = row[j + 1];
-            row[j + 1] = change.min(row[j] + EDIT).min(row[j + 1] + EDIT);
+            row[j + 1] = change.min(row[j] + 1).min(row[j + 1] + 1);
         }
     }
-    row.iter().enumerate().map(|(k, cost)| cost + letters.len() - k).min().unwrap_or(0)
+    row
 }
 
 #[cfg(test)]
@@ -81,6 +88,9 @@ mod tests {
             ("R_ref", "motor.R_ref"),
         ] {
             assert_eq!(nearest(name, known.into_iter()), format!("; did you mean {meant}?"), "{name}");
+        }
+        for other in ["x", "foo", "preset", "nonsense"] {
+            assert_eq!(nearest(other, known.into_iter()), "", "{other}");
         }
         assert_eq!(nearest("x", std::iter::empty()), "");
     }

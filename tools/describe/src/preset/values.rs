@@ -1,6 +1,7 @@
 //! Start values by variable: read from TOML tables and from text, in any unit of the quantity.
 
 use super::{PresetError, nearest};
+use crate::Experiment;
 use physics::declare::{Elements, Kind};
 use physics::model::{Declaration, Element, Entry};
 use std::collections::BTreeMap;
@@ -29,7 +30,7 @@ impl StartValues {
     }
 
     /// The values of a TOML text with tables for several models, in the order of `tables` (name of the table, declaration
-    /// of the model). A missing table has no values. A table that `other` knows is left to it.
+    /// of the model). A missing table has no values. A table of `others` is left to `other`.
     ///
     /// # Errors
     /// A line for each error with file and line: invalid TOML, an unknown table, and all errors of a preset.
@@ -37,7 +38,8 @@ impl StartValues {
         text: &str,
         file: &str,
         tables: &[(&str, &'static Declaration)],
-        mut other: impl FnMut(&str, &Spanned<DeValue<'_>>, &mut Source<'_>) -> bool,
+        others: &[&str],
+        mut other: impl FnMut(&str, &Spanned<DeValue<'_>>, &mut Source<'_>),
     ) -> Result<Vec<StartValues>, PresetError> {
         let mut source = Source::new(text, file);
         let mut found = vec![StartValues::default(); tables.len()];
@@ -48,10 +50,12 @@ impl StartValues {
                 found[place] = StartValues::of_table(tables[place].1, values, &mut source);
                 continue;
             }
-            if other(key.get_ref(), value, &mut source) {
+            if others.contains(&key.get_ref().as_ref()) {
+                other(key.get_ref(), value, &mut source);
                 continue;
             }
-            let known: Vec<String> = tables.iter().map(|(name, _)| format!("[{name}]")).collect();
+            let names = tables.iter().map(|(name, _)| name).chain(others);
+            let known: Vec<String> = names.map(|name| format!("[{name}]")).collect();
             source.error(
                 key.span().start,
                 format!("{} is not one of the tables {}", key.get_ref(), known.join(", ")),
@@ -260,4 +264,46 @@ fn number(entry: &Entry, value: &Spanned<DeValue<'_>>) -> Result<f64, String> {
     };
     let plain = plain.ok_or_else(|| not_a_number(entry, &format!("the value of {name}")))?;
     checked(entry, in_si(entry, plain, unit)?)
+}
+
+/// The default experiment of a table with `stop` and `step`, numbers in s or texts with a unit; its errors go to `source`.
+pub(super) fn experiment(table: &DeTable<'_>, source: &mut Source<'_>) -> Experiment {
+    let mut found = Experiment::default();
+    for (key, value) in table {
+        let (name, at) = (key.get_ref().as_ref(), value.span().start.max(key.span().start));
+        let place = match name {
+            "stop" => &mut found.stop,
+            "step" => &mut found.step,
+            _ => {
+                source.error(
+                    key.span().start,
+                    format!("{name} is not a key of [experiment]; the keys are stop and step"),
+                );
+                continue;
+            }
+        };
+        match seconds(value.get_ref()) {
+            Some(seconds) if seconds > 0.0 && seconds.is_finite() => *place = seconds,
+            _ => source
+                .error(at, format!("{name} is not a time above 0, in s or as text with a unit (\"10 min\")")),
+        }
+    }
+    if found.step > found.stop {
+        let sentence = format!("step = {} s is longer than stop = {} s", found.step, found.stop);
+        source.error(table.values().map(|value| value.span().start).max().unwrap_or(0), sentence);
+    }
+    found
+}
+
+/// A time of a value, s.
+fn seconds(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(text) => text.as_str().replace('_', "").parse().ok(),
+        DeValue::Integer(text) => i64::from_str_radix(text.as_str(), text.radix()).ok().map(|n| n as f64),
+        DeValue::String(text) => {
+            let (number, unit) = units::split(text)?;
+            units::conversion(unit, "s", false).ok().map(|conversion| conversion.of(number))
+        }
+        _ => None,
+    }
 }

@@ -78,13 +78,9 @@ impl Value {
     /// # Errors
     /// One sentence with name, value and unit.
     pub fn parse(quantity: &'static Quantity, text: &str) -> Result<Value, String> {
-        // A decimal comma is a number with a comma and without a point.
-        let plain = if text.contains('.') { text.to_owned() } else { text.replacen(',', ".", 1) };
-        let (number, unit) = split(&plain).ok_or_else(|| {
-            format!(
-                "{} = {text} is not a number in {} or a number with its unit",
-                quantity.key, quantity.unit
-            )
+        let (number, unit) = split(text).ok_or_else(|| {
+            let Quantity { key, unit, .. } = quantity;
+            format!("{key} = {text} is not a number in {unit} or a number with its unit")
         })?;
         Value::new(quantity, number, if unit.is_empty() { quantity.unit } else { unit })
     }

@@ -16,6 +16,7 @@
 //!
 //! [`table_of`] writes this table for a CSV file whose columns have usual names.
 
+use delimited::{Row, name_and_unit};
 use describe::preset::{Source, nearest};
 use physics::load_table::{LoadTable, MOST_ROWS};
 use std::path::Path;
@@ -204,11 +205,10 @@ const USUAL: [&[&str]; 4] = [
 /// A file that cannot be read, or a column that is not found.
 pub(super) fn table_of(path: &Path) -> Result<String, String> {
     let (name, text) = text_at(path)?;
-    let (_, head) = rows(&text).next().ok_or_else(|| format!("{name} is empty"))?;
-    let headers = cells(head, separator(head));
-    let find = |place: usize| {
-        headers.iter().find(|header| USUAL[place].contains(&plain(header).to_lowercase().as_str())).copied()
-    };
+    let headers = text.header();
+    let is_usual =
+        |place: usize, header: &str| USUAL[place].contains(&name_and_unit(header).0.to_lowercase().as_str());
+    let find = |place: usize| headers.iter().map(String::as_str).find(|header| is_usual(place, header));
     let motion = if find(SPEED).is_some() { SPEED } else { ANGLE };
     let quoted = |text: &str| toml::Value::from(text).to_string();
     let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -323,14 +323,6 @@ fn entry(table: &mut Table, key: &str, value: &DeValue<'_>) -> Result<(), String
     Ok(())
 }
 
-/// The unit in the brackets of a header: `n [rpm]`, `M (mN.m)`.
-fn header_unit(header: &str) -> Option<&str> {
-    let header = header.trim();
-    let (open, close) = [('[', ']'), ('(', ')')].into_iter().find(|(_, close)| header.ends_with(*close))?;
-    let at = header.find(open)?;
-    Some(header[at + open.len_utf8()..header.len() - close.len_utf8()].trim())
-}
-
 fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
     let file = table.file.ok_or("the key file of [cycle] is missing")?;
     let (name, text) = text_at(&folder.join(&file))?;
@@ -344,22 +336,19 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
             return Err(format!("the key {names} of [cycle] is missing"));
         }
     }
-    let mut lines = rows(&text);
-    let (_, head) = lines.next().ok_or_else(|| format!("{name} is empty"))?;
-    let separator = separator(head);
-    let headers: Vec<&str> = cells(head, separator);
+    let headers = text.header();
     let mut read: Vec<(usize, usize, Conversion)> = Vec::new();
     for (kind, column) in columns.iter().enumerate() {
         let Some(Column { header, unit }) = column else { continue };
         let place = headers
             .iter()
             .position(|h| h == header)
-            .or_else(|| headers.iter().position(|h| plain(h) == *header));
+            .or_else(|| headers.iter().position(|h| name_and_unit(h).0 == header));
         let place = place.ok_or_else(|| {
             format!("{name} has no column {header}; its columns are {}", headers.join(", "))
         })?;
         let si = COLUMNS[kind].1;
-        let conversion = match unit.as_deref().or_else(|| header_unit(headers[place])) {
+        let conversion = match unit.as_deref().or_else(|| name_and_unit(&headers[place]).1) {
             None => unchanged(),
             Some(unit) => {
                 conversion(unit, si, false).map_err(|refusal| format!("{}: {refusal}", COLUMNS[kind].0))?
@@ -368,57 +357,38 @@ fn load(table: Table, folder: &Path) -> Result<Cycle, String> {
         read.push((kind, place, conversion));
     }
     let mut values: [Vec<f64>; 4] = Default::default();
-    for (k, line) in lines {
-        let cells = cells(line, separator);
+    for row in text.rows() {
+        let Row { line, cells } = row.map_err(|f| format!("{name}:{}: {}", f.line, f.message))?;
         for (kind, place, conversion) in &read {
-            let header = headers[*place];
-            let cell = cells.get(*place).copied().unwrap_or_default();
-            let number = if separator == ',' { cell.to_owned() } else { cell.replace(',', ".") };
-            let number: f64 =
-                number.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
-                    format!("{name}:{}: \"{cell}\" in column {header} is not a number", k + 1)
-                })?;
+            let (header, cell) = (&headers[*place], &cells[*place]);
+            let number = text.pointed(cell).parse().ok().filter(|v: &f64| v.is_finite());
+            let number = number
+                .ok_or_else(|| format!("{name}:{line}: \"{cell}\" in column {header} is not a number"))?;
             values[*kind].push(conversion.of(number));
         }
         let times = &values[TIME];
         if let [.., before, now] = times[..]
             && now <= before
         {
-            return Err(format!("{name}:{}: time {now} s does not follow {before} s", k + 1));
+            return Err(format!("{name}:{line}: time {now} s does not follow {before} s"));
         }
         if times.len() > MOST_ROWS {
             return Err(format!("{name} has more than {MOST_ROWS} rows"));
         }
     }
-    let source =
-        format!("{file}, columns {}", read.iter().map(|r| headers[r.1]).collect::<Vec<_>>().join(", "));
+    let source = format!(
+        "{file}, columns {}",
+        read.iter().map(|r| headers[r.1].as_str()).collect::<Vec<_>>().join(", ")
+    );
     cycle(values, period, source).map_err(|sentence| format!("{name}: {sentence}"))
 }
 
-/// Name and text of a file.
-fn text_at(path: &Path) -> Result<(String, String), String> {
+/// Name and contents of a file.
+fn text_at(path: &Path) -> Result<(String, delimited::Table), String> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|e| format!("the cycle {name} cannot be read ({e})"))?;
-    let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned);
+    let bytes = std::fs::read(path).map_err(|e| format!("the cycle {name} cannot be read ({e})"))?;
+    let text = delimited::Table::parse(&bytes).map_err(|f| format!("{name}:{}: {}", f.line, f.message))?;
     Ok((name, text))
-}
-
-/// The lines that are no comment, numbered from 0.
-fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
-}
-
-fn separator(head: &str) -> char {
-    [';', '\t', ','].into_iter().find(|s| head.contains(*s)).unwrap_or(',')
-}
-
-/// A header without its unit.
-fn plain(header: &str) -> String {
-    header.split(['[', '(']).next().unwrap_or_default().trim().to_owned()
-}
-
-fn cells(line: &str, separator: char) -> Vec<&str> {
-    line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect()
 }
 
 fn cycle(values: [Vec<f64>; 4], period: Option<f64>, source: String) -> Result<Cycle, String> {

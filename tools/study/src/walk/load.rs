@@ -33,7 +33,7 @@ use super::walker::Walker;
 use crate::StudyError;
 use crate::bench::Bench;
 pub use describe::preset::MOTOR;
-use describe::preset::motor_data;
+use describe::preset::{motor_data, nearest};
 use describe::{Entry, Kind, Preset, StartValues, models};
 use physics::load_table::LoadTable;
 use physics::models::series_elastic_actuator::MOTOR_DATA;
@@ -167,17 +167,14 @@ impl Load {
         }
         let folder = Path::new(file).parent().unwrap_or(Path::new("")).to_owned();
         let (mut cycle, mut mix) = (None, None);
-        let values = StartValues::of_tables(text, file, &tables, |name, value, source| match name {
-            "cycle" => {
-                cycle = cycle_file::read(value, &folder, source);
-                true
-            }
-            "mix" => {
-                mix = MixFile::read(value, source);
-                true
-            }
-            _ => false,
-        })?;
+        let values =
+            StartValues::of_tables(text, file, &tables, &["cycle", "mix"], |name, value, source| {
+                if name == "cycle" {
+                    cycle = cycle_file::read(value, &folder, source);
+                } else {
+                    mix = MixFile::read(value, source);
+                }
+            })?;
         let used = |k: usize| !values[k].entries().is_empty();
         let at_joint = cycle.is_some() && used(THE_ACTUATOR);
         if cycle.is_some() && !at_joint && used(THE_GAIT) {
@@ -312,9 +309,18 @@ impl Load {
     pub fn owner(&self, name: &str) -> Result<&Bench, StudyError> {
         match self.benches.iter().find(|b| b.knows(name, None)) {
             Some(bench) => Ok(bench),
-            // The sentence of the motor, with its nearest name.
-            None => self.benches[0].entry(name).map(|_| &self.benches[0]),
+            None => Err(self.unknown(name)),
         }
+    }
+
+    /// One sentence about a name that neither the models nor the cycle know.
+    fn unknown(&self, name: &str) -> StudyError {
+        let entries = self.benches.iter().flat_map(|bench| &bench.declaration().entries);
+        let known = entries.map(|entry| entry.name.as_str()).chain(SETTINGS.iter().map(|s| s.name));
+        StudyError::new(format!(
+            "neither motor nor actuator, gait or cycle has a variable {name}{}",
+            nearest(name, known)
+        ))
     }
 
     /// Sets a variable of the first model that has it, from text.
@@ -348,7 +354,8 @@ impl Load {
                 "{name} has no effect with a [cycle] at the joint{instead}"
             )));
         }
-        let place = self.benches.iter().position(|b| b.knows(name, None)).unwrap_or(0);
+        let place =
+            self.benches.iter().position(|b| b.knows(name, None)).ok_or_else(|| self.unknown(name))?;
         if self.cycle.is_some() && place != 0 {
             return Err(StudyError::new(format!(
                 "{name} has no effect: the load has a [cycle] and no actuator or gait"

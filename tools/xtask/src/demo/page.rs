@@ -136,13 +136,20 @@ pub fn bench(report: &str) -> Outcome<Markup> {
         .map(|e| {
             let names = std::iter::once(&e["id"]).chain(e["alternatives"].as_array().into_iter().flatten());
             let names: Vec<String> = names.map(|id| label(id.as_str().unwrap_or("?"))).collect();
-            names.join(" or ")
+            if names.len() > 1 { format!("one of {}", names.join(" or ")) } else { names.join("") }
         })
         .collect();
+    let sentence = match (report["verdict"].as_str(), found.is_empty()) {
+        (_, true) => "No missing effect was found.".to_owned(),
+        (Some("class"), _) => {
+            format!("The model lacks {}; the data do not distinguish the alternatives.", found.join(" and "))
+        }
+        _ => format!("The model lacks {}.", found.join(" and ")),
+    };
     let headers = ["RMSE of", stages[0], stages[1], stages[2]];
     Ok(html! {
         (table(&headers, rows.collect()))
-        p { "Verdict: " (report["verdict"].as_str().unwrap_or("?")) "; " (found.join(", ")) "." }
+        p { (sentence) }
     })
 }
 
@@ -209,7 +216,10 @@ mod tests {
         );
         assert_eq!(cells(&bench(BENCH).unwrap()), ["winding temperature in K | 75.04 | 59.6 | 1.456"]);
         let text = bench(BENCH).unwrap().into_string();
-        assert!(text.contains("Verdict: class; drive loss or leads, forced convection."), "{text}");
+        assert!(
+            text.contains("The model lacks one of drive loss or leads and forced convection; the data"),
+            "{text}"
+        );
         assert_eq!(
             cells(&study(&studied(), FIGURE).unwrap()),
             ["walking | 15 min, 45 % | continuous, 104 %"]

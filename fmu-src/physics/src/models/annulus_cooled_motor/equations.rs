@@ -4,7 +4,8 @@
 //! current drive     I = I_command                                                          (2)
 //! free shaft        J dw/dt = k_t(T_m) I - tau_drag - tau_load                             (3)
 //! imposed speed     w = w_imposed                                                          (4)
-//! copper heat       Q_w = R(T_w) I^2 + V_drop(I) I (+ heat_power; electrical_power in drive_mode power) (5)
+//! copper heat       Q_w = R(T_w) I^2 + V_drop(I) I (+ heat_power; in drive_mode power what of electrical_power
+//!                   is not lost in the drive, set free in the stator or handed to the load) (5)
 //! friction heat     Q_h = tau_drag w, with tau_drag = tau(w) + c(w, tau_s) tau_s           (6)
 //! temperatures      components/thermal.rs (1), (2) with components/conductance.rs (1), or network.rs
 //!
@@ -31,7 +32,7 @@ pub use constants::Constants;
 use super::parameters::Parameters;
 use super::variables::{DriveMode, Inputs, MechanicalMode};
 use crate::components::commutation::PhaseLoad;
-use crate::effects::{PerNode, Ports};
+use crate::effects::{PerNode, Port, Ports};
 use crate::ledger::{Account, Ledger};
 use crate::line::Line;
 use crate::solver::split::{Fast, State, System};
@@ -68,6 +69,8 @@ pub struct Step<'a> {
     speed: Line,
     /// Heat set free in the winding without a current, W.
     heat: Line,
+    /// Electrical power that heats the stator, W (drive_mode power).
+    stator: Line,
     /// Heat that the drive gives to the surroundings, W.
     drive: Line,
     /// True temperature of the surroundings, K.
@@ -165,12 +168,16 @@ impl<'a> Step<'a> {
             _ => none,
         };
         let mut heat = Line { start: u.heat_power + model.effects.winding_heat(), slope: s.heat_power };
-        let mut drive = none;
+        let (mut drive, mut stator) = (none, none);
         if model.choices.drive_mode == DriveMode::Power {
-            let lost = constants.lost;
-            drive = Line { start: lost * u.electrical_power, slope: lost * s.electrical_power };
-            heat.start += u.electrical_power - drive.start;
-            heat.slope += s.electrical_power - drive.slope;
+            let of = |fraction: f64| Line {
+                start: fraction * u.electrical_power,
+                slope: fraction * s.electrical_power,
+            };
+            drive = of(constants.lost);
+            stator = of(constants.in_stator);
+            heat.start += u.electrical_power - drive.start - stator.start;
+            heat.slope += s.electrical_power - drive.slope - stator.slope;
         }
         let drift = constants.drift;
         let free = constants.inverse_j != 0.0;
@@ -185,6 +192,7 @@ impl<'a> Step<'a> {
             load: if free { Line { start: u.load_torque, slope: s.load_torque } } else { none },
             speed: if free { none } else { Line { start: u.imposed_speed, slope: s.imposed_speed } },
             heat,
+            stator,
             drive,
             ambient: Line {
                 start: u.ambient_temperature + drift * time + model.effects.ambient_offset(),
@@ -219,7 +227,10 @@ impl<'a> Step<'a> {
         // The input heat_power heats all phases alike.
         let even = self.inputs.heat_power + self.slopes.heat_power * t;
         PhaseLoad {
-            heat: motor.resistance(t_w) * square + ports.terminal_voltage(i) * i + self.heat.at(t) - even,
+            heat: motor.resistance(t_w) * square
+                + ports.terminal_voltage(i) * i
+                + self.heat_at(t, state.x[1])
+                - even,
             per_kelvin: motor.R_ref * motor.alpha * square,
             capacity: self.capacity()[WINDING],
             conductance: self.constants.across * ports.winding_housing_conductance(t_w)
@@ -314,6 +325,18 @@ impl<'a> Step<'a> {
         self.model.effects.iron_drag(w)
     }
 
+    /// Torque of a load whose power is a part of the input electrical_power, N.m.
+    #[inline(always)]
+    fn power_mode_torque(&self, w: f64) -> f64 {
+        if self.constants.acts.at(Port::PowerModeLoad) { self.ports().power_mode_torque(w) } else { 0.0 }
+    }
+
+    /// Heat set free in the winding without a current at the speed `w`, W.
+    #[inline(always)]
+    fn heat_at(&self, t: f64, w: f64) -> f64 {
+        self.heat.at(t) - self.power_mode_torque(w) * w
+    }
+
     /// Heat flows from the nodes to what surrounds them, W.
     #[inline(always)]
     fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
@@ -358,7 +381,8 @@ impl<'a> Step<'a> {
         } else {
             r * i + self.ports().terminal_voltage(i) + k * w
         };
-        let shaft_torque = if self.is_free() { self.load.at(t) } else { k * i - drag };
+        let shaft_torque =
+            if self.is_free() { self.load.at(t) } else { k * i - drag + self.power_mode_torque(w) };
         Ends { voltage, shaft_torque, drag, bridge, r, k }
     }
 
@@ -371,6 +395,7 @@ impl<'a> Step<'a> {
         let Ends { voltage, shaft_torque, drag, bridge, r, k } = self.ends(t, x, temperature);
         let lost = self.ports().terminal_voltage(i);
         let fast = self.fast_rates(t, x, temperature);
+        let (heat, stator, load) = (self.heat_at(t, w), self.stator.at(t), self.power_mode_torque(w) * w);
         let (leaving, drive) = (self.leaving(t, temperature), self.drive.at(t) + bridge * i);
         let insulation = self.ports().winding_housing_resistance(t_w);
         let across = self.model.thermal.winding_to_housing(t_w, t_h) / insulation;
@@ -378,9 +403,10 @@ impl<'a> Step<'a> {
         let mut ledger = Ledger::default();
         ledger.transfer(Terminals, Winding, r * i * i);
         ledger.transfer(Terminals, Winding, lost * i);
-        ledger.transfer(Terminals, Winding, self.heat.at(t) + self.ripple_loss(t, t_w));
-        ledger.transfer(Terminals, AirGap, k * w * i);
+        ledger.transfer(Terminals, Winding, heat + self.ripple_loss(t, t_w));
+        ledger.transfer(Terminals, AirGap, k * w * i + load);
         let core = self.core();
+        ledger.transfer(Terminals, core, stator);
         ledger.transfer(AirGap, core, self.drag_in_core(w, drag * w));
         ledger.transfer(AirGap, Shaft, shaft_torque * w);
         if self.is_voltage_driven() {
@@ -399,7 +425,7 @@ impl<'a> Step<'a> {
         let warming = self.network_rates(t, temperature)
             + self.heat_rates(t, x, temperature).component_mul(self.inverse_capacity());
         let to_ambient = self.outflow(t, temperature) + drive;
-        let power_in = voltage * i + self.heat.at(t) + self.ripple_loss(t, t_w) + drive;
+        let power_in = voltage * i + heat + load + stator + self.ripple_loss(t, t_w) + drive;
         Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 

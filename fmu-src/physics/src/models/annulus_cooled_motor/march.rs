@@ -13,9 +13,9 @@ use crate::components::commutation::{Commutation, PHASES, Phases};
 use crate::components::conductance::Conductance;
 use crate::components::validity::Extremes;
 use crate::effects::{PerNode, Port};
-use crate::ending::Halt;
 use crate::line::Line;
 use crate::model::Fault;
+use crate::runtime::Halt;
 use crate::solver::split::State;
 use crate::solver::stabilized::States;
 use declare::Group;
@@ -31,7 +31,7 @@ impl AnnulusCooledMotor {
     /// A step without an event in it.
     #[inline]
     pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Halt> {
-        if let Some(fault) = &self.fault {
+        if let Some(fault) = &self.own.fault {
             return Err(Halt::Fault(Fault(fault.clone())));
         }
         if self.holds_states() {
@@ -48,11 +48,13 @@ impl AnnulusCooledMotor {
         let before = self.housing_temperature();
         let effects = &self.parameters.effects;
         let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_sources());
-        if self.network.is_some() {
+        if self.own.network.is_some() {
             self.advance_in_pieces(time, h)?;
         } else {
             self.advance_two_nodes(time, h)?;
         }
+        // What follows belongs to the end of the step, where the inputs have arrived.
+        self.slopes = Inputs::zero();
         self.follow_sensor(before, h);
         if let Some(sources) = lagging {
             self.follow_lags(&sources, h);
@@ -63,53 +65,48 @@ impl AnnulusCooledMotor {
     fn advance_two_nodes(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         self.follow_cooling();
         let excess = self.mean_excess(h);
-        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, self.fan.1, time)
-            .with_excess(excess);
-        let before = self.state;
-        self.split.advance(&step, &mut self.state, h).map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
-        let phases = self.phases.over(&step, [&before, &self.state], h, &self.parameters);
-        let [winding, core] = [self.state.temperature[0], self.state.temperature[1]];
+        let step = Step::new(
+            &self.parameters,
+            &self.own.constants,
+            &self.inputs,
+            &self.slopes,
+            self.own.fan.1,
+            time,
+        )
+        .with_excess(excess);
+        let before = self.own.state;
+        self.own
+            .split
+            .advance(&step, &mut self.own.state, h)
+            .map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
+        let phases = self.own.phases.over(&step, [&before, &self.own.state], h, &self.parameters);
+        let [winding, core] = [self.own.state.temperature[0], self.own.state.temperature[1]];
         let extremes =
             Extremes { winding: winding + phases.hottest(), magnets: core, lowest: winding.min(core) };
-        if self.constants.limits().are_passed(&extremes) {
-            self.state = before;
+        if self.own.constants.limits().are_passed(&extremes) {
+            self.own.state = before;
             return Err(Halt::Limit);
         }
-        self.phases = phases;
+        self.own.phases = phases;
         self.arrive(time + h, h);
-        self.slopes = Inputs::ZERO;
         Ok(())
-    }
-
-    /// Inputs, time and outputs follow where the state has come to, `h` seconds on.
-    #[inline]
-    fn arrive(&mut self, time: f64, h: f64) {
-        if self.slopes != Inputs::ZERO {
-            self.inputs = self.inputs.after(h, &self.slopes);
-            self.follow_inputs();
-        }
-        self.time = time;
-        self.outdate();
     }
 
     fn stuck(&self, time: f64, after: f64, h: f64) -> Fault {
         Fault(format!(
             "The motor's equations have no solution {after} s after {time} s even with steps of {h} s \
              (current {} A, speed {} rad/s, winding {} K).",
-            self.state.x[0], self.state.x[1], self.state.temperature[0]
+            self.own.state.x[0], self.own.state.x[1], self.own.state.temperature[0]
         ))
     }
 
     fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let longest = h.min(self.longest_piece());
-        let mut trial = self.network.as_ref().map_or(h, |n| n.piece).min(longest);
+        let mut trial = self.own.network.as_ref().map_or(h, |n| n.piece).min(longest);
         if trial >= h {
             // The common case, without a copy to go back to: a piece that is refused changes nothing.
             match self.piece(time, h)? {
-                Ok(()) => {
-                    self.slopes = Inputs::ZERO;
-                    return Ok(());
-                }
+                Ok(()) => return Ok(()),
                 Err(shorter) => trial = shorter,
             }
         }
@@ -126,7 +123,7 @@ impl AnnulusCooledMotor {
             match self.piece(time + done, piece) {
                 Ok(Ok(())) => {
                     done += piece;
-                    trial = self.network.as_ref().map_or(h, |n| n.piece).min(longest);
+                    trial = self.own.network.as_ref().map_or(h, |n| n.piece).min(longest);
                     if piece == rest {
                         break;
                     }
@@ -139,7 +136,6 @@ impl AnnulusCooledMotor {
             }
         }
         self.time = time + h;
-        self.slopes = Inputs::ZERO;
         Ok(())
     }
 
@@ -156,17 +152,17 @@ impl AnnulusCooledMotor {
     /// One piece of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
     fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         let ambient = self.ambient(time);
-        let still = self.slopes == Inputs::ZERO;
+        let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
         let excess = self.mean_excess(h);
-        let Some(network) = &mut self.network else { return Ok(Ok(())) };
+        let Some(network) = &mut self.own.network else { return Ok(Ok(())) };
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, 0.0);
 
         // Heat that friction sets free in the network as the piece begins.
-        let (state, split) = (self.state, &mut self.split);
+        let (state, split) = (self.own.state, &mut self.own.split);
         let (t_w, t_core) = (state.temperature[0], state.temperature[1]);
-        let (p, constants) = (&self.parameters, &self.constants);
+        let (p, constants) = (&self.parameters, &self.own.constants);
         let draught = draught(p, middle.fan_command);
         let start = beyond(network, draught, ambient, None);
         let none = PerNode::default();
@@ -195,7 +191,7 @@ impl AnnulusCooledMotor {
             let shrink = 0.8 / advance.error.cbrt();
             return Ok(Err(h * if shrink.is_finite() { shrink.clamp(0.1, 0.7) } else { 0.1 }));
         }
-        let phases = self.phases.over(&step, [&state, &next], h, p);
+        let phases = self.own.phases.over(&step, [&state, &next], h, p);
         let (winding, magnets) = (next.temperature[0], network.rotor_ahead());
         let extremes =
             Extremes { winding: winding + phases.hottest(), magnets, lowest: winding.min(magnets) };
@@ -205,7 +201,7 @@ impl AnnulusCooledMotor {
         network.accept();
         network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
-        (self.state, self.phases) = (next, phases);
+        (self.own.state, self.own.phases) = (next, phases);
         self.arrive(time + h, h);
         Ok(Ok(()))
     }
@@ -222,23 +218,23 @@ impl AnnulusCooledMotor {
         if commutation == Commutation::EquivalentDc {
             return 0.0;
         }
-        self.phases.in_use(&self.shares_now())
+        self.own.phases.in_use(&self.shares_now())
     }
 
     /// How the phases share the copper loss at this instant; between events within one sector of block commutation.
     fn shares_now(&self) -> [f64; PHASES] {
         let commutation = self.parameters.choices.commutation;
         let angle = match &self.held {
-            Some(held) if commutation == Commutation::Block => held.angle(),
-            _ => self.electrical_angle(&self.state),
+            Some(held) if commutation == Commutation::Block => held.discrete.angle(),
+            _ => self.electrical_angle(&self.own.state),
         };
         commutation.shares(angle, angle)
     }
 
     /// Rates of how far the phases are above the mean winding, K/s.
     pub(super) fn phase_rates(&self) -> [f64; PHASES] {
-        let load = self.equations().phase_load(0.0, &self.state);
-        self.phases.rates(&load, &self.shares_now())
+        let load = self.equations().phase_load(0.0, &self.own.state);
+        self.own.phases.rates(&load, &self.shares_now())
     }
 
     /// How far the phases that carry the current are above the mean winding in the middle of the next `h` seconds, K: with it
@@ -248,18 +244,18 @@ impl AnnulusCooledMotor {
         if commutation == Commutation::EquivalentDc {
             return 0.0;
         }
-        let load = self.equations().phase_load(0.0, &self.state);
+        let load = self.equations().phase_load(0.0, &self.own.state);
         let (a, way) = (
-            self.electrical_angle(&self.state),
-            h * self.state.x[1] * f64::from(self.parameters.motor.pole_pairs),
+            self.electrical_angle(&self.own.state),
+            h * self.own.state.x[1] * f64::from(self.parameters.motor.pole_pairs),
         );
-        let middle = self.phases.after(0.5 * h, &load, &commutation.shares(a, a + 0.5 * way));
+        let middle = self.own.phases.after(0.5 * h, &load, &commutation.shares(a, a + 0.5 * way));
         middle.in_use(&commutation.shares(a, a + way))
     }
 
     /// The true ambient temperature over a piece that begins at `time`, K.
     pub(super) fn ambient(&self, time: f64) -> Line {
-        let drift = self.constants.drift();
+        let drift = self.own.constants.drift();
         Line {
             start: self.inputs.ambient_temperature + drift * time + self.parameters.effects.ambient_offset(),
             slope: self.slopes.ambient_temperature + drift,
@@ -269,7 +265,7 @@ impl AnnulusCooledMotor {
     /// Lets the coefficients of the network belong to the inputs of this instant.
     pub(super) fn bring_network_to_inputs(&mut self) {
         let ambient = self.ambient(self.time).start;
-        let Some(network) = &mut self.network else { return };
+        let Some(network) = &mut self.own.network else { return };
         if self.held.is_some() {
             network.evaluate(&self.parameters, &self.inputs, ambient);
         } else {
@@ -281,7 +277,7 @@ impl AnnulusCooledMotor {
     pub(super) fn evaluate_cooling(&mut self) {
         let ambient = self.ambient(self.time).start;
         let steps = self.held.is_none();
-        if let Some(network) = &mut self.network {
+        if let Some(network) = &mut self.own.network {
             if steps {
                 network.forget();
             }
@@ -291,7 +287,7 @@ impl AnnulusCooledMotor {
 
     /// What winding and core see of the network at this instant.
     pub(super) fn beyond(&self) -> Beyond {
-        let Some(network) = &self.network else { return Beyond::default() };
+        let Some(network) = &self.own.network else { return Beyond::default() };
         let draught = draught(&self.parameters, self.inputs.fan_command);
         beyond(network, draught, self.ambient(self.time), None)
     }

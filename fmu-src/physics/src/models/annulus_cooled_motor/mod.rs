@@ -1,18 +1,15 @@
 //! A motor with its cooling: terminals, shaft and heat.
 //!
 //! `variables.rs` says what goes in and out, `parameters.rs` what the motor is made of, `equations.rs` what holds between them,
-//! `motor.rs` how the model runs: it owns parameters, inputs and state, and hands the equations to the integrator.
+//! `motor.rs` gives them to the runtime.
 
 pub mod cooling;
 mod equations;
-mod exchange;
-mod held;
 mod initial;
 mod march;
 mod motor;
 pub mod network;
 mod parameters;
-mod saved;
 mod state_list;
 mod states;
 mod surroundings;

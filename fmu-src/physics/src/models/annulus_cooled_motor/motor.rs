@@ -1,35 +1,32 @@
-//! The motor as a model: parameters, inputs, and the state it has reached.
+//! The motor as [`Equations`] of the runtime: what it carries, its outputs and events. `states.rs` has its states, `march.rs` its
+//! steps, `surroundings.rs` drivers of terms, sensor and initial state.
 
 use super::equations::{Constants, NODES, Step, Temperatures};
-use super::held::Held;
 use super::network::{Body, Network};
 use super::parameters::Parameters;
-use super::state_list::{Followed, STATES};
+use super::state_list::{ALL, STATES, is_coupled};
 use super::variables::{Books, DriveMode, Indicators, Inputs, MechanicalMode, Outputs};
-use crate::components::commutation::Phases;
+use crate::components::commutation::{Commutation, Phases};
 use crate::components::validity::Extremes;
-use crate::effects::{IMMINENT, PerNode, Port};
-use crate::ending::{Halt, approach};
-use crate::groups;
-use crate::model::{Declaration, Declared, Fault, HousingHeat, Model, ModelType, Slot};
+use crate::effects::{PerNode, Port};
+use crate::exchange::is_above;
+use crate::model::{Declaration, Declared, Fault, HousingHeat};
+use crate::runtime::{Equations, Halt, Runtime};
+use crate::saved;
 use crate::solver::split::{Split, State};
 use crate::terms::{Drivers, GenericTerm, MOST_TERMS};
+use declare::State as Declare;
+use std::f64::consts::FRAC_PI_3;
 
-/// The motor: parameters, inputs, and the state it has reached.
+/// The motor.
+pub type AnnulusCooledMotor = Runtime<Motor, ALL>;
+
+/// What the motor carries from step to step.
 #[derive(Clone, Debug)]
-pub struct AnnulusCooledMotor {
-    /// What the importer sets.
-    pub inputs: Inputs,
-    pub(super) outputs: Outputs,
-    pub(super) books: Books,
-    pub(super) indicators: Indicators,
-    /// What the motor is made of.
-    pub parameters: Parameters,
+pub struct Motor {
     pub(super) constants: Constants,
     /// The fan command and the conductance that belongs to it: a power costs as much as half a step.
     pub(super) fan: (f64, PerNode),
-    pub(super) slopes: Inputs,
-    pub(super) time: f64,
     pub(super) state: State<NODES>,
     /// The temperature that the housing's sensor has reached, K.
     pub(super) t_sensor: f64,
@@ -46,93 +43,53 @@ pub struct AnnulusCooledMotor {
     pub(super) phases: Phases,
     /// The heat beyond winding and stator, where the mode of cooling has any.
     pub(super) network: Option<Network>,
-    /// What is held between events, where the caller integrates.
-    pub(super) held: Option<Held>,
-    /// What those who fit see of the states.
-    pub(super) followed: Followed,
     /// What is wrong with the parameters taken together.
     pub(super) fault: Option<String>,
-    /// Whether the last step ended at a limit of validity.
-    pub(super) ended: bool,
-    pub(super) outputs_are_stale: bool,
-    pub(super) books_are_stale: bool,
 }
 
-groups! {
-    AnnulusCooledMotor {
-        "" @ 0 => inputs: Inputs,
-        "" @ 0 => outputs: Outputs,
-        "" @ 0 => books: Books,
-        "event." @ 0 => indicators: Indicators,
-    } then parameters: Parameters
+saved!(Motor { t_sensor, t_start, capacity_factor, term_lags, stored_at_start, state, split, phases });
+
+/// Discrete states in Model Exchange.
+#[derive(Clone, Copy, Debug)]
+pub struct Discrete {
+    /// The sector of block commutation since the last event.
+    sector: f64,
+    /// Whether the winding was above its limit at the last event.
+    over_temperature: bool,
+    /// Whether the duty was zero at the last event.
+    idle: bool,
+    /// The factor on the heat capacities that the energy balance contains.
+    booked: f64,
 }
 
-/// Index of the inputs in the list of groups.
-const INPUTS: usize = 0;
-/// Index of the outputs in the list of groups.
-const OUTPUTS: usize = 1;
-/// Last of the outputs that are states and shown as they are: current, shaft_angle and shaft_speed come first.
-const LAST_STATE: usize = 2;
-/// Rows of the outputs that sensors of winding and housing indicate.
-pub(super) const WINDING_SENSOR: usize = 4;
-pub(super) const HOUSING_SENSOR: usize = 7;
-/// Index of the flows of power in the list of groups.
-const BOOKS: usize = 2;
-/// Index of the event indicators in the list of groups; parameters follow.
-const INDICATORS: usize = 3;
+saved!(Discrete { sector, over_temperature, idle, booked });
 
-impl Default for AnnulusCooledMotor {
+impl Default for Discrete {
     fn default() -> Self {
-        let parameters = Parameters::default();
-        AnnulusCooledMotor {
-            inputs: Inputs::default(),
-            outputs: Outputs::default(),
-            books: Books::default(),
-            indicators: Indicators::default(),
-            parameters,
-            constants: Constants::of(&parameters),
-            fan: (f64::NAN, PerNode::default()),
-            slopes: Inputs::ZERO,
-            time: 0.0,
-            state: State::default(),
-            t_sensor: 0.0,
-            term_lags: [0.0; MOST_TERMS],
-            t_start: 0.0,
-            capacity_factor: 1.0,
-            stored_at_start: 0.0,
-            split: Split::default(),
-            phases: Phases::default(),
-            network: None,
-            held: None,
-            followed: Followed::default(),
-            fault: None,
-            ended: false,
-            outputs_are_stale: true,
-            books_are_stale: true,
-        }
+        Discrete { sector: 0.0, over_temperature: false, idle: false, booked: 1.0 }
     }
 }
+
+impl Discrete {
+    /// An electrical angle in the sector, rad.
+    pub(super) fn angle(&self) -> f64 {
+        (self.sector + 0.5) * FRAC_PI_3
+    }
+}
+
+/// Rows of the outputs that need no equations: states, and the sensors of winding and housing.
+const CURRENT_ROW: usize = 0;
+const ANGLE_ROW: usize = 1;
+const SPEED_ROW: usize = 2;
+const WINDING_SENSOR: usize = 4;
+const HOUSING_SENSOR: usize = 7;
+/// How near the border of a sector an electrical angle is at it, rad.
+const NEAR_SECTOR: f64 = 1e-9;
 
 impl AnnulusCooledMotor {
-    /// The model in the list of models.
-    pub const TYPE: ModelType = ModelType { declaration: Self::declared, new: || Box::new(Self::default()) };
-
-    fn declared() -> &'static Declaration {
-        static DECLARED: Declared = Declared::new();
-        DECLARED.get_or_init(|| {
-            Declaration::new(
-                "AnnulusCooledMotor",
-                "Thermo-electromechanical motor with thermal network and cooling: electrical terminals, shaft, winding and housing temperature",
-                Self::groups(),
-                STATES,
-                &[],
-            )
-        })
-    }
-
     /// The state at the present time: current, A, speed, rad/s, angle, rad, temperatures, K, energies, J.
     pub fn state(&self) -> &State<NODES> {
-        &self.state
+        &self.own.state
     }
 
     /// The equations over the next step, with the inputs on their slopes.
@@ -145,50 +102,50 @@ impl AnnulusCooledMotor {
     /// Brings what the model keeps of the cooling to the inputs.
     #[inline]
     pub(super) fn follow_cooling(&mut self) {
-        if self.network.is_some() {
+        if self.own.network.is_some() {
             self.bring_network_to_inputs();
-        } else if self.fan.0 != self.inputs.fan_command {
-            self.fan = (self.inputs.fan_command, self.parameters.to_ambient(self.inputs.fan_command));
+        } else if self.own.fan.0 != self.inputs.fan_command {
+            self.own.fan = (self.inputs.fan_command, self.parameters.to_ambient(self.inputs.fan_command));
         }
     }
 
     /// The equations with the cooling as it is kept.
     #[inline]
     pub(super) fn equations(&self) -> Step<'_> {
-        let is_kept = self.network.is_some() || self.fan.0 == self.inputs.fan_command;
-        let fan = if is_kept { self.fan.1 } else { self.parameters.to_ambient(self.inputs.fan_command) };
-        let step = Step::new(&self.parameters, &self.constants, &self.inputs, &self.slopes, fan, self.time)
-            .with_excess(self.excess());
+        let is_kept = self.own.network.is_some() || self.own.fan.0 == self.inputs.fan_command;
+        let fan = if is_kept { self.own.fan.1 } else { self.parameters.to_ambient(self.inputs.fan_command) };
+        let step =
+            Step::new(&self.parameters, &self.own.constants, &self.inputs, &self.slopes, fan, self.time)
+                .with_excess(self.excess());
         let step = match &self.held {
-            Some(held) => step.with_strength_since(held.since).with_open_switches(held.idle),
+            Some(held) => step.with_strength_since(held.since).with_open_switches(held.discrete.idle),
             None => step,
         };
-        if self.network.is_some() { step.within(self.beyond()) } else { step }
+        if self.own.network.is_some() { step.within(self.beyond()) } else { step }
     }
 
     /// Energy in all stores, J.
     pub(super) fn stored(&self) -> f64 {
-        let state = self.state;
-        let beyond = self.network.as_ref().map_or(0.0, |n| n.stored(self.t_start));
-        self.equations().stored(&state, self.t_start) + beyond
+        let state = self.own.state;
+        let beyond = self.own.network.as_ref().map_or(0.0, |n| n.stored(self.own.t_start));
+        self.equations().stored(&state, self.own.t_start) + beyond
     }
 
     /// Draws the consequences of parameters that were written.
     pub(super) fn follow_parameters(&mut self) {
-        self.constants = Constants::of(&self.parameters).with_capacity(self.capacity_factor);
-        self.fan = (f64::NAN, PerNode::default());
-        self.fault = Body::fault(&self.parameters);
+        self.own.constants = Constants::of(&self.parameters).with_capacity(self.own.capacity_factor);
+        self.own.fan = (f64::NAN, PerNode::default());
+        self.own.fault = Body::fault(&self.parameters);
         let body = Body::of(&self.parameters);
-        self.network = match (self.network.take(), body) {
+        self.own.network = match (self.own.network.take(), body) {
             (Some(mut network), Some(body)) if network.body.segments == body.segments => {
                 network.follow(&self.parameters, body);
                 Some(network)
             }
             // A network that comes anew stands at the temperature of what it grows from.
-            (_, Some(body)) => Some(Network::new(&self.parameters, body, self.state.temperature[1])),
+            (_, Some(body)) => Some(Network::new(&self.parameters, body, self.own.state.temperature[1])),
             (_, None) => None,
         };
-        self.followed = Followed::of(self);
     }
 
     /// What `look` sees at the present time with the effects told and, if `cooled`, the cooling by its full equations. The motor
@@ -196,7 +153,7 @@ impl AnnulusCooledMotor {
     /// about them.
     pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Self) -> T) -> T {
         let is_told = self.parameters.effects.acts_at(Port::Any);
-        let is_cooled = self.network.as_ref().is_none_or(|n| {
+        let is_cooled = self.own.network.as_ref().is_none_or(|n| {
             self.held.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
         });
         if !is_told && (is_cooled || !cooled) {
@@ -208,261 +165,294 @@ impl AnnulusCooledMotor {
         look(&copy)
     }
 
-    fn outputs_now(&self) -> Outputs {
-        let mut outputs = self.observe(false, |m| m.equations().outputs(&m.state, m.t_sensor, &m.phases));
-        if let Some(held) = &self.held {
-            outputs.over_temperature = held.over_temperature;
-        }
-        outputs
-    }
-
-    fn books_now(&self) -> Books {
-        self.observe(true, |m| {
-            m.equations().books(&m.state, (m.t_start, m.stored_at_start), m.network.as_ref())
-        })
-    }
-
-    /// Outputs that are states.
-    #[inline]
-    pub(super) fn show_straight(&mut self) {
-        (self.outputs.current, self.outputs.shaft_speed) = (self.state.x[0], self.state.x[1]);
-        self.outputs.shaft_angle = self.state.angle;
-    }
-
-    /// Outputs of the sensors, which need no equations of the motor.
-    #[inline]
-    fn show_sensors(&mut self) {
-        let (effects, ambient) = (&self.parameters.effects, self.ambient(self.time).start);
-        self.outputs.winding_temperature = effects.winding_sensor(self.state.temperature[0], ambient);
-        self.outputs.housing_temperature = effects.housing_sensor(self.t_sensor, ambient);
-    }
-
-    /// The state, an input or a parameter has changed.
-    #[inline]
-    pub(super) fn outdate(&mut self) {
-        (self.outputs_are_stale, self.books_are_stale) = (true, true);
-    }
-
-    /// The current and the speed that the inputs dictate replace those of the state.
-    #[inline]
-    pub(super) fn follow_inputs(&mut self) {
-        match self.parameters.choices.drive_mode {
-            DriveMode::Voltage | DriveMode::Pwm => {}
-            DriveMode::Current => self.state.x[0] = self.inputs.current_command,
-            DriveMode::Power => self.state.x[0] = 0.0,
-        }
-        match self.parameters.choices.mechanical_mode {
-            MechanicalMode::FreeShaft => {}
-            MechanicalMode::ImposedSpeed => self.state.x[1] = self.inputs.imposed_speed,
-        }
-        self.outdate();
-    }
-
-    /// A step, cut at the events within it.
-    pub(super) fn step_over_events(&mut self, time: f64, h: f64) -> Result<(), Halt> {
-        if !self.constants.eventful {
-            return self.advance(time, h);
-        }
-        let end = time + h;
-        let event = self.parameters.effects.next_event(time);
-        if event < end - IMMINENT {
-            // An event within the step: up to it and on from it, or nothing of both.
-            let (before, slopes) = (self.clone(), self.slopes);
-            let outcome = self.advance(time, event - time).and_then(|()| {
-                self.slopes = slopes;
-                self.step_over_events(event, end - event)
-            });
-            match outcome {
-                Ok(()) => self.time = end,
-                Err(_) => *self = before,
-            }
-            return outcome;
-        }
-        self.advance(time, h)
-    }
-
     /// The temperatures that are limited.
     pub(super) fn extremes(&self) -> Extremes {
-        let [winding, core] = [self.state.temperature[0], self.state.temperature[1]];
-        let magnets = self.network.as_ref().map_or(core, Network::rotor_temperature);
-        Extremes { winding: winding + self.phases.hottest(), magnets, lowest: winding.min(magnets) }
-    }
-
-    /// Why the run ends at `time`, s.
-    pub(super) fn ending_sentence(&self, time: f64) -> String {
-        let books = self.books_now();
-        let heat = self.inputs.heat_power + self.parameters.effects.winding_heat();
-        let flows =
-            [books.loss_copper + books.loss_friction + heat, books.heat_to_ambient - books.loss_drive];
-        self.constants.limits().sentence(&self.extremes(), time, flows)
+        let [winding, core] = [self.own.state.temperature[0], self.own.state.temperature[1]];
+        let magnets = self.own.network.as_ref().map_or(core, Network::rotor_temperature);
+        Extremes { winding: winding + self.own.phases.hottest(), magnets, lowest: winding.min(magnets) }
     }
 }
 
-impl Model for AnnulusCooledMotor {
-    fn declaration(&self) -> &'static Declaration {
-        Self::declared()
+impl Equations<ALL> for Motor {
+    type Parameters = Parameters;
+    type Inputs = Inputs;
+    type Outputs = Outputs;
+    type Balance = Books;
+    type Indicators = Indicators;
+    type Point = ();
+    type Discrete = Discrete;
+    const LIST: &'static [Declare] = STATES;
+    const IS_LIMITED: bool = true;
+
+    fn declaration() -> &'static Declaration {
+        static DECLARED: Declared = Declared::new();
+        DECLARED.get_or_init(|| {
+            AnnulusCooledMotor::declare(
+                "AnnulusCooledMotor",
+                "Thermo-electromechanical motor with thermal network and cooling: electrical terminals, shaft, winding and housing temperature",
+                &[],
+            )
+        })
     }
 
-    #[inline]
-    fn get(&mut self, slot: Slot) -> f64 {
-        let row = slot.row as usize;
-        match slot.group as usize {
-            OUTPUTS if self.outputs_are_stale => match row {
-                // What a coupled system reads at every step costs nothing.
-                0..=LAST_STATE => self.show_straight(),
-                WINDING_SENSOR | HOUSING_SENSOR if !self.parameters.effects.acts_at(Port::Any) => {
-                    self.show_sensors();
-                }
-                _ => (self.outputs, self.outputs_are_stale) = (self.outputs_now(), false),
-            },
-            BOOKS if self.books_are_stale => {
-                (self.books, self.books_are_stale) = (self.books_now(), false);
-            }
-            INDICATORS => self.indicators = self.indicate(),
-            _ if slot.group >= Slot::STATES => return self.inside(slot),
-            _ => {}
+    fn new(parameters: &Parameters) -> Motor {
+        Motor {
+            constants: Constants::of(parameters),
+            fan: (f64::NAN, PerNode::default()),
+            state: State::default(),
+            t_sensor: 0.0,
+            term_lags: [0.0; MOST_TERMS],
+            t_start: 0.0,
+            capacity_factor: 1.0,
+            stored_at_start: 0.0,
+            split: Split::default(),
+            phases: Phases::default(),
+            network: None,
+            fault: None,
         }
-        self.value(slot.group as usize, row)
     }
 
-    #[inline]
-    fn set(&mut self, slot: Slot, value: f64) -> bool {
-        let group = slot.group as usize;
-        if group <= INDICATORS {
-            let taken = self.set_value(group, slot.row as usize, value);
-            self.follow_inputs();
-            return taken;
-        }
-        // A parameter that changes on the way changes what the stores hold; the books start anew from there.
-        let before = self.stored();
-        let taken = self.set_value(group, slot.row as usize, value);
-        self.follow_parameters();
-        self.stored_at_start += self.stored() - before;
-        self.follow_inputs();
-        taken
-    }
-
-    fn set_slope(&mut self, slot: Slot, slope: f64) {
-        debug_assert_eq!(slot.group as usize, INPUTS);
-        declare::Group::set(&mut self.slopes, slot.row as usize, slope);
-        self.outdate();
-    }
-
-    fn slope(&self, slot: Slot) -> f64 {
-        declare::Group::get(&self.slopes, slot.row as usize)
-    }
-
-    fn set_terms(&mut self, terms: &[GenericTerm]) -> bool {
-        let taken = self.parameters.effects.take_terms(terms);
-        self.follow_parameters();
-        self.outdate();
-        taken
-    }
-
-    fn start(&mut self, time: f64) -> Result<(), Fault> {
-        let parameters = &self.parameters;
+    fn start(run: &mut AnnulusCooledMotor) -> Result<(), Fault> {
+        let parameters = &run.parameters;
         let fault = Body::fault(parameters).or_else(|| parameters.initial.fault(&parameters.limits()));
         if let Some(fault) = fault {
             return Err(Fault(fault));
         }
-        self.time = time;
-        let mut ambient = self.inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time;
-        self.state = State { temperature: Temperatures::repeat(ambient), ..State::default() };
-        self.split = Split::default();
-        self.phases = Phases::default();
-        self.network = None;
-        self.follow_parameters();
-        self.follow_inputs();
-        self.tell_effects(time);
-        ambient += self.parameters.effects.ambient_offset();
-        self.state.temperature = Temperatures::repeat(ambient);
-        self.t_start = ambient;
+        let time = run.time;
+        let mut ambient = run.inputs.ambient_temperature + run.parameters.effects.ambient_sensor() * time;
+        run.own.state = State { temperature: Temperatures::repeat(ambient), ..State::default() };
+        run.own.split = Split::default();
+        run.own.phases = Phases::default();
+        run.own.network = None;
+        run.follow_parameters();
+        Self::follow_inputs(run);
+        run.tell_effects(time);
+        ambient += run.parameters.effects.ambient_offset();
+        run.own.state.temperature = Temperatures::repeat(ambient);
+        run.own.t_start = ambient;
         // Anew, because a network starts at the temperature that the state has.
-        self.network = None;
-        self.follow_parameters();
-        self.put_initial(ambient);
+        run.own.network = None;
+        run.follow_parameters();
+        run.put_initial(ambient);
         // Terms may follow the initial temperatures.
-        self.tell_effects(time);
-        self.start_lags();
-        self.stored_at_start = self.stored();
-        self.hold_start();
+        run.tell_effects(time);
+        run.start_lags();
+        run.own.stored_at_start = run.stored();
         Ok(())
     }
 
-    fn step(&mut self, time: f64, h: f64) -> Result<(), Fault> {
-        self.ended = false;
-        let slopes = self.slopes;
-        let Err(halt) = self.step_over_events(time, h) else { return Ok(()) };
-        let at = approach(self, (time, h), halt, |motor, at, h| {
-            motor.slopes = slopes;
-            motor.step_over_events(at, h)
-        })?;
-        (self.ended, self.slopes) = (true, Inputs::ZERO);
-        Err(Fault(self.ending_sentence(at)))
+    #[inline]
+    fn advance(run: &mut AnnulusCooledMotor, time: f64, h: f64) -> Result<(), Halt> {
+        run.advance(time, h)
     }
 
-    fn ended(&self) -> bool {
-        self.ended
+    fn point(_: &AnnulusCooledMotor) {}
+
+    fn outputs(run: &AnnulusCooledMotor, (): &()) -> Outputs {
+        let mut outputs =
+            run.observe(false, |m| m.equations().outputs(&m.own.state, m.own.t_sensor, &m.own.phases));
+        if let Some(held) = &run.held {
+            outputs.over_temperature = held.discrete.over_temperature;
+        }
+        outputs
     }
 
-    fn time(&self) -> f64 {
-        self.time
-    }
-
-    fn save(&self, out: &mut Vec<f64>) {
-        self.push_saved(out);
-    }
-    fn restore(&mut self, saved: &[f64]) -> bool {
-        match self.with_saved(saved) {
-            Some(restored) => {
-                *self = restored;
-                true
+    #[inline]
+    fn output(run: &AnnulusCooledMotor, row: usize) -> Option<f64> {
+        let (state, effects) = (&run.own.state, &run.parameters.effects);
+        match row {
+            CURRENT_ROW => Some(state.x[0]),
+            ANGLE_ROW => Some(state.angle),
+            SPEED_ROW => Some(state.x[1]),
+            WINDING_SENSOR | HOUSING_SENSOR if !effects.acts_at(Port::Any) => {
+                let ambient = run.ambient(run.time).start;
+                Some(match row {
+                    WINDING_SENSOR => effects.winding_sensor(state.temperature[0], ambient),
+                    _ => effects.housing_sensor(run.own.t_sensor, ambient),
+                })
             }
-            None => false,
+            _ => None,
         }
     }
 
-    fn states(&self, out: &mut Vec<f64>) {
-        self.push_states(out);
+    fn balance(run: &AnnulusCooledMotor, (): &()) -> Books {
+        run.observe(true, |m| {
+            let start = (m.own.t_start, m.own.stored_at_start);
+            m.equations().books(&m.own.state, start, m.own.network.as_ref())
+        })
     }
 
-    fn set_states(&mut self, time: f64, states: &[f64]) -> bool {
-        let taken = self.take_states(states);
-        if taken {
-            self.time = time;
+    fn indicators(run: &AnnulusCooledMotor, (): &()) -> Indicators {
+        let sector = match run.parameters.choices.commutation {
+            Commutation::Block => (3.0 * run.electrical_angle(&run.own.state)).sin(),
+            Commutation::EquivalentDc | Commutation::Sinusoidal => 1.0,
+        };
+        let hottest = run.own.state.temperature[0] + run.own.phases.hottest();
+        Indicators {
+            over_temperature: hottest - run.parameters.thermal.T_w_max,
+            commutation_sector: sector,
+            validity_limit: Self::excess(run),
         }
+    }
+
+    /// A tunable parameter that changes the stored energy does not count in the energy balance.
+    fn set_parameter(run: &mut AnnulusCooledMotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
+        let before = run.stored();
+        let taken = set(&mut run.parameters);
+        run.follow_parameters();
+        run.own.stored_at_start += run.stored() - before;
         taken
     }
 
-    fn rates(&mut self, out: &mut Vec<f64>) {
-        self.push_rates(out);
+    #[inline]
+    fn follow_inputs(run: &mut AnnulusCooledMotor) {
+        match run.parameters.choices.drive_mode {
+            DriveMode::Voltage | DriveMode::Pwm => {}
+            DriveMode::Current => run.own.state.x[0] = run.inputs.current_command,
+            DriveMode::Power => run.own.state.x[0] = 0.0,
+        }
+        match run.parameters.choices.mechanical_mode {
+            MechanicalMode::FreeShaft => {}
+            MechanicalMode::ImposedSpeed => run.own.state.x[1] = run.inputs.imposed_speed,
+        }
     }
 
-    fn scale_tolerances(&mut self, factor: f64) {
-        self.split.scale_tolerances(factor);
-        if let Some(network) = &mut self.network {
+    fn set_terms(run: &mut AnnulusCooledMotor, terms: &[GenericTerm]) -> bool {
+        let taken = run.parameters.effects.take_terms(terms);
+        run.follow_parameters();
+        taken
+    }
+
+    fn state(run: &AnnulusCooledMotor, k: usize) -> f64 {
+        run.state_value(k)
+    }
+
+    fn put_state(run: &mut AnnulusCooledMotor, k: usize, value: f64) {
+        run.put_state(k, value);
+    }
+
+    /// A sensor that does not lag has the temperature of the housing.
+    fn follow_states(run: &mut AnnulusCooledMotor) {
+        if !run.lags() {
+            run.own.t_sensor = run.housing_temperature();
+        }
+    }
+
+    fn moves(run: &AnnulusCooledMotor, k: usize) -> bool {
+        run.moves(k)
+    }
+
+    fn is_coupled(k: usize) -> bool {
+        is_coupled(k)
+    }
+
+    fn rates(run: &AnnulusCooledMotor, (): &()) -> Result<[f64; ALL], Fault> {
+        match &run.own.fault {
+            Some(fault) => Err(Fault(fault.clone())),
+            None => Ok(run.observe(true, AnnulusCooledMotor::rates_as_told)),
+        }
+    }
+
+    fn coupled_rates(run: &AnnulusCooledMotor, (): &()) -> [f64; ALL] {
+        run.observe(true, AnnulusCooledMotor::rates_of_heat_and_motion)
+    }
+
+    fn next_event(run: &AnnulusCooledMotor, time: f64) -> f64 {
+        run.parameters.effects.next_event(time)
+    }
+
+    #[inline]
+    fn next_division(run: &AnnulusCooledMotor, time: f64) -> f64 {
+        if run.own.constants.eventful { Self::next_event(run, time) } else { f64::INFINITY }
+    }
+
+    fn discrete(run: &AnnulusCooledMotor, before: &Discrete) -> Discrete {
+        // At the border of a sector, where the rotor is heading decides.
+        let ahead = NEAR_SECTOR * run.own.state.x[1].signum();
+        let excess = Self::indicators(run, &()).over_temperature;
+        let warming = Self::rates(run, &()).map_or(0.0, |rates| run.warming(&rates));
+        Discrete {
+            sector: ((run.electrical_angle(&run.own.state) + ahead) / FRAC_PI_3).floor(),
+            over_temperature: is_above(excess, warming),
+            idle: run.inputs.duty == 0.0,
+            booked: before.booked,
+        }
+    }
+
+    fn hand_over(run: &mut AnnulusCooledMotor) {
+        if let Some(network) = &mut run.own.network {
+            network.forget();
+        }
+    }
+
+    /// What is evaluated here depends on the present values alone; it serves the outputs at the same point as well.
+    fn evaluate(run: &mut AnnulusCooledMotor) {
+        if run.own.fault.is_none() {
+            run.tell_effects(run.time);
+            run.bring_network_to_inputs();
+        }
+    }
+
+    /// What the capacities hold more or less because a term has changed them is no error of the energy balance.
+    fn accept_step(run: &mut AnnulusCooledMotor) {
+        run.tell_effects(run.time);
+        let own = &mut run.own;
+        if let Some(held) = &mut run.held {
+            let heat = own.constants.heat(&own.state.temperature, own.t_start);
+            own.stored_at_start += heat - heat * held.discrete.booked / own.capacity_factor;
+            held.discrete.booked = own.capacity_factor;
+            run.outdate();
+        }
+    }
+
+    fn excess(run: &AnnulusCooledMotor) -> f64 {
+        run.own.constants.limits().beyond(&run.extremes())
+    }
+
+    fn ending(run: &AnnulusCooledMotor, time: f64) -> String {
+        let books = Self::balance(run, &());
+        let heat = run.inputs.heat_power + run.parameters.effects.winding_heat();
+        let flows =
+            [books.loss_copper + books.loss_friction + heat, books.heat_to_ambient - books.loss_drive];
+        run.own.constants.limits().sentence(&run.extremes(), time, flows)
+    }
+
+    fn save_rest(&self, out: &mut Vec<f64>) {
+        out.extend(self.network.iter().flat_map(Network::to_numbers));
+    }
+
+    fn restored(run: &mut AnnulusCooledMotor, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
+        run.own.network = None;
+        run.follow_parameters();
+        match &mut run.own.network {
+            Some(network) => network.take_numbers(&run.parameters, next),
+            None => Some(()),
+        }
+    }
+
+    fn ease(run: &mut AnnulusCooledMotor, factor: f64) {
+        run.own.split.ease(factor);
+        if let Some(network) = &mut run.own.network {
             network.ease(factor);
         }
     }
 
-    fn rejected_steps(&self) -> u64 {
-        self.split.rejected
-    }
-
-    fn ease(&mut self, factor: f64) {
-        self.split.ease(factor);
-        if let Some(network) = &mut self.network {
+    fn scale_tolerances(run: &mut AnnulusCooledMotor, factor: f64) {
+        run.own.split.scale_tolerances(factor);
+        if let Some(network) = &mut run.own.network {
             network.ease(factor);
         }
     }
 
-    fn housing_heat(&mut self) -> Option<HousingHeat> {
-        Some(self.observe(true, |m| m.equations().housing_heat(&m.state, m.network.as_ref())))
+    fn rejected_steps(run: &AnnulusCooledMotor) -> u64 {
+        run.own.split.rejected
     }
 
-    fn drivers(&self) -> Drivers {
-        self.observe(false, Self::drivers_with_heat)
+    fn housing_heat(run: &AnnulusCooledMotor) -> Option<HousingHeat> {
+        Some(run.observe(true, |m| m.equations().housing_heat(&m.own.state, m.own.network.as_ref())))
     }
 
-    crate::copies!();
+    fn drivers(run: &AnnulusCooledMotor) -> Drivers {
+        run.observe(false, AnnulusCooledMotor::drivers_with_heat)
+    }
 }

@@ -4,38 +4,40 @@ use crate::components::housing::SEGMENTS;
 use crate::terms::MOST_TERMS;
 use declare::{Elements, State, Unit, states};
 
+// Nominal derivatives, with the declared motor at 24 V and 5 A: current 24 V / L, speed k_t 5 A / J, temperatures R (5 A)^2 over the heat
+// capacity, energies their powers.
 states! {
     /// The states of the motor.
     pub const STATES = {
         /// Current in the winding; constant where it is imposed or zero (drive_mode current, power)
-        "state.current" = State::new(701, 801, Unit::Ampere).nominal(5.0),
+        "state.current" = State::new(701, 801, Unit::Ampere).nominal(5.0, 4e5),
         /// Speed of the shaft; constant where it is imposed (mechanical_mode imposed_speed)
-        "state.shaft_speed" = State::new(702, 802, Unit::RadianPerSecond).nominal(1000.0),
+        "state.shaft_speed" = State::new(702, 802, Unit::RadianPerSecond).nominal(1000.0, 4e4),
         /// Angle of the shaft, initial.shaft_angle at the start
-        "state.shaft_angle" = State::new(703, 803, Unit::Radian).unbounded().nominal(100.0),
+        "state.shaft_angle" = State::new(703, 803, Unit::Radian).unbounded().nominal(100.0, 1000.0),
         /// Mean temperature of the winding
-        "state.winding_temperature" = State::new(704, 804, Unit::Kelvin).nominal(300.0),
+        "state.winding_temperature" = State::new(704, 804, Unit::Kelvin).nominal(300.0, 1.0),
         /// Temperature of the stator, or of the whole housing where it has no segments
-        "state.core_temperature" = State::new(705, 805, Unit::Kelvin).nominal(300.0),
+        "state.core_temperature" = State::new(705, 805, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of the rotor; constant in cooling_mode conductance
-        "state.rotor_temperature" = State::new(706, 806, Unit::Kelvin).nominal(300.0),
+        "state.rotor_temperature" = State::new(706, 806, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of the tube; constant where there is none
-        "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0),
+        "state.tube_temperature" = State::new(707, 807, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of a lagging housing sensor (effect.housing_sensor_lag); else constant
-        "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0),
+        "state.sensor_temperature" = State::new(708, 808, Unit::Kelvin).nominal(300.0, 0.1),
         /// Excess of each phase over the mean winding temperature; constant in commutation equivalent_dc
         "state.phase_excess" = State::new(710, 810, Unit::Kelvin).difference().elements(Elements::Fixed(3)),
         /// Energy supplied since the start: at the terminals, and as heat_power
-        "state.energy_electrical" = State::new(714, 814, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_electrical" = State::new(714, 814, Unit::Joule).unbounded().nominal(1000.0, 100.0),
         /// Mechanical energy to the load since the start
-        "state.energy_mechanical" = State::new(715, 815, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_mechanical" = State::new(715, 815, Unit::Joule).unbounded().nominal(1000.0, 100.0),
         /// Heat to ambient and coolant since the start, fan power excluded
-        "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_heat_to_ambient" = State::new(716, 816, Unit::Joule).unbounded().nominal(1000.0, 10.0),
         /// Lagged driver of each term of resources/effects.json, over a typical size of the driver; constant without a lag
         "state.term_lag" = State::new(717, 817, Unit::One).elements(Elements::Fixed(3)),
         /// Temperature of each segment of the housing, from the air inlet on; constant in cooling_mode
         /// conductance, except the first with effect.stator_node, which is then the whole housing
-        "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0)
+        "T_housing" = State::new(721, 821, Unit::Kelvin).nominal(300.0, 0.1)
             .elements(Elements::UpTo(SEGMENTS as u32, "air_segments")).shown(),
     }
 }
@@ -57,22 +59,7 @@ pub const ALL: usize = HOUSING + SEGMENTS;
 /// A number for each state.
 pub type All = [f64; ALL];
 
-/// The states that move and that a rate depends on, by index: looking through all of them costs more than a rate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Followed {
-    pub(super) list: [u8; ALL],
-    pub(super) count: usize,
-}
-
-impl Default for Followed {
-    fn default() -> Followed {
-        Followed { list: [0; ALL], count: 0 }
-    }
-}
-
-impl Followed {
-    /// Their places among all states.
-    pub fn iter(self) -> impl Iterator<Item = usize> {
-        self.list.into_iter().take(self.count).map(usize::from)
-    }
+/// Whether the derivative of another state depends on a state: not on angle and energies, nor on the phases, which follow the angle.
+pub(super) fn is_coupled(k: usize) -> bool {
+    k != ANGLE && !(PHASES..LAGS).contains(&k)
 }

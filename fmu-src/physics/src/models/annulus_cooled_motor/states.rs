@@ -2,35 +2,15 @@
 //!
 //! The list in `state_list.rs` is the same in every mode. A state that a mode has no use for stands still: the current or
 //! the speed where an input imposes it, nodes of a network that is not there, a sensor that does not lag, phases
-//! that share the current evenly. Those who fit ([`Model::states`](crate::model::Model::states)) see those alone that
-//! move and that a rate depends on.
+//! that share the current evenly.
 
 use super::motor::AnnulusCooledMotor;
 use super::state_list::{
-    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, Followed, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE,
-    WINDING,
+    ALL, ANGLE, All, CORE, CURRENT, ENERGIES, HOUSING, LAGS, PHASES, ROTOR, SENSOR, SPEED, TUBE, WINDING,
 };
 use super::variables::{DriveMode, MechanicalMode};
 use crate::components::commutation::Commutation;
-use crate::model::Fault;
 use crate::solver::split::System;
-
-/// Whether any rate but its own depends on a state; without angle and energies, and the phases, which follow the angle.
-fn counts(k: usize) -> bool {
-    k != ANGLE && !(PHASES..LAGS).contains(&k)
-}
-
-impl Followed {
-    /// Those of a motor with its parameters and its network.
-    pub(super) fn of(motor: &AnnulusCooledMotor) -> Followed {
-        let mut all = Followed::default();
-        for k in (0..ALL).filter(|&k| counts(k) && motor.moves(k)) {
-            all.list[all.count] = k as u8;
-            all.count += 1;
-        }
-        all
-    }
-}
 
 impl AnnulusCooledMotor {
     /// What the state of a lag is counted in.
@@ -38,7 +18,7 @@ impl AnnulusCooledMotor {
         self.parameters.effects.lag(k).map_or(1.0, |lag| lag.driver.nominal())
     }
 
-    fn lags(&self) -> bool {
+    pub(super) fn lags(&self) -> bool {
         self.parameters.effects.housing_sensor_lag() > 0.0
     }
 
@@ -60,7 +40,9 @@ impl AnnulusCooledMotor {
             SENSOR => self.lags(),
             LAGS..HOUSING => self.parameters.effects.lag(k - LAGS).is_some(),
             PHASES..ENERGIES => choices.commutation != Commutation::EquivalentDc,
-            ROTOR | TUBE | HOUSING.. => self.network.as_ref().is_some_and(|n| n.body.holds(Self::node(k))),
+            ROTOR | TUBE | HOUSING.. => {
+                self.own.network.as_ref().is_some_and(|n| n.body.holds(Self::node(k)))
+            }
             _ => true,
         }
     }
@@ -69,82 +51,45 @@ impl AnnulusCooledMotor {
     pub(super) fn state_value(&self, k: usize) -> f64 {
         if !self.moves(k) {
             let is_zero = matches!(k, CURRENT | SPEED | PHASES..ENERGIES | LAGS..HOUSING);
-            return if is_zero { 0.0 } else { self.t_start };
+            return if is_zero { 0.0 } else { self.own.t_start };
         }
         match k {
-            CURRENT | SPEED => self.state.x[k],
-            ANGLE => self.state.angle,
-            WINDING | CORE => self.state.temperature[k - WINDING],
-            SENSOR => self.t_sensor,
-            PHASES..ENERGIES => self.phases.above[k - PHASES],
-            ENERGIES..LAGS => self.state.energy[k - ENERGIES],
-            LAGS..HOUSING => self.term_lags[k - LAGS] / self.lag_size(k - LAGS),
-            _ => self.network.as_ref().map_or(self.t_start, |n| n.temperatures()[Self::node(k)]),
+            CURRENT | SPEED => self.own.state.x[k],
+            ANGLE => self.own.state.angle,
+            WINDING | CORE => self.own.state.temperature[k - WINDING],
+            SENSOR => self.own.t_sensor,
+            PHASES..ENERGIES => self.own.phases.above[k - PHASES],
+            ENERGIES..LAGS => self.own.state.energy[k - ENERGIES],
+            LAGS..HOUSING => self.own.term_lags[k - LAGS] / self.lag_size(k - LAGS),
+            _ => self.own.network.as_ref().map_or(self.own.t_start, |n| n.temperatures()[Self::node(k)]),
         }
     }
 
     /// Puts a state that moves.
     pub(super) fn put_state(&mut self, k: usize, value: f64) {
         match k {
-            CURRENT | SPEED => self.state.x[k] = value,
-            ANGLE => self.state.angle = value,
-            WINDING | CORE => self.state.temperature[k - WINDING] = value,
-            SENSOR => self.t_sensor = value,
-            PHASES..ENERGIES => self.phases.above[k - PHASES] = value,
-            ENERGIES..LAGS => self.state.energy[k - ENERGIES] = value,
-            LAGS..HOUSING => self.term_lags[k - LAGS] = value * self.lag_size(k - LAGS),
+            CURRENT | SPEED => self.own.state.x[k] = value,
+            ANGLE => self.own.state.angle = value,
+            WINDING | CORE => self.own.state.temperature[k - WINDING] = value,
+            SENSOR => self.own.t_sensor = value,
+            PHASES..ENERGIES => self.own.phases.above[k - PHASES] = value,
+            ENERGIES..LAGS => self.own.state.energy[k - ENERGIES] = value,
+            LAGS..HOUSING => self.own.term_lags[k - LAGS] = value * self.lag_size(k - LAGS),
             _ => {
-                if let Some(network) = &mut self.network {
+                if let Some(network) = &mut self.own.network {
                     network.temperatures_mut()[Self::node(k)] = value;
                 }
             }
         }
     }
 
-    /// What follows from states that were put.
-    pub(super) fn follow_states(&mut self) {
-        if !self.lags() {
-            self.t_sensor = self.housing_temperature();
-        }
-        self.outdate();
-    }
-
-    pub(super) fn push_states(&self, out: &mut Vec<f64>) {
-        out.extend(self.followed.iter().map(|k| self.state_value(k)));
-    }
-
-    pub(super) fn take_states(&mut self, states: &[f64]) -> bool {
-        if states.len() != self.followed.count {
-            return false;
-        }
-        for (k, value) in self.followed.iter().zip(states) {
-            self.put_state(k, *value);
-        }
-        self.follow_states();
-        true
-    }
-
-    pub(super) fn push_rates(&self, out: &mut Vec<f64>) {
-        let mut all = [0.0; ALL];
-        self.observe(true, |m| m.rates_of_heat_and_motion(&mut all));
-        out.extend(self.followed.iter().map(|k| all[k]));
-    }
-
     /// The rates of all states, zero for those that stand still.
-    pub(super) fn all_rates(&self) -> Result<All, Fault> {
-        match &self.fault {
-            Some(fault) => Err(Fault(fault.clone())),
-            None => Ok(self.observe(true, Self::rates_as_told)),
-        }
-    }
-
-    fn rates_as_told(&self) -> All {
-        let mut all = [0.0; ALL];
-        self.rates_of_heat_and_motion(&mut all);
-        let (x, temperature) = (self.state.x, self.state.temperature);
+    pub(super) fn rates_as_told(&self) -> All {
+        let mut all = self.rates_of_heat_and_motion();
+        let (x, temperature) = (self.own.state.x, self.own.state.temperature);
         let step = self.equations();
         let point = step.point(0.0, &x, &temperature);
-        let to_ambient = match &self.network {
+        let to_ambient = match &self.own.network {
             None => point.to_ambient,
             Some(network) => {
                 let friction = step.drag_beyond(&x, &temperature);
@@ -167,13 +112,15 @@ impl AnnulusCooledMotor {
 
     /// How fast the hottest phase warms, K/s.
     pub(super) fn warming(&self, rates: &All) -> f64 {
-        let hottest = (0..self.phases.above.len())
-            .max_by(|&a, &b| self.phases.above[a].total_cmp(&self.phases.above[b]));
+        let hottest = (0..self.own.phases.above.len())
+            .max_by(|&a, &b| self.own.phases.above[a].total_cmp(&self.own.phases.above[b]));
         rates[WINDING] + hottest.map_or(0.0, |k| rates[PHASES + k])
     }
 
-    fn rates_of_heat_and_motion(&self, all: &mut All) {
-        let (x, temperature) = (self.state.x, self.state.temperature);
+    /// The rates of the coupled states.
+    pub(super) fn rates_of_heat_and_motion(&self) -> All {
+        let mut all = [0.0; ALL];
+        let (x, temperature) = (self.own.state.x, self.own.state.temperature);
         let step = self.equations();
         let fast = step.fast_rates(0.0, &x, &temperature);
         let warming = step.network_rates(0.0, &temperature)
@@ -182,7 +129,7 @@ impl AnnulusCooledMotor {
         let ambient = step.ambient_at_start();
         (all[CURRENT], all[SPEED]) = (fast[0], fast[1]);
         (all[WINDING], all[CORE]) = (warming[0], warming[1]);
-        if let Some(network) = &self.network {
+        if let Some(network) = &self.own.network {
             let rates = network.rates_now(ambient, &network.inflow(temperature[0], temperature[1], friction));
             (all[ROTOR], all[TUBE]) = (rates[0], rates[1]);
             let n = network.body.segments;
@@ -190,15 +137,16 @@ impl AnnulusCooledMotor {
         }
         if self.lags() {
             let tau = self.parameters.effects.housing_sensor_lag();
-            all[SENSOR] = (self.housing_temperature() - self.t_sensor) / tau;
+            all[SENSOR] = (self.housing_temperature() - self.own.t_sensor) / tau;
         }
         if self.parameters.effects.has_lags() {
             let sources = self.lag_sources();
             for (k, source) in sources.iter().enumerate() {
                 if let Some(lag) = self.parameters.effects.lag(k) {
-                    all[LAGS + k] = (source - self.term_lags[k]) / (lag.tau * lag.driver.nominal());
+                    all[LAGS + k] = (source - self.own.term_lags[k]) / (lag.tau * lag.driver.nominal());
                 }
             }
         }
+        all
     }
 }

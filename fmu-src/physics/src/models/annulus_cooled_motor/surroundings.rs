@@ -1,12 +1,12 @@
 //! What stands around the equations: the drivers of terms that are data, the sensor of the housing, and the initial state.
 
-use super::motor::AnnulusCooledMotor;
+use super::motor::{AnnulusCooledMotor, Motor};
 use super::network::Network;
-use super::variables::{DriveMode, Inputs, MechanicalMode};
+use super::variables::{DriveMode, MechanicalMode};
 use crate::components::initial::temperature;
 use crate::components::sensor::lagged;
 use crate::effects::{PerNode, Port};
-use crate::ending::Halt;
+use crate::runtime::{Equations, Halt};
 use crate::solver::split::Fast;
 use crate::terms::Driver::{Current, HousingTemperature, LoadTorque, Speed, WindingTemperature};
 use crate::terms::{Drivers, Lag, MOST_TERMS};
@@ -33,8 +33,8 @@ impl AnnulusCooledMotor {
         if !self.parameters.effects.tell(drivers) {
             return;
         }
-        self.fan = (f64::NAN, PerNode::default());
-        if let Some(network) = &mut self.network {
+        self.own.fan = (f64::NAN, PerNode::default());
+        if let Some(network) = &mut self.own.network {
             network.forget();
         }
     }
@@ -42,13 +42,14 @@ impl AnnulusCooledMotor {
     fn follow_capacity(&mut self) {
         let effects = &self.parameters.effects;
         let factor = if effects.acts_at(Port::HeatCapacity) { effects.heat_capacity() } else { 1.0 };
-        if factor != self.capacity_factor {
-            let before = self.constants.heat(&self.state.temperature, self.t_start);
-            self.capacity_factor = factor;
+        if factor != self.own.capacity_factor {
+            let before = self.own.constants.heat(&self.own.state.temperature, self.own.t_start);
+            self.own.capacity_factor = factor;
             self.follow_parameters();
             // Who integrates also says when a step is taken (`exchange.rs`); until then nothing is booked.
             if self.held.is_none() {
-                self.stored_at_start += self.constants.heat(&self.state.temperature, self.t_start) - before;
+                self.own.stored_at_start +=
+                    self.own.constants.heat(&self.own.state.temperature, self.own.t_start) - before;
             }
         }
     }
@@ -81,13 +82,10 @@ impl AnnulusCooledMotor {
 
     /// What terms may follow in the middle of a step of `h` seconds from `time` on.
     pub(super) fn drivers_over(&self, time: f64, h: f64) -> Drivers {
-        let (x, housing) = (&self.state.x, self.housing_temperature());
+        let (x, housing) = (&self.own.state.x, self.housing_temperature());
         let choices = &self.parameters.choices;
-        let inputs = if h > 0.0 && self.slopes != Inputs::ZERO {
-            self.inputs.after(0.5 * h, &self.slopes)
-        } else {
-            self.inputs
-        };
+        let inputs =
+            if h > 0.0 && self.is_sloping() { self.inputs.after(0.5 * h, &self.slopes) } else { self.inputs };
         let time = time + 0.5 * h;
         let imposed = choices.mechanical_mode == MechanicalMode::ImposedSpeed;
         let current = if choices.drive_mode == DriveMode::Current { inputs.current_command } else { x[0] };
@@ -99,7 +97,7 @@ impl AnnulusCooledMotor {
                 // Without its own drags, which may be what is asked for.
                 MechanicalMode::ImposedSpeed => self.parameters.motor.torque_constant(housing) * current,
             },
-            winding_temperature: self.state.temperature[0],
+            winding_temperature: self.own.state.temperature[0],
             housing_temperature: housing,
             ambient_temperature: inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time,
             fan_command: inputs.fan_command,
@@ -107,13 +105,13 @@ impl AnnulusCooledMotor {
             // Known once the effects have their drivers; only lags follow them ([`Self::lag_sources`]).
             copper_loss: 0.0,
             friction_loss: 0.0,
-            lagged: self.term_lags,
+            lagged: self.own.term_lags,
         }
     }
 
     /// What terms may follow now, heat flows among it.
     pub(super) fn drivers_with_heat(&self) -> Drivers {
-        let [copper_loss, friction_loss] = self.equations().heat_flows(&self.state);
+        let [copper_loss, friction_loss] = self.equations().heat_flows(&self.own.state);
         Drivers { copper_loss, friction_loss, ..self.drivers_over(self.time, 0.0) }
     }
 
@@ -131,11 +129,11 @@ impl AnnulusCooledMotor {
         if !self.parameters.effects.has_lags() {
             return;
         }
-        self.term_lags = [0.0; MOST_TERMS];
+        self.own.term_lags = [0.0; MOST_TERMS];
         self.tell_effects(self.time);
         // First the drivers, then the heat flows that may depend on them.
         for _ in 0..2 {
-            self.term_lags = self.lag_sources();
+            self.own.term_lags = self.lag_sources();
             self.tell_effects(self.time);
         }
     }
@@ -145,20 +143,20 @@ impl AnnulusCooledMotor {
         let after = self.lag_sources();
         for k in 0..MOST_TERMS {
             if let Some(lag) = self.parameters.effects.lag(k) {
-                self.term_lags[k] = lagged(self.term_lags[k], lag.tau, before[k], after[k], h);
+                self.own.term_lags[k] = lagged(self.own.term_lags[k], lag.tau, before[k], after[k], h);
             }
         }
     }
 
     /// True temperature of the housing, K.
     pub(super) fn housing_temperature(&self) -> f64 {
-        self.network.as_ref().map_or(self.state.temperature[1], Network::housing_temperature)
+        self.own.network.as_ref().map_or(self.own.state.temperature[1], Network::housing_temperature)
     }
 
     /// The sensor of the housing follows a step of `h` seconds that began with the housing at `before`, K.
     pub(super) fn follow_sensor(&mut self, before: f64, h: f64) {
         let tau = self.parameters.effects.housing_sensor_lag();
-        self.t_sensor = lagged(self.t_sensor, tau, before, self.housing_temperature(), h);
+        self.own.t_sensor = lagged(self.own.t_sensor, tau, before, self.housing_temperature(), h);
     }
 
     /// Puts the motor into its initial state; nodes without an initial value are at `ambient`, K.
@@ -168,18 +166,19 @@ impl AnnulusCooledMotor {
         let is_driven = matches!(choices.drive_mode, DriveMode::Voltage | DriveMode::Pwm);
         let is_free = choices.mechanical_mode == MechanicalMode::FreeShaft;
         let or_zero = |applies: bool, value: f64| if applies { value } else { 0.0 };
-        self.state.x = Fast::new(or_zero(is_driven, i.current), or_zero(is_free, i.shaft_speed));
-        self.state.angle = i.shaft_angle;
+        self.own.state.x = Fast::new(or_zero(is_driven, i.current), or_zero(is_free, i.shaft_speed));
+        self.own.state.angle = i.shaft_angle;
         let housing = temperature(i.housing_temperature, ambient);
         // Two nodes alone: the second is the whole housing.
-        let core = if self.network.is_some() { temperature(i.stator_temperature, ambient) } else { housing };
-        self.state.temperature = [temperature(i.winding_temperature, ambient), core].into();
-        if let Some(network) = &mut self.network {
+        let core =
+            if self.own.network.is_some() { temperature(i.stator_temperature, ambient) } else { housing };
+        self.own.state.temperature = [temperature(i.winding_temperature, ambient), core].into();
+        if let Some(network) = &mut self.own.network {
             let [rotor, tube] = [i.magnet_temperature, i.tube_temperature].map(|t| temperature(t, ambient));
             network.put_temperatures(rotor, housing, tube);
         }
         let lags = self.parameters.effects.housing_sensor_lag() > 0.0;
-        self.t_sensor = if lags { temperature(i.sensor_temperature, housing) } else { housing };
-        self.follow_inputs();
+        self.own.t_sensor = if lags { temperature(i.sensor_temperature, housing) } else { housing };
+        Motor::follow_inputs(self);
     }
 }

@@ -104,7 +104,8 @@ variables! {
         shaft_angle: f64 = Variable::output(21, Unit::Radian).unbounded().nominal(100.0),
         /// Speed of the shaft
         shaft_speed: f64 = Variable::output(22, Unit::RadianPerSecond).nominal(1000.0),
-        /// Torque of the shaft on the load (mechanical_mode imposed_speed: without the rotor's inertia)
+        /// Indicated torque of the shaft on the load (effect torque_sensor_offset; mechanical_mode imposed_speed: without the rotor's
+        /// inertia)
         shaft_torque: f64 = Variable::output(23, Unit::NewtonMetre).nominal(0.1),
         /// Indicated winding temperature (effects winding_sensor_*); true mean temperature without these effects
         winding_temperature: f64 = Variable::output(24, Unit::Kelvin).nominal(300.0),
@@ -186,37 +187,5 @@ variables! {
         commutation_sector: f64 = Variable::local(902, Unit::One),
         /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
         validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),
-    }
-}
-
-impl Inputs {
-    /// All zero: no slope.
-    pub const ZERO: Inputs = Inputs {
-        voltage: 0.0,
-        current_command: 0.0,
-        duty: 0.0,
-        load_torque: 0.0,
-        imposed_speed: 0.0,
-        fan_command: 0.0,
-        ambient_temperature: 0.0,
-        ambient_pressure: 0.0,
-        electrical_power: 0.0,
-        heat_power: 0.0,
-        coolant_inlet_temperature: 0.0,
-        coolant_flow_rate: 0.0,
-    };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use declare::Group;
-
-    /// `motor.rs` computes these outputs without the others.
-    #[test]
-    fn the_rows_of_the_sensors_are_those_of_their_outputs() {
-        use crate::models::annulus_cooled_motor::motor::{HOUSING_SENSOR, WINDING_SENSOR};
-        assert_eq!(Outputs::TABLE[WINDING_SENSOR].name, "winding_temperature");
-        assert_eq!(Outputs::TABLE[HOUSING_SENSOR].name, "housing_temperature");
     }
 }

@@ -36,7 +36,7 @@ use crate::line::Line;
 use crate::solver::split::{Fast, System};
 use nodes::{ACCOUNTS, PATHS};
 
-/// Energies that are counted: from the supply, to the load, to the surroundings, losses in the winding, friction losses.
+/// Energies that are counted: from the supply, to the load, to ambient, losses in the winding, friction losses.
 pub const ENERGIES: usize = 5;
 /// What the integrator carries.
 pub type State = crate::solver::split::State<NODES, ENERGIES>;
@@ -255,7 +255,7 @@ impl<'a> Step<'a> {
     /// Derivatives of all states, for an integrator that knows nothing of the split.
     ///
     /// `y` holds current, A, speed, rad/s, angle, rad, the temperatures of the nodes, K, and the
-    /// energies from the supply, to the load, to the surroundings, and set free in winding and housing, J.
+    /// energies from the supply, to the load, to ambient, and set free in winding and housing, J.
     pub fn rates(&self, t: f64, y: &[f64; STATES]) -> [f64; STATES] {
         let x = Fast::new(y[0], y[1]);
         let p = self.point(t, &x, &Temperatures::from_column_slice(&y[3..3 + NODES]));

@@ -1,12 +1,10 @@
 //! A brushed gearmotor behind an H-bridge, in an insulated box.
 //!
 //! `variables.rs` says what goes in and out, `parameters.rs` what the gearmotor is made of, `equations.rs` what holds between
-//! them, `state_function.rs` is the paper's state function, corrected and as published, `motor.rs` how the model runs: it owns
-//! parameters, inputs and state, and hands the equations to the integrator. The declared values are those of preset bdcm-37d.
+//! them, `state_function.rs` is the paper's state function, corrected and as published, `motor.rs` gives them to the
+//! runtime. The declared values are those of preset bdcm-37d.
 
 mod equations;
-mod exchange;
-mod held;
 mod motor;
 mod opening;
 mod parameters;

@@ -11,6 +11,8 @@ pub struct Opening {
     pub kinetic: f64,
 }
 
+crate::saved!(Opening { stored, magnetic, kinetic });
+
 impl std::ops::Add for Opening {
     type Output = Opening;
     fn add(self, other: Opening) -> Opening {

@@ -53,7 +53,12 @@ fn reason(port: Port) -> Option<&'static str> {
     match port {
         DragTorque | LoadDrag | TerminalVoltage | TorqueConstant | WindingHousingResistance => None,
         AmbientConductance | HousingToAmbient | AmbientSensor | WindingSensor | HousingSensor => None,
-        Any | WindingHeat | HousingHeat | HeatCapacity => {
+        TorqueSensor => None,
+        Any => Some(
+            "it takes neither terms from data nor effects that follow its states; its other effects (effect.*) act as parameters",
+        ),
+        StatorLoss | PowerModeLoad => Some("no power is imposed; the current carries losses and torque"),
+        WindingHeat | HousingHeat | HeatCapacity => {
             Some("it takes no terms from data; its other effects (effect.*) act as parameters")
         }
         WindingResistance => Some("motor.R_ref and motor.alpha are the resistance of the winding"),

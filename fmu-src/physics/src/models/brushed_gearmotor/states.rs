@@ -14,33 +14,35 @@ pub(super) const BOX: usize = 2;
 pub(super) const GEAR: usize = 3;
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
+// Nominal derivatives, with the declared motor at 12 V and 1 A: current 12 V / L, speed of the output shaft from the torque of 1 A and the
+// rotor's inertia behind the gear, temperatures R (1 A)^2 over the heat capacity, energies their powers.
 states! {
     /// The states of the gearmotor, in the order of `Step::rates`.
     pub const LIST = {
         /// Mean current in the winding
-        "state.current" = declare::State::new(701, 801, Unit::Ampere),
+        "state.current" = declare::State::new(701, 801, Unit::Ampere).nominal(1.0, 7e3),
         /// Speed of the output shaft
-        "state.shaft_speed" = declare::State::new(702, 802, Unit::RadianPerSecond).nominal(10.0),
+        "state.shaft_speed" = declare::State::new(702, 802, Unit::RadianPerSecond).nominal(10.0, 10.0),
         /// Angle of the output shaft, initial.shaft_angle at the start
-        "state.shaft_angle" = declare::State::new(703, 803, Unit::Radian).unbounded().nominal(100.0),
+        "state.shaft_angle" = declare::State::new(703, 803, Unit::Radian).unbounded().nominal(100.0, 10.0),
         /// Temperature of the winding
-        "state.winding_temperature" = declare::State::new(704, 804, Unit::Kelvin).nominal(300.0),
+        "state.winding_temperature" = declare::State::new(704, 804, Unit::Kelvin).nominal(300.0, 1.0),
         /// Temperature of the housing, with magnets, and with the gear without thermal.C_g
-        "state.housing_temperature" = declare::State::new(705, 805, Unit::Kelvin).nominal(300.0),
+        "state.housing_temperature" = declare::State::new(705, 805, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of the box, air and walls
-        "state.box_temperature" = declare::State::new(706, 806, Unit::Kelvin).nominal(300.0),
+        "state.box_temperature" = declare::State::new(706, 806, Unit::Kelvin).nominal(300.0, 0.1),
         /// Temperature of the gear; constant without thermal.C_g
-        "state.gear_temperature" = declare::State::new(712, 812, Unit::Kelvin).nominal(300.0),
+        "state.gear_temperature" = declare::State::new(712, 812, Unit::Kelvin).nominal(300.0, 0.1),
         /// Energy from the supply since the start
-        "state.energy_supply" = declare::State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_supply" = declare::State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0, 10.0),
         /// Mechanical energy to the load since the start
-        "state.energy_shaft" = declare::State::new(708, 808, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_shaft" = declare::State::new(708, 808, Unit::Joule).unbounded().nominal(1000.0, 10.0),
         /// Heat to ambient since the start
-        "state.energy_heat_to_ambient" = declare::State::new(709, 809, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_heat_to_ambient" = declare::State::new(709, 809, Unit::Joule).unbounded().nominal(1000.0, 10.0),
         /// Electrical losses in the winding since the start
-        "state.work_electrical" = declare::State::new(710, 810, Unit::Joule).unbounded().nominal(100.0),
+        "state.work_electrical" = declare::State::new(710, 810, Unit::Joule).unbounded().nominal(100.0, 10.0),
         /// Friction losses since the start
-        "state.work_friction" = declare::State::new(711, 811, Unit::Joule).unbounded().nominal(100.0),
+        "state.work_friction" = declare::State::new(711, 811, Unit::Joule).unbounded().nominal(100.0, 1.0),
     }
 }
 

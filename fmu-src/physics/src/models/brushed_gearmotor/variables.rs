@@ -29,7 +29,7 @@ variables! {
         shaft_angle: f64 = Variable::output(22, Unit::Radian).unbounded().nominal(100.0),
         /// Speed of the output shaft
         shaft_speed: f64 = Variable::output(23, Unit::RadianPerSecond).nominal(10.0),
-        /// Torque of the output shaft on the load
+        /// Indicated torque of the output shaft on the load (effect torque_sensor_offset)
         shaft_torque: f64 = Variable::output(24, Unit::NewtonMetre),
         /// Temperature of the winding
         winding_temperature: f64 = Variable::output(25, Unit::Kelvin).nominal(300.0),
@@ -110,10 +110,4 @@ variables! {
         /// Largest excess of a temperature over its limit of validity (validity.*); the simulation ends at 0
         validity_limit: f64 = Variable::local(903, Unit::Kelvin).nominal(100.0).difference(),
     }
-}
-
-impl Inputs {
-    /// All zero: no slope.
-    pub const ZERO: Inputs =
-        Inputs { duty: 0.0, supply_voltage: 0.0, load_torque: 0.0, ambient_temperature: 0.0 };
 }

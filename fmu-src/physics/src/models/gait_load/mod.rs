@@ -10,7 +10,8 @@ use crate::components::gait::{Activity, Cycle, Gait, Motion, NO_TABLE, floor};
 use crate::explicit::{Explicit, Law, Line, Now};
 use crate::groups;
 use crate::load_table::LoadTable;
-use crate::model::{Declaration, Declared, Fault, ModelType};
+use crate::model::{Declaration, Declared, Fault};
+use crate::runtime::{NoVariables, Runtime};
 use crate::solver::explicit::Tried;
 use declare::State;
 use std::f64::consts::PI;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 /// States of the load.
 pub const STATES: usize = LIST.len();
 /// The load as a model.
-pub type GaitLoad = Explicit<Walker, STATES, 0>;
+pub type GaitLoad = Runtime<Explicit<Walker, STATES, 0>, STATES>;
 /// Inputs and states at one instant.
 pub type At<'a> = Now<'a, Inputs, STATES, 0>;
 
@@ -42,15 +43,10 @@ groups! {
     }
 }
 
-impl Walker {
-    /// The model in the list of models.
-    pub const TYPE: ModelType =
-        ModelType { declaration: Self::declaration, new: || Box::new(GaitLoad::default()) };
-}
-
 impl Law<STATES, 0> for Walker {
     type Inputs = Inputs;
     type Outputs = Outputs;
+    type Balance = NoVariables;
     type Indicators = Indicators;
     type Point = Motion;
     const LIST: &'static [State] = LIST;
@@ -58,12 +54,10 @@ impl Law<STATES, 0> for Walker {
     fn declaration() -> &'static Declaration {
         static DECLARED: Declared = Declared::new();
         DECLARED.get_or_init(|| {
-            Declaration::new(
+            GaitLoad::declare(
                 "GaitLoad",
                 "Joint of a person who walks or climbs stairs: angle, speed and torque over the stride from measured \
                  gait of adults or children or from a load table, with variation between strides, start and stop",
-                GaitLoad::groups(),
-                LIST,
                 &[],
             )
         })
@@ -108,6 +102,10 @@ impl Law<STATES, 0> for Walker {
             energy_demand: now.states[ENERGY],
             strides: whole,
         }
+    }
+
+    fn balance(&self, _: &At<'_>, _: &Motion) -> NoVariables {
+        NoVariables
     }
 
     fn indicators(&self, now: &At<'_>, _: &Motion) -> Indicators {

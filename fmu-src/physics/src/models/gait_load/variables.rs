@@ -44,8 +44,8 @@ states! {
     /// The states, in the order of the rates.
     pub const LIST = {
         /// Strides since the start, the phase of the present one included
-        "state.stride" = State::new(701, 801, Unit::One).unbounded(),
+        "state.stride" = State::new(701, 801, Unit::One).unbounded().nominal(1.0, 1.0),
         /// Work demanded of the actuator since the start
-        "state.energy_demand" = State::new(702, 802, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_demand" = State::new(702, 802, Unit::Joule).unbounded().nominal(1000.0, 100.0),
     }
 }

@@ -18,7 +18,7 @@
 //! *Neglects* the mass of springs, lever and nut (add it to the inertia), and the temperature of the motor, for which the
 //! integral part of the current control compensates.
 
-use super::{Actuator, At, Inputs, LIST, OPENING, Outputs, STATES};
+use super::{Actuator, At, Balance, Inputs, LIST, OPENING, Outputs, STATES};
 use crate::components::springs::Deflected;
 use crate::components::supply::PowerSource;
 use crate::components::torque_control::{Command, Seen, Wanted};
@@ -330,7 +330,7 @@ impl Actuator {
         self.books(now, &self.at(now)).stored
     }
 
-    /// The outputs, but for the books.
+    /// The outputs.
     pub(super) fn show(&self, now: &At<'_>, p: &Point) -> Outputs {
         let (m, u, x) = (&p.mechanics, now.inputs, now.states);
         Outputs {
@@ -348,17 +348,19 @@ impl Actuator {
             energy_joint: x[ENERGY_JOINT],
             energy_transmission: x[ENERGY_TRANSMISSION],
             energy_supply: x[ENERGY_SUPPLY],
-            power_balance_error: 0.0,
-            energy_balance_error: 0.0,
         }
     }
 
-    /// What the books show.
-    pub(super) fn show_books(&self, now: &At<'_>, p: &Point, outputs: &mut Outputs) {
+    /// The balance residuals.
+    pub(super) fn show_balance(&self, now: &At<'_>, p: &Point) -> Balance {
         let (books, x) = (self.books(now, p), now.states);
-        outputs.power_balance_error = books.error;
-        outputs.energy_balance_error =
-            x[ENERGY_SHAFT] - x[ENERGY_JOINT] - x[ENERGY_TRANSMISSION] - (books.stored - now.opening[1]);
+        Balance {
+            power_balance_error: books.error,
+            energy_balance_error: x[ENERGY_SHAFT]
+                - x[ENERGY_JOINT]
+                - x[ENERGY_TRANSMISSION]
+                - (books.stored - now.opening[1]),
+        }
     }
 }
 

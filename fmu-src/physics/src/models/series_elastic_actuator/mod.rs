@@ -8,8 +8,7 @@ mod equations;
 mod variables;
 
 pub use equations::{Books, Mechanics, Point};
-use variables::LATE;
-pub use variables::{Indicators, Inputs, LIST, Outputs};
+pub use variables::{Balance, Indicators, Inputs, LIST, Outputs};
 
 use crate::components::springs::{ParallelSpring, SeriesSpring};
 use crate::components::supply::Supply;
@@ -17,7 +16,8 @@ use crate::components::torque_control::TorqueControl;
 use crate::components::transmission::Transmission;
 use crate::explicit::{Explicit, Law, Line, Now};
 use crate::groups;
-use crate::model::{Declaration, Declared, Fault, ModelType};
+use crate::model::{Declaration, Declared, Fault};
+use crate::runtime::Runtime;
 use crate::solver::explicit::Tried;
 use declare::State;
 
@@ -37,7 +37,7 @@ pub const STATES: usize = LIST.len();
 /// Numbers fixed at the start: angle of the transmission's input at motor angle 0, rad, and stored energy, J.
 pub const OPENING: usize = 2;
 /// The actuator as a model.
-pub type SeriesElasticActuator = Explicit<Actuator, STATES, OPENING>;
+pub type SeriesElasticActuator = Runtime<Explicit<Actuator, STATES, OPENING>, STATES>;
 /// Inputs and states at one instant.
 pub type At<'a> = Now<'a, Inputs, STATES, OPENING>;
 
@@ -66,29 +66,21 @@ groups! {
     }
 }
 
-impl Actuator {
-    /// The model in the list of models.
-    pub const TYPE: ModelType =
-        ModelType { declaration: Self::declaration, new: || Box::new(SeriesElasticActuator::default()) };
-}
-
 impl Law<STATES, OPENING> for Actuator {
     type Inputs = Inputs;
     type Outputs = Outputs;
+    type Balance = Balance;
     type Indicators = Indicators;
     type Point = Point;
     const LIST: &'static [State] = LIST;
-    const LATE: usize = LATE;
 
     fn declaration() -> &'static Declaration {
         static DECLARED: Declared = Declared::new();
         DECLARED.get_or_init(|| {
-            Declaration::new(
+            SeriesElasticActuator::declare(
                 "SeriesElasticActuator",
                 "Series elastic actuator between a motor and a joint: gear or ball screw with friction and backlash, series \
                  and parallel spring, torque and current control within the limits of current and supply",
-                SeriesElasticActuator::groups(),
-                LIST,
                 &[],
             )
         })
@@ -122,8 +114,8 @@ impl Law<STATES, OPENING> for Actuator {
         self.show(now, point)
     }
 
-    fn complete(&self, now: &At<'_>, point: &Point, outputs: &mut Outputs) {
-        self.show_books(now, point, outputs);
+    fn balance(&self, now: &At<'_>, point: &Point) -> Balance {
+        self.show_balance(now, point)
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Inputs, outputs, states and event indicators of the actuator. Parameters stand with their components.
 
-use declare::{Group, State, Unit, Variable, states, variables};
+use declare::{State, Unit, Variable, states, variables};
 
 variables! {
     /// Inputs.
@@ -24,9 +24,6 @@ variables! {
         motor_power: f64 = Variable::input(8, 0.0, Unit::Watt, -1e6, 1e6).nominal(100.0),
     }
 }
-
-/// Value reference of the first output of the energy balance.
-const BALANCE: u32 = 34;
 
 variables! {
     /// Outputs.
@@ -59,22 +56,19 @@ variables! {
         energy_transmission: f64 = Variable::output(32, Unit::Joule).unbounded().nominal(1000.0),
         /// Energy taken from the supply since the start
         energy_supply: f64 = Variable::output(33, Unit::Joule).unbounded().nominal(1000.0),
+    }
+}
+
+variables! {
+    /// Balance residuals, which are computed on request only.
+    pub struct Balance {
         /// Power balance residual
-        power_balance_error: f64 = Variable::output(BALANCE, Unit::Watt),
+        power_balance_error: f64 = Variable::output(34, Unit::Watt),
         /// Energy balance residual since the start; zero to rounding where the input speeds are the derivatives of
         /// the input angles
         energy_balance_error: f64 = Variable::output(35, Unit::Joule),
     }
 }
-
-/// Index of the first output of the energy balance: they come last and are computed on request only.
-pub const LATE: usize = {
-    let mut row = 0;
-    while !matches!(<Outputs as Group>::TABLE[row].value_reference, BALANCE) {
-        row += 1;
-    }
-    row
-};
 
 variables! {
     /// Event indicators of Model Exchange: residuals that pass through zero at an event.
@@ -90,24 +84,26 @@ variables! {
     }
 }
 
+// Nominal derivatives: demand over control.filter_time, voltage times control.current_bandwidth in rad/s, twist the nominal speed,
+// speed times control.natural_frequency in rad/s, energies their powers.
 states! {
     /// The states, in the order of the rates.
     pub const LIST = {
         /// Filtered torque demand on the spring
-        "state.demand" = State::new(701, 801, Unit::NewtonMetre).nominal(100.0),
+        "state.demand" = State::new(701, 801, Unit::NewtonMetre).nominal(100.0, 5e4),
         /// Integral part of the current control
-        "state.voltage" = State::new(702, 802, Unit::Volt).nominal(10.0),
+        "state.voltage" = State::new(702, 802, Unit::Volt).nominal(10.0, 3e3),
         /// Twist of the transmission's input shaft against the motor's, with an elastic coupling
-        "state.coupling_twist" = State::new(703, 803, Unit::Radian),
+        "state.coupling_twist" = State::new(703, 803, Unit::Radian).nominal(1.0, 100.0),
         /// Speed of the transmission's input shaft, with an elastic coupling
-        "state.input_speed" = State::new(704, 804, Unit::RadianPerSecond).nominal(100.0),
+        "state.input_speed" = State::new(704, 804, Unit::RadianPerSecond).nominal(100.0, 3e4),
         /// Energy taken from the motor's shaft since the start
-        "state.energy_shaft" = State::new(705, 805, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_shaft" = State::new(705, 805, Unit::Joule).unbounded().nominal(1000.0, 100.0),
         /// Mechanical work at the joint since the start
-        "state.energy_joint" = State::new(706, 806, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_joint" = State::new(706, 806, Unit::Joule).unbounded().nominal(1000.0, 100.0),
         /// Energy dissipated in transmission and springs since the start
-        "state.energy_transmission" = State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_transmission" = State::new(707, 807, Unit::Joule).unbounded().nominal(1000.0, 100.0),
         /// Energy taken from the supply since the start
-        "state.energy_supply" = State::new(708, 808, Unit::Joule).unbounded().nominal(1000.0),
+        "state.energy_supply" = State::new(708, 808, Unit::Joule).unbounded().nominal(1000.0, 100.0),
     }
 }

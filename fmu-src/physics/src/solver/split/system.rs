@@ -58,9 +58,6 @@ pub trait System<const N: usize> {
     /// True where the fast rates bend on a scale that a stiff block passes within a step, so that the last stage must be
     /// as near as all else.
     fn bends_where_stiff(&self) -> bool;
-    /// True where an input that multiplies current or speed runs along a slope, so that [`Segment::moment`]
-    /// is wanted.
-    fn wants_moment(&self) -> bool;
 }
 
 /// The fast solution over one step, and the temperatures under it.
@@ -74,7 +71,11 @@ pub struct Segment<const N: usize> {
     pub x: [Fast; 3],
     /// Their integrals, A.s and rad.
     pub integral: Fast,
-    /// Integrals of (t - start) times current and speed; zero unless [`System::wants_moment`].
+    /// Integral of the square of the current, A2.s, and how far a coarser rule would miss it where it is not exact.
+    pub square: f64,
+    /// See [`square`](Segment::square).
+    pub doubt_of_square: f64,
+    /// Integrals of (t - start) times current and speed.
     pub moment: Fast,
     /// Temperatures at the start, the middle and the end, K.
     pub temperature: [SVector<f64, N>; 3],

@@ -1,26 +1,15 @@
-//! Model Exchange: integration of the states by the method of Dormand and Prince with error control.
+//! Model Exchange: integration of the states of a session by the solver of `cosim`.
+
+use cosim::ode::{self, Equations};
 
 use super::report::Fault;
 use super::session::Session;
 use crate::validate::rules;
 
-/// Stages: nodes, and the rows of the tableau.
-const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
-const A: [[f64; 6]; 7] = [
-    [0.0; 6],
-    [0.2, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
-    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
-    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
-    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
-    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
-];
-/// Fifth order minus fourth order.
-const E: [f64; 7] =
-    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
-
 /// Evaluations that one integration may take.
 const MOST_EVALUATIONS: usize = 200_000;
+/// Size of a state below which its error is absolute, relative to its nominal value: models without nominal values have small states.
+const SMALL: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reached {
@@ -34,37 +23,51 @@ pub(super) enum Reached {
 /// The continuous states of a session in continuous-time mode.
 pub(super) struct Solver {
     pub(super) x: Vec<f64>,
-    nominals: Vec<f64>,
-    indicators: Vec<f64>,
-    tolerance: f64,
-    h: f64,
-    evaluations: usize,
+    method: ode::Solver,
+    /// Evaluations at which the present integration ends.
+    most_evaluations: usize,
+}
+
+/// The equations of a session.
+struct OfSession<'a, 'b>(&'a mut Session<'b>);
+
+impl Equations for OfSession<'_, '_> {
+    type Error = Fault;
+
+    fn derivatives(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<bool, Fault> {
+        out.copy_from_slice(&Solver::rates(self.0, t, x)?);
+        Ok(true)
+    }
+
+    fn indicators(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), Fault> {
+        Solver::rates(self.0, t, x)?;
+        out.copy_from_slice(&indicators(self.0, out.len())?);
+        Ok(())
+    }
 }
 
 impl Solver {
     /// Reads states, nominals and indicators.
     pub(super) fn new(session: &mut Session, tolerance: f64) -> Result<Solver, Fault> {
-        let facts = session.facts;
-        let n = facts.state_count();
-        let mut solver = Solver {
-            x: vec![0.0; n],
-            nominals: vec![1.0; n],
-            indicators: vec![0.0; facts.indicators],
-            tolerance,
-            h: 0.0,
-            evaluations: 0,
-        };
+        let x = vec![0.0; session.facts.state_count()];
+        let mut solver =
+            Solver { x, method: ode::Solver::new(tolerance), most_evaluations: MOST_EVALUATIONS };
         solver.reload(session)?;
         Ok(solver)
     }
 
     /// Reads what an event may have changed.
     fn reload(&mut self, session: &mut Session) -> Result<(), Fault> {
+        let mut nominals = vec![1.0; self.x.len()];
         if !self.x.is_empty() {
             session.call("GetContinuousStates", |raw| raw.get_states(&mut self.x))?;
-            session.call("GetNominalsOfContinuousStates", |raw| raw.get_nominals(&mut self.nominals))?;
+            session.call("GetNominalsOfContinuousStates", |raw| raw.get_nominals(&mut nominals))?;
         }
-        self.indicators = indicators(session, self.indicators.len())?;
+        for nominal in &mut nominals {
+            *nominal = SMALL * if *nominal > 0.0 && nominal.is_finite() { *nominal } else { 1.0 };
+        }
+        let indicators = indicators(session, session.facts.indicators)?;
+        self.method.restart(nominals, indicators);
         Ok(())
     }
 
@@ -88,7 +91,7 @@ impl Solver {
         end: f64,
         through_events: bool,
     ) -> Result<Reached, Fault> {
-        self.evaluations = 0;
+        self.most_evaluations = self.method.evaluations() + MOST_EVALUATIONS;
         let nothing = 1e-13 * (end - session.now).abs().max(end.abs());
         while session.now < end - nothing {
             let target = session.next.map_or(end, |t| t.min(end));
@@ -118,60 +121,17 @@ impl Solver {
 
     /// One accepted step, at most to `target`; then whether there was an event. `None` after too many evaluations.
     pub(super) fn one_step(&mut self, session: &mut Session, target: f64) -> Result<Option<bool>, Fault> {
-        let t = session.now;
-        let mut h = if self.h > 0.0 { self.h.min(target - t) } else { 1e-3 * (target - t) };
-        let first = Self::rates(session, t, &self.x)?;
-        let new = loop {
-            // A remainder too small to matter belongs to this step.
-            if target - t - h < 1e-9 * h {
-                h = target - t;
-            }
-            self.evaluations += C.len();
-            if self.evaluations > MOST_EVALUATIONS || t + h <= t {
-                return Ok(None);
-            }
-            let (new, error) = self.trial(session, t, h, &first)?;
-            let factor = if error.is_finite() { (0.9 * error.powf(-0.2)).clamp(0.2, 5.0) } else { 0.2 };
-            if error <= 1.0 {
-                self.h = h * factor;
-                break new;
-            }
-            h *= factor.min(0.9);
-        };
-        let end = if h == target - t { target } else { t + h };
-        self.x = new;
-        Self::rates(session, end, &self.x)?;
-        let mut event = false;
+        let from = (session.now, &self.x[..]);
+        let taken = self.method.step(&mut OfSession(session), from, target, self.most_evaluations)?;
+        let Some(taken) = taken else { return Ok(None) };
+        self.x = taken.x;
+        let mut event = taken.event;
         if session.interface.needs_completed_step {
             let (status, asked, _) = session.raw.completed_integrator_step();
             session.ok("CompletedIntegratorStep", status)?;
-            event = asked;
+            event |= asked;
         }
-        let z = indicators(session, self.indicators.len())?;
-        event |= z.iter().zip(&self.indicators).any(|(new, old)| (*new > 0.0) != (*old > 0.0));
-        self.indicators = z;
         Ok(Some(event))
-    }
-
-    /// A step of size `h`, and its error relative to the tolerance.
-    fn trial(&self, session: &mut Session, t: f64, h: f64, first: &[f64]) -> Result<(Vec<f64>, f64), Fault> {
-        let mut slopes = vec![first.to_vec()];
-        let mut at = self.x.clone();
-        for stage in 1..C.len() {
-            for (i, x) in at.iter_mut().enumerate() {
-                let sum: f64 = slopes.iter().zip(A[stage]).map(|(k, a)| a * k[i]).sum();
-                *x = self.x[i] + h * sum;
-            }
-            slopes.push(Self::rates(session, t + C[stage] * h, &at)?);
-        }
-        let error = (0..at.len()).map(|i| {
-            let difference: f64 = slopes.iter().zip(E).map(|(k, e)| e * k[i]).sum::<f64>() * h;
-            let scale = self.x[i].abs().max(at[i].abs()).max(1e-3 * self.nominals[i]);
-            (difference / (self.tolerance * scale)).abs()
-        });
-        // `max` ignores NaN, so it is checked separately.
-        let worst = error.fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b) });
-        Ok((at, worst.max(1e-10)))
     }
 }
 

@@ -336,24 +336,24 @@ rules! {
         build_identifier(identifier) "The build configuration is for the modelIdentifier \"{identifier}\", which no interface type has";
     BUILD_FALLBACK "build-fallback" Error "one build configuration is the fallback" "2.3" "2.4.10"
         build_fallback(identifier) "There is more than one build configuration without platform for \"{identifier}\"";
-    COORDINATE_SYSTEM "coordinate-system" Error "the coordinate system's corners are in order" "2.3" "2.4.9.1"
+    COORDINATE_SYSTEM "coordinate-system" Error "the coordinate system's corners are in order" "2.3.2" "2.4.9.1.2"
         coordinate_system(low, a, high, b) "{low} = {a} of the coordinate system must be less than {high} = {b}";
-    TERMINAL_REPEATED "terminal-repeated" Error "terminal names are unique on their level" "2.3" "2.4.9.2"
+    TERMINAL_REPEATED "terminal-repeated" Error "terminal names are unique on their level" "2.3.2" "2.4.9.2.2"
         terminal_repeated(name) "The terminal \"{name}\" is defined more than once on its level";
-    TERMINAL_VARIABLE "terminal-variable" Error "terminals refer to variables that exist" "2.3" "2.4.9.2"
+    TERMINAL_VARIABLE "terminal-variable" Error "terminals refer to variables that exist" "2.3.2" "2.4.9.2.3"
         terminal_variable(terminal, name) "The terminal \"{terminal}\" refers to the variable \"{name}\", which does not exist";
-    TERMINAL_CAUSALITY "terminal-causality" Error "terminals refer to inputs, outputs and parameters" "2.3" "2.4.9.2"
+    TERMINAL_CAUSALITY "terminal-causality" Error "terminals refer to inputs, outputs and parameters" "2.3.2" "2.4.9.2.3"
         terminal_causality(terminal, causality, name)
             "The terminal \"{terminal}\" refers to the {causality} variable \"{name}\"; only inputs, outputs and parameters are allowed";
-    MATCHING_RULE "matching-rule" Warning "matching rules are known or in reverse domain notation" "2.3" "2.4.9.2"
+    MATCHING_RULE "matching-rule" Warning "matching rules are known or in reverse domain notation" "2.3.2" "2.4.9.2.2"
         matching_rule(rule, name)
             "The matchingRule \"{rule}\" of the terminal \"{name}\" is neither plug, bus nor sequence nor a name in reverse domain notation";
-    MEMBER_NAME "member-name" Error "members of plugs and buses have unique names" "2.3" "2.4.9.2"
+    MEMBER_NAME "member-name" Error "members of plugs and buses have unique names" "2.3.2" "2.4.9.2.3"
         member_name_missing(name, rule) "A member of the terminal \"{name}\" has no memberName, which the matchingRule {rule} requires"
         member_name_repeated(m, name) "The memberName \"{m}\" occurs more than once in the terminal \"{name}\"";
-    STREAM_FLOW "stream-flow" Error "a terminal with streams has one flow" "2.3" "2.4.9.2"
+    STREAM_FLOW "stream-flow" Error "a terminal with streams has one flow" "2.3.2" "2.4.9.2.4"
         stream_flow(name, flows) "The terminal \"{name}\" has stream members and {flows} inflow or outflow members; only one is allowed";
-    ICON_MISSING "icon-missing" Error "a terminal's icon is present" "2.3" "2.4.9.2"
+    ICON_MISSING "icon-missing" Error "a terminal's icon is present" "2.3.2" "2.4.9.2.5"
         icon_missing(base, terminal, file) "The icon \"{base}\" of the terminal \"{terminal}\" is not in the archive as {file}";
     // Binaries.
     PLATFORM_OF_FMI2 "platform-of-fmi2" Warning "folders of FMI 3 are platform tuples" "" "2.5.1.4.1"

@@ -14,6 +14,15 @@ pub enum Mistake {
     Swap(usize, usize),
     /// A column of temperatures holds rises over ambient.
     Rise(usize),
+    /// The ambient temperature is measured where the motor heats the sensor; the first reading of a run is the ambient temperature.
+    Heated(usize),
+    /// An input was not measured: its column is constant. An output implies its values, and is then no evidence itself.
+    Unmeasured {
+        /// The column of the input.
+        column: usize,
+        /// The column of the output.
+        by: usize,
+    },
     /// Times are multiplied.
     Time(f64, &'static str),
 }
@@ -24,7 +33,8 @@ impl Mistake {
         match self {
             Mistake::Affine { columns, .. } => columns.clone(),
             Mistake::Swap(a, b) => vec![*a, *b],
-            Mistake::Rise(k) => vec![*k],
+            Mistake::Rise(k) | Mistake::Heated(k) => vec![*k],
+            Mistake::Unmeasured { column, by } => vec![*column, *by],
             Mistake::Time(..) => Vec::new(),
         }
     }
@@ -34,7 +44,8 @@ impl Mistake {
         matches!(self, Mistake::Time(..)) || self.touches().iter().any(|k| *k < inputs)
     }
 
-    /// Whether shapes hardly show it: two thermometers of the motor exchanged, or all temperatures in another unit.
+    /// Whether shapes hardly show it: two thermometers of the motor exchanged, all temperatures in another unit, or an ambient
+    /// temperature that rises with the motor.
     pub fn is_alike(&self, experiment: &Experiment) -> bool {
         let all = channels(experiment);
         let inputs = experiment.inputs.len();
@@ -44,6 +55,7 @@ impl Mistake {
             Mistake::Affine { columns, words, .. } => {
                 columns.len() > 1 && columns.iter().all(is_warm) && words.starts_with("readings in ")
             }
+            Mistake::Heated(_) => true,
             _ => false,
         }
     }
@@ -63,6 +75,13 @@ impl Mistake {
                     let of = table.columns[*k].iter_mut().zip(ambient);
                     of.for_each(|(x, t)| *x += t - 273.15);
                 }
+                Mistake::Heated(k) => {
+                    let column = &mut table.columns[*k];
+                    let first = column.iter().copied().find(|x| x.is_finite()).unwrap_or(f64::NAN);
+                    column.fill(first);
+                }
+                // Its values need the model: `super::unmeasured`.
+                Mistake::Unmeasured { .. } => {}
                 Mistake::Time(factor, _) => {
                     let first = table.time[0];
                     table.time.iter_mut().for_each(|t| *t = first + factor * (*t - first));
@@ -98,6 +117,22 @@ impl Mistake {
                     name(*k)
                 );
                 (name(*k), reason, "add the ambient temperature to the column".to_string())
+            }
+            Mistake::Heated(k) => {
+                let reason = format!(
+                    "{} in {files} rises with the motor and contradicts the model, which the first reading of each run would agree with",
+                    name(*k)
+                );
+                let suggestion = "measure the ambient temperature where the motor does not heat the sensor";
+                (name(*k), reason, suggestion.to_string())
+            }
+            Mistake::Unmeasured { column, by } => {
+                let reason = format!(
+                    "{} in {files} is constant and contradicts {}; all other outputs agree better with the values that {1} implies",
+                    name(*column),
+                    name(*by)
+                );
+                (name(*column), reason, format!("check whether {} was measured", name(*column)))
             }
             Mistake::Time(_, unit) => {
                 let reason = format!(
@@ -194,8 +229,8 @@ pub fn mistakes(experiment: &Experiment) -> Vec<Mistake> {
         for (factor, offset, words) in unit_mistakes(units) {
             found.push(Mistake::Affine { columns: vec![k], factor, offset, words });
         }
-        if channel.is_temperature() && channel.input.is_none() {
-            found.push(Mistake::Rise(k));
+        if channel.is_temperature() {
+            found.push(if channel.input.is_some() { Mistake::Heated(k) } else { Mistake::Rise(k) });
         }
         found.extend((0..k).map(|other| Mistake::Swap(other, k)));
         if !quantities.contains(&channel.unit) {

@@ -251,6 +251,10 @@ pub fn shape(found: &Unexplained, outcome: &Outcome) -> Plate {
         .band("95 %", y.clone(), x)
         .colour(0)
         .line("estimate", y);
-    let magnitude = outcome.effects.first().map_or(String::new(), |e| format!(" It {}.", e.magnitude));
+    let magnitude = outcome
+        .effects
+        .iter()
+        .find(|e| e.term.is_some() && e.port == found.port)
+        .map_or(String::new(), |e| format!(" It {}.", e.magnitude));
     Plate::new("shape", figure, format!("Estimated effect on {}.{magnitude}", port(found.port)))
 }

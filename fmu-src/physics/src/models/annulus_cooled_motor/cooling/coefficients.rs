@@ -98,8 +98,8 @@ pub struct Coefficients {
     pub tube_to_room: f64,
     /// Flow over the motor, m3/s.
     pub flow: f64,
-    /// Excess of the air behind the motor over that of the air that leaves the last segment: 1 but near rest, where the air
-    /// behind the motor is that of the room.
+    /// Excess temperature of the air behind the motor over that of the air that leaves the last segment: 1, but lower near zero
+    /// flow, where the air behind the motor is at the ambient temperature.
     pub behind: f64,
     /// Pressure that the fan gives, Pa.
     pub pressure_drop: f64,

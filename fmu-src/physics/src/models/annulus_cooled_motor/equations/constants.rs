@@ -24,6 +24,8 @@ pub struct Constants {
     pub(super) drift: f64,
     /// Share of electrical_power that the drive loses.
     pub(super) lost: f64,
+    /// Fraction of electrical_power that heats the stator.
+    pub(super) in_stator: f64,
     /// Whether a port may jump at a time of its own.
     pub(in super::super) eventful: bool,
     /// Torque over that of the data sheet's torque constant, by the commutation.
@@ -48,7 +50,11 @@ impl Constants {
         let free = parameters.choices.mechanical_mode == MechanicalMode::FreeShaft;
         let core = body.as_ref().map_or(parameters.thermal.C_h, |b| b.stator);
         let capacity = Temperatures::new(parameters.thermal.C_w, core);
+        let lost = parameters.effects.drive_loss();
         let acts = Acts::of(&parameters.effects);
+        // Its power is a part of electrical_power, and its torque acts at an imposed speed.
+        let is_loaded = parameters.choices.drive_mode == DriveMode::Power && !free;
+        let acts = if is_loaded { acts } else { acts.without(Port::PowerModeLoad) };
         // Beyond the core, the network radiates.
         let acts = if body.is_none() { acts } else { acts.without(Port::HousingToAmbient) };
         Constants {
@@ -58,7 +64,8 @@ impl Constants {
             inverse_capacity: capacity.map(|c| 1.0 / c),
             across: parameters.thermal.winding_to_housing(1.0, 0.0),
             drift: parameters.effects.ambient_sensor(),
-            lost: parameters.effects.drive_loss(),
+            lost,
+            in_stator: (1.0 - lost) * parameters.effects.stator_loss(),
             eventful: parameters.effects.next_event(f64::NEG_INFINITY).is_finite(),
             torque_factor: parameters.choices.commutation.torque_factor(),
             chops: Chopper::acts(parameters),

@@ -35,7 +35,7 @@ impl Step<'_> {
             current: x[0],
             shaft_angle: state.angle,
             shaft_speed: x[1],
-            shaft_torque,
+            shaft_torque: model.effects.torque_sensor(shaft_torque),
             winding_temperature: model.effects.winding_sensor(t_w, ambient),
             stator_temperature: temperature[CORE],
             magnet_temperature: self.magnets(0.0, temperature),
@@ -63,7 +63,10 @@ impl Step<'_> {
             + self.model.effects.terminal_voltage(i) * i
             + self.ripple_loss(0.0, t_w);
         match self.model.choices.drive_mode {
-            DriveMode::Power => copper + self.inputs.electrical_power - drive,
+            DriveMode::Power => {
+                let load = self.power_mode_torque(state.x[1]) * state.x[1];
+                copper + self.inputs.electrical_power - drive - self.stator.at(0.0) - load
+            }
             _ => copper,
         }
     }

@@ -106,11 +106,12 @@ impl System<NODES> for Step<'_> {
         let t_w = temperature[WINDING];
         let volts = self.resistance(t_w) * i + self.ports().terminal_voltage(i);
         let copper = volts * i + self.ripple_loss(t, t_w);
-        Temperatures::new(copper + self.heat.at(t), self.drag_in_core(w, instant.drag * w))
+        let core = self.drag_in_core(w, instant.drag * w) + self.stator.at(t);
+        Temperatures::new(copper + self.heat_at(t, w), core)
     }
 
-    /// The energies of one step. All but the friction heat follow from integrals that are exact for the fast
-    /// solution; the copper heat of a voltage drive is what the books leave, so they close by construction.
+    /// The energies of one step, each from its own law and the integrals of the fast solution, so that their balance is the error
+    /// of the step.
     #[inline]
     fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let effects = self.ports();
@@ -151,7 +152,14 @@ impl System<NODES> for Step<'_> {
             };
             (air_gap, air_gap - friction)
         };
-        let mut heat = h * self.heat.at(t + 0.5 * h);
+        let mut load = 0.0;
+        if self.constants.acts.at(Port::PowerModeLoad) {
+            let doubt_of_load;
+            (load, doubt_of_load) = against([x0, xm, x1].map(|x| self.power_mode_torque(x[1])), 1);
+            doubt += doubt_of_load;
+        }
+        let stator = h * self.stator.at(t + 0.5 * h);
+        let mut heat = h * self.heat.at(t + 0.5 * h) - load;
         if self.loses() {
             let ripple = [0, 1, 2].map(|n| self.ripple_loss(at[n], segment.temperature[n][WINDING]));
             let over_step = simpson(ripple[0], ripple[1], ripple[2]);
@@ -159,7 +167,14 @@ impl System<NODES> for Step<'_> {
             doubt += (over_step - 0.5 * h * (ripple[0] + ripple[2])).abs();
         }
         let mut drive = h * self.drive.at(t + 0.5 * h);
+        // R i^2: the value of R at the end times the integral of i^2, and what R differs from it by Simpson's rule.
+        let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
+        let heating = |n: usize| (r(n) - r(2)) * segment.x[n][0] * segment.x[n][0];
+        let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
+        doubt += doubt_of_drop;
         let (copper, electrical) = if self.is_voltage_driven() {
+            let copper = r(2) * segment.square + simpson(heating(0), heating(1), 0.0) + drop;
+            doubt += r(2) * segment.doubt_of_square;
             let mut supplied = line(&self.voltage, 0);
             if self.chopper.coasts {
                 let open = [0, 1, 2].map(|n| self.source(at[n], k_t(n) * segment.x[n][1]));
@@ -179,20 +194,17 @@ impl System<NODES> for Step<'_> {
                 drive += bridge;
                 supplied = supplied - missed - bridge;
             }
-            (supplied - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap, supplied)
+            (copper, supplied)
         } else {
-            let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
-            let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]);
-            let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
-            doubt += doubt_of_drop;
-            (copper + drop, copper + drop + air_gap)
+            let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]) + drop;
+            (copper, copper + air_gap)
         };
         Work {
-            heat: Temperatures::new(copper + heat, in_core),
+            heat: Temperatures::new(copper + heat, in_core + stator),
             losses: [copper + heat, friction],
             aside: friction - in_core,
-            electrical: electrical + heat + drive,
-            mechanical,
+            electrical: electrical + heat + load + stator + drive,
+            mechanical: mechanical + load,
             ambient: drive,
             doubt,
         }
@@ -202,10 +214,5 @@ impl System<NODES> for Step<'_> {
     fn bends_where_stiff(&self) -> bool {
         // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
         self.constants.acts.at(Port::TerminalVoltage) || self.chopper.loses || self.chopper.coasts
-    }
-
-    #[inline]
-    fn wants_moment(&self) -> bool {
-        self.voltage.slope != 0.0 || self.load.slope != 0.0 || self.speed.slope != 0.0
     }
 }

@@ -42,7 +42,7 @@ impl Step<'_> {
             current: i,
             shaft_angle: state.angle,
             shaft_speed: w,
-            shaft_torque,
+            shaft_torque: effects.torque_sensor(shaft_torque),
             winding_temperature: effects.winding_sensor(t_w, temperature[BOX]),
             housing_temperature: effects.housing_sensor(temperature[HOUSING], temperature[BOX]),
             box_temperature: temperature[BOX],

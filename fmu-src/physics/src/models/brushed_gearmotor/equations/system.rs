@@ -114,12 +114,11 @@ impl System<NODES> for Step<'_> {
         self.heats(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w)
     }
 
-    /// The energies of one step. Charge, angle and stored energies are exact for the fast solution; the copper
-    /// heat is what they leave of the terminals' energy, so the books close by construction.
+    /// The energies of one step, each from its own law and the integrals of the fast solution, so that their balance is the error
+    /// of the step.
     #[inline]
     fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let (t, h) = (segment.t, segment.h);
-        let [x0, _, x1] = segment.x;
         let at = [t, t + 0.5 * h, t + h];
         let simpson = |f: [f64; 3]| h / 6.0 * (f[0] + 4.0 * f[1] + f[2]);
         // The integral of f times current or speed: the value at the end times their exact integral, and what f
@@ -130,18 +129,19 @@ impl System<NODES> for Step<'_> {
             (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * beyond[0]).abs())
         };
         let volts = instants.map(|instant| instant.e + instant.cycle.drive);
-        let ripples = INSTANTS.map(|n| {
-            let temperature = &segment.temperature[n];
-            self.model.motor.resistance(temperature[WINDING]) * instants[n].cycle.ripple
-        });
+        let r = INSTANTS.map(|n| self.model.motor.resistance(segment.temperature[n][WINDING]));
+        let ripples = INSTANTS.map(|n| r[n] * instants[n].cycle.ripple);
         let ripple = simpson(ripples);
         let supply = INSTANTS.map(|n| self.bridge(at[n]).supply_power(&instants[n].cycle));
 
         let (friction, doubt_friction) = against(instants.map(|instant| instant.drag), 1);
         let load = self.load.at(t) * segment.integral[1] + self.load.slope * segment.moment[1];
-        let air_gap = self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction;
         let (terminals, doubt_terminals) = against(volts, 0);
-        let copper = terminals - (self.magnetic(x1[0]) - self.magnetic(x0[0])) - air_gap;
+        // R i^2: the value of R at the end times the integral of i^2, and what R differs from it by Simpson's rule.
+        let (drop, doubt_drop) = against(instants.map(|instant| instant.lost), 0);
+        let heating = INSTANTS.map(|n| (r[n] - r[2]) * segment.x[n][0] * segment.x[n][0]);
+        let copper = r[2] * segment.square + simpson(heating) + drop;
+        let doubt_copper = doubt_drop + r[2] * segment.doubt_of_square;
         let through = INSTANTS.map(|n| supply[n].per_watt * volts[n] + supply[n].per_ampere);
         let (steady, doubt_supply) = against(through, 0);
         let rippling = INSTANTS.map(|n| supply[n].per_watt * ripples[n]);
@@ -155,7 +155,7 @@ impl System<NODES> for Step<'_> {
             mechanical: load,
             ambient: drive,
             aside: 0.0,
-            doubt: doubt_friction + doubt_terminals + doubt_supply + doubt_ripple,
+            doubt: doubt_friction + doubt_terminals + doubt_copper + doubt_supply + doubt_ripple,
         }
     }
 
@@ -163,10 +163,5 @@ impl System<NODES> for Step<'_> {
     fn bends_where_stiff(&self) -> bool {
         // The bridge's cycle bends with speed and current wherever conduction is not continuous.
         true
-    }
-
-    #[inline]
-    fn wants_moment(&self) -> bool {
-        self.load.slope != 0.0
     }
 }

@@ -1,0 +1,52 @@
+//! Losses that arise in the stator, not in the winding, as a fraction of the electrical power.
+//!
+//! Q_w = (1 - fraction) P_m,   Q_s = fraction P_m                                           (1)
+//!
+//! Acts in drive_mode power, where P_m is what of the input `electrical_power` reaches the motor as heat. Q_s heats the stator; in
+//! cooling_mode conductance it heats the housing, which includes the stator. With an imposed current the effects at the port
+//! drag_torque have this part (`iron_loss`).
+//! *Assumes* a fraction that does not depend on the power: losses of the iron and of the current grow alike.
+//! *Neglects* that this fraction differs between standstill and high speed. *Sign*: fraction > 0 leaves the winding cooler.
+//! *Range*: 0 to 1. *Source*: separation of losses, IEC 60034-2-1:2014.
+
+use super::candidate::Candidate;
+use super::ports::Effect;
+use crate::terms::Port;
+use declare::{Unit, Variable, variables};
+
+variables! {
+    /// Losses in the stator.
+    pub struct StatorLoss {
+        /// Fraction of the motor's electrical power that heats the stator or housing; 0 switches the effect off
+        fraction: f64 = Variable::tunable(0, 0.0, Unit::One, 0.0, 1.0).nominal(0.1),
+    }
+}
+
+impl Effect for StatorLoss {
+    const CANDIDATES: &'static [Candidate] = &[Candidate::constant(Port::HousingHeat, &["fraction"])];
+
+    fn example() -> Self {
+        StatorLoss { fraction: 0.25 }
+    }
+
+    #[inline]
+    fn is_on(&self) -> bool {
+        self.fraction != 0.0
+    }
+
+    #[inline]
+    fn stator_loss(&self) -> f64 {
+        self.fraction
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fraction_is_the_fraction() {
+        assert_eq!(StatorLoss { fraction: 0.3 }.stator_loss(), 0.3);
+        assert_eq!(StatorLoss::default().stator_loss(), 0.0);
+    }
+}

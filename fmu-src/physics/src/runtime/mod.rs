@@ -1,0 +1,192 @@
+//! The runtime of all models.
+//!
+//! A model is variables, components and [`Equations`]. The [`Runtime`] owns everything else: inputs and their derivatives, time, values by
+//! slot, cached outputs, steps with events and limits of validity (this file), the functions of [`Model`](crate::model::Model)
+//! (`model.rs`), Model Exchange with the discrete states (`exchange.rs`), saved states (`saved.rs`).
+
+mod ending;
+mod equations;
+mod exchange;
+mod model;
+mod saved;
+
+pub use ending::Halt;
+pub use equations::{Equations, NoVariables, Table};
+pub use exchange::Held;
+pub use saved::Saved;
+
+use crate::effects::IMMINENT;
+use crate::groups::Grouped;
+use crate::model::{Declaration, Fault, GroupAt, ModelType, Unserved};
+use declare::Group;
+use ending::approach;
+use exchange::Followed;
+
+/// A model: its parameters, inputs and states with the equations `M`, which have `N` continuous states.
+#[derive(Clone, Debug)]
+pub struct Runtime<M: Equations<N>, const N: usize> {
+    /// Parameters. After a change made here, start the model again.
+    pub parameters: M::Parameters,
+    /// Inputs. After a change made here, [`set_states`](crate::model::Model::set_states) says that it was made.
+    pub inputs: M::Inputs,
+    /// Derivatives of the inputs over the next step, per second.
+    pub(crate) slopes: M::Inputs,
+    pub(crate) time: f64,
+    /// What the model carries.
+    pub(crate) own: M,
+    /// What is constant between events, if the importer integrates.
+    pub(crate) held: Option<Held<M::Discrete, N>>,
+    /// The coupled states that move.
+    followed: Followed<N>,
+    outputs: M::Outputs,
+    balance: M::Balance,
+    indicators: M::Indicators,
+    /// Shared quantities at the present time, where they are known.
+    point: Option<M::Point>,
+    /// Whether outputs and energy balance belong to the present time.
+    has_outputs: bool,
+    has_balance: bool,
+    /// Whether the last step ended at a limit of validity.
+    ended: bool,
+}
+
+/// Groups of variables ahead of the parameters.
+const INPUTS: usize = 0;
+const OUTPUTS: usize = 1;
+const BALANCE: usize = 2;
+const INDICATORS: usize = 3;
+const PARAMETERS: usize = 4;
+
+impl<M: Equations<N>, const N: usize> Default for Runtime<M, N> {
+    fn default() -> Self {
+        let parameters = M::Parameters::default();
+        Runtime {
+            own: M::new(&parameters),
+            parameters,
+            inputs: M::Inputs::default(),
+            slopes: M::Inputs::zero(),
+            time: 0.0,
+            held: None,
+            followed: Followed::default(),
+            outputs: M::Outputs::default(),
+            balance: M::Balance::default(),
+            indicators: M::Indicators::default(),
+            point: None,
+            has_outputs: false,
+            has_balance: false,
+            ended: false,
+        }
+    }
+}
+
+impl<M: Equations<N>, const N: usize> Runtime<M, N> {
+    /// The model in the list of models.
+    pub const TYPE: ModelType = ModelType { declaration: M::declaration, new: || Box::new(Self::default()) };
+
+    /// The declaration of a model with this name and description.
+    pub fn declare(name: &'static str, description: &'static str, unserved: &[Unserved]) -> Declaration {
+        let own = |prefix, table| GroupAt { prefix, base: 0, table };
+        let mut groups = vec![
+            own("", M::Inputs::TABLE),
+            own("", M::Outputs::TABLE),
+            own("", M::Balance::TABLE),
+            own("event.", M::Indicators::TABLE),
+        ];
+        groups.extend(M::Parameters::groups());
+        Declaration::new(name, description, groups, M::LIST, unserved)
+    }
+
+    /// Whether an input has a derivative.
+    #[inline]
+    pub(crate) fn is_sloping(&self) -> bool {
+        self.slopes != M::Inputs::zero()
+    }
+
+    /// A state, an input or a parameter has changed.
+    #[inline]
+    pub(crate) fn outdate(&mut self) {
+        (self.point, self.has_outputs, self.has_balance) = (None, false, false);
+    }
+
+    /// The shared quantities at the present time, if they are known.
+    #[inline]
+    pub(crate) fn known_point(&self) -> Option<&M::Point> {
+        self.point.as_ref()
+    }
+
+    /// What `look` finds with the shared quantities at the present time.
+    #[inline]
+    fn look<T>(&mut self, look: impl FnOnce(&Self, &M::Point) -> T) -> T {
+        if self.point.is_none() {
+            self.point = Some(M::point(self));
+        }
+        match &self.point {
+            Some(point) => look(self, point),
+            None => unreachable!("it was evaluated"),
+        }
+    }
+
+    /// Derivatives of all states.
+    fn all_rates(&mut self) -> Result<[f64; N], Fault> {
+        self.look(M::rates)
+    }
+
+    /// A state as an importer sees it.
+    fn shown_state(&self, k: usize) -> f64 {
+        let still = self.held.as_ref().and_then(|held| held.still[k]);
+        still.unwrap_or_else(|| M::state(self, k))
+    }
+
+    /// Inputs and time arrive at `time`, `h` seconds on.
+    #[inline]
+    pub(crate) fn arrive(&mut self, time: f64, h: f64) {
+        if self.is_sloping() {
+            self.inputs = self.inputs.after(h, &self.slopes);
+            M::follow_inputs(self);
+        }
+        self.time = time;
+        self.outdate();
+    }
+
+    /// A step, divided at the events within it.
+    #[inline]
+    fn step_over_events(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+        let end = time + h;
+        let event = M::next_division(self, time);
+        if event >= end - IMMINENT {
+            M::advance(self, time, h)?;
+            self.slopes = M::Inputs::zero();
+            return Ok(());
+        }
+        // Up to the event and on from it, or nothing of both.
+        let (before, slopes) = (self.clone(), self.slopes);
+        let outcome = M::advance(self, time, event - time).and_then(|()| {
+            self.slopes = slopes;
+            M::pass_event(self, &before, time, event);
+            self.step_over_events(event, end - event)
+        });
+        match outcome {
+            Ok(()) => self.time = end,
+            Err(_) => *self = before,
+        }
+        outcome
+    }
+
+    /// A step; at a limit of validity it ends at the last time within it.
+    #[inline]
+    fn step_to_limit(&mut self, time: f64, h: f64) -> Result<(), Fault> {
+        self.ended = false;
+        let slopes = self.slopes;
+        let halt = match self.step_over_events(time, h) {
+            Ok(()) => return Ok(()),
+            Err(Halt::Fault(fault)) if !M::IS_LIMITED => return Err(fault),
+            Err(halt) => halt,
+        };
+        let at = approach(self, (time, h), halt, |run, at, h| {
+            run.slopes = slopes;
+            run.step_over_events(at, h)
+        })?;
+        (self.ended, self.slopes) = (true, M::Inputs::zero());
+        Err(Fault(M::ending(self, at)))
+    }
+}

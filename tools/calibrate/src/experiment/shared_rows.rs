@@ -1,0 +1,73 @@
+//! Rows that count in two runs: errors on rows that were fitted are no test, and rows that are fitted twice count twice.
+
+use super::Run;
+use std::collections::HashSet;
+
+/// A window ends where the next one begins: the row at this time is in both.
+const AT_THE_BORDER: usize = 1;
+
+/// Each pair of runs with the same rows, in a sentence.
+pub fn notes(runs: &[Run]) -> Vec<String> {
+    let rows: Vec<HashSet<Vec<u64>>> = runs.iter().map(counted).collect();
+    let pairs = (0..runs.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    let of = |(a, b): (usize, usize)| {
+        let shared = rows[a].intersection(&rows[b]).count();
+        // Rows of two files may be alike by chance where the motor is at rest and readings are coarse; not most of them.
+        let by_chance = if runs[a].file == runs[b].file {
+            AT_THE_BORDER
+        } else {
+            (rows[a].len().min(rows[b].len()) / 2).max(AT_THE_BORDER)
+        };
+        (shared > by_chance).then(|| {
+            format!(
+                "{shared} rows of {} count in another run as well ({}): errors on rows that were fitted are no test, and rows that are fitted \
+                 twice count twice; state other windows or other files",
+                runs[a].file, runs[b].file
+            )
+        })
+    };
+    pairs.filter_map(of).collect()
+}
+
+/// Time and readings of the rows of a run that count, as bits.
+fn counted(run: &Run) -> HashSet<Vec<u64>> {
+    let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let rows = run.table.time.iter().enumerate().filter(|(_, t)| (from..=to).contains(*t));
+    rows.map(|(k, t)| {
+        [*t].into_iter().chain(run.table.columns.iter().map(|c| c[k])).map(f64::to_bits).collect()
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Role, Table};
+    use super::*;
+
+    fn run(file: &str, role: Role, shift: f64, window: Option<(f64, f64)>) -> Run {
+        let time: Vec<f64> = (0..100).map(|k| 2.0 * f64::from(k)).collect();
+        // The first thirty rows are at rest, alike in all files.
+        let column = (0..100).map(|k| if k < 30 { 0.0 } else { (f64::from(k) + shift).sin() }).collect();
+        let table = Table { time, columns: vec![column], dated: false, notes: Vec::new() };
+        let (priors, set) = (Vec::new(), Vec::new());
+        Run { priors, file: file.to_string(), role, window, start: super::super::Start::Ambient, set, table }
+    }
+
+    #[test]
+    fn rows_that_count_twice_are_found() {
+        let fit = || run("a.csv", Role::Fit, 0.0, Some((0.0, 80.0)));
+        for (other, shared) in [
+            (run("a.csv", Role::Test, 0.0, None), 41),
+            (run("a.csv", Role::Fit, 0.0, Some((70.0, 199.0))), 6),
+            (run("copy.csv", Role::Test, 0.0, None), 41),
+        ] {
+            let found = notes(&[fit(), other]);
+            let begin = format!("{shared} rows of a.csv count in another run as well (");
+            assert!(found.len() == 1 && found[0].starts_with(&begin), "{found:?}");
+        }
+        // One window after the other, and another run with the same rest.
+        assert!(notes(&[fit(), run("a.csv", Role::Test, 0.0, Some((80.0, 199.0)))]).is_empty());
+        let whole = |file: &str, shift: f64| run(file, Role::Fit, shift, None);
+        assert!(notes(&[whole("a.csv", 0.0), whole("b.csv", 0.3)]).is_empty());
+    }
+}
