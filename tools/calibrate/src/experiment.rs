@@ -309,7 +309,7 @@ impl Experiment {
                 notes.push(note.clone());
             }
         }
-        notes.extend(shared_rows::notes(&runs));
+        notes.extend(shared_rows::notes(inputs.len(), &runs));
         notes.extend(clock::notes(&inputs, &outputs, &runs));
         Ok(Experiment {
             name: head.name.clone(),

@@ -112,7 +112,7 @@ fn each_refusal_is_one_sentence() {
         (
             "time,push [rpm]\n0,0\n",
             "",
-            "column torque has the unit \"N.m\", and the unit \"rpm\" of the header cannot be converted",
+            "column torque has the unit \"N.m\", and \"rpm\" is not a unit of the same quantity as \"N.m\"",
         ),
     ] {
         let pairs: Vec<(&str, &str)> = set.split_once('=').into_iter().collect();

@@ -23,10 +23,10 @@ variables! {
         G: f64 = Variable::tunable(0, 0.0, Unit::WattPerKelvin, 0.0, 1e3).nominal(0.05),
         /// Exponent of the speed
         n: f64 = Variable::tunable(1, 0.8, Unit::One, 0.3, 1.2).nominal(0.1)
-            .source("turbulent boundary layer, Incropera and DeWitt (1996), ch. 7"),
+            .source("neutral while G is 0: turbulent boundary layer, Incropera and DeWitt (1996), ch. 7"),
         /// Speed at which the conductance is G
         w_ref: f64 = Variable::tunable(2, 100.0, Unit::RadianPerSecond, 1e-3, 1e5).log()
-            .source("reference, chosen"),
+            .source("neutral while G is 0: reference, chosen"),
     }
 }
 

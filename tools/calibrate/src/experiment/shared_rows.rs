@@ -6,9 +6,9 @@ use std::collections::HashSet;
 /// A window ends where the next one begins: the row at this time is in both.
 const AT_THE_BORDER: usize = 1;
 
-/// Each pair of runs with the same rows, in a sentence.
-pub fn notes(runs: &[Run]) -> Vec<String> {
-    let rows: Vec<HashSet<Vec<u64>>> = runs.iter().map(counted).collect();
+/// Each pair of runs with the same rows, in a sentence. The first `inputs` columns are inputs.
+pub fn notes(inputs: usize, runs: &[Run]) -> Vec<String> {
+    let rows: Vec<HashSet<Vec<u64>>> = runs.iter().map(|run| counted(inputs, run)).collect();
     let pairs = (0..runs.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
     let of = |(a, b): (usize, usize)| {
         let shared = rows[a].intersection(&rows[b]).count();
@@ -29,14 +29,14 @@ pub fn notes(runs: &[Run]) -> Vec<String> {
     pairs.filter_map(of).collect()
 }
 
-/// Time and readings of the rows of a run that count, as bits.
-fn counted(run: &Run) -> HashSet<Vec<u64>> {
+/// Time and values of the rows of a run that count, as bits. A row without a reading of an output has nothing to fit or to test.
+fn counted(inputs: usize, run: &Run) -> HashSet<Vec<u64>> {
     let (from, to) = run.window.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let columns = &run.table.columns;
     let rows = run.table.time.iter().enumerate().filter(|(_, t)| (from..=to).contains(*t));
-    rows.map(|(k, t)| {
-        [*t].into_iter().chain(run.table.columns.iter().map(|c| c[k])).map(f64::to_bits).collect()
-    })
-    .collect()
+    rows.filter(|(k, _)| columns[inputs..].iter().any(|output| !output[*k].is_nan()))
+        .map(|(k, t)| [*t].into_iter().chain(columns.iter().map(|c| c[k])).map(f64::to_bits).collect())
+        .collect()
 }
 
 #[cfg(test)]
@@ -61,13 +61,15 @@ mod tests {
             (run("a.csv", Role::Fit, 0.0, Some((70.0, 199.0))), 6),
             (run("copy.csv", Role::Test, 0.0, None), 41),
         ] {
-            let found = notes(&[fit(), other]);
+            let found = notes(0, &[fit(), other]);
             let begin = format!("{shared} rows of a.csv count in another run as well (");
             assert!(found.len() == 1 && found[0].starts_with(&begin), "{found:?}");
         }
         // One window after the other, and another run with the same rest.
-        assert!(notes(&[fit(), run("a.csv", Role::Test, 0.0, Some((80.0, 199.0)))]).is_empty());
+        assert!(notes(0, &[fit(), run("a.csv", Role::Test, 0.0, Some((80.0, 199.0)))]).is_empty());
         let whole = |file: &str, shift: f64| run(file, Role::Fit, shift, None);
-        assert!(notes(&[whole("a.csv", 0.0), whole("b.csv", 0.3)]).is_empty());
+        assert!(notes(0, &[whole("a.csv", 0.0), whole("b.csv", 0.3)]).is_empty());
+        // The one column is an input: no row has a reading.
+        assert!(notes(1, &[fit(), run("a.csv", Role::Test, 0.0, None)]).is_empty());
     }
 }

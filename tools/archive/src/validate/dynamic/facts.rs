@@ -30,6 +30,8 @@ pub(super) struct Variable {
     pub(super) min: Option<f64>,
     pub(super) max: Option<f64>,
     pub(super) nominal: f64,
+    /// Name of its unit.
+    pub(super) unit: Option<String>,
     /// Number of elements, 1 for a scalar.
     pub(super) size: usize,
     pub(super) clocked: bool,
@@ -296,6 +298,7 @@ fn read_variable(model: &Model, v: &model::Variable) -> Variable {
         min: limit("min"),
         max: limit("max"),
         nominal: limit("nominal").filter(|n| *n > 0.0 && n.is_finite()).unwrap_or(1.0),
+        unit: model.attribute(v, "unit").map(str::to_owned),
         size,
         clocked: v.clocked,
         reinit: model.attribute(v, "reinit").and_then(parse_boolean).unwrap_or(false),

@@ -194,6 +194,8 @@ impl System<NODES> for Step<'_> {
                 drive += bridge;
                 supplied = supplied - missed - bridge;
             }
+            // What the energies of the step do not add up to.
+            doubt += (supplied - copper - air_gap - self.magnetic(x1[0]) + self.magnetic(x0[0])).abs();
             (copper, supplied)
         } else {
             let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]) + drop;

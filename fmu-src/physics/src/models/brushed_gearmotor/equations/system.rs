@@ -148,6 +148,9 @@ impl System<NODES> for Step<'_> {
         let electrical = steady + simpson(rippling);
         let doubt_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
         let drive = electrical - terminals - ripple;
+        // What the energies of the step do not add up to.
+        let [before, after] = [segment.x[0], segment.x[2]].map(|x| self.kinetic(x[1]) + self.magnetic(x[0]));
+        let missing = terminals - copper - friction - load - (after - before);
         Work {
             heat: self.heats(copper + ripple, friction),
             losses: [copper + ripple, friction],
@@ -155,7 +158,12 @@ impl System<NODES> for Step<'_> {
             mechanical: load,
             ambient: drive,
             aside: 0.0,
-            doubt: doubt_friction + doubt_terminals + doubt_copper + doubt_supply + doubt_ripple,
+            doubt: doubt_friction
+                + doubt_terminals
+                + doubt_copper
+                + doubt_supply
+                + doubt_ripple
+                + missing.abs(),
         }
     }
 

@@ -6,7 +6,7 @@
 use super::*;
 /// Tolerance relative to the range of a variable; a loose tolerance of the default experiment may excuse more.
 const TOLERATED: f64 = 0.005;
-/// Tolerance relative to the nominal value.
+/// Tolerance relative to the nominal value, and to the largest range in the same unit.
 const SMALLEST: f64 = 1e-6;
 /// Allowed remainder of a difference after subtraction of the error of Euler's method.
 const LIKENESS: f64 = 0.15;
@@ -64,13 +64,24 @@ fn differs<'a>(
     };
     let Ok(coarse) = stepped(1) else { return Ok(None) };
     let rows = reference.len().min(coarse.len());
-    let scale: Vec<f64> = (0..watched.len())
+    let sizes: Vec<(f64, f64)> = (0..watched.len())
         .map(|i| {
             let column = || reference[..rows].iter().map(|r| r[i]);
             let (low, high) =
                 (column().fold(f64::INFINITY, f64::min), column().fold(f64::NEG_INFINITY, f64::max));
-            // A nearly constant variable is compared relative to its magnitude; differences below 1e-6 of the nominal value are ignored.
-            (high - low).max(1e-4 * high.abs().max(low.abs())).max(SMALLEST / TOLERATED * watched[i].nominal)
+            (high - low, high.abs().max(low.abs()))
+        })
+        .collect();
+    let scale: Vec<f64> = watched
+        .iter()
+        .zip(&sizes)
+        .map(|(v, (range, size))| {
+            // Differences below 1e-6 of the nominal value are ignored, and of what varies most in its unit: it may be the balance of others.
+            let alike =
+                watched.iter().zip(&sizes).filter(|(other, _)| v.unit.is_some() && other.unit == v.unit);
+            let least = alike.map(|(_, (range, _))| *range).fold(v.nominal, f64::max);
+            // A nearly constant variable is compared relative to its magnitude.
+            range.max(1e-4 * size).max(SMALLEST / TOLERATED * least)
         })
         .collect();
     let error = |rows_of: &Rows, i: usize| {

@@ -28,8 +28,8 @@ impl Series {
 
     /// The first disagreement (number of its first point, mean derivative of the FMU, mean difference quotient), if nearly
     /// all significant windows disagree. An event spoils some of them; a wrong derivative is always wrong.
-    /// `largest` is the largest difference quotient.
-    fn disagrees(&self, look: &Look, largest: f64, noise: impl Fn(f64) -> f64) -> Option<(usize, f64, f64)> {
+    /// `least` is the smallest derivative that can be compared, `noise` the error that a step may add to a value.
+    fn disagrees(&self, look: &Look, least: f64, noise: impl Fn(f64) -> f64) -> Option<(usize, f64, f64)> {
         let (mut informative, mut example) = (0, None);
         let mut factors: Vec<f64> = Vec::new();
         let steps = WINDOW as f64;
@@ -39,7 +39,8 @@ impl Series {
             let measured = (self.values[k + WINDOW] - self.values[k]) / (look.h * steps);
             // A step may use the derivative at its beginning or at its end.
             let swing = pairs().map(|(a, b)| (b - a).abs()).sum::<f64>() / steps;
-            let room = 0.6 * swing + STIFF * largest + noise(self.values[k]) / (look.h * steps);
+            // Error control is that of single steps: each one adds an error of its own.
+            let room = 0.6 * swing + least + noise(self.values[k]) / look.h;
             let size = given.abs().max(measured.abs());
             // NaN is always an error.
             if size == 0.0 || room > 0.5 * size || jumps(&self.values[k..=k + WINDOW]) {
@@ -105,9 +106,24 @@ fn begin<'a>(subject: &Subject<'a>, look: &Look) -> Result<(Session<'a>, Drive),
     Ok((session, drive))
 }
 
-/// Uncertainty of the values of a variable.
+/// Relative uncertainty of values.
+fn uncertainty(facts: &Facts) -> f64 {
+    2.0 * facts.tolerance.unwrap_or(1e-6).min(1e-4)
+}
+
+/// What a step may add to the error of a value: an integrator answers for its tolerance of the value, and of the nominal value.
 fn noise(facts: &Facts, v: &Variable, value: f64) -> f64 {
-    2.0 * facts.tolerance.unwrap_or(1e-6).min(1e-4) * value.abs().max(1e-3 * v.nominal)
+    uncertainty(facts) * value.abs().max(v.nominal)
+}
+
+/// The largest derivative of each variable's unit. A variable may be the balance of others of its unit, whose errors are its own.
+fn largest_of_unit(variables: &[&Variable], largest: &[f64]) -> Vec<f64> {
+    let of = |v: &Variable| {
+        let alike =
+            variables.iter().zip(largest).filter(|(other, _)| v.unit.is_some() && other.unit == v.unit);
+        alike.map(|(_, l)| *l).fold(0.0, f64::max)
+    };
+    variables.iter().map(|v| of(v)).collect()
 }
 
 /// `derivative=` names the variable whose derivative this is.
@@ -173,9 +189,11 @@ fn follow(
                 largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
             }
         }
+        let of_unit = largest_of_unit(variables, &largest);
         for (i, (v, series)) in variables.iter().zip(series).enumerate() {
             let noise = |x| noise(subject.facts, v, x);
-            if let Some((k, given, measured)) = series.disagrees(&look, largest[i], noise) {
+            let least = STIFF * largest[i] + uncertainty(subject.facts) * of_unit[i];
+            if let Some((k, given, measured)) = series.disagrees(&look, least, noise) {
                 let points = k + usize::from(!from_start);
                 report(i, start + look.h * points as f64, given, measured);
             }
