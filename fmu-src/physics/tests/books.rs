@@ -196,6 +196,35 @@ fn the_residual_is_not_the_rounding_of_heat_above_0_k() {
     }
 }
 
+/// A small motor (Faulhaber 1524 006 SR) under a load that turns it back at 56,000 rpm, its winding warming by 1,000 K/s: the resistance
+/// moves within each millisecond, and the energies are still those of one solution.
+#[test]
+fn the_books_close_while_the_winding_heats_fast() {
+    for (load, voltage) in [(0.05, 24.0), (-0.03, -12.0), (0.0, 48.0)] {
+        let mut m = motor(DriveMode::Voltage, MechanicalMode::FreeShaft);
+        for (name, value) in [
+            ("motor.R_ref", 5.1),
+            ("motor.L", 1.1e-4),
+            ("motor.k_t", 0.006),
+            ("motor.J", 5.8e-8),
+            ("thermal.R_wh", 10.0),
+            ("thermal.C_w", 0.56),
+            ("effect.coulomb_friction.tau_c", 7.8e-5),
+        ] {
+            input_parameter(&mut m, name, value);
+        }
+        (m.inputs.voltage, m.inputs.load_torque) = (voltage, load);
+        m.start(0.0).unwrap();
+        for _ in 0..80 {
+            m.step(m.time(), 1e-3).unwrap();
+        }
+        let turned_over =
+            output(&mut m, "energy_electrical").abs() + output(&mut m, "energy_mechanical").abs();
+        let error = output(&mut m, "energy_balance_error");
+        assert!(error.abs() < 5e-7 * turned_over, "{load} N.m: {error} J of {turned_over} J");
+    }
+}
+
 /// A parameter tuned on the way does not put energy into the books.
 #[test]
 fn tuning_a_parameter_keeps_the_books() {

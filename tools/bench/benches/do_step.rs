@@ -149,8 +149,8 @@ fn steps(criterion: &mut Criterion) {
             for &voltage in &volts {
                 let inputs = Inputs { voltage, ..Inputs::default() };
                 let conductance = motor.parameters.to_ambient(inputs.fan_command);
-                let step =
-                    Step::new(&motor.parameters, &constants, &inputs, &Inputs::zero(), conductance, 0.0);
+                let slopes = Inputs::zero();
+                let step = Step::new(&motor.parameters, &constants, &inputs, &slopes, conductance, 0.0);
                 y = integrate(|t, y| step.rates(t, y), &y, &[1e-3], tolerance).expect("a smooth step")[0];
             }
             black_box(y)

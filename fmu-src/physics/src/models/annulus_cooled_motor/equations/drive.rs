@@ -8,6 +8,7 @@
 //! The gearmotor's bridge has the same equation (`components/chopper.rs`). With brake, or at any other duty, u is duty
 //! times V_s.
 
+use super::Step;
 use crate::components::chopper::ZeroDuty;
 use crate::effects::{Effects, Port};
 use crate::line::Line;
@@ -79,5 +80,66 @@ impl Chopper {
     /// Whether an effect acts at the drive.
     fn loses(model: &Parameters) -> bool {
         model.effects.acts_at(Port::Bridge) || model.effects.acts_at(Port::Ripple)
+    }
+}
+
+/// The drive in drive_mode pwm.
+impl Step<'_> {
+    /// Whether the drive loses something.
+    #[inline]
+    pub(super) fn loses(&self) -> bool {
+        self.chopper.loses
+    }
+
+    /// Volts lost as heat in the bridge at the current `i`.
+    #[inline]
+    pub(super) fn bridge(&self, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.bridge_voltage(i) } else { 0.0 }
+    }
+
+    /// Voltage of the source `t` seconds after the start of the step, V; `e` is the back-EMF, which open switches follow.
+    #[inline(always)]
+    pub(super) fn source(&self, t: f64, e: f64) -> f64 {
+        if self.chopper.coasts {
+            self.chopper.open_voltage(t, e).0
+        } else {
+            self.voltage.at(t) + self.voltage_bend * (t * t)
+        }
+    }
+
+    /// The supply whose dead time is lost, V: none where no switch is on.
+    #[inline]
+    pub(super) fn chopped(&self, t: f64) -> f64 {
+        if self.chopper.coasts { 0.0 } else { self.chopper.supply(t) }
+    }
+
+    /// Volts that the supply gives less than duty times its voltage at the current `i`.
+    #[inline]
+    pub(super) fn missed(&self, t: f64, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.missed_voltage(i, self.chopped(t)) } else { 0.0 }
+    }
+
+    /// Slope of bridge and missed volts with the current, Ohm.
+    #[inline]
+    pub(super) fn drive_slope(&self, t: f64, i: f64) -> f64 {
+        if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopped(t)) } else { 0.0 }
+    }
+
+    /// Mean square of the current's ripple, A2.
+    #[inline]
+    pub(super) fn ripple_square(&self, t: f64) -> f64 {
+        self.chopper.ripple_square(t, &self.model.effects, self.model.motor.L)
+    }
+
+    /// Copper loss of the ripple with the winding at `t_w`, W.
+    #[inline(always)]
+    pub(super) fn ripple_loss(&self, t: f64, t_w: f64) -> f64 {
+        if self.chopper.loses { self.resistance(t_w) * self.ripple_square(t) } else { 0.0 }
+    }
+
+    /// The same equations with the switches as the last event has left them: open, or not.
+    pub fn with_open_switches(mut self, open: bool) -> Self {
+        self.chopper.coasts &= open;
+        self
     }
 }
