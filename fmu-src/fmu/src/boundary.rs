@@ -161,7 +161,7 @@ fn made(
     let log = Log::new(instantiation.sink, name, instantiation.logging_on);
     let kind = (instantiation.standard, instantiation.interface);
     let mut instance = Instance::new(token, resources.as_deref(), kind, instantiation.part, log)?;
-    instance.tell("instantiated");
+    instance.log_transition("instantiated");
     Ok(Box::new(instance))
 }
 

@@ -107,7 +107,7 @@ impl Instance {
             return Err(Refused::error(format!("{name} does not accept {}.", data.join(" and "))));
         };
         if interface == Interface::ModelExchange {
-            model.hand_over();
+            model.enter_model_exchange();
         }
         let declaration = (kind.declaration)();
         part.check(declaration)?;
@@ -291,13 +291,13 @@ impl Instance {
         self.model = crate::new_model(self.kind, &self.resources)
             .ok_or_else(|| Refused::error("the model no longer accepts its resources."))?;
         if self.interface == Interface::ModelExchange {
-            self.model.hand_over();
+            self.model.enter_model_exchange();
         }
         self.count();
         self.window = (0.0, f64::INFINITY);
         self.tolerance = 1.0;
         self.unsettled = true;
-        self.tell("reset");
+        self.log_transition("reset");
         self.go(Mode::Instantiated);
         self.ended = None;
         self.saturation.reset();
@@ -356,7 +356,7 @@ impl Instance {
     /// Whether the run is over: after a step of Co-Simulation, or with the states that an importer has put.
     pub fn is_over(&mut self) -> bool {
         if self.interface == Interface::ModelExchange {
-            let sentence = self.model.ending();
+            let sentence = self.model.termination_reason();
             if let (Some(sentence), None) = (&sentence, &self.ended) {
                 self.log.note(Category::Warning, || sentence.clone());
             }

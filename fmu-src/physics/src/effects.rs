@@ -116,10 +116,10 @@ macro_rules! effects {
                 false $(| self.$id.take_terms(terms))*
             }
 
-            /// Tells all effects where the motor stands ([`Effect::tell`]).
+            /// Gives all effects their drivers ([`Effect::set_drivers`]).
             #[inline]
-            pub fn tell(&mut self, drivers: &Drivers) -> bool {
-                false $(| self.$id.tell(drivers))*
+            pub fn set_drivers(&mut self, drivers: &Drivers) -> bool {
+                false $(| self.$id.set_drivers(drivers))*
             }
 
             /// Whether any effect holds this driver over a step ([`Effect::holds`]).
@@ -197,11 +197,11 @@ effects! {
     load_dependent_friction: LoadDependentFriction @ "effect.load_dependent_friction." 1040 at LoadDrag;
     /// Voltage lost in brushes or semiconductors.
     contact_drop: ContactDrop @ "effect.contact_drop." 1050 at TerminalVoltage;
-    /// Radiation from the housing to the room.
+    /// Radiation from the housing to ambient.
     housing_radiation: HousingRadiation @ "effect.housing_radiation." 1060 at HousingToAmbient;
     /// A resistance between winding and housing that depends on temperature.
     interface_temperature: InterfaceTemperature @ "effect.interface_temperature." 1070 at WindingHousingResistance;
-    /// A draught on the housing, or air through the winding.
+    /// Air flow over the housing or through the winding.
     forced_convection: ForcedConvection @ "effect.forced_convection." 1080 at AmbientConductance;
     /// A fan that works against a pressure.
     fan_back_pressure: FanBackPressure @ "effect.fan_back_pressure." 1090 at FanFlow;

@@ -27,7 +27,7 @@ pub struct Update {
 /// States are those of the declaration, in its order; slices may be shorter than all of them and hold the first ones.
 pub trait Exchange {
     /// Leaves the integration to the caller, from here on and for good; the present time counts as an event.
-    fn hand_over(&mut self);
+    fn enter_model_exchange(&mut self);
     /// Writes the states.
     fn read_states(&self, out: &mut [f64]);
     /// Takes the states.
@@ -36,7 +36,7 @@ pub trait Exchange {
     fn write_time(&mut self, time: f64);
     /// Writes the derivatives of the states with respect to time, per second.
     fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault>;
-    /// Books what has happened since the last accepted step of the caller's.
+    /// Adds the energies since the last accepted step of the importer to the energy balance.
     fn accept_step(&mut self);
     /// Lets what is held between events follow the present time, states and inputs.
     fn update(&mut self) -> Update;
@@ -45,7 +45,7 @@ pub trait Exchange {
         f64::INFINITY
     }
     /// Why the run ends here, where the present states have reached a limit of validity: one sentence.
-    fn ending(&mut self) -> Option<String> {
+    fn termination_reason(&mut self) -> Option<String> {
         None
     }
 }

@@ -22,7 +22,7 @@ pub struct Now<'a, I, const N: usize, const M: usize> {
     /// States, in the order of the declaration.
     pub states: &'a [f64; N],
     /// What the start has fixed.
-    pub opening: &'a [f64; M],
+    pub initial: &'a [f64; M],
 }
 
 /// What the law is asked about along a step: inputs on their lines.
@@ -35,7 +35,7 @@ pub struct Line<'a, I, const M: usize> {
     /// Their slopes, per second; `None` where all of them are held.
     pub slopes: Option<&'a I>,
     /// What the start has fixed.
-    pub opening: &'a [f64; M],
+    pub initial: &'a [f64; M],
 }
 
 impl<I: Table, const M: usize> Line<'_, I, M> {
@@ -66,7 +66,7 @@ pub trait Law<const N: usize, const M: usize>:
 
     /// The declaration of the model.
     fn declaration() -> &'static Declaration;
-    /// States and opening at the start; checks the parameters together.
+    /// States and reference values at the start; checks the parameters together.
     ///
     /// # Errors
     /// Parameters that do not go together.
@@ -104,14 +104,14 @@ pub trait Law<const N: usize, const M: usize>:
         h: f64,
     ) -> Tried<Self::Point, N> {
         let point = |t: f64, states: &[f64; N]| {
-            let (inputs, opening) = (&line.inputs(t), line.opening);
-            self.point(&Now { time: line.time + t, inputs, states, opening })
+            let (inputs, initial) = (&line.inputs(t), line.initial);
+            self.point(&Now { time: line.time + t, inputs, states, initial })
         };
         dormand_prince(point, Self::rates, t, x, first, h, &sizes(Self::LIST))
     }
-    /// The opening after the parameters have changed under way from those of `before`.
+    /// The reference values after the parameters have changed under way from those of `before`.
     fn retuned(&self, _before: &Self, now: &Now<'_, Self::Inputs, N, M>) -> [f64; M] {
-        *now.opening
+        *now.initial
     }
     /// Takes a load table; false where the law has no use for one.
     fn set_load(&mut self, _table: &LoadTable) -> bool {
@@ -133,7 +133,7 @@ pub fn sizes<const N: usize>(list: &[State]) -> [f64; N] {
 #[derive(Clone, Copy, Debug)]
 pub struct Explicit<L, const N: usize, const M: usize> {
     states: [f64; N],
-    opening: [f64; M],
+    initial: [f64; M],
     /// Factor on the tolerance of the integrator, and steps that it has rejected.
     tolerance: f64,
     rejected: u64,
@@ -143,12 +143,12 @@ pub struct Explicit<L, const N: usize, const M: usize> {
 impl<L, const N: usize, const M: usize> Saved for Explicit<L, N, M> {
     fn save(&self, out: &mut Vec<f64>) {
         self.states.save(out);
-        self.opening.save(out);
+        self.initial.save(out);
     }
 
     fn load(&mut self, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
         self.states.load(next)?;
-        self.opening.load(next)
+        self.initial.load(next)
     }
 }
 
@@ -159,8 +159,8 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Model<L, N, M> {
     /// The present instant.
     #[inline]
     fn now(&self) -> Now<'_, L::Inputs, N, M> {
-        let Explicit { states, opening, .. } = &self.own;
-        Now { time: self.time, inputs: &self.inputs, states, opening }
+        let Explicit { states, initial, .. } = &self.own;
+        Now { time: self.time, inputs: &self.inputs, states, initial }
     }
 }
 
@@ -179,11 +179,11 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Equations<N> for Explicit<L, 
     }
 
     fn new(_: &L) -> Self {
-        Explicit { states: [0.0; N], opening: [0.0; M], tolerance: 1.0, rejected: 0, law: PhantomData }
+        Explicit { states: [0.0; N], initial: [0.0; M], tolerance: 1.0, rejected: 0, law: PhantomData }
     }
 
     fn start(run: &mut Model<L, N, M>) -> Result<(), Fault> {
-        (run.own.states, run.own.opening) = run.parameters.start(run.time, &run.inputs)?;
+        (run.own.states, run.own.initial) = run.parameters.start(run.time, &run.inputs)?;
         Ok(())
     }
 
@@ -191,17 +191,17 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Equations<N> for Explicit<L, 
     fn advance(run: &mut Model<L, N, M>, time: f64, h: f64) -> Result<(), Halt> {
         let law = &run.parameters;
         let slopes = run.is_sloping().then_some(&run.slopes);
-        let line = Line { time, inputs: &run.inputs, slopes, opening: &run.own.opening };
+        let line = Line { time, inputs: &run.inputs, slopes, initial: &run.own.initial };
         let mut states = run.own.states;
         // What was found for the outputs is the beginning of the step, unless the caller counts time in another way.
         let first = run.known_point().filter(|_| time == run.time);
         let one = |t: f64, x: &[f64; N], first: Option<&L::Point>, h: f64| law.one(&line, t, x, first, h);
         let followed = advance(one, &mut states, first, h, run.own.tolerance);
-        run.own.rejected += followed.map_err(|stuck| {
+        run.own.rejected += followed.map_err(|step_failure| {
             Fault(format!(
                 "The equations of {} cannot be followed over a step of {h} s: it ends {} s after {time} s.",
                 L::declaration().name,
-                stuck.t
+                step_failure.t
             ))
         })?;
         run.own.states = states;
@@ -229,7 +229,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Equations<N> for Explicit<L, 
     fn set_parameter(run: &mut Model<L, N, M>, set: impl FnOnce(&mut L) -> bool) -> bool {
         let before = run.parameters.clone();
         let taken = set(&mut run.parameters);
-        run.own.opening = run.parameters.retuned(&before, &run.now());
+        run.own.initial = run.parameters.retuned(&before, &run.now());
         taken
     }
 

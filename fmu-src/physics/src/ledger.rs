@@ -1,4 +1,4 @@
-//! The books: every watt is entered once, with both ends.
+//! Power balance: each power flow is entered once, with its source and its sink.
 //!
 //! A flow leaves one account and reaches another, so what the accounts lose and gain always sums to zero. The
 //! accounts of a motor are bounded by what can be measured outside ([`Account::Terminals`],
@@ -12,7 +12,7 @@ pub enum Account {
     Terminals,
     /// The load on the shaft.
     Shaft,
-    /// The surroundings.
+    /// Ambient.
     Ambient,
     /// Magnetic energy of the current, L I^2 / 2.
     Magnetic,

@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn slopes_by_hand() {
         let mut motor = AnnulusCooledMotor::default();
-        motor.hand_over();
+        motor.enter_model_exchange();
         motor.start(0.0).unwrap();
         let motor_parameters = motor.parameters.motor;
         let mut scratch = motor.clone();
@@ -302,7 +302,7 @@ mod tests {
         ] {
             motor.set(slot(&motor, name), value);
         }
-        motor.hand_over();
+        motor.enter_model_exchange();
         motor.start(0.0).unwrap();
         let unknowns = [unknown(&motor, "der(state.shaft_speed)")];
         let mut scratch = motor.clone();
@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn what_has_no_slope_is_told() {
         let mut motor = AnnulusCooledMotor::default();
-        motor.hand_over();
+        motor.enter_model_exchange();
         motor.start(0.0).unwrap();
         let mut scratch = motor.clone();
         let unknowns = [unknown(&motor, "der(state.core_temperature)")];

@@ -1,4 +1,4 @@
-//! The gearmotor: the split against diffsol, the books, the paper's numbers, limits with a known answer.
+//! The gearmotor: the split against diffsol, the energy balance, the paper's numbers, limits with a known answer.
 
 use declare::Group;
 use physics::components::chopper::{Decay, ZeroDuty};
@@ -193,7 +193,7 @@ fn a_drive_cycle_against_the_reference() {
     }
 }
 
-/// The books at every instant and over a run, in both decays, with and without effects, over every kind of step.
+/// The energy balance at every instant and over a run, in both decays, with and without effects, over every kind of step.
 #[test]
 fn the_books_close() {
     for decay in [Decay::Slow, Decay::Fast] {
@@ -234,7 +234,7 @@ fn the_books_close() {
     }
 }
 
-/// The paper's quarter of an hour, by an onlooker: works as the sums of the powers, and all ends of the books.
+/// The paper's quarter of an hour, with energies as sums of the powers, and every power flow of the energy balance.
 #[test]
 fn the_works_are_the_integrals_of_the_powers() {
     for duty in [0.3, 1.0] {
@@ -471,7 +471,7 @@ fn the_matrices_are_the_derivatives() {
     }
 }
 
-/// A parameter tuned on the way puts no energy into the books.
+/// A parameter tuned on the way puts no energy into the energy balance.
 #[test]
 fn tuning_a_parameter_keeps_the_books() {
     let mut m = started(0.8);

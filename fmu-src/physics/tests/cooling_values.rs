@@ -1,4 +1,4 @@
-//! The five modes of cooling against values computed here from the books, with no function of the product but the one
+//! The five modes of cooling against values computed here from the energy balance, with no function of the product but the one
 //! under test: air from a table, correlations and pressure losses written out once more, the operating point by bisection.
 //!
 //! *Sources*: Incropera et al., 7th ed. (table A.4; eqs. 9.34, 7.54, 9.64, 13.20), Gnielinski, VDI Heat Atlas, 2nd ed.,
@@ -110,7 +110,7 @@ fn conductance() {
     });
     for (command, want) in [(0.0, 0.135), (0.5, 0.135 + 0.113 * 0.574_35), (1.0, 0.248)] {
         let c = Cooling::new(&m.parameters, N).coefficients(&m.parameters, &conditions(command));
-        near(c.direct[..N].iter().sum(), want, 1e-4, "conductance");
+        near(c.ambient_conductance[..N].iter().sum(), want, 1e-4, "conductance");
     }
 }
 
@@ -123,10 +123,10 @@ fn bare() {
         (m.parameters.housing.diameter, m.parameters.housing.length, m.parameters.housing.emissivity);
     let shell = PI * d * l * (lying_cylinder(d) + radiation(eps));
     let ends = 2.0 * PI / 4.0 * d * d * (end_disc(d) + radiation(eps));
-    near(c.direct[..N].iter().sum(), shell + ends, 0.01, "conductance of the bare motor");
-    near(c.direct[N / 2], shell / N as f64, 0.01, "conductance of a segment of the shell");
+    near(c.ambient_conductance[..N].iter().sum(), shell + ends, 0.01, "conductance of the bare motor");
+    near(c.ambient_conductance[N / 2], shell / N as f64, 0.01, "conductance of a segment of the shell");
     // By hand: Ra_D = 8.6e4, Nu_D = 7.5, h = 7.0 + 1.6 W/(m2.K) on 60 cm2, and 10.2 on the two ends of 7 cm2.
-    near(c.direct[..N].iter().sum(), 0.0663, 0.04, "conductance of the bare motor by hand");
+    near(c.ambient_conductance[..N].iter().sum(), 0.0663, 0.04, "conductance of the bare motor by hand");
 }
 
 /// A jet across the motor: exit speed by continuity, decay with constant momentum, Churchill and Bernstein's law,
@@ -158,7 +158,7 @@ fn fan_crossflow() {
             PI * d * l * (covered * blown + (1.0 - covered) * still + radiation(p.housing.emissivity));
         let ends = PI / 2.0 * d * d * (end_disc(d) + radiation(p.housing.emissivity));
         near(c.flow, p.fan.flow_max * command, 1e-9, "flow");
-        near(c.direct[..N].iter().sum(), shell + ends, 0.012, "conductance in the jet");
+        near(c.ambient_conductance[..N].iter().sum(), shell + ends, 0.012, "conductance in the jet");
         assert!((3e3..2e4).contains(&re), "Re = {re}");
     }
 }
@@ -318,20 +318,20 @@ fn annulus_push_and_pull() {
             println!("{what}: Re {re:.0}, {:.3} L/s, {:.1} W/(m2.K)", 1e3 * q, film);
             near(c.flow, q, 0.015, &format!("{what}: flow"));
             near(c.pressure_drop, fan(q), 0.03, &format!("{what}: pressure"));
-            let own: f64 = (0..N).map(|k| c.films[k] * c.share[k]).sum();
-            let both: f64 = c.films[..N].iter().sum();
+            let own: f64 = (0..N).map(|k| c.film_conductance[k] * c.share[k]).sum();
+            let both: f64 = c.film_conductance[..N].iter().sum();
             near(own, film * inner, 0.02, &format!("{what}: film on the motor"));
             near(both, film * (inner + wall), 0.02, &format!("{what}: films on both walls"));
             near(
-                c.stream,
+                c.m_flow_cp,
                 fresh.rho * q * air(mean).c_p,
                 0.02,
                 &format!("{what}: heat capacity of the flow"),
             );
-            let passed = (0..N).fold(1.0, |left, k| left * (1.0 - c.take[k]));
-            near(passed.ln(), -both / c.stream, 1e-9, &format!("{what}: what the air has not taken"));
+            let passed = (0..N).fold(1.0, |left, k| left * (1.0 - c.effectiveness[k]));
+            near(passed.ln(), -both / c.m_flow_cp, 1e-9, &format!("{what}: what the air has not taken"));
             // The first segment lies in the entrance, where the film is best.
-            assert!(c.films[0] > 1.2 * c.films[N - 1], "{what}: entrance");
+            assert!(c.film_conductance[0] > 1.2 * c.film_conductance[N - 1], "{what}: entrance");
             // The power of a pushing fan (affinity laws) warms the air before the gap.
             let power =
                 if gap.push { p.fan.power * command.powi(3) * fresh.rho / p.fan.density_ref } else { 0.0 };
@@ -343,7 +343,7 @@ fn annulus_push_and_pull() {
                 + inner / wall * (1.0 - p.annulus.emissivity) / p.annulus.emissivity;
             near(c.to_tube * N as f64, inner * black / resistance, 1e-3, &format!("{what}: radiation"));
             let outside = natural_on_cylinder(outer, TUBE) + radiation_from(p.annulus.emissivity, TUBE);
-            near(c.tube_to_room, outside * wall, 0.01, &format!("{what}: tube to room"));
+            near(c.tube_to_ambient, outside * wall, 0.01, &format!("{what}: tube to room"));
             // The two ends see the room.
             let ends = PI / 2.0
                 * p.housing.diameter.powi(2)
@@ -354,7 +354,7 @@ fn annulus_push_and_pull() {
                 * p.housing.length
                 * open
                 * (lying_cylinder(p.housing.diameter) + radiation(p.housing.emissivity));
-            near(c.direct[..N].iter().sum(), ends + shell, 0.015, &format!("{what}: ends"));
+            near(c.ambient_conductance[..N].iter().sum(), ends + shell, 0.015, &format!("{what}: ends"));
         }
     }
     assert_eq!(regimes, [true; 3], "laminar, transitional and turbulent flow");

@@ -436,7 +436,7 @@ fn terms_act_on_the_heat() {
     close(rise(&mut m, "housing_temperature"), 10.0 / g, 1e-6);
 }
 
-/// Twice the capacity warms half as fast; as the gain goes up and down the books close, and rollback is exact.
+/// Twice the capacity warms half as fast; as the gain goes up and down the energy balance close, and rollback is exact.
 #[test]
 fn a_capacity_may_change_on_the_way() {
     let mut m = heating();
@@ -464,7 +464,7 @@ fn a_capacity_may_change_on_the_way() {
     }
 }
 
-/// With a network beyond the two nodes, too: terms act, the books close, and the sensor follows the housing.
+/// With a network beyond the two nodes, too: terms act, the energy balance close, and the sensor follows the housing.
 #[test]
 fn terms_and_sensors_in_a_network() {
     let make = |port: Port| {

@@ -36,8 +36,8 @@ fn given(c: &Coefficients, surface: f64, tube: f64) -> (f64, f64) {
     let (mut air, mut heat) = (c.inlet(AMBIENT), 0.0);
     for k in 0..N {
         let wall = tube + c.share[k] * (surface - tube);
-        let taken = c.take[k] * (wall - air);
-        heat += c.share[k] * (c.films[k] * (surface - wall) + c.stream * taken);
+        let taken = c.effectiveness[k] * (wall - air);
+        heat += c.share[k] * (c.film_conductance[k] * (surface - wall) + c.m_flow_cp * taken);
         air += taken;
     }
     (heat, AMBIENT + c.behind * (air - AMBIENT))
@@ -90,12 +90,12 @@ fn an_upright_gap_at_rest_is_a_channel_open_at_both_ends() {
             let (mut air, mut to_tube) = (AMBIENT, 0.0);
             for k in 0..N {
                 let wall = tube + c.share[k] * (surface - tube);
-                let taken = c.take[k] * (wall - air);
-                to_tube -= (1.0 - c.share[k]) * (c.films[k] * (tube - wall) + c.stream * taken);
+                let taken = c.effectiveness[k] * (wall - air);
+                to_tube -= (1.0 - c.share[k]) * (c.film_conductance[k] * (tube - wall) + c.m_flow_cp * taken);
                 air += taken;
             }
             heat = from_motor;
-            let films: f64 = c.films[..N].iter().sum();
+            let films: f64 = c.film_conductance[..N].iter().sum();
             tube += 0.5 * to_tube / (0.25 * films + 1e-9);
         }
         let film = physics::media::air::Air::at(0.5 * (surface + AMBIENT), 101_325.0);
@@ -118,7 +118,7 @@ fn a_horizontal_gap_at_rest_conducts_and_circulates() {
         m.parameters.annulus.outer_diameter = outer;
         let (surface, tube) = (400.0, 330.0);
         let c = coefficients(&m, surface, tube, 0.0);
-        assert_eq!((c.stream, c.flow, c.pressure_drop), (0.0, 0.0, 0.0));
+        assert_eq!((c.m_flow_cp, c.flow, c.pressure_drop), (0.0, 0.0, 0.0));
         let (heat, outlet) = given(&c, surface, tube);
         assert_eq!(outlet, AMBIENT, "no flow leaves the gap");
         let k = physics::media::air::conductivity(0.5 * (surface + tube));

@@ -160,7 +160,7 @@ fn a_run_goes_on_from_the_states_of_another() {
 fn an_integration_by_an_importer_goes_on_as_well() {
     const H: f64 = 2e-5;
     for (mut first, pairs, what) in cases() {
-        first.hand_over();
+        first.enter_model_exchange();
         let fresh = first.boxed_clone();
         first.start(0.0).unwrap();
         let count = first.declaration().states.len();

@@ -6,10 +6,10 @@ mod walker;
 
 mod accuracy;
 mod actuator_and_gait;
-mod books;
 mod brushed_gearmotor;
 mod cooling_values;
 mod effects;
+mod energy_balance;
 mod fan_at_rest;
 mod gear_node;
 mod hot_spot;

@@ -8,7 +8,7 @@ use physics::model::{Model, Slot};
 use physics::models::annulus_cooled_motor::cooling::{Conditions, Cooling};
 use physics::models::annulus_cooled_motor::network::{Body, Network};
 use physics::models::annulus_cooled_motor::{
-    AnnulusCooledMotor, Books, CoolingMode, DriveMode, Inputs, MechanicalMode, Outputs,
+    AnnulusCooledMotor, CoolingMode, DriveMode, EnergyBalance, Inputs, MechanicalMode, Outputs,
 };
 
 /// The modes with a network.
@@ -30,7 +30,7 @@ fn stalled(mode: CoolingMode) -> AnnulusCooledMotor {
 /// What the model shows: of its state, and of its flows of power.
 struct Shown {
     state: Outputs,
-    books: Books,
+    balance: EnergyBalance,
 }
 
 impl std::ops::Deref for Shown {
@@ -41,12 +41,12 @@ impl std::ops::Deref for Shown {
 }
 
 fn outputs(m: &mut AnnulusCooledMotor) -> Shown {
-    let mut shown = Shown { state: Outputs::default(), books: Books::default() };
+    let mut shown = Shown { state: Outputs::default(), balance: EnergyBalance::default() };
     for row in 0..Outputs::TABLE.len() {
         shown.state.set(row, m.get(Slot { group: 1, row: row as u16 }));
     }
-    for row in 0..Books::TABLE.len() {
-        shown.books.set(row, m.get(Slot { group: 2, row: row as u16 }));
+    for row in 0..EnergyBalance::TABLE.len() {
+        shown.balance.set(row, m.get(Slot { group: 2, row: row as u16 }));
     }
     shown
 }
@@ -96,9 +96,9 @@ fn the_books_close_in_every_mode() {
                     drive(&mut m, "load_torque", 0.02 * (6.0 * t).sin(), 0.12 * (6.0 * t).cos());
                     m.step(t, h).unwrap();
                     let o = outputs(&mut m);
-                    worst = worst.max(o.books.power_balance_error.abs());
-                    through = through.max(o.books.energy_electrical.abs());
-                    let off = o.books.energy_balance_error.abs();
+                    worst = worst.max(o.balance.power_balance_error.abs());
+                    through = through.max(o.balance.energy_electrical.abs());
+                    let off = o.balance.energy_balance_error.abs();
                     assert!(
                         off <= 1e-6 * through.max(1.0),
                         "{mode:?} {drive_mode:?} {mechanical:?}: {off} J"
@@ -137,22 +137,23 @@ impl Reference {
         flow(0, Some(1), (y[0] - y[1]) / p.thermal.R_wh);
         flow(0, Some(2), body.winding_to_rotor * (y[0] - y[2]));
         flow(0, None, body.leads * (y[0] - ambient));
-        flow(3, None, c.tube_to_room * (y[3] - ambient));
+        flow(3, None, c.tube_to_ambient * (y[3] - ambient));
         let mut air = c.coolant_inlet.unwrap_or(ambient + c.inlet_rise);
         for k in 0..n {
             let t = segments[k];
             flow(1, Some(4 + k), body.from_stator * (y[1] - t));
             flow(2, Some(4 + k), body.from_rotor * (y[2] - t));
-            flow(4 + k, None, c.direct[k] * (t - ambient));
+            flow(4 + k, None, c.ambient_conductance[k] * (t - ambient));
             flow(4 + k, Some(3), c.to_tube * (t - y[3]));
             if k + 1 < n {
                 flow(4 + k, Some(5 + k), body.axial * (t - segments[k + 1]));
             }
-            if c.stream > 0.0 {
+            if c.m_flow_cp > 0.0 {
                 // Mean air along the segment: NTU relation of two walls.
-                let (own, other) = (c.share[k] * c.films[k], (1.0 - c.share[k]) * c.films[k]);
+                let (own, other) =
+                    (c.share[k] * c.film_conductance[k], (1.0 - c.share[k]) * c.film_conductance[k]);
                 let wall = (own * t + other * y[3]) / (own + other);
-                let ntu = (own + other) / c.stream;
+                let ntu = (own + other) / c.m_flow_cp;
                 let out = wall + (air - wall) * (-ntu).exp();
                 let mean = wall + (air - wall) * (1.0 - (-ntu).exp()) / ntu;
                 flow(4 + k, None, own * (t - mean));
@@ -279,7 +280,7 @@ fn eight_segments_are_enough() {
             let mut m = stalled(mode);
             m.parameters.choices.air_segments = segments;
             let o = run(&mut m, 15_000.0, 500.0);
-            (o.winding_temperature, o.books.air_outlet_temperature)
+            (o.winding_temperature, o.balance.air_outlet_temperature)
         };
         let (fine, eight, one) = (settled(64), settled(8), settled(1));
         assert!((eight.0 - fine.0).abs() <= 0.2, "{mode:?}: {eight:?} {fine:?}");
@@ -366,8 +367,8 @@ fn directions_are_those_of_nature() {
         run(&mut m, 100.0, 1.0)
     };
     let pushed = inlet(CoolingMode::AnnulusPush);
-    assert!(pushed.books.air_outlet_temperature > 298.1 && pushed.winding_temperature > 297.91);
-    assert_eq!(inlet(CoolingMode::AnnulusPull).books.air_outlet_temperature, 297.9);
+    assert!(pushed.balance.air_outlet_temperature > 298.1 && pushed.winding_temperature > 297.91);
+    assert_eq!(inlet(CoolingMode::AnnulusPull).balance.air_outlet_temperature, 297.9);
 }
 
 /// The thesis's curve jumps twice where its flow turns turbulent and laminar again. Here neither flow, nor pressure,
@@ -385,7 +386,7 @@ fn nothing_jumps_over_the_width_of_the_annulus() {
             let c = Cooling::new(&m.parameters, 8).coefficients(&m.parameters, &at);
             let re = 1.2 * c.flow * 4.0 / (std::f64::consts::PI * 1.85e-5 * (d + 0.030));
             regimes[usize::from(re > 2300.0) + usize::from(re > 4000.0)] = true;
-            [(0..8).map(|k| c.films[k] * c.share[k]).sum(), c.flow, c.pressure_drop + 0.1]
+            [(0..8).map(|k| c.film_conductance[k] * c.share[k]).sum(), c.flow, c.pressure_drop + 0.1]
         };
         let points: Vec<[f64; 3]> = (0..60_000).map(&mut curve).collect();
         for three in points.windows(3) {
@@ -432,13 +433,13 @@ fn a_chopped_supply_loses_what_its_effects_say() {
     let i = o.current;
     assert!((o.terminal_voltage - (6.0 - 1.5 - 0.1 * i - 0.48)).abs() < 1e-9);
     assert!((o.current * o.winding_resistance - o.terminal_voltage).abs() < 1e-3);
-    assert!((o.books.loss_drive - (1.5 + 0.1 * i) * i).abs() < 1e-9);
+    assert!((o.balance.loss_drive - (1.5 + 0.1 * i) * i).abs() < 1e-9);
     let ripple: f64 = 24.0 * 0.25 * 0.75 / (65.3e-6 * 5e4);
     let copper = o.winding_resistance * (i * i + ripple * ripple / 12.0);
-    assert!((o.books.loss_copper - copper).abs() < 1e-9);
+    assert!((o.balance.loss_copper - copper).abs() < 1e-9);
     assert!(
-        o.books.power_balance_error.abs() < 1e-6
-            && o.books.energy_balance_error.abs() < 1e-6 * o.books.energy_electrical
+        o.balance.power_balance_error.abs() < 1e-6
+            && o.balance.energy_balance_error.abs() < 1e-6 * o.balance.energy_electrical
     );
 }
 

@@ -84,7 +84,7 @@ fn by_quadrature(m: &SeriesElasticActuator, opening: &[f64; 2], lines: &[(Slot, 
     for (slot, slope) in lines {
         slopes.set(slot.row.into(), *slope);
     }
-    let line = Line { time: m.time(), inputs: &m.inputs, slopes: Some(&slopes), opening };
+    let line = Line { time: m.time(), inputs: &m.inputs, slopes: Some(&slopes), initial: opening };
     let mut states = Vec::new();
     m.states(&mut states);
     let states: [f64; 8] = std::array::from_fn(|k| states[k]);

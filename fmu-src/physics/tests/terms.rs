@@ -112,7 +112,7 @@ fn lags_are_of_second_order_exchanged_and_saved() {
     assert!(errors.windows(2).all(|e| (e[0] / e[1]).log2() > 1.7), "{errors:?}");
 
     let mut exchanged = begun();
-    exchanged.hand_over();
+    exchanged.enter_model_exchange();
     let count = exchanged.declaration().states.len();
     let (mut x, mut rates) = (vec![0.0; count], vec![0.0; count]);
     exchanged.read_states(&mut x);

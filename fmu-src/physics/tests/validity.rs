@@ -123,7 +123,7 @@ fn the_gearmotor_ends_too() {
 fn an_importer_locates_the_end() {
     for name in ["AnnulusCooledMotor", "BrushedGearmotor"] {
         let mut m = (models::by_name(name).unwrap().new)();
-        m.hand_over();
+        m.enter_model_exchange();
         m.start(0.0).unwrap();
         let names: Vec<String> =
             m.declaration().states.iter().map(|[k, _]| m.declaration().entries[*k].name.clone()).collect();
@@ -136,7 +136,7 @@ fn an_importer_locates_the_end() {
             m.accept_step();
             let indicator = get(m.as_mut(), "event.validity_limit");
             assert!((indicator - (t - 543.15)).abs() < 1e-9, "{name} at {t} K: {indicator}");
-            assert_eq!(m.ending().is_some(), over, "{name} at {t} K");
+            assert_eq!(m.termination_reason().is_some(), over, "{name} at {t} K");
         }
     }
 }

@@ -37,11 +37,11 @@ fn the_outlet_follows_the_effectiveness() {
         let mut m = settled(flow, 1);
         let housing = get(&mut m, "housing_temperature");
         let water = m.parameters.jacket.coolant(flow, INLET, housing);
-        let effectiveness = 1.0 - (-water.conductance / water.stream).exp();
+        let effectiveness = 1.0 - (-water.conductance / water.m_flow_cp).exp();
         let outlet = INLET + effectiveness * (housing - INLET);
         assert!((get(&mut m, "coolant_outlet_temperature") - outlet).abs() < 1e-3, "{flow}");
         let heat = get(&mut m, "heat_to_coolant");
-        assert!((heat - water.stream * (outlet - INLET)).abs() < 1e-3 * heat, "{flow}");
+        assert!((heat - water.m_flow_cp * (outlet - INLET)).abs() < 1e-3 * heat, "{flow}");
         assert!(heat > 50.0 && heat <= get(&mut m, "heat_to_ambient") + 1.0, "{flow}: {heat} W");
         assert!((get(&mut m, "heat_to_ambient") - 60.0).abs() < 1e-3);
         let pump = get(&mut m, "coolant_pressure_drop") * flow;

@@ -148,7 +148,7 @@ impl Dependencies {
             let (mut running, mut initial) = none();
             let mut model = (kind.new)();
             resources.give(model.as_mut());
-            model.hand_over();
+            model.enter_model_exchange();
             // The time of an event keeps its value, so that its consequences are visible at the start.
             let absent = if effects { Vec::new() } else { probe.half_of(&effects_of(declaration)) };
             let there = |entry: &Entry| !absent.iter().any(|prefix| entry.name.starts_with(prefix));

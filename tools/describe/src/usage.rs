@@ -157,7 +157,7 @@ impl Points {
         let inputs: Vec<&Entry> = inputs.collect();
         let point = |(turn, scale): (usize, &f64)| {
             let (mut model, mut probe) = (model.boxed_clone(), Probe::new(0, turn));
-            model.hand_over();
+            model.enter_model_exchange();
             for entry in &inputs {
                 let share = if entry.row.start == 0.0 { *scale } else { 1.0 };
                 let value = share * probe.generic(entry, &StartValues::default());

@@ -37,11 +37,11 @@ impl Instance {
     /// Changes the mode.
     pub(super) fn go(&mut self, mode: Mode) {
         self.mode = mode;
-        self.tell(mode.words());
+        self.log_transition(mode.words());
     }
 
     /// Logs a change of the life cycle.
-    pub fn tell(&mut self, what: &str) {
+    pub fn log_transition(&mut self, what: &str) {
         let time = if self.mode == Mode::Initialization { self.window.0 } else { self.model.time() };
         self.log.note(Category::Events, || format!("{what}, time {time} s."));
     }

@@ -61,7 +61,7 @@ impl Instance {
         } else {
             self.hold();
         }
-        self.tell("state restored");
+        self.log_transition("state restored");
         self.go(saved.mode);
         self.observe();
         Ok(())

@@ -177,7 +177,7 @@ impl Instance {
         let stepping = self.interface == Interface::CoSimulation;
         let mut handed = None;
         if stepping {
-            handed.insert(self.model.boxed_clone()).hand_over();
+            handed.insert(self.model.boxed_clone()).enter_model_exchange();
         }
         let base = handed.as_ref().unwrap_or(&self.model).as_ref();
         let mut slopes = Slopes { base, scratch: scratch.as_mut(), restart };

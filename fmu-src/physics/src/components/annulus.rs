@@ -99,7 +99,7 @@ pub struct Gap {
     /// Losses of the entrance and exit that do not depend on the flow.
     fixed_loss: f64,
     leak_area: f64,
-    draught: FlowDirection,
+    direction: FlowDirection,
     /// Diameters of motor and tube, m.
     diameters: [f64; 2],
     orientation: Orientation,
@@ -107,13 +107,13 @@ pub struct Gap {
 
 impl Gap {
     /// The gap between a motor and a tube before a fan with the given opening, m2.
-    pub fn new(annulus: &Annulus, housing: &Housing, opening: f64, draught: FlowDirection) -> Gap {
+    pub fn new(annulus: &Annulus, housing: &Housing, opening: f64, direction: FlowDirection) -> Gap {
         let (d_i, d_o) = (housing.diameter, annulus.outer_diameter.max(1.001 * housing.diameter));
         let length = annulus.length.min(housing.length);
         let section = FRAC_PI_4 * (d_o - d_i) * (d_o + d_i);
         let ratio = d_i / d_o;
         let sigma = (section / opening).min(1.0);
-        let fixed_loss = match draught {
+        let fixed_loss = match direction {
             FlowDirection::Push => 1.0 - sigma * sigma + contraction(sigma, 1.0),
             FlowDirection::Pull => contraction(0.0, 1.0),
         };
@@ -127,7 +127,7 @@ impl Gap {
             sigma,
             fixed_loss,
             leak_area: annulus.leak_area,
-            draught,
+            direction,
             diameters: [d_i, d_o],
             orientation: housing.orientation,
         }
@@ -188,7 +188,7 @@ impl Gap {
     pub fn pressure(&self, m: f64, air: &Air) -> f64 {
         let u = m / (air.rho * self.section);
         let re = self.reynolds(m, air);
-        let loss = match self.draught {
+        let loss = match self.direction {
             FlowDirection::Push => self.fixed_loss,
             FlowDirection::Pull => self.fixed_loss + expansion(self.sigma, momentum_ratio(re)),
         };
@@ -210,8 +210,8 @@ impl Annulus {
     }
 
     /// Factor on the heat transfer for a direction of the fan.
-    pub fn factor(&self, draught: FlowDirection) -> f64 {
-        match draught {
+    pub fn factor(&self, direction: FlowDirection) -> f64 {
+        match direction {
             FlowDirection::Push => self.factor_push,
             FlowDirection::Pull => self.factor_pull,
         }
@@ -233,9 +233,9 @@ impl Annulus {
 mod tests {
     use super::*;
 
-    fn gap(d_o: f64, draught: FlowDirection) -> Gap {
+    fn gap(d_o: f64, direction: FlowDirection) -> Gap {
         let annulus = Annulus { outer_diameter: d_o, ..Annulus::default() };
-        Gap::new(&annulus, &Housing::default(), FRAC_PI_4 * 0.038 * 0.038, draught)
+        Gap::new(&annulus, &Housing::default(), FRAC_PI_4 * 0.038 * 0.038, direction)
     }
 
     /// The thesis's 40 mm tube: section pi/4 (40^2 - 30^2) = 549.8 mm2, D_h = 10 mm.
@@ -267,8 +267,8 @@ mod tests {
     fn no_jump_where_the_gap_outgrows_the_fan() {
         let air = Air::at(300.0, 101_325.0);
         let d = (0.030f64.powi(2) + 0.038f64.powi(2)).sqrt();
-        for draught in [FlowDirection::Push, FlowDirection::Pull] {
-            let p = |d: f64| gap(d, draught).pressure(3e-3, &air);
+        for direction in [FlowDirection::Push, FlowDirection::Pull] {
+            let p = |d: f64| gap(d, direction).pressure(3e-3, &air);
             assert!((p(d * (1.0 + 1e-7)) / p(d * (1.0 - 1e-7)) - 1.0).abs() < 1e-3);
         }
     }

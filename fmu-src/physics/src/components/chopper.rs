@@ -196,7 +196,7 @@ impl Bridge {
     }
 
     /// The current while the supply is on that gives the motor `power` watts at the mean current `i`: eq. (7) in
-    /// the periodic cycle, and between cycles the share that keeps the books. Forward counts positive.
+    /// the periodic cycle, and between cycles the fraction that closes the energy balance. Forward counts positive.
     fn through_supply(&self, power: f64, i: f64) -> f64 {
         (power + self.off * i * self.direction) / (self.on + self.off).max(VOLTAGE_SMALL)
     }

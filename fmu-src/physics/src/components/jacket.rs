@@ -49,7 +49,7 @@ pub struct Coolant {
     /// Conductance from the housing to the water, eq. (1), W/K.
     pub conductance: f64,
     /// Heat capacity of the flow, eq. (2), W/K.
-    pub stream: f64,
+    pub m_flow_cp: f64,
     /// Pressure drop, eq. (5), Pa.
     pub pressure_drop: f64,
     /// Hydraulic power of the pump, eq. (5), W.
@@ -63,18 +63,18 @@ impl Jacket {
         let speed = q / (f64::from(self.channels) * FRAC_PI_4 * d * d);
         let mass_flow = Water::at(inlet).rho * q;
         let mut bulk = inlet;
-        let mut coolant = Coolant { conductance: 0.0, stream: 0.0, pressure_drop: 0.0, pump_power: 0.0 };
+        let mut coolant = Coolant { conductance: 0.0, m_flow_cp: 0.0, pressure_drop: 0.0, pump_power: 0.0 };
         for _ in 0..3 {
             let water = Water::at(bulk);
             let re = water.rho * speed * d / water.mu;
             let nu = tube_flow::nusselt(re, water.pr, d / self.channel_length);
             coolant.conductance = nu * water.k / d * self.wetted_area;
-            coolant.stream = mass_flow * water.c_p;
+            coolant.m_flow_cp = mass_flow * water.c_p;
             // Laminar friction by its product with Re, so that it is finite at rest.
             let friction =
                 tube_flow::friction_times_re(re) * water.mu * speed * self.channel_length / (2.0 * d * d);
             coolant.pressure_drop = friction + 0.5 * self.loss_coefficient * water.rho * speed * speed;
-            let ntu = coolant.conductance / coolant.stream.max(1e-12);
+            let ntu = coolant.conductance / coolant.m_flow_cp.max(1e-12);
             bulk = inlet + (surface - inlet) * (1.0 + (-ntu).exp_m1() / ntu);
         }
         coolant.pump_power = coolant.pressure_drop * q;
@@ -96,7 +96,7 @@ mod tests {
     fn a_jacket_by_hand() {
         let coolant = Jacket::default().coolant(2e-5, 293.15, 293.15);
         close(coolant.conductance, 12.05, 2e-3);
-        close(coolant.stream, 2e-5 * 998.2 * 4184.5, 1e-3);
+        close(coolant.m_flow_cp, 2e-5 * 998.2 * 4184.5, 1e-3);
         close(coolant.pressure_drop, 174.2, 2e-3);
         close(coolant.pump_power, 2e-5 * 174.2, 2e-3);
     }
@@ -107,9 +107,9 @@ mod tests {
         let jacket = Jacket::default();
         for surface in [280.0, 300.0, 360.0, 600.0] {
             let (rest, slow) = (jacket.coolant(0.0, 300.0, surface), jacket.coolant(1e-12, 300.0, surface));
-            assert_eq!([rest.stream, rest.pressure_drop, rest.pump_power], [0.0; 3]);
+            assert_eq!([rest.m_flow_cp, rest.pressure_drop, rest.pump_power], [0.0; 3]);
             assert!(rest.conductance > 1.0 && (slow.conductance / rest.conductance - 1.0).abs() < 1e-3);
-            assert!(slow.stream < 1e-5);
+            assert!(slow.m_flow_cp < 1e-5);
         }
     }
 
@@ -121,7 +121,7 @@ mod tests {
         let (inlet, surface) = (283.15, 353.15);
         for q in [1e-7, 1e-6, 1e-5] {
             let coolant = jacket.coolant(q, inlet, surface);
-            let ntu = coolant.conductance / coolant.stream;
+            let ntu = coolant.conductance / coolant.m_flow_cp;
             let mean_effectiveness = 1.0 + (-ntu).exp_m1() / ntu;
             let bulk = inlet + (surface - inlet) * mean_effectiveness;
             let isothermal = jacket.coolant(q, bulk, bulk);

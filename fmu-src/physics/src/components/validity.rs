@@ -89,7 +89,7 @@ impl Limits {
 
     /// How far the worst temperature is outside its limit, K; negative within all limits.
     #[inline]
-    pub fn beyond(&self, at: &Extremes) -> f64 {
+    pub fn excess(&self, at: &Extremes) -> f64 {
         let v = &self.validity;
         let hot =
             (at.winding - v.winding_temperature).max(at.magnets - v.magnet_temperature.min(self.no_torque));
@@ -101,7 +101,7 @@ impl Limits {
     pub fn are_passed(&self, at: &Extremes) -> bool {
         // A torque constant of zero is outside; f64::max drops what is no number.
         let finite = at.winding.is_finite() && at.magnets.is_finite() && at.lowest.is_finite();
-        self.beyond(at) >= 0.0 || !finite
+        self.excess(at) >= 0.0 || !finite
     }
 
     /// Which limit the temperatures are nearest to, at `time`, s, under `losses` of which `cooling` leaves the motor, W: one
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn each_limit_counts() {
         let limits = Limits::new(Validity::default(), 298.15, -0.0012);
-        assert!(!limits.are_passed(&MILD) && limits.beyond(&MILD) < 0.0);
+        assert!(!limits.are_passed(&MILD) && limits.excess(&MILD) < 0.0);
         for (at, word) in [
             (Extremes { winding: 543.15, ..MILD }, "validity.winding_temperature = 543.15 K"),
             (Extremes { magnets: 600.0, ..MILD }, "validity.magnet_temperature = 583.15 K"),

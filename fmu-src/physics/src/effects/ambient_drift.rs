@@ -4,7 +4,7 @@
 //!
 //! The input `ambient_temperature` is what the sensor shows; the motor feels T_a.
 //! *Assumes* a drift linear in time, zero at time 0. *Neglects* everything else about the sensor.
-//! *Sign*: rate > 0 means that the surroundings get warmer than shown. *Source*: contract of the bench.
+//! *Sign*: rate > 0 means that the ambient air becomes warmer than indicated. *Source*: contract of the bench.
 
 use super::candidate::Candidate;
 use super::ports::Effect;

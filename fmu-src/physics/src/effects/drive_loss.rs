@@ -3,7 +3,7 @@
 //! Q_w = (1 - share) P,   Q_drive = share P                                                 (1)
 //!
 //! Acts in drive_mode power, where P is the input `electrical_power`; the drive stands apart from the motor, so
-//! its heat goes straight to the surroundings.
+//! its heat goes straight to ambient.
 //! *Assumes* a share that does not depend on the power. *Neglects* the drive's own heat capacity.
 //! *Sign*: share > 0 leaves the winding cooler. *Source*: definition of an efficiency.
 

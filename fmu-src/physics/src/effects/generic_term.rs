@@ -11,7 +11,7 @@
 //! | winding_heat | y, W, heats the winding; it counts as taken in, as heat_power does | |
 //! | housing_heat | y, W, heats the housing; the surroundings give it (heat_to_ambient is less by y) | housing_temperature |
 //! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing | housing_temperature |
-//! | heat_capacity | the capacities of winding and housing (with a network: of winding and stator) times 1 + y; the books start anew from there | |
+//! | heat_capacity | the capacities of winding and housing (with a network: of winding and stator) times 1 + y; the energy balance counts from then on | |
 //! | fan_flow | the command times 1 + y, not below 0 | fan_command |
 //! | ambient_sensor | the true ambient temperature is y, K, above the shown one | |
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
@@ -19,7 +19,7 @@
 //!
 //! *Assumes* that drivers which are not alive stand still over a step, at the middle of where they begin and end, so that such a
 //! term is of second order in the step; of first where it acts on the very quantity that it follows and that answers within the step
-//! (heat in the winding by the winding's temperature). The energy books close all the same. The state of a lag is advanced with its
+//! (heat in the winding by the winding's temperature). The energy balance closes with it. The state of a lag is advanced with its
 //! driver on a line over the step, and stands in the middle as well: second order.
 //! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
 //! *Source*: the data that the terms were found in.
@@ -47,7 +47,7 @@ variables! {
     }
 }
 
-/// The terms of a motor, with the drivers that they were told of last.
+/// The terms of a motor, with the last drivers that were set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GenericTerms {
     tuning: Tuning,
@@ -123,7 +123,7 @@ impl Effect for GenericTerms {
     }
 
     #[inline]
-    fn tell(&mut self, drivers: &Drivers) -> bool {
+    fn set_drivers(&mut self, drivers: &Drivers) -> bool {
         self.drivers = *drivers;
         let cooling =
             |term: &GenericTerm| matches!(term.port, Port::FanFlow | Port::HousingAmbientConductance);
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn the_air_hears_of_those_that_meet_it() {
         for port in [Port::FanFlow, Port::HousingAmbientConductance, Port::DragTorque, Port::HousingHeat] {
-            let told = carrying(port, 0.1, Driver::Speed, 1.0, 1.0).tell(&Drivers::default());
+            let told = carrying(port, 0.1, Driver::Speed, 1.0, 1.0).set_drivers(&Drivers::default());
             assert_eq!(told, matches!(port, Port::FanFlow | Port::HousingAmbientConductance), "{port:?}");
         }
     }
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn the_gain_multiplies_all_and_zero_is_off() {
         let mut heat = carrying(Port::WindingHeat, 4.0, Driver::Current, 5.0, 2.0);
-        heat.tell(&Drivers { current: 10.0, ..Drivers::default() });
+        heat.set_drivers(&Drivers { current: 10.0, ..Drivers::default() });
         assert_eq!((heat.is_on(), heat.winding_heat()), (true, 16.0));
         assert!(heat.set(0, 0.5));
         assert_eq!(heat.winding_heat(), 8.0);

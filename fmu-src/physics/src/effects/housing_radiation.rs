@@ -1,4 +1,4 @@
-//! Net thermal radiation from the housing to its surroundings.
+//! Net thermal radiation from the housing to ambient.
 //!
 //! Q_flow = k (T_h^4 - T_a^4),   k = sigma eps A                                            (1)
 //!

@@ -111,11 +111,11 @@ macro_rules! define {
             /// Tells where the motor stands: what follows a driver slowly holds that over a step. Whether this may change what
             /// the air takes, which is kept over many steps.
             #[inline]
-            fn tell(&mut self, drivers: &Drivers) -> bool {
+            fn set_drivers(&mut self, drivers: &Drivers) -> bool {
                 false
             }
 
-            /// Whether it holds this driver over a step, as [`tell`](Effect::tell) told it.
+            /// Whether it holds this driver over a step, as [`set_drivers`](Effect::set_drivers) set it.
             fn holds(&self, driver: Driver) -> bool {
                 false
             }
@@ -136,7 +136,7 @@ macro_rules! define {
         /// Where an effect acts: the ports of [`Effect`].
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Port {
-            /// Any of them: data decide where it acts, or the effect is told its drivers ([`tell`](Effect::tell)).
+            /// Any of them: data decide where it acts, or the effect follows drivers ([`set_drivers`](Effect::set_drivers)).
             Any,
             $($(#[doc = concat!("Port of [`", stringify!($name), "`](Effect::", stringify!($name), ").")] $port,)?)*
         }

@@ -30,7 +30,7 @@ variables! {
     }
 }
 
-/// The effect, with the speed that it was told of last.
+/// The effect, with the last speed that was set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpeedConvection {
     law: PowerOfSpeed,
@@ -70,7 +70,7 @@ impl Effect for SpeedConvection {
     }
 
     #[inline]
-    fn tell(&mut self, drivers: &Drivers) -> bool {
+    fn set_drivers(&mut self, drivers: &Drivers) -> bool {
         let has_changed = self.speed != drivers.speed;
         self.speed = drivers.speed;
         has_changed && self.is_on()
@@ -125,10 +125,10 @@ mod tests {
     #[test]
     fn tells_whether_the_cooling_has_changed() {
         let mut air = at(0.0, 0.8);
-        let mut told = |speed: f64| air.tell(&Drivers { speed, ..Drivers::default() });
+        let mut told = |speed: f64| air.set_drivers(&Drivers { speed, ..Drivers::default() });
         assert_eq!([told(100.0), told(100.0), told(-100.0)], [true, false, true]);
         let mut off = SpeedConvection::default();
-        assert!(!off.tell(&Drivers { speed: 9.0, ..Drivers::default() }) && !off.is_on());
+        assert!(!off.set_drivers(&Drivers { speed: 9.0, ..Drivers::default() }) && !off.is_on());
         assert!(!off.holds(Driver::Speed) && at(0.0, 0.8).holds(Driver::Speed));
         assert_eq!(off.housing_to_ambient(350.0, 300.0), 0.0);
     }

@@ -2,7 +2,7 @@
 //!
 //! tau = k w                                                                                (1)
 //!
-//! Eddy-current loss has the same law; a measurement of drag against speed cannot tell the two apart.
+//! Eddy-current loss has the same law; a measurement of drag against speed cannot distinguish the two.
 //! *Assumes* laminar films of constant viscosity. *Neglects* its fall with temperature.
 //! *Sign*: against the motion; its power k w^2 >= 0 heats the housing.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.Friction, with power_w = 1 (exponent of the torque).

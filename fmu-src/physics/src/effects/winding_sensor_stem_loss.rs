@@ -3,7 +3,7 @@
 //! T_shown = T - k (T - T_a)                                                                (1)
 //!
 //! T_a is the true ambient temperature.
-//! *Assumes* a stem in the surroundings and in balance. *Neglects* what the sensor's heat does to the winding.
+//! *Assumes* a stem in the ambient air and in balance. *Neglects* what the sensor's heat does to the winding.
 //! *Sign*: k > 0 shows too little of the rise. *Range*: k from 0 (no loss) to below 1 (shows the air).
 //! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
 

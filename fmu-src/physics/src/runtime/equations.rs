@@ -135,7 +135,7 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
     /// The discrete states after an event at the present time, and before it.
     fn discrete(run: &Runtime<Self, N>, before: &Self::Discrete) -> Self::Discrete;
     /// The importer has taken over the integration.
-    fn hand_over(_run: &mut Runtime<Self, N>) {}
+    fn enter_model_exchange(_run: &mut Runtime<Self, N>) {}
     /// The importer asks for derivatives: what belongs to the present values replaces what belongs to a step.
     fn evaluate(_run: &mut Runtime<Self, N>) {}
     /// The importer has completed a step.
@@ -146,7 +146,7 @@ pub trait Equations<const N: usize>: Clone + Debug + Saved + Send + Sync + Sized
         f64::NEG_INFINITY
     }
     /// Reason of the end of a run at a limit of validity at `time`, s.
-    fn ending(_run: &Runtime<Self, N>, _time: f64) -> String {
+    fn termination_reason(_run: &Runtime<Self, N>, _time: f64) -> String {
         String::new()
     }
 

@@ -6,7 +6,7 @@ use crate::model::Fault;
 
 /// What is constant between events.
 #[derive(Clone, Copy, Debug)]
-pub struct Held<D, const N: usize> {
+pub struct PreValues<D, const N: usize> {
     /// Time of the last event, s.
     pub since: f64,
     /// The states that do not move, as the importer has set them.
@@ -15,14 +15,14 @@ pub struct Held<D, const N: usize> {
     pub discrete: D,
 }
 
-impl<D: Default, const N: usize> Default for Held<D, N> {
+impl<D: Default, const N: usize> Default for PreValues<D, N> {
     /// Before any event.
     fn default() -> Self {
-        Held { since: 0.0, still: [None; N], discrete: D::default() }
+        PreValues { since: 0.0, still: [None; N], discrete: D::default() }
     }
 }
 
-impl<D: super::Saved, const N: usize> super::Saved for Held<D, N> {
+impl<D: super::Saved, const N: usize> super::Saved for PreValues<D, N> {
     fn save(&self, out: &mut Vec<f64>) {
         self.since.save(out);
         self.still.save(out);
@@ -74,18 +74,18 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
 
     /// The present time counts as the first event, if the importer integrates.
     pub(super) fn hold_start(&mut self) {
-        if self.held.is_some() {
+        if self.pre.is_some() {
             let still = std::array::from_fn(|k| Some(M::state(self, k)));
-            self.held = Some(Held { still, ..Held::default() });
+            self.pre = Some(PreValues { still, ..PreValues::default() });
             self.update();
         }
     }
 }
 
 impl<M: Equations<N>, const N: usize> Exchange for Runtime<M, N> {
-    fn hand_over(&mut self) {
-        M::hand_over(self);
-        self.held = Some(Held::default());
+    fn enter_model_exchange(&mut self) {
+        M::enter_model_exchange(self);
+        self.pre = Some(PreValues::default());
         self.hold_start();
     }
 
@@ -97,8 +97,8 @@ impl<M: Equations<N>, const N: usize> Exchange for Runtime<M, N> {
 
     fn write_states(&mut self, states: &[f64]) {
         for (k, &value) in states.iter().enumerate() {
-            let moves = match &mut self.held {
-                Some(held) => match &mut held.still[k] {
+            let moves = match &mut self.pre {
+                Some(pre) => match &mut pre.still[k] {
                     Some(still) => {
                         *still = value;
                         false
@@ -123,7 +123,7 @@ impl<M: Equations<N>, const N: usize> Exchange for Runtime<M, N> {
     }
 
     fn derivatives(&mut self, out: &mut [f64]) -> Result<(), Fault> {
-        if self.held.is_some() {
+        if self.pre.is_some() {
             M::evaluate(self);
         }
         out.copy_from_slice(&self.all_rates()?[..out.len()]);
@@ -136,8 +136,8 @@ impl<M: Equations<N>, const N: usize> Exchange for Runtime<M, N> {
 
     fn update(&mut self) -> Update {
         let mut states_changed = false;
-        if let Some(mut held) = self.held {
-            for (k, still) in held.still.iter_mut().enumerate() {
+        if let Some(mut pre) = self.pre {
+            for (k, still) in pre.still.iter_mut().enumerate() {
                 let moves = M::moves(self, k);
                 if moves != still.is_none() {
                     // From here on the equations decide, or the mode's constant.
@@ -145,9 +145,9 @@ impl<M: Equations<N>, const N: usize> Exchange for Runtime<M, N> {
                     states_changed = true;
                 }
             }
-            held.since = self.time;
-            held.discrete = M::discrete(self, &held.discrete);
-            self.held = Some(held);
+            pre.since = self.time;
+            pre.discrete = M::discrete(self, &pre.discrete);
+            self.pre = Some(pre);
             M::follow_states(self);
             self.outdate();
         }
@@ -158,7 +158,7 @@ impl<M: Equations<N>, const N: usize> Exchange for Runtime<M, N> {
         M::next_event(self, self.time)
     }
 
-    fn ending(&mut self) -> Option<String> {
-        is_reached(M::excess(self)).then(|| M::ending(self, self.time))
+    fn termination_reason(&mut self) -> Option<String> {
+        is_reached(M::excess(self)).then(|| M::termination_reason(self, self.time))
     }
 }

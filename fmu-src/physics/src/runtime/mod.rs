@@ -4,23 +4,23 @@
 //! slot, cached outputs, steps with events and limits of validity (this file), the functions of [`Model`](crate::model::Model)
 //! (`model.rs`), Model Exchange with the discrete states (`exchange.rs`), saved states (`saved.rs`).
 
-mod ending;
 mod equations;
 mod exchange;
+mod halt;
 mod model;
 mod saved;
 
-pub use ending::Halt;
 pub use equations::{Equations, NoVariables, Table};
-pub use exchange::Held;
+pub use exchange::PreValues;
+pub use halt::Halt;
 pub use saved::Saved;
 
 use crate::effects::IMMINENT;
 use crate::groups::Grouped;
 use crate::model::{Declaration, Fault, GroupAt, ModelType, Unserved};
 use declare::Group;
-use ending::approach;
 use exchange::Followed;
+use halt::approach;
 
 /// A model: its parameters, inputs and states with the equations `M`, which have `N` continuous states.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub struct Runtime<M: Equations<N>, const N: usize> {
     /// What the model carries.
     pub(crate) own: M,
     /// What is constant between events, if the importer integrates.
-    pub(crate) held: Option<Held<M::Discrete, N>>,
+    pub(crate) pre: Option<PreValues<M::Discrete, N>>,
     /// The coupled states that move.
     followed: Followed<N>,
     outputs: M::Outputs,
@@ -66,7 +66,7 @@ impl<M: Equations<N>, const N: usize> Default for Runtime<M, N> {
             inputs: M::Inputs::default(),
             slopes: M::Inputs::zero(),
             time: 0.0,
-            held: None,
+            pre: None,
             followed: Followed::default(),
             outputs: M::Outputs::default(),
             balance: M::Balance::default(),
@@ -133,7 +133,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
 
     /// A state as an importer sees it.
     fn shown_state(&self, k: usize) -> f64 {
-        let still = self.held.as_ref().and_then(|held| held.still[k]);
+        let still = self.pre.as_ref().and_then(|pre| pre.still[k]);
         still.unwrap_or_else(|| M::state(self, k))
     }
 
@@ -187,6 +187,6 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
             run.step_over_events(at, h)
         })?;
         (self.ended, self.slopes) = (true, M::Inputs::zero());
-        Err(Fault(M::ending(self, at)))
+        Err(Fault(M::termination_reason(self, at)))
     }
 }

@@ -32,7 +32,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         }
         copy.slopes.take_values(&mut next)?;
         copy.time.load(&mut next)?;
-        copy.held.load(&mut next)?;
+        copy.pre.load(&mut next)?;
         copy.own.load(&mut next)?;
         M::restored(&mut copy, &mut next)?;
         copy.follow_modes();
@@ -188,7 +188,7 @@ impl<M: Equations<N>, const N: usize> Model for Runtime<M, N> {
         }));
         out.extend(self.slopes.values());
         self.time.save(out);
-        self.held.save(out);
+        self.pre.save(out);
         self.own.save(out);
         self.own.save_rest(out);
     }

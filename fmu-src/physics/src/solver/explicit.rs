@@ -28,7 +28,7 @@ const MOST_STEPS: u32 = 1_000_000;
 
 /// The equations could not be followed: the time from the start of the step, s, where it ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stuck {
+pub struct StepFailure {
     /// Time from the start of the step, s.
     pub t: f64,
 }
@@ -56,7 +56,7 @@ pub fn advance<P, const N: usize>(
     first: Option<&P>,
     h: f64,
     allowed: f64,
-) -> Result<u64, Stuck> {
+) -> Result<u64, StepFailure> {
     let tried = one(0.0, x, first, h);
     if tried.error <= allowed {
         *x = tried.states;
@@ -73,7 +73,7 @@ fn in_parts<P, const N: usize>(
     first: Option<&P>,
     h: f64,
     allowed: f64,
-) -> Result<u64, Stuck> {
+) -> Result<u64, StepFailure> {
     let mut rejected = 1;
     let least = h * 0.5f64.powi(HALVINGS as i32);
     let (mut now, mut t, mut step) = (*x, 0.0, 0.5 * h);
@@ -98,11 +98,11 @@ fn in_parts<P, const N: usize>(
             rejected += 1;
             step = 0.5 * length;
             if step < least {
-                return Err(Stuck { t });
+                return Err(StepFailure { t });
             }
         }
     }
-    Err(Stuck { t })
+    Err(StepFailure { t })
 }
 
 /// The error of the worst state, in shares of what is allowed: that of each, its size, and the state before and after.
@@ -158,7 +158,7 @@ mod tests {
         rates: impl Fn(f64, &[f64; N]) -> [f64; N],
         x: &mut [f64; N],
         h: f64,
-    ) -> Result<(), Stuck> {
+    ) -> Result<(), StepFailure> {
         let one = |t: f64, x: &[f64; N], first: Option<&[f64; N]>, h: f64| {
             dormand_prince(&rates, |rates| *rates, t, x, first, h, &[1.0; N])
         };
@@ -198,15 +198,15 @@ mod tests {
     #[test]
     fn years_at_once_are_refused_and_nothing_changes() {
         let mut x = [1.0];
-        let stuck = run(|t, _: &[f64; 1]| [t.sin()], &mut x, 1e9).unwrap_err();
-        assert!(stuck.t > 1e3 && stuck.t < 1e9 && x == [1.0]);
+        let step_failure = run(|t, _: &[f64; 1]| [t.sin()], &mut x, 1e9).unwrap_err();
+        assert!(step_failure.t > 1e3 && step_failure.t < 1e9 && x == [1.0]);
     }
 
     #[test]
     fn what_is_no_number_is_refused_and_nothing_changes() {
         let mut x = [1.0];
-        let stuck = run(|t, _: &[f64; 1]| [if t > 0.3 { f64::NAN } else { 1.0 }], &mut x, 1.0);
-        assert!((stuck.unwrap_err().t - 0.3).abs() < 1e-3);
+        let step_failure = run(|t, _: &[f64; 1]| [if t > 0.3 { f64::NAN } else { 1.0 }], &mut x, 1.0);
+        assert!((step_failure.unwrap_err().t - 0.3).abs() < 1e-3);
         assert_eq!(x, [1.0]);
     }
 }

@@ -10,14 +10,17 @@
 //! ```
 //!
 //! Heat: the system turns the *integrals* of the fast solution, that of i^2 included, into the heat of the step
-//! ([`System::work`]), so a current transient that dies within the step heats the winding by what it really dissipates. The thermal block then takes a heat flow with that very integral.
+//! ([`System::work`]), so a current transient that dies within the step heats the winding by its actual loss. The thermal block then takes a heat flow with that very integral.
 //! The blocks are solved in turn until the temperatures at the end of the step stand still.
 //!
-//! *Error control*: the parabola against the line (the error of the order below) for both blocks, what the fast
-//! block's remainder at x1 differs from that at x_b (which alone tells where the block is stiff), how far the temperatures
-//! moved since the fast block saw them, and how far the heat in the middle of the step is from its parabola. A step that
-//! misses is cut; the caller's step is always met, and the next call begins with the step that this one would have gone on
-//! with.
+//! *Error control*: the estimate of a step's error is the sum of
+//! - the line error: parabola against line (the error of the order below), in both blocks;
+//! - the stage error: the fast block's remainder at x1 against that at x_b, the only estimate that serves a stiff block;
+//! - the coupling error: change of the temperatures since the fast block used them;
+//! - the heat error: heat in the middle of the step against its parabola, quadratures, and the balance of the step's energies.
+//!
+//! A step with too large an error is rejected and cut. The communication step is always met, and the next call begins with
+//! the step that this one would have continued with.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
 mod square;
@@ -30,7 +33,7 @@ use crate::runtime::Saved;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use square::Squares;
 
-/// Relative tolerance of one step on what the temperatures and the energies miss, and on the fast block's last stage where
+/// Relative tolerance of one step on the error of temperatures and energies, and on the fast block's last stage where
 /// rates bend within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
 /// Relative tolerance of one step on the fast block's last stage elsewhere, an estimate of the method's own order, and on what
@@ -72,11 +75,11 @@ pub struct State<const N: usize, const E: usize = 3> {
     pub angle: f64,
     /// Node temperatures, K.
     pub temperature: SVector<f64, N>,
-    /// Energy taken in, delivered at the shaft, and given to the surroundings since the start, J; then, as far as
+    /// Energy taken in, delivered at the shaft, and given to ambient since the start, J; then, as far as
     /// `E` reaches, the losses in the winding and by friction.
     pub energy: [f64; E],
-    /// What the last call to [`Split::advance`] leaves for those who live beside the nodes.
-    pub passed: Passed<N>,
+    /// Integrals over the last call to [`Split::advance`], for states beside the nodes.
+    pub integrals: StepIntegrals<N>,
 }
 
 impl<const N: usize, const E: usize> Default for State<N, E> {
@@ -86,14 +89,14 @@ impl<const N: usize, const E: usize> Default for State<N, E> {
             angle: 0.0,
             temperature: SVector::zeros(),
             energy: [0.0; E],
-            passed: Passed::default(),
+            integrals: StepIntegrals::default(),
         }
     }
 }
 
-/// What passed over one call to [`Split::advance`]; no part of what the next one depends on.
+/// Integrals over one call to [`Split::advance`]; no part of what the next one depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passed<const N: usize> {
+pub struct StepIntegrals<const N: usize> {
     /// Integrals of the node temperatures over time, K.s.
     pub temperature: SVector<f64, N>,
     /// Heat of the work that no node took, J ([`Work::aside`]).
@@ -102,9 +105,9 @@ pub struct Passed<const N: usize> {
     pub outflow: f64,
 }
 
-impl<const N: usize> Default for Passed<N> {
+impl<const N: usize> Default for StepIntegrals<N> {
     fn default() -> Self {
-        Passed { temperature: SVector::zeros(), aside: 0.0, outflow: 0.0 }
+        StepIntegrals { temperature: SVector::zeros(), aside: 0.0, outflow: 0.0 }
     }
 }
 
@@ -127,7 +130,7 @@ impl<const N: usize, const E: usize> State<N, E> {
         for joules in &mut energy {
             *joules = next()?;
         }
-        Some(State { x, angle, temperature, energy, passed: Passed::default() })
+        Some(State { x, angle, temperature, energy, integrals: StepIntegrals::default() })
     }
 }
 
@@ -144,7 +147,7 @@ impl<const N: usize, const E: usize> Saved for State<N, E> {
 
 /// Why a step could not be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stuck {
+pub struct StepFailure {
     /// Where in the caller's step, s.
     pub t: f64,
     /// The step that was still too long, s.
@@ -242,9 +245,9 @@ impl<const N: usize> Split<N> {
         system: &impl System<N>,
         state: &mut State<N, E>,
         h: f64,
-    ) -> Result<(), Stuck> {
+    ) -> Result<(), StepFailure> {
         let (mut now, mut done, mut trial) = (*state, 0.0, self.trial.min(h));
-        now.passed = Passed::default();
+        now.integrals = StepIntegrals::default();
         let mut backup = None;
         loop {
             let rest = h - done;
@@ -271,7 +274,7 @@ impl<const N: usize> Split<N> {
                     (self.fast, self.thermal) = (Phi::new(a, fast), Phi::new(m, thermal));
                     self.squares = Squares::of(&self.fast);
                 }
-                return Err(Stuck { t: done, h: try_h });
+                return Err(StepFailure { t: done, h: try_h });
             }
         }
         *state = now;
@@ -349,13 +352,13 @@ impl<const N: usize> Split<N> {
             let xm = fast.middle(&x0, &forcing);
             let x = [x0, xm, x1];
             let (integral, moment) = (fast.integral(&x0, &forcing), fast.moment(&x0, &forcing));
-            let (square, doubt_of_square) = self.squares.integral(h, &x, &forcing, [&integral, &moment]);
+            let (square, error_of_square) = self.squares.integral(h, &x, &forcing, [&integral, &moment]);
             let segment = Segment {
                 t,
                 h,
                 x,
                 square,
-                doubt_of_square,
+                error_of_square,
                 integral,
                 moment,
                 temperature: [temp0, tempm, temp1],
@@ -376,8 +379,8 @@ impl<const N: usize> Split<N> {
                 flow(network1 - product(m, &temp1), heat1),
             );
             let (half, end) = (thermal.middle(&temp0, &warming), thermal.end(&temp0, &rate0, &warming));
-            let moved = (end - temp1).amax().max((half - tempm).amax());
-            let settled = SENSITIVITY * moved <= 0.3 * stage_tolerance;
+            let coupling_error = (end - temp1).amax().max((half - tempm).amax());
+            let settled = SENSITIVITY * coupling_error <= 0.3 * stage_tolerance;
             round += 1;
             if !settled && round < ROUNDS {
                 (tempm, temp1) = (half, end);
@@ -386,22 +389,23 @@ impl<const N: usize> Split<N> {
             }
 
             let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
-            let miss = fast.curvature_error(&forcing).component_div(&size).amax();
+            let line_error = fast.curvature_error(&forcing).component_div(&size).amax();
             // Where the block is stiff, its end is the remainder's end value over A, and the parabola and the line
-            // agree on that; what tells is how far the remainder at the end is from that at the last stage.
-            let late = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
-            let late = fast.last_stage_error(&late);
-            let late = late.component_div(&size).amax();
+            // agree on that; the estimate is the difference of the remainders at the end and at the last stage.
+            let stage_error = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
+            let stage_error = fast.last_stage_error(&stage_error);
+            let stage_error = stage_error.component_div(&size).amax();
             // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
-            let miss_thermal = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
+            let thermal_error = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
             // A transient that dies early has not the parabola's shape, and its heat comes before the middle.
-            let shape = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
-            let shape = (shape.component_mul(per_joule) * h).amax();
-            let doubt = work.doubt * per_joule.amax() / HEAT_FLOOR;
-            let of_heat = miss_thermal + doubt + SENSITIVITY * shape;
-            let error =
-                miss / line_tolerance + (late + SENSITIVITY * moved) / stage_tolerance + of_heat / tolerance;
-            // Heat to the surroundings: the frozen network's share from the exact integral, the rest by Simpson.
+            let shape_error = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
+            let shape_error = (shape_error.component_mul(per_joule) * h).amax();
+            let heat_error = work.quadrature_error * per_joule.amax() / HEAT_FLOOR;
+            let of_heat = thermal_error + heat_error + SENSITIVITY * shape_error;
+            let error = line_error / line_tolerance
+                + (stage_error + SENSITIVITY * coupling_error) / stage_tolerance
+                + of_heat / tolerance;
+            // Heat to ambient: the frozen network's share from the exact integral, the rest by Simpson.
             let share = -m.tr_mul(capacity);
             let over_time = thermal.integral(&temp0, &warming);
             let outflow = share.dot(&over_time)
@@ -412,13 +416,13 @@ impl<const N: usize> Split<N> {
             for (sum, gain) in energy.iter_mut().zip(gained.iter().chain(&work.losses)) {
                 *sum += gain;
             }
-            let passed = Passed {
-                temperature: state.passed.temperature + over_time,
-                aside: state.passed.aside + work.aside,
-                outflow: state.passed.outflow + outflow,
+            let integrals = StepIntegrals {
+                temperature: state.integrals.temperature + over_time,
+                aside: state.integrals.aside + work.aside,
+                outflow: state.integrals.outflow + outflow,
             };
             let angle = state.angle + segment.integral[1];
-            let next = State { x: x1, angle, temperature: end, energy, passed };
+            let next = State { x: x1, angle, temperature: end, energy, integrals };
             let finite = next.x.sum() + next.temperature.sum() + next.angle;
             let sane = finite.is_finite() && next.temperature.amax() < ABSURD && !error.is_nan();
             return (next, if sane { error } else { f64::INFINITY });

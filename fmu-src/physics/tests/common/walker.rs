@@ -110,7 +110,7 @@ const ALL: usize = 25;
 /// The joined equations by diffsol, at each of `times`, s.
 pub fn joined(drive: DriveMode, times: &[f64]) -> Vec<[f64; 3]> {
     let mut s = System::new(drive);
-    s.motor.hand_over();
+    s.motor.enter_model_exchange();
     s.motor.start(0.0).unwrap();
     s.connect();
     let split = |x: &[f64; ALL]| {

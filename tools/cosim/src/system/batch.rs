@@ -81,10 +81,10 @@ impl Batch {
     /// Sets the variables from the inputs; integers from their sources.
     pub(crate) fn set(&mut self, signals: &mut Signals) -> Result<(), Error> {
         self.take(signals.inputs);
-        self.hand_over(signals)
+        self.enter_model_exchange(signals)
     }
 
-    fn hand_over(&mut self, signals: &mut Signals) -> Result<(), Error> {
+    fn enter_model_exchange(&mut self, signals: &mut Signals) -> Result<(), Error> {
         let instance = &mut signals.instances[self.component];
         if !self.is_integer() {
             return instance.set_number(self.kind, &self.vrs, &self.values);
@@ -102,7 +102,7 @@ impl Batch {
             *value = convert.of(signals.outputs[source]);
             signals.inputs[*slot] = *value;
         }
-        self.hand_over(signals)
+        self.enter_model_exchange(signals)
     }
 
     /// Sets the variables, reals, to where they are `after` seconds (s) from the inputs on, with their derivatives.

@@ -59,7 +59,7 @@ pub struct Step<'a> {
     constants: &'a Constants,
     /// The voltage of the source, V, but for its bend.
     voltage: Line,
-    /// What the voltage has beyond its line, V/s2: duty and supply are lines, and their product is a parabola.
+    /// Second-order part of the voltage over the step, V/s2: duty and supply are lines, and their product is a parabola.
     voltage_bend: f64,
     /// The current, where it is imposed, A.
     current: Line,
@@ -71,9 +71,9 @@ pub struct Step<'a> {
     heat: Line,
     /// Electrical power that heats the stator, W (drive_mode power).
     stator: Line,
-    /// Heat that the drive gives to the surroundings, W.
+    /// Heat that the drive gives to ambient, W.
     drive: Line,
-    /// True temperature of the surroundings, K.
+    /// True ambient temperature, K.
     ambient: Line,
     /// Torque over that of the data sheet's constant at the same temperature: commutation, and what is left of the
     /// magnets.
@@ -84,13 +84,13 @@ pub struct Step<'a> {
     chopper: Chopper,
     /// Conductance of each node to what surrounds it, where the fan stands still over the step, W/K.
     conductance: PerNode,
-    /// Rotor and housing beyond the two nodes, where there is a network.
-    beyond: Beyond,
+    /// Rotor and housing, where there is a network.
+    coupling: ThermalCoupling,
 }
 
-/// What winding and core see of a network beyond them, as lines over a step.
+/// Thermal coupling of winding and core to a network, as lines over a step.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Beyond {
+pub struct ThermalCoupling {
     /// Conductances, W/K: of the winding to rotor and ambient together, of the core to the housing.
     pub conductance: PerNode,
     /// Temperature that the winding's conductance leads to, K.
@@ -137,7 +137,7 @@ pub struct Point {
     pub warming: Temperatures,
     /// Heat flow to what surrounds winding and core, and from the drive, W.
     pub to_ambient: f64,
-    /// The books, but for what flows in and to a network.
+    /// The energy balance without the network.
     pub ledger: Ledger,
 }
 
@@ -202,7 +202,7 @@ impl<'a> Step<'a> {
             excess: 0.0,
             chopper: Chopper::new(model, constants.chops, inputs, slopes),
             conductance,
-            beyond: Beyond::default(),
+            coupling: ThermalCoupling::default(),
         }
     }
 
@@ -238,15 +238,15 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// The same equations with a network beyond the two nodes.
+    /// The same equations with a network.
     #[inline]
-    pub fn within(mut self, beyond: Beyond) -> Self {
-        self.conductance = beyond.conductance;
-        self.beyond = beyond;
+    pub fn with_coupling(mut self, coupling: ThermalCoupling) -> Self {
+        self.conductance = coupling.conductance;
+        self.coupling = coupling;
         self
     }
 
-    /// True temperature of the surroundings at the start of the step, K.
+    /// True ambient temperature at the start of the step, K.
     pub(super) fn ambient_at_start(&self) -> f64 {
         self.ambient.start
     }
@@ -273,7 +273,7 @@ impl<'a> Step<'a> {
             let load = self.load.at(t);
             own + effects.load_drag(x[1], load) * load
         } else {
-            // The friction of the load takes its share of the very torque that it leaves over.
+            // The friction of the load is a fraction of the torque that remains after it.
             let before = k * x[0] - own;
             let share = effects.load_drag(x[1], before);
             if share == 0.0 { own } else { own + before * (share / (1.0 + share)) }
@@ -292,7 +292,7 @@ impl<'a> Step<'a> {
     /// Temperature of the magnets, K: the housing's where there is no rotor.
     #[inline(always)]
     fn magnets(&self, t: f64, temperature: &Temperatures) -> f64 {
-        if self.constants.has_network { self.beyond.rotor.at(t) } else { temperature[CORE] }
+        if self.constants.has_network { self.coupling.rotor.at(t) } else { temperature[CORE] }
     }
 
     /// Torque constant with the magnets at their temperature.
@@ -313,7 +313,7 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Heat that drag sets free beyond the core at the start of the step, W.
+    /// Heat of the drag outside the core at the start of the step, W.
     pub fn drag_beyond(&self, x: &Fast, temperature: &Temperatures) -> f64 {
         let drag = self.drag(0.0, x, self.torque_constant(0.0, temperature)) * x[1];
         drag - self.drag_in_core(x[1], drag)
@@ -343,8 +343,8 @@ impl<'a> Step<'a> {
         let conductance = self.conductance_at(t);
         if self.constants.has_network {
             return PerNode {
-                winding: conductance.winding * (temperature[WINDING] - self.beyond.winding.at(t)),
-                housing: conductance.housing * (temperature[CORE] - self.beyond.core.at(t)),
+                winding: conductance.winding * (temperature[WINDING] - self.coupling.winding.at(t)),
+                housing: conductance.housing * (temperature[CORE] - self.coupling.core.at(t)),
             };
         }
         let ambient = self.ambient.at(t);
@@ -437,7 +437,7 @@ impl<'a> Step<'a> {
     /// Derivatives of all states, for an integrator that knows nothing of the split.
     ///
     /// `y` holds current, A, speed, rad/s, angle, rad, winding and housing temperature, K, and the energies
-    /// taken in, given to the load and given to the surroundings, J.
+    /// taken in, given to the load and given to ambient, J.
     pub fn rates(&self, t: f64, y: &[f64; STATES]) -> [f64; STATES] {
         let x = Fast::new(y[0], y[1]);
         let temperature = Temperatures::new(y[3], y[4]);

@@ -4,20 +4,22 @@
 //! `motor.rs` gives them to the runtime.
 
 pub mod cooling;
+mod drivers;
 mod equations;
 mod initial;
-mod march;
 mod motor;
 pub mod network;
 mod parameters;
 mod state_list;
 mod states;
-mod surroundings;
+mod stepping;
 mod variables;
 
 pub use crate::line::Line;
-pub use equations::{Beyond, Constants, NODES, Point, STATES, Step, Temperatures};
+pub use equations::{Constants, NODES, Point, STATES, Step, Temperatures, ThermalCoupling};
 pub use initial::Initial;
 pub use motor::AnnulusCooledMotor;
 pub use parameters::Parameters;
-pub use variables::{Books, Choices, CoolingMode, DriveMode, Indicators, Inputs, MechanicalMode, Outputs};
+pub use variables::{
+    Choices, CoolingMode, DriveMode, EnergyBalance, Indicators, Inputs, MechanicalMode, Outputs,
+};

@@ -1,11 +1,11 @@
-//! The motor as [`Equations`] of the runtime: what it carries, its outputs and events. `states.rs` has its states, `march.rs` its
-//! steps, `surroundings.rs` drivers of terms, sensor and initial state.
+//! The motor as [`Equations`] of the runtime: what it carries, its outputs and events. `states.rs` has its states, `stepping.rs` its
+//! steps, `drivers.rs` drivers of terms, sensor and initial state.
 
 use super::equations::{Constants, NODES, Step, Temperatures};
 use super::network::{Body, Network};
 use super::parameters::Parameters;
 use super::state_list::{ALL, STATES, is_coupled};
-use super::variables::{Books, DriveMode, Indicators, Inputs, MechanicalMode, Outputs};
+use super::variables::{DriveMode, EnergyBalance, Indicators, Inputs, MechanicalMode, Outputs};
 use crate::components::commutation::{Commutation, Phases};
 use crate::components::validity::Extremes;
 use crate::effects::{PerNode, Port};
@@ -94,7 +94,7 @@ impl AnnulusCooledMotor {
 
     /// The equations over the next step, with the inputs on their slopes.
     pub fn step_equations(&mut self) -> Step<'_> {
-        self.tell_effects(self.time);
+        self.set_drivers(self.time);
         self.follow_cooling();
         self.equations()
     }
@@ -117,18 +117,18 @@ impl AnnulusCooledMotor {
         let step =
             Step::new(&self.parameters, &self.own.constants, &self.inputs, &self.slopes, fan, self.time)
                 .with_excess(self.excess());
-        let step = match &self.held {
-            Some(held) => step.with_strength_since(held.since).with_open_switches(held.discrete.idle),
+        let step = match &self.pre {
+            Some(pre) => step.with_strength_since(pre.since).with_open_switches(pre.discrete.idle),
             None => step,
         };
-        if self.own.network.is_some() { step.within(self.beyond()) } else { step }
+        if self.own.network.is_some() { step.with_coupling(self.coupling()) } else { step }
     }
 
     /// Energy in all stores, J.
     pub(super) fn stored(&self) -> f64 {
         let state = self.own.state;
-        let beyond = self.own.network.as_ref().map_or(0.0, |n| n.stored(self.own.t_start));
-        self.equations().stored(&state, self.own.t_start) + beyond
+        let network = self.own.network.as_ref().map_or(0.0, |n| n.stored(self.own.t_start));
+        self.equations().stored(&state, self.own.t_start) + network
     }
 
     /// Draws the consequences of parameters that were written.
@@ -148,19 +148,19 @@ impl AnnulusCooledMotor {
         };
     }
 
-    /// What `look` sees at the present time with the effects told and, if `cooled`, the cooling by its full equations. The motor
+    /// What `look` sees at the present time with the drivers set and, if `cooled`, the cooling by its full equations. The motor
     /// stays as it is: the linearized cooling and the values that effects hold belong to the steps, and reading decides nothing
     /// about them.
     pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Self) -> T) -> T {
         let is_told = self.parameters.effects.acts_at(Port::Any);
         let is_cooled = self.own.network.as_ref().is_none_or(|n| {
-            self.held.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
+            self.pre.is_some() && n.is_evaluated_at(&self.inputs, self.ambient(self.time).start)
         });
         if !is_told && (is_cooled || !cooled) {
             return look(self);
         }
         let mut copy = self.clone();
-        copy.tell_effects(copy.time);
+        copy.set_drivers(copy.time);
         copy.evaluate_cooling();
         look(&copy)
     }
@@ -177,7 +177,7 @@ impl Equations<ALL> for Motor {
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
-    type Balance = Books;
+    type Balance = EnergyBalance;
     type Indicators = Indicators;
     type Point = ();
     type Discrete = Discrete;
@@ -226,7 +226,7 @@ impl Equations<ALL> for Motor {
         run.own.network = None;
         run.follow_parameters();
         Self::follow_inputs(run);
-        run.tell_effects(time);
+        run.set_drivers(time);
         ambient += run.parameters.effects.ambient_offset();
         run.own.state.temperature = Temperatures::repeat(ambient);
         run.own.t_start = ambient;
@@ -235,7 +235,7 @@ impl Equations<ALL> for Motor {
         run.follow_parameters();
         run.put_initial(ambient);
         // Terms may follow the initial temperatures.
-        run.tell_effects(time);
+        run.set_drivers(time);
         run.start_lags();
         run.own.stored_at_start = run.stored();
         Ok(())
@@ -251,8 +251,8 @@ impl Equations<ALL> for Motor {
     fn outputs(run: &AnnulusCooledMotor, (): &()) -> Outputs {
         let mut outputs =
             run.observe(false, |m| m.equations().outputs(&m.own.state, m.own.t_sensor, &m.own.phases));
-        if let Some(held) = &run.held {
-            outputs.over_temperature = held.discrete.over_temperature;
+        if let Some(pre) = &run.pre {
+            outputs.over_temperature = pre.discrete.over_temperature;
         }
         outputs
     }
@@ -275,10 +275,10 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    fn balance(run: &AnnulusCooledMotor, (): &()) -> Books {
+    fn balance(run: &AnnulusCooledMotor, (): &()) -> EnergyBalance {
         run.observe(true, |m| {
             let start = (m.own.t_start, m.own.stored_at_start);
-            m.equations().books(&m.own.state, start, m.own.network.as_ref())
+            m.equations().energy_balance(&m.own.state, start, m.own.network.as_ref())
         })
     }
 
@@ -379,7 +379,7 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    fn hand_over(run: &mut AnnulusCooledMotor) {
+    fn enter_model_exchange(run: &mut AnnulusCooledMotor) {
         if let Some(network) = &mut run.own.network {
             network.forget();
         }
@@ -388,32 +388,34 @@ impl Equations<ALL> for Motor {
     /// What is evaluated here depends on the present values alone; it serves the outputs at the same point as well.
     fn evaluate(run: &mut AnnulusCooledMotor) {
         if run.own.fault.is_none() {
-            run.tell_effects(run.time);
+            run.set_drivers(run.time);
             run.bring_network_to_inputs();
         }
     }
 
     /// What the capacities hold more or less because a term has changed them is no error of the energy balance.
     fn accept_step(run: &mut AnnulusCooledMotor) {
-        run.tell_effects(run.time);
+        run.set_drivers(run.time);
         let own = &mut run.own;
-        if let Some(held) = &mut run.held {
+        if let Some(pre) = &mut run.pre {
             let heat = own.constants.heat(&own.state.temperature, own.t_start);
-            own.stored_at_start += heat - heat * held.discrete.booked / own.capacity_factor;
-            held.discrete.booked = own.capacity_factor;
+            own.stored_at_start += heat - heat * pre.discrete.booked / own.capacity_factor;
+            pre.discrete.booked = own.capacity_factor;
             run.outdate();
         }
     }
 
     fn excess(run: &AnnulusCooledMotor) -> f64 {
-        run.own.constants.limits().beyond(&run.extremes())
+        run.own.constants.limits().excess(&run.extremes())
     }
 
-    fn ending(run: &AnnulusCooledMotor, time: f64) -> String {
-        let books = Self::balance(run, &());
+    fn termination_reason(run: &AnnulusCooledMotor, time: f64) -> String {
+        let balance = Self::balance(run, &());
         let heat = run.inputs.heat_power + run.parameters.effects.winding_heat();
-        let flows =
-            [books.loss_copper + books.loss_friction + heat, books.heat_to_ambient - books.loss_drive];
+        let flows = [
+            balance.loss_copper + balance.loss_friction + heat,
+            balance.heat_to_ambient - balance.loss_drive,
+        ];
         run.own.constants.limits().sentence(&run.extremes(), time, flows)
     }
 

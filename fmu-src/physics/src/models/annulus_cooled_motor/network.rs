@@ -9,8 +9,8 @@
 //! T_w and T_s are winding and stator, the two nodes of `equations.rs`; q_air as `cooling/coefficients.rs` says, with
 //! the air of one segment passing to the next. Each stands still as a node where its mode has no use for it.
 //!
-//! The two nodes see rotor and housing run along a line through a piece of a step, and the network takes the
-//! very heat that left them on the way, so no joule is lost between the two; that piece is cut until the line
+//! The two nodes see rotor and housing run along a line over a substep, and the network receives the
+//! heat that left them over it, so that no energy is lost between the two; the substep is cut until the line
 //! is good enough ([`Network::miss`]). The network itself is solved by `solver/stabilized.rs`.
 
 mod body;
@@ -28,7 +28,7 @@ const ROTOR: usize = 0;
 /// Place of the tube among the temperatures.
 pub const TUBE: usize = 1;
 
-/// Error of a temperature that a piece of a step may have, K.
+/// Error of a temperature after a substep that is accepted, K.
 const TOLERANCE: f64 = 1e-6;
 
 /// Heat that comes into the network, W.
@@ -43,7 +43,7 @@ pub struct Inflow {
 pub struct Flows {
     /// From the rotor to the housing.
     pub rotor_to_housing: f64,
-    /// From the housing to the room.
+    /// From the housing to ambient.
     pub housing_to_room: f64,
     /// From the housing to the passing air or coolant.
     pub housing_to_air: f64,
@@ -51,8 +51,8 @@ pub struct Flows {
     pub housing_to_tube: f64,
     /// From the tube to the passing air.
     pub tube_to_air: f64,
-    /// From the tube to the room.
-    pub tube_to_room: f64,
+    /// From the tube to ambient.
+    pub tube_to_ambient: f64,
     /// From the fan to the passing air.
     pub fan_to_air: f64,
     /// What the air or the coolant carries away.
@@ -67,7 +67,7 @@ pub struct Network {
     /// What it is made of.
     pub body: Body,
     cooling: Cooling,
-    /// Rotor, tube, segments, and energy given to ambient over the last piece.
+    /// Rotor, tube, segments, and energy given to ambient over the last substep.
     states: States,
     tangent: Tangent,
     /// The coefficients in use.
@@ -77,11 +77,11 @@ pub struct Network {
     method: Stabilized,
     /// Upper bound of the rates, 1/s.
     fastest: f64,
-    /// Where the last piece led to.
+    /// States at the end of the last substep.
     next: States,
-    /// Length that the next piece of a step may try, s.
-    pub piece: f64,
-    /// Error that a piece may make, K.
+    /// Length of the next substep to try, s.
+    pub substep: f64,
+    /// Error that is accepted in a substep, K.
     pub tolerance: f64,
 }
 
@@ -98,12 +98,12 @@ impl Network {
             method: Stabilized::default(),
             fastest: 0.0,
             next: [temperature; MOST],
-            piece: 1e-3,
+            substep: 1e-3,
             tolerance: TOLERANCE,
         }
     }
 
-    /// The error that a piece may make, as a multiple of the usual.
+    /// The error that is accepted in a substep, as a multiple of the default.
     pub fn ease(&mut self, factor: f64) {
         self.tolerance = TOLERANCE * factor;
     }
@@ -136,7 +136,7 @@ impl Network {
         if self.body.has(ROTOR) { self.states[ROTOR] } else { self.housing_temperature() }
     }
 
-    /// The same at the end of the last piece, before it is accepted.
+    /// The same at the end of the last substep, before it is accepted.
     pub fn rotor_ahead(&self) -> f64 {
         let next = &self.next;
         if self.body.has(ROTOR) { next[ROTOR] } else { mean(&next[FIRST..FIRST + self.body.segments]) }
@@ -162,7 +162,7 @@ impl Network {
     /// Temperatures and what the next step depends on.
     pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
         let housing = self.states[..FIRST + self.body.segments].iter().copied();
-        housing.chain(self.tangent.at.to_numbers()).chain([self.piece])
+        housing.chain(self.tangent.at.to_numbers()).chain([self.substep])
     }
 
     /// Takes back what [`to_numbers`](Self::to_numbers) gave; `None` where the numbers run out.
@@ -175,7 +175,7 @@ impl Network {
             *state = next()?;
         }
         let at = Conditions::from_numbers(next)?;
-        self.piece = next()?;
+        self.substep = next()?;
         if at.surface.is_nan() {
             self.forget();
         } else {
@@ -246,11 +246,11 @@ impl Network {
         Inflow { rotor, segment }
     }
 
-    /// The mean heat over a piece of `h` seconds, from the integrals of winding and stator over time and the
+    /// The mean heat over a substep of `h` seconds, from the integrals of winding and stator over time and the
     /// friction's energy, with rotor and housing on their lines. With it, what left winding and stator, J.
-    fn mean_inflow(&self, rates: &States, h: f64, passed: &Passage) -> (Inflow, f64) {
+    fn mean_inflow(&self, rates: &States, h: f64, integrals: &CouplingIntegrals) -> (Inflow, f64) {
         let body = &self.body;
-        let &Passage { winding, stator, friction } = passed;
+        let &CouplingIntegrals { winding, stator, friction } = integrals;
         let to_housing = friction * (1.0 - body.friction_to_rotor) / body.segments as f64;
         let along = |k: usize| h * (self.states[k] + 0.5 * h * rates[k]);
         let mut inflow = Inflow { rotor: 0.0, segment: [0.0; SEGMENTS] };
@@ -281,7 +281,7 @@ impl Network {
             let t = y[FIRST + k];
             let after = if k + 1 < n { y[FIRST + k + 1] } else { t };
             let from = body.from_rotor * (rotor - t);
-            let direct = c.direct[k] * (t - ambient);
+            let direct = c.ambient_conductance[k] * (t - ambient);
             let radiated = c.to_tube * (t - tube);
             let along = body.axial * (before - 2.0 * t + after);
             let Passing { segment, tube: from_tube, air: next } = passing(c, k, t, tube, air);
@@ -293,10 +293,10 @@ impl Network {
             out[FIRST + k] = (gain - direct - radiated - segment) * per_joule;
             before = t;
         }
-        let outside = c.tube_to_room * (tube - ambient);
+        let outside = c.tube_to_ambient * (tube - ambient);
         out[ROTOR] = (inflow.rotor - from_rotor) * per_rotor;
         out[TUBE] = (to_tube - outside) * per_tube;
-        out[FIRST + n] = leaving + outside + c.stream * (air - inlet);
+        out[FIRST + n] = leaving + outside + c.m_flow_cp * (air - inlet);
     }
 
     /// Derivatives at the present temperatures, K/s.
@@ -331,17 +331,17 @@ impl Network {
         rates[FIRST + self.body.segments]
     }
 
-    /// Advances by a piece of `h` seconds: `rates` those at its start under the heat `begun`, `passed` what winding
+    /// Advances by a substep of `h` seconds: `rates` those at its start under the heat `at_start`, `integrals` what winding
     /// and stator did over it, ambient on a line. [`accept`](Self::accept) takes the outcome.
     pub fn advance(
         &mut self,
         h: f64,
-        (rates, begun): (&States, &Inflow),
-        passed: &Passage,
+        (rates, at_start): (&States, &Inflow),
+        integrals: &CouplingIntegrals,
         ambient: Line,
     ) -> Advance {
         let (n, count) = (self.body.segments, self.body.states());
-        let (inflow, left) = self.mean_inflow(rates, h, passed);
+        let (inflow, left) = self.mean_inflow(rates, h, integrals);
         let stiffness = h * self.fastest;
         if stiffness > self.method.stiffness() || self.method.stages() > 2 {
             self.method = Stabilized::for_stiffness(stiffness);
@@ -350,9 +350,9 @@ impl Network {
         // The rates at the start are those of another inflow, in which they are linear.
         let mut first = *rates;
         let [rotor, _, segment] = self.body.per_joule;
-        first[ROTOR] += (inflow.rotor - begun.rotor) * rotor;
+        first[ROTOR] += (inflow.rotor - at_start.rotor) * rotor;
         for k in 0..n {
-            first[FIRST + k] += (inflow.segment[k] - begun.segment[k]) * segment;
+            first[FIRST + k] += (inflow.segment[k] - at_start.segment[k]) * segment;
         }
         let at = |t: f64, y: &States, out: &mut States| self.rates(ambient.at(t), &inflow, y, out);
         let end = self.method.step(count, &self.states, &first, h, at);
@@ -372,7 +372,7 @@ impl Network {
         Advance { left, to_ambient: end[FIRST + n], error: over }
     }
 
-    /// What the stator misses over a piece since the housing did not run along its line, K: a third of the
+    /// Error of the stator over a substep because the housing does not follow its line, K: a third of the
     /// difference at the end, for a parabola, times the share of its heat that the stator exchanges.
     fn miss(&self, rates: &States, end: &States, h: f64) -> f64 {
         let n = self.body.segments;
@@ -385,7 +385,7 @@ impl Network {
         (off * exchange / 3.0).abs()
     }
 
-    /// Takes the states that the last piece led to.
+    /// Accepts the states at the end of the last substep.
     pub fn accept(&mut self) {
         let in_use = self.body.states();
         self.states[..in_use].copy_from_slice(&self.next[..in_use]);
@@ -397,13 +397,14 @@ impl Network {
         let n = body.segments;
         let mut most = 0.0f64;
         for k in 0..n {
-            let flows = c.direct[k] + c.films[k] + c.to_tube + body.from_rotor;
+            let flows = c.ambient_conductance[k] + c.film_conductance[k] + c.to_tube + body.from_rotor;
             most = most.max(flows);
         }
         let segment = (2.0 * most + 4.0 * body.axial) / body.capacity[2];
         let of =
             |conductance: f64, capacity: f64| if capacity > 0.0 { 2.0 * conductance / capacity } else { 0.0 };
-        let tube: f64 = c.films[..n].iter().sum::<f64>() + n as f64 * c.to_tube + c.tube_to_room;
+        let tube: f64 =
+            c.film_conductance[..n].iter().sum::<f64>() + n as f64 * c.to_tube + c.tube_to_ambient;
         let rotor = n as f64 * body.from_rotor + body.winding_to_rotor;
         segment.max(of(tube, body.capacity[TUBE])).max(of(rotor, body.capacity[ROTOR]))
     }
@@ -415,13 +416,13 @@ impl Network {
         flows.housing_to_room + self.from_outside + flows.housing_to_air + flows.housing_to_tube
     }
 
-    /// Every flow at the present temperatures, for the books and the outputs.
+    /// Every flow at the present temperatures, for the energy balance and the outputs.
     pub fn flows(&self, ambient: f64) -> Flows {
         let (body, c, y) = (&self.body, &self.now, &self.states);
         let (rotor, tube) = (y[ROTOR], y[TUBE]);
         let mut flows = Flows {
-            tube_to_room: c.tube_to_room * (tube - ambient),
-            fan_to_air: c.inlet_rise * c.stream,
+            tube_to_ambient: c.tube_to_ambient * (tube - ambient),
+            fan_to_air: c.inlet_rise * c.m_flow_cp,
             housing_to_room: -self.from_outside,
             ..Flows::default()
         };
@@ -429,22 +430,22 @@ impl Network {
         let mut air = inlet;
         for (k, &t) in self.housing().iter().enumerate() {
             flows.rotor_to_housing += body.from_rotor * (rotor - t);
-            flows.housing_to_room += c.direct[k] * (t - ambient);
+            flows.housing_to_room += c.ambient_conductance[k] * (t - ambient);
             flows.housing_to_tube += c.to_tube * (t - tube);
             let p = passing(c, k, t, tube, air);
             flows.housing_to_air += p.segment;
             flows.tube_to_air += p.tube;
             air = p.air;
         }
-        flows.air_to_room = c.stream * (air - inlet) + flows.fan_to_air;
+        flows.air_to_room = c.m_flow_cp * (air - inlet) + flows.fan_to_air;
         flows.outlet = air;
         flows
     }
 }
 
-/// What winding and stator did over a piece of a step.
+/// Integrals of winding and stator over a substep.
 #[derive(Clone, Copy, Debug)]
-pub struct Passage {
+pub struct CouplingIntegrals {
     /// Integral of the winding's temperature, K.s.
     pub winding: f64,
     /// Integral of the stator's temperature, K.s.
@@ -453,7 +454,7 @@ pub struct Passage {
     pub friction: f64,
 }
 
-/// Where a piece of a step has led.
+/// The end of a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Advance {
     /// Heat that winding and stator gave to the network, J.
@@ -474,10 +475,10 @@ struct Passing {
 /// Eq. (2) of `cooling/coefficients.rs`.
 #[inline]
 fn passing(c: &Coefficients, k: usize, t: f64, tube: f64, air: f64) -> Passing {
-    let (share, films) = (c.share[k], c.films[k]);
+    let (share, films) = (c.share[k], c.film_conductance[k]);
     let wall = tube + share * (t - tube);
-    let taken = c.take[k] * (wall - air);
-    let carried = c.stream * taken;
+    let taken = c.effectiveness[k] * (wall - air);
+    let carried = c.m_flow_cp * taken;
     Passing {
         segment: share * (films * (t - wall) + carried),
         tube: (1.0 - share) * (films * (tube - wall) + carried),

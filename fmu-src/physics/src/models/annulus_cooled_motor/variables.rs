@@ -136,7 +136,7 @@ variables! {
 variables! {
     /// Flows of air, coolant and power, and the balance residuals. They need the full equations of the cooling, which take longer
     /// than a step, so that they are computed only when they are read.
-    pub struct Books {
+    pub struct EnergyBalance {
         /// Temperature of the air behind the motor; ambient temperature without flow and in cooling_mode conductance, bare and water_jacket
         air_outlet_temperature: f64 = Variable::output(28, Unit::Kelvin).nominal(300.0),
         /// Volume flow rate of air over the motor, by fan and buoyancy; 0 in cooling_mode conductance and bare

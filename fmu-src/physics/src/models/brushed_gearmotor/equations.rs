@@ -10,7 +10,7 @@
 //! I is the mean over a switching cycle. By (1) it runs with L/R into the mean of the periodic cycle at the present
 //! speed. In continuous conduction that is exact; in discontinuous conduction the true mean settles within the
 //! one cycle that it takes to empty the winding, which is no longer than a few L/R. The ripple is that of the
-//! periodic cycle. The supply's power follows from the motor's (components/chopper.rs), so the books close on the
+//! periodic cycle. The supply's power follows from the motor's (components/chopper.rs), so the energy balance closes on the
 //! way, too.
 //!
 //! *Effects* act as everywhere, with this meaning: drags at the output shaft; the contacts' drop at the mean
@@ -92,7 +92,7 @@ pub struct Step<'a> {
     direction: f64,
     supply: Line,
     load: Line,
-    /// True temperature of the surroundings, K.
+    /// True ambient temperature, K.
     ambient: Line,
     /// What is left of the torque constant, 1 for all.
     strength: f64,
@@ -117,9 +117,9 @@ pub struct Point {
     pub fast: Fast,
     /// Derivatives of the temperatures, K/s.
     pub warming: Temperatures,
-    /// Heat flow to the surroundings, W: from the box and the bridge.
+    /// Heat flow to ambient, W: from the box and the bridge.
     pub to_ambient: f64,
-    /// The books.
+    /// The energy balance.
     pub ledger: Ledger,
 }
 

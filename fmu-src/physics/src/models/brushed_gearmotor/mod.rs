@@ -5,16 +5,16 @@
 //! runtime. The declared values are those of preset bdcm-37d.
 
 mod equations;
+mod initial_energy;
 mod motor;
-mod opening;
 mod parameters;
 pub mod state_function;
 mod states;
 mod variables;
 
 pub use equations::{Constants, ENERGIES, Point, STATES, State, Step};
+pub use initial_energy::InitialEnergy;
 pub use motor::BrushedGearmotor;
-pub use opening::Opening;
 pub use parameters::Parameters;
 pub use states::{Initial, NODES, Temperatures};
 pub use variables::{Indicators, Inputs, Outputs};

@@ -1,7 +1,7 @@
 //! The gearmotor as [`Equations`] of the runtime: steps, states and events.
 
 use super::equations::{Constants, STATES, State, Step};
-use super::opening::Opening;
+use super::initial_energy::InitialEnergy;
 use super::parameters::{Parameters, unserved};
 use super::states::{BOX, HOUSING, LIST, NODES, WINDING};
 use super::variables::{Indicators, Inputs, Outputs};
@@ -38,11 +38,11 @@ pub struct Gearmotor {
     state: State,
     /// Initial ambient temperature, K; stored heat counts from it.
     t_start: f64,
-    opening: Opening,
+    initial_energy: InitialEnergy,
     split: Split<NODES>,
 }
 
-saved!(Gearmotor { t_start, opening, state, split });
+saved!(Gearmotor { t_start, initial_energy, state, split });
 
 /// Discrete states in Model Exchange.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,12 +64,12 @@ impl BrushedGearmotor {
     /// The equations over the next step, with the inputs on their slopes.
     pub fn step_equations(&self) -> Step<'_> {
         let step = self.equations(self.time);
-        match &self.held {
-            Some(held) => {
+        match &self.pre {
+            Some(pre) => {
                 // A duty that has just left zero has the direction in which it left.
-                let (direction, duty) = (held.discrete.direction, self.inputs.duty);
+                let (direction, duty) = (pre.discrete.direction, self.inputs.duty);
                 let direction = if direction == 0.0 && duty != 0.0 { duty.signum() } else { direction };
-                step.with_events(direction, held.since)
+                step.with_events(direction, pre.since)
             }
             None => step,
         }
@@ -80,8 +80,8 @@ impl BrushedGearmotor {
     }
 
     /// What the energy balance would start from at the present time.
-    fn opening(&self) -> Opening {
-        self.step_equations().opening(&self.own.state, self.own.t_start)
+    fn initial_energy(&self) -> InitialEnergy {
+        self.step_equations().initial_energy(&self.own.state, self.own.t_start)
     }
 
     /// The temperatures that are limited.
@@ -119,7 +119,7 @@ impl Equations<STATES> for Gearmotor {
             constants: Constants::of(parameters),
             state: State::default(),
             t_start: 0.0,
-            opening: Opening::default(),
+            initial_energy: InitialEnergy::default(),
             split: Split::default(),
         }
     }
@@ -133,7 +133,7 @@ impl Equations<STATES> for Gearmotor {
         let t_start = run.inputs.ambient_temperature + drift;
         let state = parameters.initial.state(t_start);
         run.own = Gearmotor { state, t_start, ..Gearmotor::new(parameters) };
-        run.own.opening = run.opening();
+        run.own.initial_energy = run.initial_energy();
         Ok(())
     }
 
@@ -142,11 +142,11 @@ impl Equations<STATES> for Gearmotor {
         let Gearmotor { constants, state, split, .. } = own;
         let before = *state;
         split.advance(&Step::new(parameters, constants, inputs, slopes, time), state, h).map_err(
-            |stuck| {
+            |step_failure| {
                 Fault(format!(
                     "The gearmotor's equations have no solution {} s after {} s even with steps of {} s \
                  (current {} A, speed {} rad/s, winding {} K).",
-                    stuck.t, time, stuck.h, before.x[0], before.x[1], before.temperature[0]
+                    step_failure.t, time, step_failure.h, before.x[0], before.x[1], before.temperature[0]
                 ))
             },
         )?;
@@ -162,9 +162,9 @@ impl Equations<STATES> for Gearmotor {
 
     fn outputs(run: &BrushedGearmotor, (): &()) -> Outputs {
         let own = &run.own;
-        let mut outputs = run.step_equations().outputs(&own.state, own.t_start, &own.opening);
-        if let Some(held) = &run.held {
-            outputs.over_temperature = held.discrete.over_temperature;
+        let mut outputs = run.step_equations().outputs(&own.state, own.t_start, &own.initial_energy);
+        if let Some(pre) = &run.pre {
+            outputs.over_temperature = pre.discrete.over_temperature;
         }
         outputs
     }
@@ -198,10 +198,10 @@ impl Equations<STATES> for Gearmotor {
 
     /// A tunable parameter that changes the stored energy does not count in the energy balance.
     fn set_parameter(run: &mut BrushedGearmotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
-        let before = run.opening();
+        let before = run.initial_energy();
         let taken = set(&mut run.parameters);
         run.own.constants = Constants::of(&run.parameters);
-        run.own.opening = run.own.opening + run.opening() - before;
+        run.own.initial_energy = run.own.initial_energy + run.initial_energy() - before;
         taken
     }
 
@@ -262,10 +262,10 @@ impl Equations<STATES> for Gearmotor {
     }
 
     fn excess(run: &BrushedGearmotor) -> f64 {
-        run.own.constants.limits().beyond(&run.extremes())
+        run.own.constants.limits().excess(&run.extremes())
     }
 
-    fn ending(run: &BrushedGearmotor, time: f64) -> String {
+    fn termination_reason(run: &BrushedGearmotor, time: f64) -> String {
         let outputs = Self::outputs(run, &());
         let flows =
             [outputs.loss_copper + outputs.loss_friction, outputs.heat_to_ambient - outputs.loss_drive];

@@ -1,6 +1,6 @@
 //! The equations of the actuator.
 //!
-//! input shaft    phi = motor_angle + twist + opening,  w = motor_speed                                 rigid      (1)
+//! input shaft    phi = motor_angle + twist + initial,  w = motor_speed                                 rigid      (1)
 //!                twist' = w - motor_speed,  J w' = tau_c - tau_in,
 //!                tau_c = - k_c twist - d_c (w - motor_speed)                                  elastic    (2)
 //! transmission   components/transmission.rs: angle_in, N, tau_in
@@ -86,7 +86,7 @@ pub struct Point {
 
 /// The energy balance at one instant.
 #[derive(Clone, Copy, Debug)]
-pub struct Books {
+pub struct EnergyBalance {
     /// Energy in springs, coupling and inertia, J.
     pub stored: f64,
     /// Power balance residual, W.
@@ -103,7 +103,7 @@ impl Actuator {
     pub fn at(&self, now: &At<'_>) -> Point {
         let (u, x) = (now.inputs, now.states);
         let shaft = if self.is_elastic() { [x[TWIST], x[INPUT_SPEED]] } else { [0.0, u.motor_speed] };
-        let m = self.mechanics(u, shaft, now.opening[0]);
+        let m = self.mechanics(u, shaft, now.initial[0]);
         let demand_rate = self.control.demand_rate(m.demand, x[DEMAND]);
         let wanted = self.wanted(u, &m, demand_rate);
         let command = self.control.voltage(&wanted, u.motor_current, x[VOLTAGE]);
@@ -124,15 +124,15 @@ impl Actuator {
     /// The same at the states `x`, `t` seconds into a step.
     pub fn at_line(&self, line: &Line<'_, Inputs, OPENING>, t: f64, x: &[f64; STATES]) -> Point {
         let inputs = line.inputs(t);
-        self.at(&At { time: line.time + t, inputs: &inputs, states: x, opening: line.opening })
+        self.at(&At { time: line.time + t, inputs: &inputs, states: x, initial: line.initial })
     }
 
     /// Transmission and springs, where the input shaft has this twist against the motor's, rad, and speed, rad/s;
-    /// `opening` is its turn where the motor shows 0, rad.
+    /// `initial` is its angle where the motor angle is 0, rad.
     #[inline(always)]
-    fn mechanics(&self, u: &Inputs, [twist, w]: [f64; 2], opening: f64) -> Mechanics {
+    fn mechanics(&self, u: &Inputs, [twist, w]: [f64; 2], initial: f64) -> Mechanics {
         let transmission = &self.transmission;
-        let (angle_in, n) = transmission.output(u.motor_angle + twist + opening);
+        let (angle_in, n) = transmission.output(u.motor_angle + twist + initial);
         let deflection = angle_in - u.joint_angle;
         let rate = w / n - u.joint_speed;
         let spring = self.spring.deflected(deflection, rate, transmission.backlash);
@@ -227,7 +227,7 @@ impl Actuator {
         let rate = [early, middle, late, early * late].map(|decay| slope + apart * decay);
         let seen: [(Mechanics, Wanted); LATER] = std::array::from_fn(|k| {
             let u = &on[k];
-            let m = self.mechanics(u, [0.0, u.motor_speed], line.opening[0]);
+            let m = self.mechanics(u, [0.0, u.motor_speed], line.initial[0]);
             (m, self.wanted(u, &m, rate[k]))
         });
         let begin = line.inputs(t);
@@ -292,7 +292,7 @@ impl Actuator {
     }
 
     /// The energy balance: power of the shaft, to the joint, into springs and inertia, and dissipated.
-    pub fn books(&self, now: &At<'_>, p: &Point) -> Books {
+    pub fn energy_balance(&self, now: &At<'_>, p: &Point) -> EnergyBalance {
         use Account::{Ambient, Joint, Kinetic, Shaft, Spring};
         let (u, transmission, elastic) = (now.inputs, &self.transmission, self.is_elastic());
         let m = &p.mechanics;
@@ -313,7 +313,7 @@ impl Actuator {
         } else {
             0.0
         };
-        Books {
+        EnergyBalance {
             stored: m.spring.energy + beside_energy + coupling_energy,
             error: ledger.error(&[
                 (Shaft, -p.rates[ENERGY_SHAFT]),
@@ -327,7 +327,7 @@ impl Actuator {
 
     /// Energy in springs, coupling and inertia, J.
     pub(super) fn stored(&self, now: &At<'_>) -> f64 {
-        self.books(now, &self.at(now)).stored
+        self.energy_balance(now, &self.at(now)).stored
     }
 
     /// The outputs.
@@ -353,13 +353,13 @@ impl Actuator {
 
     /// The balance residuals.
     pub(super) fn show_balance(&self, now: &At<'_>, p: &Point) -> Balance {
-        let (books, x) = (self.books(now, p), now.states);
+        let (balance, x) = (self.energy_balance(now, p), now.states);
         Balance {
-            power_balance_error: books.error,
+            power_balance_error: balance.error,
             energy_balance_error: x[ENERGY_SHAFT]
                 - x[ENERGY_JOINT]
                 - x[ENERGY_TRANSMISSION]
-                - (books.stored - now.opening[1]),
+                - (balance.stored - now.initial[1]),
         }
     }
 }

@@ -7,7 +7,7 @@
 mod equations;
 mod variables;
 
-pub use equations::{Books, Mechanics, Point};
+pub use equations::{EnergyBalance, Mechanics, Point};
 pub use variables::{Balance, Indicators, Inputs, LIST, Outputs};
 
 use crate::components::springs::{ParallelSpring, SeriesSpring};
@@ -96,8 +96,8 @@ impl Law<STATES, OPENING> for Actuator {
         let mut states = [0.0; STATES];
         states[equations::DEMAND] = carried;
         states[equations::INPUT_SPEED] = if self.is_elastic() { inputs.motor_speed } else { 0.0 };
-        let opening = [turn, 0.0];
-        let now = Now { time: 0.0, inputs, states: &states, opening: &opening };
+        let initial = [turn, 0.0];
+        let now = Now { time: 0.0, inputs, states: &states, initial: &initial };
         let stored = self.stored(&now);
         Ok((states, [turn, stored]))
     }
@@ -151,7 +151,7 @@ impl Law<STATES, OPENING> for Actuator {
 
     /// A tunable parameter that changes the energy of springs and inertia does not count in the energy balance.
     fn retuned(&self, before: &Self, now: &At<'_>) -> [f64; OPENING] {
-        let [turn, stored] = *now.opening;
+        let [turn, stored] = *now.initial;
         [turn, stored + self.stored(now) - before.stored(now)]
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 /// Current, A, and speed, rad/s.
 pub type Fast = Vector2<f64>;
 
-/// What a model tells the integrator. Times are seconds since the start of the caller's step.
+/// Interface from a model to the integrator. Times are seconds since the start of the caller's step.
 pub trait System<const N: usize> {
     /// What rates, heat and work share at one instant and costs to compute.
     type Instant: Copy;
@@ -74,7 +74,7 @@ pub struct Segment<const N: usize> {
     /// Integral of the square of the current, A2.s, and how far a coarser rule would miss it where it is not exact.
     pub square: f64,
     /// See [`square`](Segment::square).
-    pub doubt_of_square: f64,
+    pub error_of_square: f64,
     /// Integrals of (t - start) times current and speed.
     pub moment: Fast,
     /// Temperatures at the start, the middle and the end, K.
@@ -92,10 +92,10 @@ pub struct Work<const N: usize> {
     pub electrical: f64,
     /// Energy delivered at the shaft.
     pub mechanical: f64,
-    /// Heat given to the surroundings without passing a node.
+    /// Heat given to ambient without passing a node.
     pub ambient: f64,
     /// Heat set free beyond the nodes.
     pub aside: f64,
     /// How far a coarser rule would miss the energies that are not exact.
-    pub doubt: f64,
+    pub quadrature_error: f64,
 }

@@ -51,45 +51,45 @@ impl Method for Annulus {
                 .curve()
                 .map_or(0.0, |curve| curve.operating_flow_with_leak(command, rho / fan.density_ref, system));
             (c.flow, mass_flow) = (flow, rho * flow);
-            c.stream = mass_flow * air.c_p;
+            c.m_flow_cp = mass_flow * air.c_p;
             let nu = gap.heated.mean(gap.reynolds(mass_flow, &air), air.pr, gap.length / gap.d_h);
             let g = factor * nu * air.k / gap.d_h * inner;
-            let ntu = g / c.stream.max(1e-12);
+            let ntu = g / c.m_flow_cp.max(1e-12);
             mean = at.ambient + (at.surface - at.ambient) * (1.0 - (1.0 - (-ntu).exp()) / ntu);
         }
         c.pressure_drop = gap.pressure(mass_flow, &air) - site.buoyancy(gap, mass_flow, &air, factor);
-        if self.0 == FlowDirection::Push && c.stream > 0.0 {
+        if self.0 == FlowDirection::Push && c.m_flow_cp > 0.0 {
             c.fan_power = warming(fan, command, rho, c, gap);
-            c.inlet_rise = c.fan_power / c.stream;
+            c.inlet_rise = c.fan_power / c.m_flow_cp;
         }
         let re = gap.reynolds(mass_flow, &air);
         // What the films of the developed flow have in place of air at rest, W/K, and how far it is at rest.
         let share = inner / (inner + outer);
         let developed = factor * gap.heated.nu_developed() * air.k / gap.d_h * (inner + outer);
-        let graetz = c.stream * gap.d_h * gap.d_h / (air.k * gap.section * gap.length);
+        let graetz = c.m_flow_cp * gap.d_h * gap.d_h / (air.k * gap.section * gap.length);
         let still = (-graetz).exp();
         let beyond =
             still * (gap.at_rest(at.surface, at.tube, at.pressure) / (share * (1.0 - share)) - developed);
-        c.behind = -(-c.stream * gap.d_h / (air.k * gap.section)).exp_m1();
+        c.behind = -(-c.m_flow_cp * gap.d_h / (air.k * gap.section)).exp_m1();
         let dx = housing.length / n as f64;
         for (k, covered) in site.covered(0.0, gap.length) {
-            c.direct[k] = (1.0 - covered) * free;
+            c.ambient_conductance[k] = (1.0 - covered) * free;
             if covered <= 0.0 {
                 continue;
             }
             let (from, to) = (dx * k as f64, dx * (k as f64 + covered));
             let h = factor * gap.heated.between(re, air.pr, from / gap.d_h, to / gap.d_h) * air.k / gap.d_h;
             let part = (to - from) / gap.length;
-            c.films[k] = (h * (inner + outer) + beyond) * part;
+            c.film_conductance[k] = (h * (inner + outer) + beyond) * part;
             c.share[k] = share;
-            c.take[k] = -(-c.films[k] / c.stream.max(1e-12)).exp_m1();
+            c.effectiveness[k] = -(-c.film_conductance[k] / c.m_flow_cp.max(1e-12)).exp_m1();
         }
         // Long concentric cylinders, Incropera, 7th ed., eq. 13.20.
         let resistance =
             1.0 / housing.emissivity.max(1e-9) + inner / outer * (1.0 / annulus.emissivity.max(1e-9) - 1.0);
         let black = radiation::coefficient(1.0, at.surface, at.tube);
         c.to_tube = black / resistance * inner / n as f64;
-        c.tube_to_room = gap.tube_to_ambient(annulus, at.tube, at.ambient, at.pressure);
+        c.tube_to_ambient = gap.tube_to_ambient(annulus, at.tube, at.ambient, at.pressure);
     }
 }
 

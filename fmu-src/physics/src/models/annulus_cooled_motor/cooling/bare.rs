@@ -8,6 +8,6 @@ pub struct Bare;
 
 impl Method for Bare {
     fn add(&self, site: &Site, c: &mut Coefficients) {
-        c.direct[..site.segments].fill(site.free());
+        c.ambient_conductance[..site.segments].fill(site.free());
     }
 }

@@ -1,11 +1,12 @@
-//! What the passing air or coolant takes from each segment of the housing, as coefficients for one set of conditions.
+//! Heat transfer from each segment of the housing to air or coolant, as coefficients for one set of conditions.
 //!
-//! segment to room:  q = direct (T - T_a)                                                   (1)
-//! passing stream:   s = T_t + w (T - T_t),  q_air = take C (s - air),  air' = air + take (s - air)   (2)
-//!                   q_segment = w [G (T - s) + take C (s - air)],  q_tube the like with 1 - w
+//! segment to ambient:  q = G_a (T - T_a)                                                   (1)
+//! wall:                s = T_t + w (T - T_t)
+//! flow:                q_flow = eps C (s - T_f),   T_f' = T_f + eps (s - T_f)               (2)
+//!                      q_segment = w [G (T - s) + q_flow],   q_tube the same with 1 - w
 //!
-//! (2) is exact for a segment of motor and tube at one temperature each: C the heat capacity of the flow in W/K,
-//! G = h A of both walls, w the motor's share of it, take = 1 - exp(-G/C). Without a tube w = 1.
+//! (2) is exact for a segment of motor and tube at one temperature each: C = m_flow c_p in W/K, G = h A of both walls, w the motor's
+//! fraction of it, effectiveness eps = 1 - exp(-G/C). Without a tube w = 1.
 //! *Assumes* that tube and motor have the same coefficient; the correlations at the mean surface temperature,
 //! air properties at its mean temperature in the gap.
 //! *Source*: (2) Incropera, 7th ed., eq. 8.41; the correlations in `correlations/`.
@@ -81,21 +82,21 @@ impl Conditions {
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients {
     /// Conductance from each segment to ambient, W/K.
-    pub direct: [f64; SEGMENTS],
+    pub ambient_conductance: [f64; SEGMENTS],
     /// Conductance of both walls of the gap along each segment, W/K.
-    pub films: [f64; SEGMENTS],
-    /// The segment's share of it.
+    pub film_conductance: [f64; SEGMENTS],
+    /// The segment's fraction of it.
     pub share: [f64; SEGMENTS],
-    /// How far the passing air comes to the walls' temperature.
-    pub take: [f64; SEGMENTS],
+    /// Effectiveness: change of the flow's temperature over its difference from the walls.
+    pub effectiveness: [f64; SEGMENTS],
     /// Heat capacity of the flow, W/K.
-    pub stream: f64,
-    /// What the fan's power warms the air by before the gap, K.
+    pub m_flow_cp: f64,
+    /// Temperature rise of the air before the gap by the fan's power, K.
     pub inlet_rise: f64,
     /// Radiation from each segment to the tube, W/K.
     pub to_tube: f64,
     /// Conductance from the tube to ambient, W/K.
-    pub tube_to_room: f64,
+    pub tube_to_ambient: f64,
     /// Flow over the motor, m3/s.
     pub flow: f64,
     /// Excess temperature of the air behind the motor over that of the air that leaves the last segment: 1, but lower near zero
@@ -116,14 +117,14 @@ pub struct Coefficients {
 impl Coefficients {
     /// No exchange at all.
     pub const NONE: Coefficients = Coefficients {
-        direct: [0.0; SEGMENTS],
-        films: [0.0; SEGMENTS],
+        ambient_conductance: [0.0; SEGMENTS],
+        film_conductance: [0.0; SEGMENTS],
         share: [1.0; SEGMENTS],
-        take: [0.0; SEGMENTS],
-        stream: 0.0,
+        effectiveness: [0.0; SEGMENTS],
+        m_flow_cp: 0.0,
         inlet_rise: 0.0,
         to_tube: 0.0,
-        tube_to_room: 0.0,
+        tube_to_ambient: 0.0,
         flow: 0.0,
         behind: 1.0,
         pressure_drop: 0.0,
@@ -143,14 +144,14 @@ impl Coefficients {
     #[inline]
     pub(super) fn along(&self, slope: &Coefficients, z: f64, n: usize, out: &mut Coefficients) {
         for k in 0..n {
-            out.direct[k] = self.direct[k] + z * slope.direct[k];
-            out.films[k] = self.films[k] + z * slope.films[k];
+            out.ambient_conductance[k] = self.ambient_conductance[k] + z * slope.ambient_conductance[k];
+            out.film_conductance[k] = self.film_conductance[k] + z * slope.film_conductance[k];
             out.share[k] = self.share[k] + z * slope.share[k];
-            out.take[k] = self.take[k] + z * slope.take[k];
+            out.effectiveness[k] = self.effectiveness[k] + z * slope.effectiveness[k];
         }
-        out.stream = self.stream + z * slope.stream;
+        out.m_flow_cp = self.m_flow_cp + z * slope.m_flow_cp;
         out.to_tube = self.to_tube + z * slope.to_tube;
-        out.tube_to_room = self.tube_to_room + z * slope.tube_to_room;
+        out.tube_to_ambient = self.tube_to_ambient + z * slope.tube_to_ambient;
         out.flow = self.flow + z * slope.flow;
         out.behind = self.behind + z * slope.behind;
         out.pressure_drop = self.pressure_drop + z * slope.pressure_drop;
@@ -159,6 +160,6 @@ impl Coefficients {
         out.pump_power = self.pump_power + z * slope.pump_power;
         out.coolant_inlet = self.coolant_inlet;
         // The rise follows from what it is made of, so that the fan's watts stay the fan's watts.
-        out.inlet_rise = if out.stream > 0.0 { out.fan_power / out.stream } else { 0.0 };
+        out.inlet_rise = if out.m_flow_cp > 0.0 { out.fan_power / out.m_flow_cp } else { 0.0 };
     }
 }

@@ -13,6 +13,6 @@ impl Method for GivenConductance {
 
     fn add(&self, site: &Site, c: &mut Coefficients) {
         let n = site.segments;
-        c.direct[..n].fill(site.parameters.conductance.at(site.command) / n as f64);
+        c.ambient_conductance[..n].fill(site.parameters.conductance.at(site.command) / n as f64);
     }
 }

@@ -37,7 +37,8 @@ impl Method for FanCrossflow {
         let (from, to) = (0.5 * (housing.length - covered), 0.5 * (housing.length + covered));
         for (k, share) in site.covered(from, to) {
             let convection = share * blown + (1.0 - share) * still.lateral;
-            c.direct[k] = housing.lateral_area() / site.segments as f64 * (convection + still.radiation);
+            c.ambient_conductance[k] =
+                housing.lateral_area() / site.segments as f64 * (convection + still.radiation);
         }
         c.flow = flow;
     }

@@ -148,13 +148,13 @@ impl Cooling {
         self.method.add(&site, &mut c);
         let has_network = self.method.has_network();
         let everywhere = site.by_effects() + if has_network { p.thermal.G_mount } else { 0.0 };
-        for direct in &mut c.direct[..self.segments] {
+        for direct in &mut c.ambient_conductance[..self.segments] {
             *direct += everywhere / self.segments as f64;
         }
         if has_network {
             let ends = p.housing.end_area() * (site.still.end + site.still.radiation);
-            c.direct[0] += ends;
-            c.direct[self.segments - 1] += ends;
+            c.ambient_conductance[0] += ends;
+            c.ambient_conductance[self.segments - 1] += ends;
         }
         c
     }

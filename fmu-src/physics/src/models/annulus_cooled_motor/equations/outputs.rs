@@ -1,4 +1,4 @@
-//! What the model shows of its state, and the check of the books.
+//! Outputs, and the residual of the energy balance.
 
 use super::{CORE, Ends, NODES, Step, WINDING};
 use crate::components::commutation::Phases;
@@ -6,12 +6,12 @@ use crate::ledger::{Account, Ledger};
 use crate::model::HousingHeat;
 use crate::models::annulus_cooled_motor::cooling::mass;
 use crate::models::annulus_cooled_motor::network::Network;
-use crate::models::annulus_cooled_motor::variables::{Books, DriveMode, Outputs};
+use crate::models::annulus_cooled_motor::variables::{DriveMode, EnergyBalance, Outputs};
 use crate::solver::split::{State, System};
 
 /// What is to be shown of the heat beyond winding and core.
 struct Outside {
-    /// Heat flow to the surroundings, W.
+    /// Heat flow to ambient, W.
     to_ambient: f64,
     /// Temperature at which the air leaves the motor, K.
     air_outlet: f64,
@@ -19,7 +19,7 @@ struct Outside {
     coolant_outlet: f64,
     /// Heat flow to the coolant, W.
     to_coolant: f64,
-    /// Power that the books of the network miss, W.
+    /// Power balance residual of the network, W.
     error: f64,
 }
 
@@ -79,7 +79,7 @@ impl Step<'_> {
 
     /// Heat flow along the leads from the winding at `t_w` to ambient, W.
     pub fn leads(&self, t_w: f64, network: &Network) -> f64 {
-        let conductance = self.beyond.conductance.winding - network.body.winding_to_rotor;
+        let conductance = self.coupling.conductance.winding - network.body.winding_to_rotor;
         conductance * (t_w - self.ambient.start)
     }
 
@@ -98,12 +98,12 @@ impl Step<'_> {
 
     /// The flows of power at the start of the step, and the balance residuals. Energies count from what was stored at the start,
     /// heat from the temperature `origin`, K, so that the residual is not the rounding of energies above 0 K.
-    pub fn books(
+    pub fn energy_balance(
         &self,
         state: &State<NODES>,
         (origin, stored_at_start): (f64, f64),
         network: Option<&Network>,
-    ) -> Books {
+    ) -> EnergyBalance {
         use Account::*;
         let model = self.model;
         let (x, temperature) = (&state.x, &state.temperature);
@@ -131,7 +131,7 @@ impl Step<'_> {
         let [energy_in, energy_out, energy_heat] = state.energy;
         let copper = self.copper_loss(state, p.drive);
         let stored = self.stored(state, origin) + network.map_or(0.0, |n| n.stored(origin));
-        Books {
+        EnergyBalance {
             air_outlet_temperature: outside.air_outlet,
             air_flow_rate: network.map_or(0.0, |n| n.coefficients().flow),
             air_pressure_drop: network.map_or(0.0, |n| n.coefficients().pressure_drop),
@@ -181,7 +181,7 @@ impl Step<'_> {
         ledger.transfer(Housing, Air, flows.housing_to_air);
         ledger.transfer(Housing, Tube, flows.housing_to_tube);
         ledger.transfer(Tube, Air, flows.tube_to_air);
-        ledger.transfer(Tube, Ambient, flows.tube_to_room);
+        ledger.transfer(Tube, Ambient, flows.tube_to_ambient);
         ledger.transfer(Fan, Air, flows.fan_to_air);
         ledger.transfer(Air, Ambient, flows.air_to_room);
 

@@ -131,14 +131,14 @@ impl System<NODES> for Step<'_> {
             let extra = simpson(start, beyond(1), 0.0);
             (f[2] * segment.integral[k] + extra, (extra - 0.5 * h * start).abs())
         };
-        let (friction, mut doubt) = against(instants.map(|instant| instant.drag), 1);
+        let (friction, mut quadrature_error) = against(instants.map(|instant| instant.drag), 1);
         let mut in_core = friction;
         if self.constants.has_network {
             let iron =
                 |n: usize| if self.constants.iron_in_core { self.iron_drag(segment.x[n][1]) } else { 0.0 };
-            let doubt_of_iron;
-            (in_core, doubt_of_iron) = against([iron(0), iron(1), iron(2)], 1);
-            doubt += doubt_of_iron;
+            let error_of_iron;
+            (in_core, error_of_iron) = against([iron(0), iron(1), iron(2)], 1);
+            quadrature_error += error_of_iron;
         }
         let (air_gap, mechanical) = if self.is_free() {
             let load = line(&self.load, 1);
@@ -154,9 +154,9 @@ impl System<NODES> for Step<'_> {
         };
         let mut load = 0.0;
         if self.constants.acts.at(Port::PowerModeLoad) {
-            let doubt_of_load;
-            (load, doubt_of_load) = against([x0, xm, x1].map(|x| self.power_mode_torque(x[1])), 1);
-            doubt += doubt_of_load;
+            let error_of_load;
+            (load, error_of_load) = against([x0, xm, x1].map(|x| self.power_mode_torque(x[1])), 1);
+            quadrature_error += error_of_load;
         }
         let stator = h * self.stator.at(t + 0.5 * h);
         let mut heat = h * self.heat.at(t + 0.5 * h) - load;
@@ -164,38 +164,39 @@ impl System<NODES> for Step<'_> {
             let ripple = [0, 1, 2].map(|n| self.ripple_loss(at[n], segment.temperature[n][WINDING]));
             let over_step = simpson(ripple[0], ripple[1], ripple[2]);
             heat += over_step;
-            doubt += (over_step - 0.5 * h * (ripple[0] + ripple[2])).abs();
+            quadrature_error += (over_step - 0.5 * h * (ripple[0] + ripple[2])).abs();
         }
         let mut drive = h * self.drive.at(t + 0.5 * h);
         // R i^2: the value of R at the end times the integral of i^2, and what R differs from it by Simpson's rule.
         let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
         let heating = |n: usize| (r(n) - r(2)) * segment.x[n][0] * segment.x[n][0];
-        let (drop, doubt_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
-        doubt += doubt_of_drop;
+        let (drop, error_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
+        quadrature_error += error_of_drop;
         let (copper, electrical) = if self.is_voltage_driven() {
             let copper = r(2) * segment.square + simpson(heating(0), heating(1), 0.0) + drop;
-            doubt += r(2) * segment.doubt_of_square;
+            quadrature_error += r(2) * segment.error_of_square;
             let mut supplied = line(&self.voltage, 0);
             if self.chopper.coasts {
                 let open = [0, 1, 2].map(|n| self.source(at[n], k_t(n) * segment.x[n][1]));
-                let doubt_of_open;
-                (supplied, doubt_of_open) = against(open, 0);
-                doubt += doubt_of_open;
+                let error_of_open;
+                (supplied, error_of_open) = against(open, 0);
+                quadrature_error += error_of_open;
             } else if self.voltage_bend != 0.0 {
-                let (bend, doubt_of_bend) = against(at.map(|t| self.voltage_bend * (t * t)), 0);
+                let (bend, error_of_bend) = against(at.map(|t| self.voltage_bend * (t * t)), 0);
                 supplied += bend;
-                doubt += doubt_of_bend;
+                quadrature_error += error_of_bend;
             }
             if self.loses() {
-                let (bridge, doubt_of_bridge) = against([x0, xm, x1].map(|x| self.bridge(x[0])), 0);
-                let (missed, doubt_of_missed) =
+                let (bridge, error_of_bridge) = against([x0, xm, x1].map(|x| self.bridge(x[0])), 0);
+                let (missed, error_of_missed) =
                     against([0, 1, 2].map(|n| self.missed(at[n], segment.x[n][0])), 0);
-                doubt += doubt_of_bridge + doubt_of_missed;
+                quadrature_error += error_of_bridge + error_of_missed;
                 drive += bridge;
                 supplied = supplied - missed - bridge;
             }
             // What the energies of the step do not add up to.
-            doubt += (supplied - copper - air_gap - self.magnetic(x1[0]) + self.magnetic(x0[0])).abs();
+            quadrature_error +=
+                (supplied - copper - air_gap - self.magnetic(x1[0]) + self.magnetic(x0[0])).abs();
             (copper, supplied)
         } else {
             let copper = simpson(r(0) * x0[0] * x0[0], r(1) * xm[0] * xm[0], r(2) * x1[0] * x1[0]) + drop;
@@ -208,7 +209,7 @@ impl System<NODES> for Step<'_> {
             electrical: electrical + heat + load + stator + drive,
             mechanical: mechanical + load,
             ambient: drive,
-            doubt,
+            quadrature_error,
         }
     }
 

@@ -1,17 +1,17 @@
-//! What the model shows of its state, and the check of the books.
+//! Outputs, and the residual of the energy balance.
 
 use super::nodes::ACCOUNTS;
 use super::{State, Step};
 use crate::ledger::Account;
-use crate::models::brushed_gearmotor::opening::Opening;
+use crate::models::brushed_gearmotor::initial_energy::InitialEnergy;
 use crate::models::brushed_gearmotor::states::{BOX, HOUSING, NODES, WINDING};
 use crate::models::brushed_gearmotor::variables::Outputs;
 use crate::solver::split::System;
 
 impl Step<'_> {
-    /// What books that open now start from; heat counts from the temperature `origin`, K.
-    pub fn opening(&self, state: &State, origin: f64) -> Opening {
-        Opening {
+    /// Stored energies now; heat counts from the temperature `origin`, K.
+    pub fn initial_energy(&self, state: &State, origin: f64) -> InitialEnergy {
+        InitialEnergy {
             stored: self.stored(state, origin),
             magnetic: self.magnetic(state.x[0]),
             kinetic: self.kinetic(state.x[1]),
@@ -19,7 +19,7 @@ impl Step<'_> {
     }
 
     /// The outputs at the start of the step.
-    pub fn outputs(&self, state: &State, origin: f64, opening: &Opening) -> Outputs {
+    pub fn outputs(&self, state: &State, origin: f64, initial_energy: &InitialEnergy) -> Outputs {
         use Account::*;
         let (x, temperature) = (&state.x, &state.temperature);
         let (i, w) = (x[0], x[1]);
@@ -31,7 +31,7 @@ impl Step<'_> {
             [(Terminals, -p.supply_power), (AirGap, 0.0), (Shaft, shaft_torque * w), (Ambient, p.to_ambient)];
         let nodes: [_; NODES] = std::array::from_fn(|k| (ACCOUNTS[k], capacity[k] * p.warming[k]));
         let power_balance_error = p.ledger.error(&outside) + p.ledger.error(&nodes);
-        let gained = self.opening(state, origin) - *opening;
+        let gained = self.initial_energy(state, origin) - *initial_energy;
         let [energy_supply, energy_shaft, energy_heat, work_electrical, friction] = state.energy;
         let work_mechanical = gained.kinetic + energy_shaft + friction;
         let [voltage_electrical, voltage_magnetic, voltage_mechanical] = p.voltages;

@@ -134,19 +134,19 @@ impl System<NODES> for Step<'_> {
         let ripple = simpson(ripples);
         let supply = INSTANTS.map(|n| self.bridge(at[n]).supply_power(&instants[n].cycle));
 
-        let (friction, doubt_friction) = against(instants.map(|instant| instant.drag), 1);
+        let (friction, error_of_friction) = against(instants.map(|instant| instant.drag), 1);
         let load = self.load.at(t) * segment.integral[1] + self.load.slope * segment.moment[1];
-        let (terminals, doubt_terminals) = against(volts, 0);
+        let (terminals, error_of_terminals) = against(volts, 0);
         // R i^2: the value of R at the end times the integral of i^2, and what R differs from it by Simpson's rule.
-        let (drop, doubt_drop) = against(instants.map(|instant| instant.lost), 0);
+        let (drop, error_of_drop) = against(instants.map(|instant| instant.lost), 0);
         let heating = INSTANTS.map(|n| (r[n] - r[2]) * segment.x[n][0] * segment.x[n][0]);
         let copper = r[2] * segment.square + simpson(heating) + drop;
-        let doubt_copper = doubt_drop + r[2] * segment.doubt_of_square;
+        let error_of_copper = error_of_drop + r[2] * segment.error_of_square;
         let through = INSTANTS.map(|n| supply[n].per_watt * volts[n] + supply[n].per_ampere);
-        let (steady, doubt_supply) = against(through, 0);
+        let (steady, error_of_supply) = against(through, 0);
         let rippling = INSTANTS.map(|n| supply[n].per_watt * ripples[n]);
         let electrical = steady + simpson(rippling);
-        let doubt_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
+        let error_of_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
         let drive = electrical - terminals - ripple;
         // What the energies of the step do not add up to.
         let [before, after] = [segment.x[0], segment.x[2]].map(|x| self.kinetic(x[1]) + self.magnetic(x[0]));
@@ -158,11 +158,11 @@ impl System<NODES> for Step<'_> {
             mechanical: load,
             ambient: drive,
             aside: 0.0,
-            doubt: doubt_friction
-                + doubt_terminals
-                + doubt_copper
-                + doubt_supply
-                + doubt_ripple
+            quadrature_error: error_of_friction
+                + error_of_terminals
+                + error_of_copper
+                + error_of_supply
+                + error_of_ripple
                 + missing.abs(),
         }
     }

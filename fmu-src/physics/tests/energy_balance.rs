@@ -118,7 +118,7 @@ fn the_energy_books_close_over_a_run() {
     }
 }
 
-/// The books from outside: an hour at 5 A, electrical energy by the caller's own quadrature of the power,
+/// The energy balance from outside: an hour at 5 A, electrical energy by the caller's own quadrature of the power,
 /// against heat stored by the temperatures and heat given away by the conductance.
 #[test]
 fn the_books_close_for_an_onlooker() {
@@ -180,7 +180,7 @@ fn the_residual_is_not_the_rounding_of_heat_above_0_k() {
         let slot = |name: &str| m.declaration().by_name(name).unwrap().slot;
         let (residual, inductance) = (slot("energy_balance_error"), slot("motor.L"));
         assert_eq!(m.declaration().by_name("energy_balance_error").unwrap().row.nominal, 1.0);
-        m.hand_over();
+        m.enter_model_exchange();
         m.start(0.0).unwrap();
         let mut states = vec![0.0; m.declaration().states.len()];
         m.read_states(&mut states);
@@ -225,7 +225,7 @@ fn the_books_close_while_the_winding_heats_fast() {
     }
 }
 
-/// A parameter tuned on the way does not put energy into the books.
+/// A parameter tuned on the way does not put energy into the energy balance.
 #[test]
 fn tuning_a_parameter_keeps_the_books() {
     let mut m = motor(DriveMode::Current, MechanicalMode::ImposedSpeed);

@@ -1,12 +1,12 @@
-//! How the motor goes from one communication point to the next.
+//! A step from one communication point to the next.
 //!
-//! Without a network, one call to the integrator. With one, the step is taken in pieces: winding and stator see
-//! rotor and housing run along a line, the network then takes the heat that they gave, and a piece whose line
-//! was not good enough is cut. At a step of milliseconds, one piece is enough.
+//! Without a network, one call to the integrator. With one, the step is taken in substeps: winding and stator see
+//! rotor and housing run along a line, the network then receives their heat, and a substep with too large an error is
+//! rejected and cut. At a step of milliseconds, one substep is enough.
 
-use super::equations::{Beyond, NODES, Step};
+use super::equations::{NODES, Step, ThermalCoupling};
 use super::motor::AnnulusCooledMotor;
-use super::network::{Network, Passage};
+use super::network::{CouplingIntegrals, Network};
 use super::parameters::Parameters;
 use super::variables::Inputs;
 use crate::components::commutation::{Commutation, PHASES, Phases};
@@ -20,9 +20,9 @@ use crate::solver::split::State;
 use crate::solver::stabilized::States;
 use declare::Group;
 
-/// A piece shorter than this share of the caller's step is a failure, not an accuracy.
+/// A substep shorter than this fraction of the communication step is a failure.
 const LEAST_SHARE: f64 = 1e-9;
-/// How far inputs that the cooling follows in steps may move within a piece: command 1, ambient K, pressure Pa, coolant K.
+/// How far inputs that the cooling follows in steps may move within a substep: command 1, ambient K, pressure Pa, coolant K.
 const MOVE: [f64; 4] = [0.02, 0.25, 500.0, 0.25];
 /// The same for the flow of the coolant, as a share of it, with a least, m3/s.
 const MOVE_FLOW: (f64, f64) = (0.02, 1e-8);
@@ -35,16 +35,16 @@ impl AnnulusCooledMotor {
             return Err(Halt::Fault(Fault(fault.clone())));
         }
         if self.holds_states() {
-            self.tell_effects_middle(time, h)?;
+            self.set_drivers_middle(time, h)?;
         } else {
-            self.tell_effects_over(time, h);
+            self.set_drivers_over(time, h);
         }
-        self.march(time, h)
+        self.take_substeps(time, h)
     }
 
-    /// A step with what the effects were told.
+    /// A step with the drivers that were set.
     #[inline]
-    pub(super) fn march(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+    pub(super) fn take_substeps(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.housing_temperature();
         let effects = &self.parameters.effects;
         let lagging = (effects.acts_at(Port::Any) && effects.has_lags()).then(|| self.lag_sources());
@@ -78,7 +78,7 @@ impl AnnulusCooledMotor {
         self.own
             .split
             .advance(&step, &mut self.own.state, h)
-            .map_err(|stuck| self.stuck(time, stuck.t, stuck.h))?;
+            .map_err(|step_failure| self.step_failure(time, step_failure.t, step_failure.h))?;
         let phases = self.own.phases.over(&step, [&before, &self.own.state], h, &self.parameters);
         let [winding, core] = [self.own.state.temperature[0], self.own.state.temperature[1]];
         let extremes =
@@ -92,7 +92,7 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    fn stuck(&self, time: f64, after: f64, h: f64) -> Fault {
+    fn step_failure(&self, time: f64, after: f64, h: f64) -> Fault {
         Fault(format!(
             "The motor's equations have no solution {after} s after {time} s even with steps of {h} s \
              (current {} A, speed {} rad/s, winding {} K).",
@@ -102,10 +102,10 @@ impl AnnulusCooledMotor {
 
     fn advance_in_pieces(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let longest = h.min(self.longest_piece());
-        let mut trial = self.own.network.as_ref().map_or(h, |n| n.piece).min(longest);
+        let mut trial = self.own.network.as_ref().map_or(h, |n| n.substep).min(longest);
         if trial >= h {
-            // The common case, without a copy to go back to: a piece that is refused changes nothing.
-            match self.piece(time, h)? {
+            // The common case needs no copy: a rejected substep changes nothing.
+            match self.substep(time, h)? {
                 Ok(()) => return Ok(()),
                 Err(shorter) => trial = shorter,
             }
@@ -114,17 +114,17 @@ impl AnnulusCooledMotor {
         let mut done = 0.0;
         while done < h {
             let rest = h - done;
-            let piece = if trial >= rest * (1.0 - 1e-9) { rest } else { trial.min(0.5 * rest) };
-            if piece < LEAST_SHARE * h {
-                let fault = self.stuck(time, done, piece);
+            let substep = if trial >= rest * (1.0 - 1e-9) { rest } else { trial.min(0.5 * rest) };
+            if substep < LEAST_SHARE * h {
+                let fault = self.step_failure(time, done, substep);
                 *self = before;
                 return Err(fault.into());
             }
-            match self.piece(time + done, piece) {
+            match self.substep(time + done, substep) {
                 Ok(Ok(())) => {
-                    done += piece;
-                    trial = self.own.network.as_ref().map_or(h, |n| n.piece).min(longest);
-                    if piece == rest {
+                    done += substep;
+                    trial = self.own.network.as_ref().map_or(h, |n| n.substep).min(longest);
+                    if substep == rest {
                         break;
                     }
                 }
@@ -139,7 +139,7 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    /// The longest piece over which the inputs that the cooling follows may be taken at their middle, s.
+    /// The longest substep over which the inputs that the cooling follows may be taken at their middle, s.
     fn longest_piece(&self) -> f64 {
         let s = &self.slopes;
         let slopes = [s.fan_command, s.ambient_temperature, s.ambient_pressure, s.coolant_inlet_temperature];
@@ -149,8 +149,8 @@ impl AnnulusCooledMotor {
         times.fold(f64::INFINITY, f64::min)
     }
 
-    /// One piece of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
-    fn piece(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
+    /// One substep of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
+    fn substep(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         let ambient = self.ambient(time);
         let still = !self.is_sloping();
         let middle = if still { self.inputs } else { self.inputs.after(0.5 * h, &self.slopes) };
@@ -159,15 +159,16 @@ impl AnnulusCooledMotor {
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, 0.0);
 
-        // Heat that friction sets free in the network as the piece begins.
+        // Heat that friction sets free in the network as the substep begins.
         let (state, split) = (self.own.state, &mut self.own.split);
         let (t_w, t_core) = (state.temperature[0], state.temperature[1]);
         let (p, constants) = (&self.parameters, &self.own.constants);
-        let draught = draught(p, middle.fan_command);
-        let start = beyond(network, draught, ambient, None);
+        let fan_conductance = fan_conductance(p, middle.fan_command);
+        let start = coupling(network, fan_conductance, ambient, None);
         let none = PerNode::default();
-        let step =
-            Step::new(p, constants, &self.inputs, &self.slopes, none, time).with_excess(excess).within(start);
+        let step = Step::new(p, constants, &self.inputs, &self.slopes, none, time)
+            .with_excess(excess)
+            .with_coupling(start);
         let friction = step.drag_beyond(&state.x, &state.temperature);
         let inflow = network.inflow(t_w, t_core, friction);
         let mut rates = network.rates_now(ambient.start, &inflow);
@@ -177,15 +178,18 @@ impl AnnulusCooledMotor {
             rates = network.rates_now(ambient.start, &inflow);
         }
 
-        let step = step.within(beyond(network, draught, ambient, Some(&rates)));
+        let step = step.with_coupling(coupling(network, fan_conductance, ambient, Some(&rates)));
         let mut next = state;
-        if let Err(stuck) = split.advance(&step, &mut next, h) {
-            return Err(self.stuck(time, stuck.t, stuck.h).into());
+        if let Err(step_failure) = split.advance(&step, &mut next, h) {
+            return Err(self.step_failure(time, step_failure.t, step_failure.h).into());
         }
-        let passed = next.passed;
-        let passage =
-            Passage { winding: passed.temperature[0], stator: passed.temperature[1], friction: passed.aside };
-        let advance = network.advance(h, (&rates, &inflow), &passage, ambient);
+        let integrals = next.integrals;
+        let coupling_integrals = CouplingIntegrals {
+            winding: integrals.temperature[0],
+            stator: integrals.temperature[1],
+            friction: integrals.aside,
+        };
+        let advance = network.advance(h, (&rates, &inflow), &coupling_integrals, ambient);
         if advance.error > 1.0 || advance.error.is_nan() {
             split.rejected += 1;
             let shrink = 0.8 / advance.error.cbrt();
@@ -199,7 +203,7 @@ impl AnnulusCooledMotor {
             return Err(Halt::Limit);
         }
         network.accept();
-        network.piece = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
+        network.substep = h * if advance.error < 0.008 { 4.0 } else { (0.8 / advance.error.cbrt()).min(4.0) };
         next.energy[2] += advance.to_ambient - advance.left;
         (self.own.state, self.own.phases) = (next, phases);
         self.arrive(time + h, h);
@@ -224,8 +228,8 @@ impl AnnulusCooledMotor {
     /// How the phases share the copper loss at this instant; between events within one sector of block commutation.
     fn shares_now(&self) -> [f64; PHASES] {
         let commutation = self.parameters.choices.commutation;
-        let angle = match &self.held {
-            Some(held) if commutation == Commutation::Block => held.discrete.angle(),
+        let angle = match &self.pre {
+            Some(pre) if commutation == Commutation::Block => pre.discrete.angle(),
             _ => self.electrical_angle(&self.own.state),
         };
         commutation.shares(angle, angle)
@@ -253,7 +257,7 @@ impl AnnulusCooledMotor {
         middle.in_use(&commutation.shares(a, a + way))
     }
 
-    /// The true ambient temperature over a piece that begins at `time`, K.
+    /// The true ambient temperature over a substep that begins at `time`, K.
     pub(super) fn ambient(&self, time: f64) -> Line {
         let drift = self.own.constants.drift();
         Line {
@@ -266,7 +270,7 @@ impl AnnulusCooledMotor {
     pub(super) fn bring_network_to_inputs(&mut self) {
         let ambient = self.ambient(self.time).start;
         let Some(network) = &mut self.own.network else { return };
-        if self.held.is_some() {
+        if self.pre.is_some() {
             network.evaluate(&self.parameters, &self.inputs, ambient);
         } else {
             network.refresh(&self.parameters, &self.inputs, ambient, 0.0);
@@ -276,7 +280,7 @@ impl AnnulusCooledMotor {
     /// Evaluates the cooling at this instant by its full equations.
     pub(super) fn evaluate_cooling(&mut self) {
         let ambient = self.ambient(self.time).start;
-        let steps = self.held.is_none();
+        let steps = self.pre.is_none();
         if let Some(network) = &mut self.own.network {
             if steps {
                 network.forget();
@@ -286,10 +290,10 @@ impl AnnulusCooledMotor {
     }
 
     /// What winding and core see of the network at this instant.
-    pub(super) fn beyond(&self) -> Beyond {
-        let Some(network) = &self.own.network else { return Beyond::default() };
-        let draught = draught(&self.parameters, self.inputs.fan_command);
-        beyond(network, draught, self.ambient(self.time), None)
+    pub(super) fn coupling(&self) -> ThermalCoupling {
+        let Some(network) = &self.own.network else { return ThermalCoupling::default() };
+        let fan_conductance = fan_conductance(&self.parameters, self.inputs.fan_command);
+        coupling(network, fan_conductance, self.ambient(self.time), None)
     }
 }
 
@@ -307,14 +311,19 @@ impl Phases {
     }
 }
 
-/// Conductances that effects add, W/K.
-fn draught(parameters: &Parameters, command: f64) -> PerNode {
+/// Conductances to ambient that effects add, W/K.
+fn fan_conductance(parameters: &Parameters, command: f64) -> PerNode {
     let effects = &parameters.effects;
     effects.ambient_conductance(Conductance::share(effects.fan_flow(command)))
 }
 
-/// What winding and core see of a network.
-fn beyond(network: &Network, draught: PerNode, ambient: Line, rates: Option<&States>) -> Beyond {
+/// Thermal coupling of winding and core to a network.
+fn coupling(
+    network: &Network,
+    fan_conductance: PerNode,
+    ambient: Line,
+    rates: Option<&States>,
+) -> ThermalCoupling {
     let body = &network.body;
     let line = |start: f64, rate: fn(&Network, &States) -> f64| Line {
         start,
@@ -322,11 +331,11 @@ fn beyond(network: &Network, draught: PerNode, ambient: Line, rates: Option<&Sta
     };
     let rotor = line(network.rotor_temperature(), Network::rotor_rate);
     let core = line(network.housing_temperature(), Network::housing_rate);
-    let (to_rotor, to_ambient) = (body.winding_to_rotor, body.leads + draught.winding);
+    let (to_rotor, to_ambient) = (body.winding_to_rotor, body.leads + fan_conductance.winding);
     let sum = to_rotor + to_ambient;
     let share = if sum > 0.0 { to_rotor / sum } else { 0.0 };
     let mix = |a: f64, b: f64| share * a + (1.0 - share) * b;
-    Beyond {
+    ThermalCoupling {
         conductance: PerNode { winding: sum, housing: body.from_stator * body.segments as f64 },
         winding: Line { start: mix(rotor.start, ambient.start), slope: mix(rotor.slope, ambient.slope) },
         core,

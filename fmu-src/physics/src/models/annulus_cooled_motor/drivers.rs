@@ -1,4 +1,4 @@
-//! What stands around the equations: the drivers of terms that are data, the sensor of the housing, and the initial state.
+//! Drivers of the terms, sensor of the housing, and initial state.
 
 use super::motor::{AnnulusCooledMotor, Motor};
 use super::network::Network;
@@ -13,24 +13,24 @@ use crate::terms::{Drivers, Lag, MOST_TERMS};
 use declare::Group;
 
 impl AnnulusCooledMotor {
-    /// Tells the effects that are data where the motor stands at `time`, and follows what they do to capacities.
+    /// Sets the drivers of the terms to their values at `time`, and updates the heat capacities.
     #[inline]
-    pub(super) fn tell_effects(&mut self, time: f64) {
-        self.tell_effects_over(time, 0.0);
+    pub(super) fn set_drivers(&mut self, time: f64) {
+        self.set_drivers_over(time, 0.0);
     }
 
     /// The same for a step of `h` seconds: what the inputs and the clock decide stands in its middle, so that a term which holds
     /// it over the step is of second order in them.
     #[inline]
-    pub(super) fn tell_effects_over(&mut self, time: f64, h: f64) {
+    pub(super) fn set_drivers_over(&mut self, time: f64, h: f64) {
         if self.parameters.effects.acts_at(Port::Any) {
-            self.tell_drivers(&self.drivers_over(time, h));
+            self.pass_drivers(&self.drivers_over(time, h));
         }
         self.follow_capacity();
     }
 
-    fn tell_drivers(&mut self, drivers: &Drivers) {
-        if !self.parameters.effects.tell(drivers) {
+    fn pass_drivers(&mut self, drivers: &Drivers) {
+        if !self.parameters.effects.set_drivers(drivers) {
             return;
         }
         self.own.fan = (f64::NAN, PerNode::default());
@@ -47,7 +47,7 @@ impl AnnulusCooledMotor {
             self.own.capacity_factor = factor;
             self.follow_parameters();
             // Who integrates also says when a step is taken (`exchange.rs`); until then nothing is booked.
-            if self.held.is_none() {
+            if self.pre.is_none() {
                 self.own.stored_at_start +=
                     self.own.constants.heat(&self.own.state.temperature, self.own.t_start) - before;
             }
@@ -65,17 +65,17 @@ impl AnnulusCooledMotor {
                     .any(|d| effects.holds(*d)))
     }
 
-    /// Tells the effects that are data the middle of a step of `h` seconds, whose end a first pass finds: what they hold over it is
+    /// Sets the drivers of the terms to their values in the middle of a step of `h` seconds, whose end a first pass finds: what they hold over it is
     /// then of second order in the step, also where it follows a current that answers within milliseconds.
-    pub(super) fn tell_effects_middle(&mut self, time: f64, h: f64) -> Result<(), Halt> {
+    pub(super) fn set_drivers_middle(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.clone();
         let from = self.drivers_over(time, 0.0);
-        self.tell_effects_over(time, h);
-        let passed = self.march(time, h);
+        self.set_drivers_over(time, h);
+        let taken = self.take_substeps(time, h);
         let to = self.drivers_over(time + h, 0.0);
         *self = before;
-        passed?;
-        self.tell_drivers(&from.middle(&to));
+        taken?;
+        self.pass_drivers(&from.middle(&to));
         self.follow_capacity();
         Ok(())
     }
@@ -130,11 +130,11 @@ impl AnnulusCooledMotor {
             return;
         }
         self.own.term_lags = [0.0; MOST_TERMS];
-        self.tell_effects(self.time);
+        self.set_drivers(self.time);
         // First the drivers, then the heat flows that may depend on them.
         for _ in 0..2 {
             self.own.term_lags = self.lag_sources();
-            self.tell_effects(self.time);
+            self.set_drivers(self.time);
         }
     }
 
