@@ -192,8 +192,8 @@ impl Experiment {
     /// One sentence with file and line: what is missing, unknown, no number or against the rules.
     pub fn read(path: &Path) -> Result<Experiment, CalibrateError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
+        let text =
+            delimited::read_text(path).map_err(|e| CalibrateError(format!("{file} cannot be read: {e}")))?;
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         Experiment::parse(&text, file, &folder)
     }

@@ -102,7 +102,7 @@ fn preset_facts(
     rows: &[Row],
 ) -> Result<(Vec<Fact>, Vec<Changed>), Failure> {
     let text = match path {
-        Some(path) => std::fs::read_to_string(path)?,
+        Some(path) => delimited::read_text(path)?,
         None => Preset::text(&preset.name).unwrap_or_default().to_owned(),
     };
     let mut changed = differing(&preset.model, rows);

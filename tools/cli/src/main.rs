@@ -18,6 +18,7 @@ mod simulate;
 mod study;
 mod supervised;
 mod unused;
+mod usage;
 mod validate;
 mod variables;
 
@@ -135,7 +136,8 @@ pub fn code(yes: bool) -> u8 {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let cli = Cli::try_parse().unwrap_or_else(|error| usage::refuse(&error));
+    let outcome = match cli.command {
         Command::Build(args) => build::run(&args),
         Command::Preset(args) => preset::run(&args),
         Command::Presets(args) => presets::run(&args),

@@ -10,7 +10,7 @@ use ::study::StudyError;
 use ::study::reproduce::significant;
 use ::study::steady::{Setup, continuous_torque, steady};
 use ::study::sweep::{
-    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, edges, sweep,
+    Case, ConstantInputs, Constraint, Goal, PRESET, Point, Sweep, Vary, Walking, check_figure, edges, sweep,
 };
 use ::study::walk::Load;
 use serde_json::json;
@@ -182,7 +182,7 @@ pub struct SweepArgs {
     /// Write all points as CSV with 17 digits
     #[arg(long, value_name = "F.csv")]
     output: Option<PathBuf>,
-    /// Plot the objective over the first variable, a line for each value of the second, as SVG, PNG or HTML
+    /// Plot the objective over the first variable, a line for each combination of the others, as SVG, PNG or HTML
     #[arg(long, value_name = "F.svg|F.png|F.html")]
     plot: Option<PathBuf>,
     #[command(flatten)]
@@ -243,19 +243,19 @@ fn may_write(args: &SweepArgs, vary: &[Vary]) -> Result<(), Failure> {
             columns.len() > varied.len() && columns.iter().zip(&varied).all(|(column, name)| column == name)
         })?;
     }
+    if args.plot.is_some() {
+        check_figure(vary)?;
+    }
     let is_title = |title: &str| title.contains(" over ");
     drawing::check(args.plot.as_deref(), args.force, "a figure of a sweep", is_title)
 }
 
 fn summary(found: &Sweep, vary: &[Vary]) -> String {
-    let failed: Vec<&String> = found.points.iter().filter_map(|p| p.failure.as_ref()).collect();
     let mut text = format!("{} points\n", found.points.len());
     if let Some(source) = &found.source {
         text += &format!("load: {source}\n");
     }
-    if let Some(reason) = failed.first() {
-        text += &format!("{} infeasible, the first: {reason}\n", failed.len());
-    }
+    text += &infeasible(found);
     let objectives = found.objectives.iter().map(|o| {
         let goal = if o.least_is_best { "minimum" } else { "maximum" };
         format!("{goal} of {}", o.name)
@@ -287,6 +287,35 @@ fn summary(found: &Sweep, vary: &[Vary]) -> String {
     }
     if found.objectives.len() > 1 {
         text += &pareto(found, vary);
+    }
+    text
+}
+
+/// Infeasible points that the summary lists.
+const LISTED: usize = 12;
+
+/// The infeasible points with their reasons, points with the same reason together.
+fn infeasible(found: &Sweep) -> String {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for point in &found.points {
+        let Some(failure) = &point.failure else { continue };
+        let values = found.varied.iter().zip(&point.values).map(|(n, v)| format!("{n} = {}", v.shown()));
+        let place = values.collect::<Vec<_>>().join(", ");
+        match reasons.iter_mut().find(|(reason, _)| reason == failure) {
+            Some((_, places)) => places.push(place),
+            None => reasons.push((failure, vec![place])),
+        }
+    }
+    if reasons.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("{} of {} points infeasible\n", found.infeasible, found.points.len());
+    for (reason, places) in reasons.iter().take(LISTED) {
+        let more = if places.len() > 1 { format!(" and {} more", places.len() - 1) } else { String::new() };
+        text += &format!("  {}{more}: {reason}\n", places[0]);
+    }
+    if reasons.len() > LISTED {
+        text += &format!("  and {} more reasons; --json lists all points\n", reasons.len() - LISTED);
     }
     text
 }

@@ -7,7 +7,8 @@
 use csv::{ReaderBuilder, StringRecord, Trim};
 use encoding_rs::{Encoding, UTF_8, WINDOWS_1252};
 use std::borrow::Cow;
-use std::fmt;
+use std::path::Path;
+use std::{fmt, fs, io};
 
 /// What is wrong with a text, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -132,6 +133,21 @@ impl Table {
     }
 }
 
+/// The text of a file in any of these encodings, without its byte order mark: of a TOML file, too.
+///
+/// # Errors
+/// A file that cannot be read, or one that is no text.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let text = decoded(&fs::read(path)?).into_owned();
+    match text.contains('\0') {
+        true => Err(io::Error::new(
+            io::ErrorKind::InvalidData,
+            "the file is not text in UTF-8, UTF-16 with a byte order mark or Windows-1252",
+        )),
+        false => Ok(text),
+    }
+}
+
 /// The text of the bytes of a file.
 fn decoded(bytes: &[u8]) -> Cow<'_, str> {
     match Encoding::for_bom(bytes) {
@@ -181,6 +197,28 @@ mod tests {
         let gehäuse = Table::parse(b"Geh\xe4use [\xb0C],t\n1,2\n").unwrap();
         assert_eq!(gehäuse.header()[0], "Gehäuse [°C]");
         assert_eq!(gehäuse.pointed("1,5"), "1,5");
+    }
+
+    /// A TOML file as editors and shells write it; not a spreadsheet, and not UTF-16 without mark.
+    #[test]
+    fn text_of_any_encoding_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sheet.toml");
+        let text = "# Prüfstand\nL = \"310 µH\"\n";
+        let little: Vec<u8> =
+            "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> =
+            "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_be_bytes).collect();
+        let windows: Vec<u8> = text.chars().map(|c| c as u8).collect();
+        for bytes in [text.as_bytes(), format!("\u{feff}{text}").as_bytes(), &little, &big, &windows] {
+            fs::write(&path, bytes).unwrap();
+            assert_eq!(read_text(&path).unwrap(), text);
+        }
+        for bytes in [&little[2..], b"PK\x03\x04\0\0"] {
+            fs::write(&path, bytes).unwrap();
+            assert!(read_text(&path).unwrap_err().to_string().contains("not text"));
+        }
+        assert!(read_text(&folder.path().join("none")).is_err());
     }
 
     #[test]

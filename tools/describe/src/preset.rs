@@ -72,7 +72,7 @@ impl Preset {
         if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_file) {
             return Preset::parse(text, &format!("preset {name}"));
         }
-        match std::fs::read_to_string(Path::new(name_or_file)) {
+        match delimited::read_text(Path::new(name_or_file)) {
             Ok(text) => Preset::parse(&text, name_or_file),
             Err(error) => {
                 if name_or_file.contains(['/', '\\']) || name_or_file.ends_with(".toml") {

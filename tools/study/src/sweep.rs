@@ -7,6 +7,7 @@ mod vary;
 
 use crate::StudyError;
 pub use case::{Case, ConstantInputs, Target, Walking};
+pub use figure::check_figure;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -402,8 +403,15 @@ mod tests {
             assert_eq!(point.failure.is_some(), misfit, "{point:?}");
         }
         assert!(found.csv().contains("maxon-re40-148877,bare,3000 rpm,"));
-        let two = run(&case, "winding_temperature", &grid[..2]).unwrap().figure().unwrap().svg();
-        assert!(two.contains("maxon-re40-148877") && two.contains("bare"));
+        for figure in [found.figure().unwrap().svg(), {
+            let two = run(&case, "winding_temperature", &grid[..2]).unwrap();
+            two.figure().unwrap().svg()
+        }] {
+            assert!(figure.contains("maxon-re40-148877") && figure.contains("bare"));
+        }
+        check_figure(&grid).unwrap();
+        let many = vary(&["fan_command=0:1:3", "imposed_speed=0:100:9"]);
+        assert!(check_figure(&many).unwrap_err().to_string().contains("9, at most 8"));
         let unknown =
             run(&case, "continuous_torque", &vary(&["preset=maxon-305016"])).unwrap_err().to_string();
         assert!(unknown.contains("did you mean maxon-305015?"), "{unknown}");

@@ -8,7 +8,8 @@
 //! | `shaft.rs`, `cycle_file.rs` | a motor under a cycle of torque and speed from a CSV file |
 //! | `mix.rs`, `mix_file.rs` | phases of several loads and rest |
 //! | `cycle.rs`, `envelope.rs` | fixed point of that map, and its iteration over hours |
-//! | `answer.rs` | periodic steady state, time to the winding's limit, continuous support |
+//! | `answer.rs` | periodic steady state, time to the winding's limit, objectives of sweeps |
+//! | `support.rs`, `speed.rs` | continuous support; whether the supply voltage suffices for the speed |
 
 mod answer;
 mod cycle;
@@ -20,14 +21,17 @@ mod mix_file;
 mod motor_state;
 mod periodic;
 mod shaft;
+mod speed;
 mod stride;
+mod support;
 #[cfg(test)]
 mod tests;
 mod walker;
 
-pub use answer::{Continuous, Limit, Objective, Walked, check_hours, continuous_support, periodic, walk};
+pub use answer::{Objective, Walked, check_hours, periodic, walk};
 pub use cycle_file::{Drive, SETTINGS, Setting};
 pub use envelope::{Envelope, EnvelopePoint};
 pub use load::{Derived, Load, MOTOR, Words};
 pub use periodic::Periodic;
+pub use support::{Continuous, Limit, continuous_support};
 pub use walker::{Period, Walker};

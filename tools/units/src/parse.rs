@@ -77,7 +77,9 @@ fn normalised(text: &str) -> String {
         }
     }
     // A speed of rotation, as `min-1`.
-    plain.replace("1/min", "min-1").replace("per", "/")
+    let plain = plain.replace("1/min", "min-1").replace("per", "/");
+    // A root of a unit without prefix, as in N.m/√W.
+    ["sqrt(W)", "sqrtW", "√(W)", "√W"].iter().fold(plain, |text, root| text.replace(root, "W0.5"))
 }
 
 /// All readings of a text; none for a text that is no unit.

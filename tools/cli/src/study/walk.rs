@@ -4,7 +4,7 @@ use super::{SteadyArgs, rounded};
 use crate::progress::Progress;
 use crate::{Failure, drawing};
 use ::study::reproduce::significant;
-use ::study::walk::{Periodic, Walked, check_hours, continuous_support, walk};
+use ::study::walk::{Load, Periodic, Walked, check_hours, continuous_support, walk};
 use present::figure::{Axis, Figure};
 use serde_json::json;
 use std::path::Path;
@@ -14,6 +14,9 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// Title of the figure.
 const TITLE: &str = "Winding temperature";
 
+/// Part of the computing time that the way to the steady state takes; the search for the continuous support takes the rest.
+const WAY: f64 = 0.25;
+
 pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     let load = args.start.load(file)?;
     let is_title = |title: &str| title.starts_with(TITLE);
@@ -21,14 +24,23 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     check_hours(args.load.hours)?;
     let bar = Progress::new("periodic steady state, time to the limit, continuous torque");
     let (way, search) = (AtomicU32::new(0), AtomicU32::new(0));
-    // Thousandths of each half.
+    // Thousandths of each part. A failure ends its part, too.
     let done = |part: &AtomicU32, fraction: f64| {
         part.store((1000.0 * fraction) as u32, Relaxed);
-        bar.at(f64::from(way.load(Relaxed) + search.load(Relaxed)) / 2000.0);
+        let [way, search] = [&way, &search].map(|part| f64::from(part.load(Relaxed)) / 1000.0);
+        bar.at(WAY * way + (1.0 - WAY) * search);
     };
     let (walked, continuous) = rayon::join(
-        || walk(&load, args.load.hours, &|fraction| done(&way, fraction)),
-        || continuous_support(&load, &|fraction| done(&search, fraction)),
+        || {
+            let walked = walk(&load, args.load.hours, &|fraction| done(&way, fraction));
+            done(&way, 1.0);
+            walked
+        },
+        || {
+            let continuous = continuous_support(&load, &|fraction| done(&search, fraction));
+            done(&search, 1.0);
+            continuous
+        },
     );
     bar.finish();
     let walked = walked?;
@@ -36,6 +48,8 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
         drawing::write(path, &figure(&walked, &load.source()?).svg())?;
     }
     let (source, derived) = (load.source()?, load.derived()?);
+    let notes = load.speed_notes()?;
+    crate::remark(&notes);
     if args.json {
         let result = json!({
             "gait": source,
@@ -49,6 +63,7 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
             "continuous": continuous.as_ref().ok(),
             "no_continuous_torque": continuous.as_ref().err().map(ToString::to_string),
             "mass": load.mass()?,
+            "notes": notes,
         });
         crate::say_json(&result)?;
         return Ok(ExitCode::SUCCESS);
@@ -59,6 +74,7 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
         let values = derived.iter().map(|d| format!("{} = {} {}", d.name, significant(d.value), d.unit));
         text += &format!("derived from the motor: {}\n", values.collect::<Vec<_>>().join(", "));
     }
+    text += &supply(&load)?;
     let limit = format!("{:.2} K ({:.2} degC)", walked.limit, walked.limit - 273.15);
     text += &match (&walked.forever, &walked.at_limit) {
         (Some(periodic), _) => {
@@ -95,6 +111,15 @@ pub fn run(args: &SteadyArgs, file: &Path) -> Result<ExitCode, Failure> {
     };
     crate::say(&text);
     Ok(ExitCode::SUCCESS)
+}
+
+/// A line where the supply voltage is that of the declaration, which belongs to another motor.
+fn supply(load: &Load) -> Result<String, Failure> {
+    let Some(voltage) = load.default_supply()? else { return Ok(String::new()) };
+    Ok(format!(
+        "supply_voltage = {} V is the default of the actuator; --set supply_voltage or the table [actuator] changes it\n",
+        significant(voltage)
+    ))
 }
 
 fn lines(p: &Periodic) -> String {

@@ -292,6 +292,15 @@ pub fn implausible(sheet: &Datasheet) -> Vec<Implausible> {
             (0.0, 1.0),
             "1",
         ),
+        (
+            "(static friction torque + dynamic friction x no-load speed) / (k_t x no-load current)",
+            get("static_friction_torque")
+                .zip(get("dynamic_friction").zip(get("no_load_speed")))
+                .zip(get("torque_constant").zip(get("no_load_current")))
+                .map(|((c, (b, w)), (k, i))| (c + b * w) / (k * i)),
+            (0.7, 1.4),
+            "1",
+        ),
         ("maximum winding temperature", get("max_winding_temperature"), (333.15, 523.15), "K"),
     ];
     let outside = checks.into_iter().filter_map(|(words, value, limits, unit)| {

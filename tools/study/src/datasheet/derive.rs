@@ -78,6 +78,8 @@ const fn derived(
 const WAYS: &[Derived] = &[
     from("motor.k_t", &["torque_constant"]),
     derived("motor.k_t", "1 / speed constant", &["speed_constant"], |v| 1.0 / v[0]),
+    from("motor.k_t", &["back_emf_constant"]),
+    derived("motor.k_t", "1 / current constant", &["current_constant"], |v| 1.0 / v[0]),
     derived("motor.k_t", "stall torque / stall current", &["stall_torque", "stall_current"], |v| v[0] / v[1]),
     derived(
         "motor.k_t",
@@ -85,6 +87,12 @@ const WAYS: &[Derived] = &[
         &["nominal_voltage", "terminal_resistance", "no_load_current", "no_load_speed"],
         |v| (v[0] - v[1] * v[2]) / v[3],
     ),
+    derived("motor.k_t", "motor constant x sqrt(R)", &["motor_constant", "terminal_resistance"], |v| {
+        v[0] * v[1].sqrt()
+    }),
+    derived("motor.k_t", "sqrt(R / motor regulation)", &["terminal_resistance", "motor_regulation"], |v| {
+        (v[0] / v[1]).sqrt()
+    }),
     derived(
         "motor.k_t",
         "sqrt(R / speed/torque gradient)",
@@ -99,6 +107,12 @@ const WAYS: &[Derived] = &[
     derived("motor.R_ref", "speed/torque gradient x k_t^2", &["speed_torque_gradient", "motor.k_t"], |v| {
         v[0] * v[1] * v[1]
     }),
+    derived("motor.R_ref", "motor regulation x k_t^2", &["motor_regulation", "motor.k_t"], |v| {
+        v[0] * v[1] * v[1]
+    }),
+    derived("motor.R_ref", "(k_t / motor constant)^2", &["motor.k_t", "motor_constant"], |v| {
+        (v[0] / v[1]).powi(2)
+    }),
     from("motor.T_ref", &["reference_temperature"]),
     from("motor.L", &["terminal_inductance"]),
     derived("motor.L", "electrical time constant x R", &["electrical_time_constant", "motor.R_ref"], |v| {
@@ -111,15 +125,43 @@ const WAYS: &[Derived] = &[
         &["mechanical_time_constant", "motor.k_t", "motor.R_ref"],
         |v| v[0] * v[1] * v[1] / v[2],
     ),
+    derived(
+        "motor.J",
+        "k_t U / (R x angular acceleration)",
+        &["motor.k_t", "nominal_voltage", "motor.R_ref", "angular_acceleration"],
+        |v| v[0] * v[1] / (v[2] * v[3]),
+    ),
     from("motor.pole_pairs", &["pole_pairs"]),
+    derived("motor.pole_pairs", "number of poles / 2", &["poles"], |v| v[0] / 2.0),
     from("motor.mass", &["mass"]),
+    // Static and dynamic friction are the no-load loss, split by its dependence on the speed.
+    derived(
+        "effect.coulomb_friction.tau_c",
+        "static friction torque",
+        &["static_friction_torque", "dynamic_friction"],
+        |v| v[0],
+    ),
+    derived(
+        "effect.viscous_friction.k",
+        "dynamic friction torque over speed",
+        &["dynamic_friction", "static_friction_torque"],
+        |v| v[0],
+    ),
     derived(
         "effect.coulomb_friction.tau_c",
         "k_t I_0, all of the no-load loss",
         &["motor.k_t", "no_load_current"],
         |v| v[0] * v[1],
     ),
+    from("effect.coulomb_friction.tau_c", &["friction_torque"]),
+    from("effect.coulomb_friction.tau_c", &["static_friction_torque"]),
     from("thermal.R_wh", &["resistance_winding_housing"]),
+    derived(
+        "thermal.R_wh",
+        "resistance winding-ambient - resistance housing-ambient",
+        &["resistance_winding_ambient", "resistance_housing_ambient"],
+        |v| v[0] - v[1],
+    ),
     derived(
         "thermal.C_w",
         "winding time constant / R_wh",
@@ -133,6 +175,12 @@ const WAYS: &[Derived] = &[
         |v| 1.0 / v[0],
     ),
     derived(
+        "conductance.G_still",
+        "1 / (resistance winding-ambient - resistance winding-housing)",
+        &["resistance_winding_ambient", "resistance_winding_housing"],
+        |v| 1.0 / (v[0] - v[1]),
+    ),
+    derived(
         "thermal.C_h",
         "motor time constant / R_ha - C_w",
         &["motor_time_constant", "resistance_housing_ambient", "thermal.C_w"],
@@ -143,8 +191,48 @@ const WAYS: &[Derived] = &[
     from("housing.length", &["length"]),
 ];
 
-/// Estimates that follow the declared motor in proportion: what stays at the declared value would not go with the derived ones.
+/// Fractions of a motor of the library, their medians (tests.rs): of the thermal resistance winding-ambient between winding and
+/// housing, and of the heat capacity in the winding; and heat capacity over mass, J/(kg.K).
+pub(super) const OF_LIBRARY: (f64, f64, f64) = (0.24, 0.09, 460.0);
+
+/// Estimates for what the datasheet does not print: a default that belongs to the declared motor would not go with the rest.
 const ESTIMATES: &[Derived] = &[
+    derived(
+        "thermal.R_wh",
+        "0.24 of the resistance winding-ambient, the median of the presets",
+        &["resistance_winding_ambient"],
+        |v| OF_LIBRARY.0 * v[0],
+    ),
+    derived(
+        "conductance.G_still",
+        "1 / (resistance winding-ambient - R_wh)",
+        &["resistance_winding_ambient", "thermal.R_wh"],
+        |v| 1.0 / (v[0] - v[1]),
+    ),
+    derived("thermal.C_w", "winding time constant / R_wh", &["winding_time_constant", "thermal.R_wh"], |v| {
+        v[0] / v[1]
+    }),
+    derived(
+        "thermal.C_w",
+        "0.09 of motor time constant / R_ha, the median of the presets",
+        &["motor_time_constant", "conductance.G_still"],
+        |v| OF_LIBRARY.1 * v[0] * v[1],
+    ),
+    derived("thermal.C_w", "0.09 x 460 J/(kg.K) x mass, the medians of the presets", &["mass"], |v| {
+        OF_LIBRARY.1 * OF_LIBRARY.2 * v[0]
+    }),
+    derived(
+        "thermal.C_h",
+        "motor time constant / R_ha - C_w",
+        &["motor_time_constant", "conductance.G_still", "thermal.C_w"],
+        |v| v[0] * v[1] - v[2],
+    ),
+    derived(
+        "thermal.C_h",
+        "460 J/(kg.K) x mass - C_w, the median of the presets",
+        &["mass", "thermal.C_w"],
+        |v| OF_LIBRARY.2 * v[0] - v[1],
+    ),
     derived("thermal.C_r", "C_h / 4, the ratio of the declared motor", &["thermal.C_h"], |v| v[0] / 4.0),
     derived(
         "annulus.outer_diameter",
@@ -157,8 +245,11 @@ const ESTIMATES: &[Derived] = &[
 
 /// Without these there is no motor.
 const REQUIRED: [(&str, &str); 2] = [
-    ("motor.k_t", "torque_constant, speed_constant, or stall_torque with stall_current"),
-    ("motor.R_ref", "terminal_resistance, or nominal_voltage with stall_current or stall_torque"),
+    ("motor.k_t", "torque_constant, speed_constant, back_emf_constant, or stall_torque with stall_current"),
+    (
+        "motor.R_ref",
+        "terminal_resistance, motor_constant, motor_regulation, or nominal_voltage with stall_current or stall_torque",
+    ),
 ];
 
 /// A preset that follows from a datasheet.
@@ -266,7 +357,8 @@ impl Draft {
 impl Given {
     /// Whether it switches an effect off or only shapes one that is off, or is an initial state: no property of the motor.
     fn is_off(&self) -> bool {
-        let effect = self.name.starts_with("effect.") && !self.name.starts_with("effect.coulomb_friction");
+        let used = ["effect.coulomb_friction", "effect.viscous_friction"];
+        let effect = self.name.starts_with("effect.") && !used.iter().any(|name| self.name.starts_with(name));
         effect || self.name.starts_with("initial.")
     }
 

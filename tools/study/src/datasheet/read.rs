@@ -25,7 +25,7 @@ impl Datasheet {
     /// A line for each error, with file and line.
     pub fn read(path: &Path) -> Result<Datasheet, StudyError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
+        let text = delimited::read_text(path)
             .map_err(|e| StudyError::new(format!("the datasheet {file} cannot be read ({e})")))?;
         Datasheet::parse(&text, &file)
     }
@@ -50,7 +50,12 @@ impl Datasheet {
                 ("datasheet", DeValue::Table(values)) => {
                     for (key, value) in values {
                         let at = value.span().start.max(key.span().start);
-                        match quantity(key.get_ref()).and_then(|q| of_toml(q, value.get_ref())) {
+                        let found = quantity(key.get_ref()).and_then(|q| of_toml(q, value.get_ref()));
+                        match found {
+                            // Two names of one quantity.
+                            Ok(value) if sheet.get(value.quantity.key).is_some() => {
+                                source.error(at, format!("{} is given twice", value.quantity.key));
+                            }
                             Ok(value) => sheet.put(value),
                             Err(sentence) => source.error(at, sentence),
                         }
@@ -68,7 +73,11 @@ impl Datasheet {
 
 fn quantity(key: &str) -> Result<&'static Quantity, String> {
     by_key(key).ok_or_else(|| {
-        format!("{key} is not a quantity of a datasheet{}", nearest(key, QUANTITIES.iter().map(|q| q.key)))
+        let names = QUANTITIES.iter().flat_map(|q| std::iter::once(&q.key).chain(q.aliases));
+        let near = nearest(key, names.copied());
+        format!(
+            "{key} is not a quantity from which a start value follows; `motor-fmu preset new --help` lists these, leave out others{near}"
+        )
     })
 }
 
@@ -93,8 +102,10 @@ impl Value {
         if !(converted.is_finite() && converted > 0.0) {
             return Err(format!("{key} = {number} {unit} is not a positive number"));
         }
-        if key == "pole_pairs" && converted.fract() != 0.0 {
-            return Err(format!("{key} = {number} is not a whole number"));
+        let multiple_of = if key == "poles" { 2.0 } else { 1.0 };
+        if matches!(key, "pole_pairs" | "poles") && converted % multiple_of != 0.0 {
+            let kind = if key == "poles" { "an even" } else { "a whole" };
+            return Err(format!("{key} = {number} is not {kind} number"));
         }
         Ok(Value { quantity, si: converted, given: (number, unit.to_owned()) })
     }

@@ -254,3 +254,153 @@ fn too_few_values_and_wrong_texts_are_one_sentence() {
     );
     assert!(error.contains("d.toml:4: mass"), "{error}");
 }
+
+/// FAULHABER 1331 T 012 SR as its datasheet prints it, in its terms: brushed, 12 V.
+const FAULHABER_1331: &str = "
+name = \"x\"
+[datasheet]
+nominal_voltage = 12
+terminal_resistance = 13.7
+efficiency = 80
+no_load_speed = 9900
+no_load_current = \"0.0105 A\"
+stall_torque = 9.90
+friction_torque = 0.12
+speed_constant = 835
+back_emf_constant = \"1.20 mV/rpm\"
+torque_constant = 11.4
+current_constant = 0.087
+slope_of_n_m_curve = 1000
+rotor_inductance = \"310 µH\"
+mechanical_time_constant = 7
+rotor_inertia = 0.67
+angular_acceleration = 150
+rth1 = 6
+rth2 = 25
+tau_w1 = 5
+tau_w2 = 190
+max_rotor_temperature = 125
+weight = 19
+";
+
+/// The same values in the terms of makers other than maxon, with each of the new ones wrong in turn.
+#[test]
+fn the_terms_of_other_makers_are_read_and_checked() {
+    let sheet = Datasheet::parse(FAULHABER_1331, "sheet.toml").unwrap();
+    assert_eq!(contradictions(&sheet), Vec::<Vec<Contradiction>>::new());
+    assert_eq!(implausible(&sheet), []);
+    let draft = Draft::new(&sheet).unwrap();
+    let get = |name: &str| draft.values.iter().find(|v| v.name == name).unwrap();
+    for (name, value) in [
+        ("motor.L", 310e-6),
+        ("thermal.C_w", 5.0 / 6.0),
+        ("thermal.C_h", 190.0 / 25.0 - 5.0 / 6.0),
+        ("conductance.G_still", 0.04),
+        ("thermal.T_w_max", 398.15),
+        ("motor.mass", 0.019),
+    ] {
+        assert!((get(name).value / value - 1.0).abs() < 1e-12, "{:?}", get(name));
+        assert!(matches!(get(name).certainty, Certainty::Datasheet | Certainty::Derived));
+    }
+    for (key, text, factor) in [
+        ("back_emf_constant", "2.4 mV/rpm", 2.0),
+        ("current_constant", "87", 1000.0),
+        ("friction_torque", "0.36", 3.0),
+        ("angular_acceleration", "300", 2.0),
+    ] {
+        let mut wrong = sheet.clone();
+        wrong.put(Value::parse(by_key(key).unwrap(), text).unwrap());
+        let found = contradictions(&wrong);
+        let named = found.iter().flatten().find(|c| c.quantity == key);
+        let named = named.unwrap_or_else(|| panic!("{key}: {found:?}"));
+        assert!((named.ratio / factor - 1.0).abs() < 0.1, "{named:?}");
+    }
+    let twice =
+        Datasheet::parse(&format!("{FAULHABER_1331}mass = 19\n"), "sheet.toml").unwrap_err().to_string();
+    assert!(twice.contains("mass is given twice") && !twice.contains('\n'), "{twice}");
+}
+
+/// A frameless motor with what such datasheets print: each value of the model follows from a relation of its own.
+#[test]
+fn a_frameless_motor_follows_from_its_constants() {
+    let sheet = sheet(&[
+        ("back_emf_constant", "7.39 V/krpm"),
+        ("motor_constant", "0.0862 N.m/√W"),
+        ("electrical_time_constant", "1.1"),
+        ("poles", "12"),
+        ("rotor_inertia", "0.37 kg.cm2"),
+        ("resistance_winding_ambient", "1.75"),
+        ("motor_time_constant", "15 min"),
+        ("static_friction_torque", "12"),
+        ("dynamic_friction", "0.003"),
+        ("weight", "0.6 kg"),
+    ]);
+    let draft = Draft::new(&sheet).unwrap();
+    let get = |name: &str| draft.values.iter().find(|v| v.name == name).unwrap();
+    let k_t = 7.39e-3 * 30.0 / std::f64::consts::PI;
+    let r = (k_t / 0.0862).powi(2);
+    for (name, value, certainty) in [
+        ("motor.k_t", k_t, Certainty::Datasheet),
+        ("motor.R_ref", r, Certainty::Derived),
+        ("motor.L", 1.1e-3 * r, Certainty::Derived),
+        ("motor.pole_pairs", 6.0, Certainty::Derived),
+        ("effect.coulomb_friction.tau_c", 0.012, Certainty::Derived),
+        ("effect.viscous_friction.k", 3e-6 * 30.0 / std::f64::consts::PI, Certainty::Derived),
+        ("thermal.R_wh", 0.24 * 1.75, Certainty::Estimate),
+        ("conductance.G_still", 1.0 / (0.76 * 1.75), Certainty::Estimate),
+        ("thermal.C_w", 0.09 * 900.0 / (0.76 * 1.75), Certainty::Estimate),
+        ("thermal.C_h", 0.91 * 900.0 / (0.76 * 1.75), Certainty::Estimate),
+    ] {
+        assert!((get(name).value / value - 1.0).abs() < 1e-9, "{:?} instead of {value}", get(name));
+        assert_eq!(get(name).certainty, certainty, "{name}");
+    }
+    // Without time constant the mass gives the heat capacity.
+    let mut light = sheet.clone();
+    light.values.retain(|v| v.quantity.key != "motor_time_constant");
+    let draft = Draft::new(&light).unwrap();
+    let c: f64 = draft
+        .values
+        .iter()
+        .filter(|v| ["thermal.C_w", "thermal.C_h"].contains(&v.name.as_str()))
+        .map(|v| v.value)
+        .sum();
+    assert!((c - 460.0 * 0.6).abs() < 1e-9, "{c}");
+}
+
+/// The fractions of the estimates are the medians of the presets with a datasheet.
+#[test]
+fn the_estimates_are_medians_of_the_library() {
+    let declaration = (describe::models::by_name(MOTOR).unwrap().declaration)();
+    let mut found: [Vec<f64>; 3] = Default::default();
+    for preset in Preset::built_in().unwrap() {
+        if preset.model != MOTOR || ["thesis-rig", "bench-bldc-stall"].contains(&preset.name.as_str()) {
+            continue;
+        }
+        let get = |name: &str| preset.starts.of(declaration.by_name(name).unwrap());
+        let (inner, outer) = (get("thermal.R_wh"), 1.0 / get("conductance.G_still"));
+        let (winding, housing) = (get("thermal.C_w"), get("thermal.C_h"));
+        let all = winding + housing;
+        for (list, value) in
+            found.iter_mut().zip([inner / (inner + outer), winding / all, all / get("motor.mass")])
+        {
+            list.push(value);
+        }
+    }
+    let expected = super::derive::OF_LIBRARY;
+    for (list, expected) in found.iter_mut().zip([expected.0, expected.1, expected.2]) {
+        list.sort_by(f64::total_cmp);
+        let median = 0.5 * (list[list.len() / 2] + list[(list.len() - 1) / 2]);
+        assert!((median / expected - 1.0).abs() < 0.05, "median {median}, {expected} used");
+    }
+}
+
+/// No name stands for two quantities, and each name is a flag.
+#[test]
+fn names_are_unique() {
+    let mut names: Vec<&str> =
+        QUANTITIES.iter().flat_map(|q| std::iter::once(q.key).chain(q.aliases.iter().copied())).collect();
+    let count = names.len();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), count);
+}

@@ -1,6 +1,6 @@
 //! A sweep as CSV and as a figure.
 
-use super::{Choice, Sweep};
+use super::{Choice, Sweep, Vary};
 use crate::StudyError;
 use present::figure::{Axis, Figure};
 
@@ -22,12 +22,11 @@ impl Sweep {
         text
     }
 
-    /// The figure: the first objective over the first variable, a line for each value of the second.
+    /// The figure: the first objective over the first variable, a line for each combination of the others.
     ///
     /// # Errors
-    /// More than two variables, or more lines than are distinguishable.
+    /// As [`check_figure`].
     pub fn figure(&self) -> Result<Figure, StudyError> {
-        const MAX_LINES: usize = 8;
         let axis = |name: &str, of: &str| Axis::new(&format!("{}{}", words(name), unit(" in ", of)));
         let source = self.source.as_ref().map_or(String::new(), |source| format!(". {source}"));
         let mut figure = Figure::new(
@@ -36,16 +35,11 @@ impl Sweep {
             axis(&self.objective, self.objective_unit),
         );
         type Points = Vec<(f64, f64)>;
-        let mut lines: Vec<(Option<Choice>, Points)> = Vec::new();
+        let mut lines: Vec<(&[Choice], Points)> = Vec::new();
         // Words are drawn as categories.
         let mut words_of_x: Vec<String> = Vec::new();
-        if self.varied.len() > 2 {
-            return Err(StudyError::new(
-                "--plot takes one or two varied variables; --output takes any number",
-            ));
-        }
         for point in &self.points {
-            let key = point.values.get(1).cloned();
+            let key = &point.values[1..];
             let x = point.values[0].number().unwrap_or_else(|| {
                 let word = point.values[0].shown();
                 words_of_x.iter().position(|known| *known == word).unwrap_or_else(|| {
@@ -59,17 +53,12 @@ impl Sweep {
                 None => lines.push((key, vec![place])),
             }
         }
-        if lines.len() > MAX_LINES {
-            return Err(StudyError::new(format!(
-                "--plot draws a line for each of the {} values of {}; {MAX_LINES} are possible",
-                lines.len(),
-                self.varied[1]
-            )));
-        }
+        check_lines(lines.len())?;
         for (key, line) in lines {
-            let label = key.map_or(String::new(), |k| {
-                format!("{} = {}{}", words(&self.varied[1]), k.shown(), unit(" ", self.units[1]))
-            });
+            let others = self.varied[1..].iter().zip(&self.units[1..]).zip(key);
+            let parts =
+                others.map(|((name, of), k)| format!("{} = {}{}", words(name), k.shown(), unit(" ", of)));
+            let label = parts.collect::<Vec<_>>().join(", ");
             figure = match words_of_x.is_empty() {
                 true => figure.line(&label, line),
                 false => figure.points(&label, line),
@@ -80,6 +69,27 @@ impl Sweep {
         }
         Ok(figure)
     }
+}
+
+/// Lines that are distinguishable.
+const MAX_LINES: usize = 8;
+
+/// Whether a sweep over these variables can be drawn, before it runs.
+///
+/// # Errors
+/// More lines than are distinguishable.
+pub fn check_figure(vary: &[Vary]) -> Result<(), StudyError> {
+    check_lines(vary.iter().skip(1).map(|v| v.values.len()).fold(1, usize::saturating_mul))
+}
+
+fn check_lines(lines: usize) -> Result<(), StudyError> {
+    if lines <= MAX_LINES {
+        return Ok(());
+    }
+    Err(StudyError::new(format!(
+        "--plot draws a line for each combination of the values behind the first --vary: {lines}, at most {MAX_LINES} are possible; \
+         name the variable with the most values first, or use --output"
+    )))
 }
 
 /// The name of a variable in words.

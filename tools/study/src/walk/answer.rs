@@ -1,24 +1,12 @@
-//! Periodic steady state of a gait, the winding on the way there, and the greatest support that can be given
-//! continuously.
+//! Periodic steady state of a gait, the winding on the way there, and the objectives of sweeps.
 
 use super::cycle::{Done, envelope, steady};
 use super::envelope::Envelope;
 use super::load::Load;
 use super::periodic::Periodic;
+use super::support::continuous_support;
 use crate::StudyError;
-use crate::numeric::try_root_between;
 use serde::Serialize;
-
-/// Width of the bracket about the support at which the search ends.
-const SUPPORT_TOLERANCE: f64 = 1e-5;
-/// First support that is tried; doubled while it can be given continuously.
-const FIRST_SUPPORT: f64 = 0.25;
-/// The actuator follows a torque while the rms error is below this fraction of the peak torque, plus so many N.m.
-const FOLLOWED: (f64, f64) = (0.05, 0.5);
-/// Weight of a tracking error beyond that, K/(N.m), in the search.
-const KELVINS: f64 = 100.0;
-/// How near its limit a temperature counts as limiting, K.
-const NEAR: f64 = 0.5;
 
 /// Objective of a sweep under a gait.
 #[derive(Clone, Copy)]
@@ -83,13 +71,6 @@ impl Objective {
     }
 }
 
-impl Periodic {
-    /// How far the torque error is above what counts as followed, N.m; negative where it is below.
-    fn lag(&self) -> f64 {
-        self.torque_error_rms - FOLLOWED.0 * self.joint_torque_peak - FOLLOWED.1
-    }
-}
-
 /// A walk: its periodic steady state and the way there from a cold start.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Walked {
@@ -121,8 +102,10 @@ pub fn walk(load: &Load, hours: f64, done: Done<'_>) -> Result<Walked, StudyErro
         Err(StudyError::Unsettled(_)) => None,
         Err(other) => return Err(other),
     };
+    done(SEARCH);
     let envelope =
         envelope(&walker, hours * 3600.0, limit, &|fraction| done(SEARCH + (1.0 - SEARCH) * fraction))?;
+    done(1.0);
     Ok(Walked { stride_time: walker.stride_time(), limit, forever, at_limit: envelope.at_limit, envelope })
 }
 
@@ -145,116 +128,9 @@ pub fn periodic(load: &Load) -> Result<Periodic, StudyError> {
     Ok(steady(&load.walker()?)?.1)
 }
 
-/// What limits the continuous support.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Limit {
-    /// The winding is at its limit.
-    WindingTemperature,
-    /// With more support the losses grow faster than the heat flow: no steady state.
-    ThermalRunaway,
-    /// The actuator no longer follows the torque, for its limits of current and supply voltage.
-    TorqueError,
-    /// The greatest factor that the load takes.
-    SupportMaximum,
-}
-
-impl Limit {
-    /// In words.
-    pub fn text(self) -> &'static str {
-        match self {
-            Limit::WindingTemperature => "winding temperature",
-            Limit::ThermalRunaway => "thermal runaway",
-            Limit::TorqueError => "torque error (current or supply voltage limit)",
-            Limit::SupportMaximum => "greatest factor that the load takes",
-        }
-    }
-}
-
-/// The greatest support that can be given continuously.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Continuous {
-    /// Fraction of the biological torque.
-    pub support: f64,
-    /// The periodic steady state there.
-    pub at: Periodic,
-    /// What limits it.
-    pub limited_by: Limit,
-}
-
-/// Fraction of the search that a trial leaves, about.
-const LEFT: f64 = 0.85;
-
-/// The greatest fraction of the biological torque that the actuator follows and the motor gives continuously; `done` takes the
-/// fraction of the search that is done.
-///
-/// # Errors
-/// A winding that is too hot without any torque, or a load that does not start.
-pub fn continuous_support(load: &Load, done: Done<'_>) -> Result<Continuous, StudyError> {
-    let limit = load.get("thermal.T_w_max")?;
-    let most = load.support_most()?;
-    let mut found: Option<(f64, Periodic)> = None;
-    // The temperatures of the last steady state are near those of the next.
-    let mut warm: Option<Vec<f64>> = None;
-    let mut left = 1.0;
-    let mut excess = |support: f64| -> Result<f64, StudyError> {
-        done(1.0 - left);
-        left *= LEFT;
-        let mut load = load.clone();
-        load.set_support(support)?;
-        let cold = load.walker()?;
-        let from_warm = warm.as_ref().and_then(|temperatures| {
-            let mut walker = cold.clone();
-            walker.put_temperatures(temperatures);
-            steady(&walker).ok()
-        });
-        match from_warm.map_or_else(|| steady(&cold), Ok) {
-            Ok((walker, at)) => {
-                warm = Some(walker.temperatures());
-                let excess = (at.winding_temperature - limit).max(KELVINS * at.lag());
-                // The greatest support with a steady state within the limits: the search ends 1e-5 of support, a hundredth of a kelvin, from them.
-                if excess <= 0.0 && found.is_none_or(|(best, _)| support > best) {
-                    found = Some((support, at));
-                }
-                Ok(excess)
-            }
-            Err(StudyError::Unsettled(_)) => Ok(f64::INFINITY),
-            Err(other) => Err(other),
-        }
-    };
-    let idle = excess(0.0)?;
-    if idle >= 0.0 {
-        return Err(StudyError::new(format!(
-            "no continuous torque: without torque at the load the winding exceeds its limit of {limit} K or the actuator does not \
-             follow the joint (excess {idle:.1} K, {KELVINS} K for each N.m of torque error)"
-        )));
-    }
-    let (mut low, mut high) = (0.0, FIRST_SUPPORT.min(most));
-    let (mut below, mut above) = (idle, excess(high)?);
-    while above < 0.0 && high < most {
-        (low, below) = (high, above);
-        high = (2.0 * high).min(most);
-        above = excess(high)?;
-    }
-    let at_maximum = above < 0.0;
-    if !at_maximum {
-        try_root_between(&mut excess, (low, below), (high, above), SUPPORT_TOLERANCE)?;
-    }
-    let (support, at) = found.ok_or_else(|| StudyError::new("no support has a steady state".to_owned()))?;
-    let limited_by = if at_maximum {
-        Limit::SupportMaximum
-    } else if at.winding_temperature > limit - NEAR {
-        Limit::WindingTemperature
-    } else if KELVINS * at.lag() > -NEAR {
-        Limit::TorqueError
-    } else {
-        Limit::ThermalRunaway
-    };
-    Ok(Continuous { support, at, limited_by })
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::support::Limit;
     use super::*;
     use describe::Preset;
     use rayon::prelude::*;

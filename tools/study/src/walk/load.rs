@@ -66,7 +66,7 @@ const THE_GAIT: usize = 2;
 pub struct Load {
     benches: [Bench; 3],
     /// Variables of the actuator that were set explicitly.
-    explicit: BTreeSet<String>,
+    pub(super) explicit: BTreeSet<String>,
     /// In place of actuator and gait.
     cycle: Option<(Arc<Cycle>, Drive)>,
     /// At the joint of the actuator.
@@ -144,7 +144,7 @@ impl Load {
             let text = cycle_file::table_of(file).map_err(StudyError::new)?;
             return Load::parse(&text, &name, preset, sets);
         }
-        let text = std::fs::read_to_string(file)
+        let text = delimited::read_text(file)
             .map_err(|e| StudyError::new(format!("the load {name} cannot be read ({e})")))?;
         Load::parse(&text, &name, preset, sets)
     }
@@ -237,7 +237,7 @@ impl Load {
     }
 
     /// The loads of the phases, or this one.
-    fn parts(&self) -> Vec<&Load> {
+    pub(super) fn parts(&self) -> Vec<&Load> {
         match &self.mix {
             Some(mix) => mix.phases.iter().filter(|p| !p.rest).filter_map(|p| p.load.as_deref()).collect(),
             None => vec![self],
@@ -404,7 +404,7 @@ impl Load {
     }
 
     /// The three models with the derived values.
-    fn prepared(&self) -> Result<[Bench; 3], StudyError> {
+    pub(super) fn prepared(&self) -> Result<[Bench; 3], StudyError> {
         let mut benches = self.benches.clone();
         for derived in self.derived()? {
             benches[THE_ACTUATOR].set(derived.name, derived.value)?;

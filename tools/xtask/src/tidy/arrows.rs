@@ -15,7 +15,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("fmu", &["physics", "terms"]),
     ("units", &[]),
     ("delimited", &[]),
-    ("describe", &["physics", "units"]),
+    ("describe", &["physics", "units", "delimited"]),
     ("least-squares", &[]),
     ("calibrate", &["physics", "least-squares", "units", "delimited"]),
     ("present", &[]),
