@@ -65,6 +65,8 @@ def spikes(column, size, count):
 
 UNUSABLE = {
     "speed in revolutions per minute": (scaled(SPEED, 30.0 / np.pi), SPEED),
+    "speed in revolutions per minute in one run": (scaled(SPEED, 30.0 / np.pi, files=FILES[1:2]), SPEED),
+    "speed in rad/s of a column in rpm in one run": (scaled(SPEED, np.pi / 30.0, files=FILES[1:2]), SPEED),
     "speed of three pole pairs": (scaled(SPEED, 3.0), SPEED),
     "speed with the other sign": (scaled(SPEED, -1.0), SPEED),
     "torque in pound-force inch": (scaled(TORQUE, 8.850_746), TORQUE),

@@ -121,6 +121,14 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
     })?;
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", sheet.name)));
     check_place(&path)?;
+    let same =
+        |from: &PathBuf| from.canonicalize().is_ok_and(|from| path.canonicalize().is_ok_and(|to| to == from));
+    if args.from.as_ref().is_some_and(same) {
+        return Err(Failure::new(format!(
+            "the preset would overwrite its datasheet {}: give another file with --output",
+            path.display()
+        )));
+    }
     args.force.check_any(&path)?;
     crate::write(&path, &draft.toml())?;
     let consistent = contradictions.is_empty() && implausible.is_empty();
@@ -202,7 +210,7 @@ fn summary(draft: &Draft) -> String {
     }
     text += "default, not from this motor\n";
     text += &draft.defaults().map(line).collect::<String>();
-    text + "  effects other than coulomb_friction are off\n"
+    text + "  effects that are not named here are off\n"
 }
 
 /// A sentence for each contradiction and each value that no motor has.

@@ -138,6 +138,10 @@ impl Preset {
                 ("experiment", DeValue::Table(values)) => {
                     experiment = values::experiment(values, &mut source)
                 }
+                ("datasheet", DeValue::Table(_)) => source.error(
+                    key.span().start,
+                    format!("{file} is a datasheet and no preset; `motor-fmu preset new --from {file}` writes its preset"),
+                ),
                 (other, _) => {
                     let keys = "the keys are name, model, description, [start] and [experiment]";
                     source.error(key.span().start, format!("{other} is not a key of a preset; {keys}"));

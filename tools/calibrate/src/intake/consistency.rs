@@ -202,9 +202,10 @@ pub fn contradiction(
 ) -> Result<Result<Option<Hypothesis>, Unusable>, CalibrateError> {
     let all: Vec<usize> = super::all_runs(experiment);
     let experiment = &thinned(experiment, ROWS);
-    let deadline = Deadline::after(SEARCH);
-    let whole = Judge { preset, runs: &all, deadline: deadline.clone() };
+    let mut whole = Judge { preset, runs: &all, deadline: Deadline::default() };
     let Cost { runs: costs, prior, is_cut, hypothesis, .. } = fitted(&whole, experiment, AS_IS)?;
+    // Not before: a fit that took long would leave no time for the hypotheses over inputs.
+    whole.deadline = Deadline::after(SEARCH);
     // Parameters that are strained may stand in for a sensor that does not work.
     let hypothesis = hypothesis.filter(|_| prior <= STRAINED);
     let limit = GOOD * GOOD * SAMPLES * experiment.outputs.len() as f64;
@@ -226,6 +227,7 @@ pub fn contradiction(
             None => files.push((&run.file, vec![k])),
         }
     }
+    let deadline = Deadline::after(SEARCH);
     for (file, runs) in files.iter().filter(|(_, runs)| files.len() > 1 && bad.contains(&runs[0])) {
         let judge = Judge { preset, runs, deadline: deadline.clone() };
         let own: Predicted = runs.iter().map(|r| predicted[*r].clone()).collect();
@@ -285,7 +287,8 @@ fn search(
             try_one(&mut best, mistake.clone());
         }
         let is_explained = |best: &[Changed]| best.first().is_some_and(|(value, ..)| *value < now - FALL);
-        if !is_explained(&best) {
+        // Any factor stands for what no usual mistake explains: not before all of those are tried.
+        if !is_explained(&best) && !judge.deadline.is_over() {
             for (k, output) in outputs.iter().enumerate() {
                 if let Some((_, ratio)) = output.filter(|(q, r)| *q > SUSPECT && r.is_finite() && *r != 0.0)
                     && !(1.0 / PHYSICAL..=PHYSICAL).contains(&ratio)

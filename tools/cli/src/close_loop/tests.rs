@@ -1,4 +1,5 @@
 use super::*;
+use calibrate::experiment::Role;
 use calibrate::outcome::Verdict;
 use serde_json::{Value, json};
 
@@ -89,6 +90,26 @@ fn verdicts_are_sentences() {
         assert!(words.iter().all(|w| sentence.contains(w)), "{sentence}");
         assert!(sentence.ends_with('.') && !sentence.contains('_'), "{sentence}");
     }
+}
+
+/// Without an effect, the sentence does not claim what the errors contradict, nor a search that was cut.
+#[test]
+fn a_verdict_of_nothing_follows_the_errors() {
+    let mut outcome = sample::outcome(Verdict::Nothing);
+    let test = outcome.errors.iter_mut().find(|e| e.role == Role::Test).unwrap();
+    test.after = 6.0 * test.floor;
+    let sentence = text::verdict(&outcome);
+    assert!(
+        sentence.contains("do not explain the data: the error of voltage on the test data is 6"),
+        "{sentence}"
+    );
+    assert!(!sentence.contains("other parameter values"), "{sentence}");
+    outcome.is_cut = true;
+    let sentence = text::verdict(&outcome);
+    assert!(
+        sentence.starts_with("the time budget ended the search before") && !sentence.contains('_'),
+        "{sentence}"
+    );
 }
 
 /// An effect without alternatives is no part of a class.

@@ -1,6 +1,6 @@
 //! Verdict, effects and replay of closing the loop, as text.
 
-use calibrate::experiment::Experiment;
+use calibrate::experiment::{Channel, Experiment, Role};
 use calibrate::outcome::{Follows, Found, Outcome, Verdict};
 use calibrate::report::Replay;
 use describe::{Driver, GenericTerm, Lag, Law, ModelType, Port, Resources, StartValues, usage};
@@ -185,9 +185,30 @@ pub fn verdict(outcome: &Outcome) -> String {
         Verdict::Fitted => {
             "the declared parameters were fitted; no missing effect was looked for.".to_owned()
         }
-        Verdict::Nothing => {
-            "no missing effect is detected; other parameter values explain the differences.".to_owned()
-        }
+        Verdict::Nothing => nothing(outcome),
+    }
+}
+
+/// Error over noise up to which parameter values explain the data.
+const EXPLAINED: f64 = 2.0;
+
+/// The sentence without an effect: whether the search was cut, and whether the parameters explain the data that were not fitted.
+fn nothing(outcome: &Outcome) -> String {
+    let effect = match outcome.is_cut {
+        true => "the time budget ended the search before an effect was found (--budget sets another one)",
+        false => "no missing effect is detected",
+    };
+    let of = |role: Role| outcome.errors.iter().filter(move |e| e.role == role && e.floor > 0.0);
+    let role = if of(Role::Test).count() > 0 { Role::Test } else { Role::Validate };
+    let worst = of(role).max_by(|a, b| (a.after / a.floor).total_cmp(&(b.after / b.floor)));
+    match worst.map(|e| (e, e.after / e.floor)).filter(|(_, ratio)| *ratio > EXPLAINED) {
+        Some((e, ratio)) => format!(
+            "{effect}, and the fitted parameters do not explain the data: the error of {} on the {} data is {} times the noise.",
+            Channel::of(e.column).map_or_else(|| plain(e.column), |c| plain(c.quantity())),
+            calibrate::report::role_name(role),
+            number(ratio)
+        ),
+        None => format!("{effect}; other parameter values explain the differences."),
     }
 }
 
