@@ -146,6 +146,60 @@ def test_it_asks_on_a_terminal(program, tmp_path):
     assert start["motor.J"] == {"value": 1.37e-5, "unit": "kg.m2"} and start["motor.k_t"]["value"] == 60.3
 
 
+# FAULHABER 1331 T 012 SR, 2.5 W, in the terms of its datasheet.
+FAULHABER = """
+name = "faulhaber-1331"
+[datasheet]
+nominal_voltage = 12
+terminal_resistance = 13.7
+no_load_speed = 9900
+no_load_current = "0.0105 A"
+friction_torque = 0.12
+back_emf_constant = "1.20 mV/rpm"
+slope_of_n_m_curve = 1000
+rotor_inductance = "310 µH"
+rotor_inertia = 0.67
+rth1 = 6
+rth2 = 25
+tau_w1 = 5
+tau_w2 = 190
+max_rotor_temperature = 125
+weight = 19
+"""
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])
+def test_a_sheet_of_another_maker_in_any_encoding_becomes_an_archive_without_findings(motor_fmu, tmp_path, encoding):
+    """The smallest motor: its archive passes the validator, which `build` runs."""
+    (tmp_path / "sheet.toml").write_bytes(FAULHABER.encode(encoding))
+    done = motor_fmu("preset", "new", "--from", "sheet.toml")
+    assert done.returncode == 0, done.stdout + done.stderr
+    start = tomllib.loads((tmp_path / "faulhaber-1331.toml").read_text())["start"]
+    assert start["motor.k_t"] == {"value": 1.2, "unit": "mV/rpm"} and start["motor.L"] == {"value": 310, "unit": "µH"}
+    done = motor_fmu("build", "AnnulusCooledMotor", "--fmi", "2", "--preset", "faulhaber-1331.toml", "--out", ".")
+    assert done.returncode == 0, done.stdout + done.stderr
+    steady = json.loads(motor_fmu("steady", "--preset", "faulhaber-1331.toml", "--json").stdout)
+    # 100 K over 31 K/W of the hot resistance.
+    assert steady["continuous"]["current"] == pytest.approx((100 / (31 * 13.7 * 1.39)) ** 0.5, rel=1e-3)
+
+
+def test_a_datasheet_is_kept(motor_fmu, tmp_path):
+    """Neither its preset nor a wrong use of it overwrites or hides the datasheet."""
+    (tmp_path / "faulhaber-1331.toml").write_text(FAULHABER, encoding="utf-8")
+    for force in ([], ["--force"]):
+        done = motor_fmu("preset", "new", "--from", "faulhaber-1331.toml", *force)
+        assert done.returncode == CANNOT and "would overwrite its datasheet" in done.stderr
+    done = motor_fmu("steady", "--preset", "faulhaber-1331.toml")
+    assert done.returncode == CANNOT and "motor-fmu preset new --from faulhaber-1331.toml" in done.stderr
+    assert (tmp_path / "faulhaber-1331.toml").read_text(encoding="utf-8") == FAULHABER
+
+
+@pytest.mark.parametrize("preset", ["faulhaber-1524t006sr", "maxon-ecmax22-283856", "maxon-ec90flat-323772"])
+def test_small_and_flat_motors_are_archives_without_findings(motor_fmu, tmp_path, preset):
+    done = motor_fmu("build", "AnnulusCooledMotor", "--fmi", "2", "--preset", preset, "--out", ".")
+    assert done.returncode == 0 and "0 errors, 0 warnings" in done.stdout, done.stdout + done.stderr
+
+
 def test_names_are_hinted_and_manuals_written(motor_fmu, tmp_path):
     done = motor_fmu("variables", "AnulusCooledMotor")
     assert done.returncode == CANNOT and "did you mean AnnulusCooledMotor?" in done.stderr

@@ -141,3 +141,16 @@ def test_a_sweep_over_motors_and_modes_has_a_pareto_set(motor_fmu, tmp_path):
         assert point["pareto"] == (point["failure"] is None and not beaten), point
     text = motor_fmu("sweep", "--load", load, *vary, *goals).stdout
     assert "Pareto set" in text and "minimum of supply_power" in text and "constraint: winding_temperature <= 150 degC" in text
+    assert f"{found['infeasible']} of 12 points infeasible\n  preset = " in text
+    assert all(point["failure"] in text for point in found["points"] if point["failure"])
+
+
+def test_a_sweep_that_cannot_be_drawn_ends_before_it_computes(motor_fmu, tmp_path):
+    load = write_cycle(tmp_path)
+    vary = ("--vary", "fan_command=0,1", "--vary", "cycle.scale=0.5,0.6,0.7", "--vary", "ambient_temperature=290:300:3")
+    done = motor_fmu("sweep", "--load", load, *vary, "--objective", "supply_power", "--plot", "f.svg", "--output", "f.csv")
+    assert done.returncode == CANNOT and "9, at most 8" in done.stderr and not (tmp_path / "f.csv").exists()
+    drawn = ("--vary", "fan_command=0,1", "--vary", "cycle.scale=0.5,0.6", "--vary", "ambient_temperature=290:300:2")
+    done = motor_fmu("sweep", "--load", load, *drawn, "--objective", "supply_power", "--plot", "f.svg")
+    assert done.returncode == 0, done.stderr
+    assert "cycle scale = 0.5, ambient temperature = 290" in (tmp_path / "f.svg").read_text()
