@@ -13,6 +13,7 @@ import tempfile
 import textwrap
 from pathlib import Path
 
+from clients.loop import BUDGET_S
 from clients.paths import EXAMPLES, ROOT
 from clients.program import motor_fmu
 from rig import facts
@@ -42,7 +43,7 @@ def close_loop(folder: Path, name: str, answers: tuple[int, ...] = (0,)) -> dict
     """Runs one of the rig's experiments in a folder with the prepared runs."""
     print(f"closing the loop: {name}", file=sys.stderr)
     shutil.copy(EXAMPLES / "rig" / f"{name}.toml", folder)
-    arguments = (str(folder / f"{name}.toml"), "--out", str(folder / name), "--json")
+    arguments = (str(folder / f"{name}.toml"), "--out", str(folder / name), "--budget", str(BUDGET_S), "--json")
     return json.loads(motor_fmu("close-loop", *arguments, answers=answers))
 
 

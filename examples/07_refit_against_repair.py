@@ -12,6 +12,7 @@ import textwrap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from clients.loop import BUDGET_S
 from clients.paths import ROOT
 from clients.program import motor_fmu
 
@@ -50,7 +51,8 @@ def reached(name: str, column: str, runs: range) -> float:
 
 def compare(name: str, folder: Path) -> dict:
     """Errors and parameters of the refit and of the repair."""
-    report = json.loads(motor_fmu("close-loop", str(SETS / name / "experiment.toml"), "--out", str(folder), "--json"))
+    arguments = (str(SETS / name / "experiment.toml"), "--out", str(folder), "--budget", str(BUDGET_S), "--json")
+    report = json.loads(motor_fmu("close-loop", *arguments))
     truth = json.loads((SETS / name / "truth.json").read_text(encoding="utf-8"))["parameters"]
     return {
         "verdict": report["verdict"],

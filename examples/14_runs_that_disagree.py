@@ -13,6 +13,7 @@ import textwrap
 from pathlib import Path
 
 import numpy as np
+from clients.loop import BUDGET_S
 from clients.paths import ROOT
 from clients.program import motor_fmu
 from rig.splits import SENSORS, SPLITS, prepare, split
@@ -29,7 +30,6 @@ CHANNELS = {
 ENERGY_KJ = 20.0
 # Two errors that differ by less are equal.
 EQUAL = 1.02
-BUDGET_S = 300
 
 
 def figures(value: float, digits: int = 3) -> float:

@@ -6,11 +6,14 @@ from tempfile import TemporaryDirectory
 
 from clients.program import motor_fmu
 
+# Time budget of a search, s: the search ends before it also on a busy machine, so that the results do not depend on its load.
+BUDGET_S = 300
+
 
 def close_loop(experiment: Path) -> dict:
     """The report on an experiment."""
     with TemporaryDirectory() as folder:
-        return json.loads(motor_fmu("close-loop", str(experiment), "--out", folder, "--json"))
+        return json.loads(motor_fmu("close-loop", str(experiment), "--out", folder, "--budget", str(BUDGET_S), "--json"))
 
 
 def summary(report: dict) -> dict:
