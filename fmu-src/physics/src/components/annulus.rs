@@ -1,4 +1,4 @@
-//! The gap between the motor and a tube around it, and what its air takes to pass.
+//! Annular gap between the motor and a tube around it, and the pressure drop of the air in it.
 //!
 //! pushed: p(Q) = rho u^2/2 [1 - sigma^2 + K_c(sigma)] + friction                            (1)
 //! pulled: p(Q) = rho u^2/2 [K_c(0) + K_e(sigma)] + friction                                 (2)
@@ -7,28 +7,26 @@
 //! at rest: heat from motor to tube = 2 pi L k_eff (T - T_t)/ln(D_o/D_i)                     (5)
 //! tube:    heat to ambient = F (h + h_r) pi D_o L (T_t - T_a)                               (6)
 //!
-//! sigma is the section of the gap over the fan's opening. Pushed, the air leaves into the room with its dynamic
-//! head (K_e(0) = 1 takes all of it); pulled, it comes from the room (sigma = 0) and the fan's static pressure
-//! is counted from the total pressure before it. Friction and K_c as `correlations/annulus_friction.rs` and
-//! `correlations/entrance_exit.rs` say; K_c is that of a uniform profile, since the developing friction holds
-//! the profile's momentum. A gap wider than the opening has sigma = 1: no contraction.
-//! *Assumes* a smooth concentric gap as long as the shorter of tube and motor; a leak as an orifice with the
-//! area A_leak between fan and gap, its contraction in the area.
-//! (4) drives the air of an upright gap together with the fan, upwards; T_gap is the air's mean temperature. With the friction and
-//! the heat transfer of the developing flow it is the chimney from boundary layers to developed flow: within 15 % of Bar-Cohen and
-//! Rohsenow's channel of one isothermal and one adiabatic wall (test in `tests/fan_at_rest.rs`). A fan at rest takes no pressure.
+//! sigma is the section of the gap over the fan's opening. With a pushing fan the air leaves the gap with its dynamic head, which is
+//! lost (K_e(0) = 1). With a pulling fan the air enters from still ambient air (sigma = 0); the fan's static pressure refers to the total
+//! pressure before it. Friction: `correlations/annulus_friction.rs`; K_c: `correlations/entrance_exit.rs`, for a uniform profile, since
+//! the friction of the developing flow includes the momentum of the profile. A gap wider than the opening has sigma = 1: no contraction.
+//! *Assumes* a smooth concentric gap as long as the shorter of tube and motor; a leak like an orifice of the area A_leak between fan
+//! and gap; A_leak includes the contraction.
+//! (4) acts in an upright gap together with the fan, upwards; T_gap is the air's mean temperature. With friction and heat transfer
+//! of the developing flow, it covers the chimney flow from boundary layers to developed flow: within 15 % of Bar-Cohen and Rohsenow's
+//! channel of one isothermal and one adiabatic wall (test in `tests/fan_at_rest.rs`). A fan at rest has no pressure drop.
 //! (5) k_eff by `correlations/natural_convection.rs` (5) in a horizontal gap, conduction in an upright one, whose circulation is (4).
-//! It replaces the two films of the developed flow in the measure exp(-Gz), Gz = Re Pr D_h/L: below 1 the air reaches the walls'
-//! temperature within the gap and carries nothing more.
+//! It replaces the two film coefficients of the developed flow with the weight exp(-Gz), Gz = Re Pr D_h/L: below Gz = 1 the air
+//! reaches the wall temperature within the gap, and the flow transports no more heat.
 //! (6) natural convection h on a cylinder in the motor's orientation, radiation h_r with the tube's emissivity, factor F.
-//! *Neglects* the air that passes the open ends of a horizontal gap at rest, the resistance of the fan's blades at rest, the tube's
-//! wall (2 mm of ABS: 10 % of (6)), flow downwards against the buoyancy.
-//! *Neglects* the wake of the hub, tabs that hold the tube, the tube beyond the motor.
+//! *Neglects* air flow through the open ends of a horizontal gap at rest, the resistance of the fan's blades at rest, the tube's wall
+//! (2 mm of ABS: 10 % of (6)), downward flow against the buoyancy, the wake of the hub, tabs that hold the tube, the part of the tube
+//! that is longer than the motor.
 //! *Sign*: p > 0 against the fan. *Range*: D_motor < D_tube; that of the correlations.
-//! *Source*: Kays and London, Compact Heat Exchangers, ch. 2 and 5, with the exit of (1), (2) corrected
-//! (`seeds` audit T35); masses from the thesis, tables 1 to 3; ABS: c_p 1400 J/(kg.K), emissivity 0.9
-//! (typical of plastics); (4) Bar-Cohen and Rohsenow, J. Heat Transfer 106 (1984) 116-123: their momentum balance of developed flow,
-//! here with the friction of the entrance.
+//! *Source*: Kays and London, Compact Heat Exchangers, ch. 2 and 5, with a corrected exit loss in (1), (2) (`seeds` audit T35);
+//! masses from the thesis, tables 1 to 3; ABS: c_p 1400 J/(kg.K), emissivity 0.9 (typical of plastics); (4) Bar-Cohen and Rohsenow,
+//! J. Heat Transfer 106 (1984) 116-123: their momentum balance of developed flow, here with the friction of the entrance.
 
 use super::housing::{GRAVITY, Housing, Orientation};
 use crate::correlations::annulus_friction as friction;
@@ -71,7 +69,7 @@ variables! {
     }
 }
 
-/// Which way the fan moves the air.
+/// Flow direction of the fan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlowDirection {
     /// From the fan into the gap.
@@ -80,7 +78,7 @@ pub enum FlowDirection {
     Pull,
 }
 
-/// A gap with all that follows from its size.
+/// Annular gap with all values that follow from its dimensions.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
     /// Section, m2.
@@ -106,7 +104,7 @@ pub struct Gap {
 }
 
 impl Gap {
-    /// The gap between a motor and a tube before a fan with the given opening, m2.
+    /// The gap between a motor and a tube, for a fan with the given opening, m2.
     pub fn new(annulus: &Annulus, housing: &Housing, opening: f64, direction: FlowDirection) -> Gap {
         let (d_i, d_o) = (housing.diameter, annulus.outer_diameter.max(1.001 * housing.diameter));
         let length = annulus.length.min(housing.length);
@@ -133,7 +131,7 @@ impl Gap {
         }
     }
 
-    /// Diameter of the motor over that of the tube.
+    /// Ratio of the diameters, motor to tube.
     pub fn ratio(&self) -> f64 {
         self.ratio
     }
@@ -143,14 +141,14 @@ impl Gap {
         self.orientation == Orientation::Vertical
     }
 
-    /// Pressure of the buoyancy with the gap's air at the mean temperature `t`, ambient air at `t_a`, K, and `p`, Pa, eq. (4), in the
-    /// direction in which it drives the air, Pa; 0 in a horizontal gap.
+    /// Buoyancy pressure, eq. (4), Pa, with the gap's air at the mean temperature `t`, ambient air at `t_a`, K, and `p`, Pa; positive
+    /// in the direction of the buoyant flow; 0 in a horizontal gap.
     pub fn buoyancy(&self, t: f64, t_a: f64, p: f64) -> f64 {
         if !self.is_upright() {
             return 0.0;
         }
         let dt = t - t_a;
-        // The magnitude of dt, smooth where the flow turns round.
+        // Smooth magnitude of dt, for flow reversal.
         let magnitude = dt * dt / natural::driving_difference(dt);
         GRAVITY * self.length * density(t, p) * magnitude / t_a
     }
@@ -184,7 +182,7 @@ impl Gap {
         (m * self.d_h / (self.section * air.mu)).abs()
     }
 
-    /// Pressure that the mass flow `m` in kg/s takes, eq. (1) or (2), Pa.
+    /// Pressure drop at the mass flow `m` in kg/s, eq. (1) or (2), Pa.
     pub fn pressure(&self, m: f64, air: &Air) -> f64 {
         let u = m / (air.rho * self.section);
         let re = self.reynolds(m, air);
@@ -196,8 +194,8 @@ impl Gap {
         0.5 * air.rho * u * u * loss + friction::pressure_drop(f_re, air.mu, u, self.length, self.d_h)
     }
 
-    /// Flow that passes by the leak at the pressure `p` in Pa in air of the density `rho`, eq. (3), m3/s; inwards where
-    /// buoyancy lowers the pressure behind the fan.
+    /// Leak flow at the pressure `p` in Pa in air of the density `rho`, eq. (3), m3/s; negative (inwards) where buoyancy lowers the
+    /// pressure behind the fan.
     pub fn leak(&self, p: f64, rho: f64) -> f64 {
         self.leak_area * (2.0 * p.abs() / rho).sqrt().copysign(p)
     }
@@ -209,7 +207,7 @@ impl Annulus {
         self.mass * self.specific_heat
     }
 
-    /// Factor on the heat transfer for a direction of the fan.
+    /// Factor on the heat transfer for a flow direction of the fan.
     pub fn factor(&self, direction: FlowDirection) -> f64 {
         match direction {
             FlowDirection::Push => self.factor_push,
@@ -217,7 +215,7 @@ impl Annulus {
         }
     }
 
-    /// What is wrong with the data taken together, in one sentence.
+    /// Why the data do not fit together, in one sentence.
     pub fn fault(&self, housing: &Housing) -> Option<String> {
         (self.outer_diameter <= housing.diameter).then(|| {
             format!(
@@ -245,8 +243,8 @@ mod tests {
         assert!((g.section - 549.78e-6).abs() < 1e-8 && (g.d_h - 0.010).abs() < 1e-15);
     }
 
-    /// A gap of still air takes no pressure; more flow takes more; pulling costs more than pushing, since the
-    /// air enters from a room and not from a duct.
+    /// Pressure drop is 0 at zero flow and rises with the flow. It is larger with a pulling fan: the air then enters from still
+    /// ambient air, not from a duct.
     #[test]
     fn pressure_rises_from_zero() {
         let air = Air::at(300.0, 101_325.0);
@@ -262,7 +260,7 @@ mod tests {
         }
     }
 
-    /// Where the gap becomes wider than the fan's opening, nothing jumps.
+    /// Continuous where the gap becomes wider than the fan's opening.
     #[test]
     fn no_jump_where_the_gap_outgrows_the_fan() {
         let air = Air::at(300.0, 101_325.0);
@@ -281,7 +279,7 @@ mod tests {
     }
 
     /// g L (rho_a - rho): at 60 K above 298.15 K 9.80665 * 0.064 * 1.1839 * 60/358.15 = 0.12448 Pa; at equal temperatures 0 with the
-    /// derivative 0, and the same in air that is colder.
+    /// derivative 0; the same law in air colder than ambient.
     #[test]
     fn buoyancy_of_an_upright_gap() {
         let housing = Housing { orientation: Orientation::Vertical, ..Housing::default() };

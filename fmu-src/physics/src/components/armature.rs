@@ -3,9 +3,9 @@
 //! R(T_w)   = R_ref [1 + alpha (T_w - T_ref)]                                               (1)
 //! k_t(T_m) = k_t,ref [1 + alpha_mag (T_m - T_ref)]                                         (2)
 //!
-//! *Assumes*, *neglects*, *sign*: as `motor.rs`; brushes count with the winding's resistance.
-//! *Source*: the paper in `seeds`, eq. (8), kept with its constant term, which its eq. (10) drops. R_ref and L are
-//! its LCR measurement (section 2.5). k_t: 8.132 V of back-EMF at 8.13 rad/s is 1 V.s/rad at the output shaft, over
+//! *Assumes*, *neglects*, *sign*: as `motor.rs`; the brushes are included in the winding's resistance.
+//! *Source*: the paper in `seeds`, eq. (8), with its constant term, which its eq. (10) omits. R_ref and L are
+//! its LCR measurement (section 2.5). k_t: 8.132 V of back-EMF at 8.13 rad/s is 1 V.s/rad at the output shaft, divided by
 //! the ratio of 131. J is an estimate: an armature of 50 g with a radius of 12 mm.
 
 use declare::{Unit, Variable, variables};
@@ -54,7 +54,7 @@ impl Armature {
 mod tests {
     use super::*;
 
-    /// The paper's motor at its 37.74 degC: 9.2 (1 + 0.004 * 17.74) = 9.853 Ohm, where its eq. (10) has 17.36.
+    /// The paper's motor at its 37.74 degC: 9.2 (1 + 0.004 * 17.74) = 9.853 Ohm, while its eq. (10) gives 17.36.
     #[test]
     fn resistance_at_a_hand_computed_temperature() {
         let armature = Armature::default();

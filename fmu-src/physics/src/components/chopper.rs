@@ -1,12 +1,12 @@
-//! An H-bridge that chops its supply: means over one switching cycle.
+//! H-bridge with PWM: means over one switching period.
 //!
-//! While the supply is on, for the share d of the period P, the terminals see V_on = V_s - V_drop; after it the
-//! current runs on through switch and diode against V_off, until the next cycle or until it is used up:
+//! The supply is connected for the fraction d (duty) of the period P; the terminal voltage is then V_on = V_s - V_drop. Afterwards the
+//! current freewheels through switch and diode against V_off, until the next period begins or the current is zero:
 //!
 //! ```text
 //! on        L di/dt = V_on - e - R i          for d P                                      (1)
 //! freewheel L di/dt = -V_off - e - R i        for at most (1 - d) P                        (2)
-//! empty     i = 0, the terminals show e       for what is left                             (3)
+//! empty     i = 0, terminal voltage e              for the rest of P                        (3)
 //! ```
 //! With a = exp(-d P R/L), b = exp(-(1 - d) P R/L), I_on = (V_on - e)/R, I_off = -(V_off + e)/R, the periodic
 //! solution starts each cycle at
@@ -14,27 +14,26 @@
 //! i_0 = [I_on (1 - a) b + I_off (1 - b)] / (1 - a b)       continuous conduction, where i_0 > 0    (4)
 //! i_0 = 0, freewheel ends after L/R ln(1 - i_peak/I_off)   discontinuous conduction                (5)
 //! ```
-//! and with d_2, the share of the freewheel, its means are
+//! d_2 is the fraction of the period with freewheeling current. The means are
 //! ```text
 //! V - e = R I = d (V_on - e) - d_2 (V_off + e)                                             (6)
 //! q_on  = d I_on - (L/R)(i_peak - i_0)/P,   q_off = d_2 I_off + (L/R)(i_peak - i_0)/P,   I = q_on + q_off   (7)
 //! <i^2> = I_on q_on + I_off q_off                                                          (8)
 //! ```
-//! (6) and (8) are (1) to (3), and i times them, integrated over a cycle: what the inductance takes it gives back.
-//! In continuous conduction d_2 = 1 - d, so (6) is Kirchhoff's law for any mean current, and not of the periodic
-//! one alone. A back-EMF between V_on and V_s + V_f lets no current flow; above that the bridge's diodes rectify:
-//! V = V_s + V_f.
+//! (6) is the integral of (1) to (3) over a period; (8) is the integral of (1) to (3) times i. The inductance stores no net energy over
+//! a period. In continuous conduction d_2 = 1 - d, so (6) is Kirchhoff's law for any mean current, not only for the periodic one. A
+//! back-EMF between V_on and V_s + V_f gives zero current; above that, the bridge's diodes rectify: V = V_s + V_f.
 //!
 //! *Decay*: slow (one switch stays closed): V_off = V_f. Fast (all switches open): V_off = V_s + V_f, and the current
-//! runs back into the supply.
+//! flows back into the supply.
 //! *Duty 0* (`zero_duty`). Brake: the switches of one side are closed, and the winding is short-circuited through a switch and a
-//! diode in either direction: |e| > V_f drives a current against V_f, none flows through the supply. This is the limit of
-//! small duties of a bridge whose switches carry both directions, and what a drive with slow decay does at standstill, so it is the
+//! diode in either direction: |e| > V_f drives a current against V_f; the supply current is zero. This is the limit of small duties
+//! of a bridge whose switches conduct in both directions, and the behaviour of a drive with slow decay at standstill; hence it is the
 //! default. Coast: all switches are open.
-//! *Assumes* a supply that takes current back, e and R constant over a cycle, drops that do not depend on the
-//! current; V_drop is never more than V_s. *Neglects* dead time, switching losses, and the bridge's own heat.
-//! *Sign*: as the duty, forward positive; a negative duty is the mirror image.
-//! *Range*: any duty from -1 to 1; continuous where (4) meets (5), and where the current begins.
+//! *Assumes* a supply that absorbs regenerated current, e and R constant over a period, drops that do not depend on the
+//! current; V_drop is at most V_s. *Neglects* dead time, switching losses, and the bridge's own heat.
+//! *Sign*: positive duty is forward; a negative duty is the mirror image.
+//! *Range*: any duty from -1 to 1; continuous between (4) and (5), and where the current starts.
 //! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sections 7-3 and 13-5, with the resistance kept.
 
 use crate::number::Number;
@@ -61,7 +60,7 @@ enumeration! {
 }
 
 variables! {
-    /// A drive whose mean voltage is duty times its supply's voltage.
+    /// Bridge of a drive whose mean voltage is duty times supply voltage.
     pub struct Idle {
         /// Bridge at duty 0 (drive_mode pwm)
         zero_duty: ZeroDuty = Variable::choice(0, 1),
@@ -87,7 +86,7 @@ variables! {
     }
 }
 
-/// Below this sum of V_on and V_off there is nothing to share the current by, V.
+/// Below this sum of V_on and V_off the division in (7) is undefined, V.
 const VOLTAGE_SMALL: f64 = 1e-9;
 
 /// The bridge at one instant, in the direction of its duty.
@@ -95,7 +94,7 @@ const VOLTAGE_SMALL: f64 = 1e-9;
 pub struct Bridge {
     /// 1 forward, -1 reverse.
     direction: f64,
-    /// Share of the period with the supply on, 0 to 1.
+    /// Fraction of the period with the supply connected, 0 to 1.
     duty: f64,
     /// Period, s.
     period: f64,
@@ -107,40 +106,40 @@ pub struct Bridge {
     off: f64,
     /// V_f, V.
     freewheel_drop: f64,
-    /// Share of the freewheeling current that runs back into the supply.
+    /// Fraction of the freewheeling current that flows back into the supply.
     returned: f64,
 }
 
 /// The periodic cycle at some back-EMF.
 #[derive(Clone, Copy, Debug)]
 pub struct Cycle<D> {
-    /// Mean voltage at the terminals beyond the back-EMF, V: what drives the mean current, eq. (6).
+    /// Mean terminal voltage minus back-EMF, V, which drives the mean current, eq. (6).
     pub drive: D,
-    /// Mean square of the current less the square of its mean, A2.
+    /// Mean square of the current minus the square of its mean, A2.
     pub ripple: f64,
-    /// Share of the period with current, 0 to 1.
+    /// Fraction of the period with nonzero current, 0 to 1.
     pub conducting: f64,
     /// The diodes carry the current into the supply.
     rectifies: bool,
 }
 
-/// Where the power of the supply goes, W.
+/// Relation between supply power and motor power.
 #[derive(Clone, Copy, Debug)]
 pub struct SupplyPower {
-    /// Taken from the supply for each watt that the motor takes.
+    /// Supply power for each watt of motor power.
     pub per_watt: f64,
-    /// Taken from the supply for each ampere of the mean current, beyond that, V.
+    /// Additional supply power for each ampere of mean current, V.
     pub per_ampere: f64,
 }
 
 impl Bridge {
-    /// A bridge on `supply` volts. `direction` decides at duty 0, where the switches of a slow decay stay as they
-    /// were; without a direction (0), `zero_duty` says whether they brake or are open.
+    /// A bridge on `supply` volts. `direction` decides at duty 0, where the switches of a slow decay keep their
+    /// state; without a direction (0), `zero_duty` selects brake or open.
     #[inline]
     pub fn new(drive: &Drive, duty: f64, direction: f64, supply: f64) -> Bridge {
-        // A ramp may lead an input past its limits between two communication points.
+        // Extrapolation of an input may exceed its limits between two communication points.
         let brakes = direction == 0.0 && drive.zero_duty == ZeroDuty::Brake;
-        // A winding that is short-circuited sees a supply of 0 V, which gives and takes nothing.
+        // A short-circuited winding corresponds to a supply of 0 V, without power flow.
         let supply = if brakes { 0.0 } else { supply.max(0.0) };
         let open = !brakes && (drive.decay == Decay::Fast || direction == 0.0);
         let sign = if direction < 0.0 { -1.0 } else { 1.0 };
@@ -168,7 +167,7 @@ impl Bridge {
             }
             return Cycle { drive: -beyond * self.direction, conducting: 1.0, rectifies: true, ..none };
         }
-        // Times in units of L/R.
+        // Times relative to L/R.
         let period = self.period * r / l;
         let (t_on, t_off) = (self.duty * period, (1.0 - self.duty) * period);
         let (rises, falls) = (-(-t_on).exp_m1(), -(-t_off).exp_m1());
@@ -195,13 +194,13 @@ impl Bridge {
         }
     }
 
-    /// The current while the supply is on that gives the motor `power` watts at the mean current `i`: eq. (7) in
-    /// the periodic cycle, and between cycles the fraction that closes the energy balance. Forward counts positive.
+    /// Current from the supply during the on-time, for motor `power` in W at the mean current `i`: eq. (7) in the periodic solution;
+    /// otherwise the fraction that closes the energy balance. Forward is positive.
     fn through_supply(&self, power: f64, i: f64) -> f64 {
         (power + self.off * i * self.direction) / (self.on + self.off).max(VOLTAGE_SMALL)
     }
 
-    /// How the power of the supply follows from the motor's power and mean current.
+    /// Supply power as a function of motor power and mean current.
     #[inline]
     pub fn supply_power<D>(&self, cycle: &Cycle<D>) -> SupplyPower {
         if cycle.rectifies {

@@ -1,4 +1,4 @@
-//! The closed forms against the circuit itself, stepped through in time.
+//! Closed-form solutions compared with a time simulation of the circuit.
 
 use super::*;
 use num_dual::Dual64;
@@ -21,7 +21,7 @@ struct Means {
     loss: f64,
 }
 
-/// The circuit switched and stepped by Runge's midpoint rule, a diode that blocks, until the cycle repeats.
+/// Simulates the switched circuit with an ideal diode by the midpoint rule until the cycle is periodic.
 fn switched(drive: &Drive, duty: f64, e: f64) -> Means {
     let (forward, e, duty) = if duty < 0.0 { (-1.0, -e, -duty) } else { (1.0, e, duty) };
     let period = 1.0 / drive.pwm_frequency;
@@ -90,7 +90,7 @@ fn the_means_are_those_of_the_switched_circuit() {
     assert!(seen[0] > 20 && seen[1] > 20, "both kinds of conduction: {seen:?}");
 }
 
-/// From one side of the border between the two kinds of conduction to the other: no jump in any mean.
+/// All means are continuous at the boundary between continuous and discontinuous conduction.
 #[test]
 fn continuous_across_the_border_of_conduction() {
     for decay in [Decay::Slow, Decay::Fast] {
@@ -110,7 +110,7 @@ fn continuous_across_the_border_of_conduction() {
     }
 }
 
-/// Fully on, the bridge is its supply less the drop; fully off, it is open.
+/// Fully on, the bridge is the supply minus the drop; fully off, it is open.
 #[test]
 fn the_ends_of_the_duty() {
     let drive = drive(1775.0, Decay::Slow);
@@ -120,7 +120,7 @@ fn the_ends_of_the_duty() {
         let cycle: Cycle<f64> = Bridge::new(&drive, 0.0, 0.0, SUPPLY).cycle(e, R, L);
         assert_eq!((cycle.drive, cycle.ripple), (0.0, 0.0), "{e}");
     }
-    // Beyond the supply and the diodes an open bridge rectifies, either way round.
+    // Above supply voltage plus diode drop an open bridge rectifies, for both signs.
     for (e, volts) in [(15.0, -1.6), (-15.0, 1.6)] {
         let bridge = Bridge::new(&drive, 0.0, 0.0, SUPPLY);
         let cycle: Cycle<f64> = bridge.cycle(e, R, L);
@@ -134,7 +134,7 @@ fn the_ends_of_the_duty() {
     }
 }
 
-/// What the inductance carries across a cycle at 200 kHz hardly ripples: d V_on - (1 - d) V_off, Kirchhoff's law.
+/// At 200 kHz the ripple is negligible: d V_on - (1 - d) V_off, Kirchhoff's law.
 #[test]
 fn continuous_conduction_is_kirchhoffs_law() {
     let drive = drive(200e3, Decay::Slow);
@@ -144,7 +144,7 @@ fn continuous_conduction_is_kirchhoffs_law() {
     assert_eq!(cycle.conducting, 1.0);
 }
 
-/// The slope that the integrator linearises with is the derivative, in every regime.
+/// The derivative for the integrator's linearisation is correct in every regime.
 #[test]
 fn the_slope_is_the_derivative() {
     for decay in [Decay::Slow, Decay::Fast] {

@@ -1,24 +1,24 @@
-//! How the three phases share the current, and which of them is the hottest.
+//! Distribution of the current to the three phases, and the temperature of the hottest phase.
 //!
 //! The electrical equations are those of an equivalent direct-current motor: i is the current of which R i^2 is
 //! the copper loss of all phases, R the resistance between two terminals.
 //!
 //! block:       two of three phases carry i in turn, a sector of 60 electrical degrees each
 //! sinusoidal:  i = sqrt(3)/2 times the amplitude of the phase currents; torque pi/3 k_t i        (1)
-//! share of the copper loss of phase k at the electrical angle a:
+//! fraction of the copper loss in phase k at the electrical angle a:
 //!              block 1/2 in both active phases;  sinusoidal (2/3) cos^2(a - 2 pi k/3)              (2)
 //! heat of phase k: Q_k = s_k [a + b delta_k],   b = R_ref alpha <i^2>                               (3)
 //! C_w/3 d(delta_k)/dt = Q_k - sum_j Q_j/3 - G_w delta_k/3                                          (4)
 //! resistance in use: R at T_w + sum_k s_k delta_k                                                  (5)
 //!
-//! delta_k is how far phase k is above the mean winding; a is the loss at the winding's mean temperature: copper with ripple,
-//! contact voltage drop, electrical_power and what terms add at winding_heat. b counts that a hot phase resists more. G_w is the
-//! conductance from the winding to all around it: 1/R_wh with what effects do to it, the rotor, the leads. A turning rotor evens the shares out; at stall one pair of
-//! phases carries all of the current (block), or one phase two thirds of the loss (sinusoidal).
+//! delta_k is the temperature of phase k above the winding's mean; a is the loss at the winding's mean temperature: copper loss with
+//! ripple, contact voltage drop, electrical_power and terms at the port winding_heat. b accounts for the higher resistance of a hot phase.
+//! G_w is the conductance from the winding to its neighbours: 1/R_wh as modified by effects, the rotor, the leads. Rotation averages the
+//! fractions; at stall one pair of phases has all of the loss (block), or one phase two thirds of it (sinusoidal).
 //! *Assumes* sinusoidal back-EMF, for which a data sheet's k_t (block commutation) is 3/pi of the peak: (1); ideal
-//! rotor position; a third of the winding's capacity and conductance in each phase; the input heat_power evenly in all of them. *Neglects* the torque's ripple (block: mean
-//! of 14 % from peak to peak) and the current's change within a sector.
-//! *Sign*: delta sums to zero. *Range*: any angle and any length of step.
+//! rotor position; one third of the winding's capacity and conductance in each phase; the input heat_power distributed evenly.
+//! *Neglects* torque ripple (block: mean of 14 % from peak to peak) and the current's change within a sector.
+//! *Sign*: delta sums to zero. *Range*: any angle, any step size.
 //! *Source*: (1) Hendershot, Miller, Design of Brushless Permanent-Magnet Machines (2010), ch. 7; maxon academy,
 //! EC motors, on block and sinusoidal commutation; (3) and (4) derived here.
 
@@ -43,7 +43,7 @@ enumeration! {
 pub const PHASES: usize = 3;
 
 impl Commutation {
-    /// Torque over that of the data sheet's k_t at the same copper loss, eq. (1).
+    /// Torque relative to that with the data sheet's k_t at the same copper loss, eq. (1).
     pub fn torque_factor(self) -> f64 {
         match self {
             Commutation::EquivalentDc | Commutation::Block => 1.0,
@@ -51,7 +51,7 @@ impl Commutation {
         }
     }
 
-    /// Shares of the copper loss, eq. (2), averaged between two electrical angles, rad.
+    /// Fractions of the copper loss, eq. (2), averaged between two electrical angles, rad.
     pub fn shares(self, from: f64, to: f64) -> [f64; PHASES] {
         std::array::from_fn(|k| {
             let shift = TAU / 3.0 * k as f64;
@@ -60,7 +60,7 @@ impl Commutation {
             match self {
                 Commutation::EquivalentDc => even,
                 Commutation::Sinusoidal => {
-                    // 2/3 cos^2 = 1/3 + cos(2a)/3; its mean by the integral, or its value where the angle stands.
+                    // 2/3 cos^2 = 1/3 + cos(2a)/3; its mean from the integral, or its value if the angle is constant.
                     let way = b - a;
                     let wave = if way.abs() < 1e-6 {
                         (2.0 * a).cos()
@@ -83,7 +83,7 @@ impl Commutation {
 }
 
 /// Whether phase `k` of six-step commutation conducts: 120 of each 180 degrees, centred where its current peaks.
-/// The sector is counted once for all phases, so that two conduct at any angle, rounding or not.
+/// The sector is computed once for all phases, so that exactly two conduct at any angle, despite rounding.
 fn conducts(k: usize, angle: f64) -> bool {
     let sector = (angle / FRAC_PI_3).floor().rem_euclid(3.0);
     // A phase lags by two sectors behind the one before, and begins to conduct one sector before its peak.
@@ -97,7 +97,7 @@ fn conducted(angle: f64) -> f64 {
     turns * 2.0 * FRAC_PI_3 + (a - turns * PI).min(2.0 * FRAC_PI_3)
 }
 
-/// How far each phase is above the mean winding, K.
+/// Temperature of each phase above the winding's mean, K.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
     /// One for each phase; their sum is 0.
@@ -106,21 +106,21 @@ pub struct Phases {
 
 crate::saved!(Phases { above });
 
-/// What heats and cools the phases.
+/// Heat and cooling of the phases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseLoad {
     /// Loss of all phases at the winding's mean temperature, a of eq. (3), W.
     pub heat: f64,
-    /// What it grows by with a phase's own temperature, b of eq. (3), W/K.
+    /// Derivative of the loss with respect to a phase's own temperature, b of eq. (3), W/K.
     pub per_kelvin: f64,
     /// Heat capacity of the winding, J/K.
     pub capacity: f64,
-    /// Conductance from the winding to what surrounds it, G_w of eq. (4), W/K.
+    /// Conductance from the winding to its neighbours, G_w of eq. (4), W/K.
     pub conductance: f64,
 }
 
 impl PhaseLoad {
-    /// Half way from this to that.
+    /// Mean of the two loads.
     pub fn middle(&self, to: &PhaseLoad) -> PhaseLoad {
         PhaseLoad {
             heat: 0.5 * (self.heat + to.heat),
@@ -132,8 +132,8 @@ impl PhaseLoad {
 }
 
 impl Phases {
-    /// After `h` seconds of a load in these shares, eq. (4): exact for a constant load. The sum of all three stays 0, so that
-    /// two of them are solved.
+    /// State after `h` seconds of a load with these fractions, eq. (4): exact for a constant load. The sum of all three stays 0, so
+    /// only two are solved.
     pub fn after(&self, h: f64, load: &PhaseLoad, shares: &[f64; PHASES]) -> Phases {
         let [s0, s1, s2] = *shares;
         let (b, g) = (load.per_kelvin, load.conductance);
@@ -153,12 +153,12 @@ impl Phases {
         std::array::from_fn(|k| (3.0 * heat[k] - all - load.conductance * self.above[k]) / load.capacity)
     }
 
-    /// How far the hottest phase is above the mean winding, K.
+    /// Temperature of the hottest phase above the winding's mean, K.
     pub fn hottest(&self) -> f64 {
         self.above.iter().fold(0.0, |m, d| m.max(*d))
     }
 
-    /// How far the phases that carry the current are above the mean winding, eq. (5), K.
+    /// Temperature of the conducting phases above the winding's mean, eq. (5), K.
     pub fn in_use(&self, shares: &[f64; PHASES]) -> f64 {
         self.above.iter().zip(shares).map(|(d, s)| d * s).sum()
     }
@@ -170,7 +170,7 @@ mod tests {
 
     const MODES: [Commutation; 3] = [Commutation::EquivalentDc, Commutation::Block, Commutation::Sinusoidal];
 
-    /// The shares sum to 1 at any angle and over any way, and are even over whole turns.
+    /// The fractions sum to 1 at any angle and over any rotation, and are equal over whole turns.
     #[test]
     fn all_of_the_loss_is_somewhere() {
         for mode in MODES {
@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(block, [0.0, 0.5, 0.5]);
         assert_eq!(Commutation::Block.shares(0.0, 0.0).iter().sum::<f64>(), 1.0);
         for k in 0..600 {
-            // The instant agrees with the mean over a short way that begins there.
+            // The instantaneous value agrees with the mean over a short rotation from the same angle.
             let a = 0.0313 * f64::from(k) - 9.0;
             let (now, soon) = (Commutation::Block.shares(a, a), Commutation::Block.shares(a, a + 1e-4));
             let sector = (a / FRAC_PI_3).floor() == ((a + 1e-4) / FRAC_PI_3).floor();
@@ -204,7 +204,7 @@ mod tests {
         assert!((Commutation::Sinusoidal.shares(0.0, 0.0)[0] - 2.0 / 3.0).abs() < 1e-15);
     }
 
-    /// The average over a way is that of many points on it.
+    /// The mean over a rotation equals the average of many points.
     #[test]
     fn the_mean_is_the_mean() {
         for mode in MODES {
@@ -221,7 +221,7 @@ mod tests {
         }
     }
 
-    /// 10 W held at stall through 0.21 K/W: a pair stands 0.5 x 0.21 x 10 = 1.05 K above the mean, the third
+    /// 10 W held at stall through 0.21 K/W: a pair is 0.5 x 0.21 x 10 = 1.05 K above the mean, the third
     /// phase 2.1 K below.
     #[test]
     fn the_hot_spot_settles_by_hand() {
@@ -237,7 +237,7 @@ mod tests {
         assert!((twice.hottest() - once.hottest()).abs() < 1e-12);
     }
 
-    /// A pair that grows by b with its own temperature settles where (a + b d)/2 - (a + b d)/3 = G d/3:
+    /// A pair whose loss grows by b with its own temperature reaches (a + b d)/2 - (a + b d)/3 = G d/3:
     /// d = a/2 / (G - b/2).
     #[test]
     fn a_hot_phase_resists_more_by_hand() {
@@ -247,7 +247,7 @@ mod tests {
         let phases = Phases::default().after(1e3, &load, &shares);
         assert!((phases.hottest() / settled - 1.0).abs() < 1e-12, "{phases:?} {settled}");
         assert!(phases.rates(&load, &shares).iter().all(|rate| rate.abs() < 1e-11));
-        // The rates are the slope of what a short time brings, for any shares.
+        // The rates are the time derivative of the solution, for any fractions.
         for shares in [[0.5, 0.5, 0.0], [0.1, 0.3, 0.6], [0.0, 0.5, 0.5]] {
             let phases = Phases { above: [3.0, -1.0, -2.0] };
             let (rates, h) = (phases.rates(&load, &shares), 1e-5);

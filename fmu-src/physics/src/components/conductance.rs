@@ -1,14 +1,14 @@
-//! Cooling by a conductance to ambient that a fan raises.
+//! Cooling by a conductance to ambient that increases with the fan command.
 //!
 //! G = G_still + G_forced n^0.8,   Q_ambient = G (T_h - T_a)                                (1)
 //!
 //! n is the fan command from 0 to 1. *Assumes* flow proportional to the command (affinity laws) and turbulent
 //! forced convection, Nu ~ Re^0.8. *Neglects* natural convection's own dependence on temperature.
-//! *Sign*: Q_ambient > 0 leaves the housing. *Range*: continuous from n = 0, where the slope is infinite.
+//! *Sign*: Q_ambient > 0 leaves the housing. *Range*: continuous from n = 0, where the derivative is infinite.
 //! *Source*: Incropera, Fundamentals of Heat and Mass Transfer, 7th ed., eq. 8.60 for the exponent; datasheet of
 //! maxon 305015 for 1/G_still = 7.4 K/W. G_forced from the thesis (`seeds`, table 1): with the fan at full speed 5 mm
 //! from the motor and 10 W in the winding it measured R_ha = 4.03 K/W, so G_forced = 1/4.03 - 1/7.4 = 0.113 W/K. That
-//! R_ha contains leads and mount, as G_still does.
+//! R_ha includes leads and mount, as G_still does.
 
 use declare::{Unit, Variable, variables};
 
@@ -31,11 +31,11 @@ impl Conductance {
         self.G_still + self.G_forced * Self::share(n)
     }
 
-    /// n^0.8. A command below 0 counts as 0, above 1 as 1: a ramp may lead an input past its limits between two
+    /// n^0.8, with n limited to 0 ... 1, since extrapolation may lead an input beyond its limits between two
     /// communication points.
     #[inline]
     pub fn share(n: f64) -> f64 {
-        // A power costs as much as all else in a step, so the two common commands go without.
+        // A power costs as much as the rest of a step, so the two common commands are treated separately.
         if n <= 0.0 {
             0.0
         } else if n >= 1.0 {

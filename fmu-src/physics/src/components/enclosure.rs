@@ -7,9 +7,9 @@
 //!
 //! Q_g is the fraction friction_to_gear of the friction losses, Q_h the rest. Below C_g = 1e-3 J/K the gear is part of the housing:
 //! its capacity is in C_h, its temperature is T_h, and all friction heats the housing.
-//! *Assumes* each node at one temperature. *Neglects* radiation and the leads (inside G_hb), heat from the gear to the box (G_hb).
-//! *Sign*: a flow counts positive from the winding outwards.
-//! *Source*: estimates. 95 J/K in all for the motor of about 210 g of steel and copper, 10 J/K of it the armature's
+//! *Assumes* each node at one temperature. *Neglects* radiation, leads and heat from gear to box as separate paths (all included in G_hb).
+//! *Sign*: heat flow is positive from the winding outwards.
+//! *Source*: estimates. 95 J/K in total for the motor of about 210 g of steel and copper, 10 J/K of it the armature's
 //! copper and teeth; 5 K/W across the air gap, as catalogues give for brushed motors of this size (3 to 8 K/W);
 //! 60 J/K and 0.15 W/K for a box of expanded polystyrene; 120 degC for the winding (insulation class E).
 
@@ -50,11 +50,11 @@ variables! {
     }
 }
 
-/// Smallest heat capacity of a gear with a temperature of its own, J/K.
+/// Smallest heat capacity of a gear with its own temperature, J/K.
 const LEAST_GEAR: f64 = 1e-3;
 
 impl Enclosure {
-    /// Whether the gear has a temperature of its own.
+    /// Whether the gear has its own temperature.
     #[inline]
     pub fn has_gear(&self) -> bool {
         self.C_g >= LEAST_GEAR

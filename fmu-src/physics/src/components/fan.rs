@@ -1,10 +1,10 @@
-//! An axial fan: its curve, its jet, its power.
+//! Axial fan: characteristic curve, jet, power.
 //!
 //! curve, affinity and stall: `correlations/fan_curve.rs`; jet: `correlations/jet.rs`
 //! P = n^3 rho/rho_ref P_rated                                                              (1)
 //!
-//! *Assumes* speed proportional to the command, and all electrical power given to the air that passes.
-//! *Neglects* the time that the fan takes to run up, heat from its bearings.
+//! *Assumes* speed proportional to the command; all electrical power is given to the air flow.
+//! *Neglects* the run-up time of the fan, heat from its bearings.
 //! *Sign*: a positive flow leaves the fan. *Range*: n from 0 to 1.
 //! *Source*: Aavid PSAD14010BH, data sheet in the thesis (`seeds`, appendix 4): 0.28 m3/min, 7.24 mm H2O, 1.2 W,
 //! 14.4 g. The curve between its end points is unknown (a straight line is the default); bore and hub of a
@@ -76,7 +76,7 @@ variables! {
 /// Points of a fan's table: both ends and four between them.
 const POINTS: usize = 6;
 
-/// A fan's curve with its points in absolute numbers.
+/// A fan's curve with its points in absolute values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Table {
     flow: [f64; POINTS],
@@ -85,7 +85,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The curve, if it falls.
+    /// The curve, if it is falling.
     pub fn curve(&self) -> Result<FanCurve<'_>, CurveError> {
         FanCurve::new(Shape::Table { flow: &self.flow, pressure: &self.pressure }, self.stall)
     }
@@ -113,12 +113,12 @@ impl Fan {
         std::f64::consts::FRAC_PI_4 * self.bore * self.bore
     }
 
-    /// Power given to air of the density `rho` at the share of speed `n`, eq. (1), W.
+    /// Power given to air of the density `rho` at the speed ratio `n`, eq. (1), W.
     pub fn power_at(&self, n: f64, rho: f64) -> f64 {
         n * n * n * rho / self.density_ref * self.power
     }
 
-    /// What is wrong with the data taken together, in one sentence.
+    /// Why the data do not fit together, in one sentence.
     pub fn fault(&self) -> Option<String> {
         if self.hub >= self.bore {
             return Some(format!(

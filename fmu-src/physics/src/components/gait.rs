@@ -10,15 +10,15 @@
 //! q and m are periodic cubic splines through the measured points, so that speed and torque are smooth within a stride
 //! and from one stride to the next.
 //!
-//! With the activity `table` q and B(s) m are those of a [`LoadTable`](crate::load_table::LoadTable): straight lines through its rows of torque and speed, and no factor
-//! body_mass. If its shaft turns by D in each period, D s is added to (2): a(t) and A(s) act on the motion about the mean speed.
+//! With the activity `table` q and B(s) m are those of a [`LoadTable`](crate::load_table::LoadTable): straight lines through its rows
+//! of torque and speed, without the factor
+//! body_mass. If its shaft turns by D in each period, D s is added to (2): a(t) and A(s) act on the motion relative to the mean speed.
 //! *Assumes* that torque scales with body mass, that a standing person has joint angle 0 and no torque, and that the
 //! strides of (5) vary independently: v is the coefficient of variation of each quantity (of stride time about 0.02 in
 //! healthy adults on level ground).
 //! *Sign*: angle and torque are positive in extension (plantarflexion at the ankle), so that torque times speed > 0 is
 //! power into the leg.
-//! *Source*: `tables.rs`. Each item of [`Activity`] names its subjects and its publication; whatever prints a result of
-//! an activity prints that text.
+//! *Source*: `tables.rs`. Each item of [`Activity`] names its subjects and publication; every report of a result includes that text.
 
 mod spline;
 mod tables;
@@ -110,7 +110,7 @@ pub struct Motion {
     pub stride_rate: f64,
 }
 
-/// A smooth step from 0 to 1, and its slope.
+/// A smooth step from 0 to 1, and its derivative.
 fn ramp(x: f64) -> (f64, f64) {
     let x = x.clamp(0.0, 1.0);
     (x * x * x * (x * (6.0 * x - 15.0) + 10.0), 30.0 * x * x * (1.0 - x) * (1.0 - x))
@@ -119,7 +119,7 @@ fn ramp(x: f64) -> (f64, f64) {
 /// Floor of `x`, by conversion where possible: faster than the library call.
 #[inline]
 pub fn floor(x: f64) -> f64 {
-    /// From here on every f64 is whole.
+    /// From here on every f64 is an integer.
     const WHOLE: f64 = (1u64 << 52) as f64;
     if x.abs() < WHOLE {
         let near = x as i64 as f64;
@@ -160,7 +160,7 @@ impl Gait {
         }
     }
 
-    /// The joint at `time`, s, and stride coordinate `stride`: eqs. (2) to (5); at rest without the load table that it needs.
+    /// State of the joint at `time`, s, and stride coordinate `stride`: eqs. (2) to (5); at rest if the required load table is missing.
     pub fn at(&self, table: Option<&Cycle>, time: f64, stride: f64) -> Motion {
         let Some((cycle, mass)) = self.cycle(table) else { return Motion::default() };
         let varied = |quantity| {
@@ -187,7 +187,7 @@ impl Gait {
         motion
     }
 
-    /// Strides and demanded work, J, over the `h` seconds from `time`, s, and stride coordinate `stride`: the integrals of
+    /// Number of strides and demanded work, J, over the `h` seconds from `time`, s, and stride coordinate `stride`: the integrals of
     /// (1) and of torque times speed. `None` where strides vary or the amplitude changes.
     #[inline]
     pub fn on(&self, table: Option<&Cycle>, time: f64, stride: f64, h: f64) -> Option<(f64, f64)> {
@@ -196,7 +196,7 @@ impl Gait {
             return None;
         }
         let ((cycle, mass), (share, _)) = (self.cycle(table)?, self.share(time));
-        // At another amplitude the mean speed and the motion about it have different factors.
+        // At a different amplitude the mean speed and the motion relative to it have different factors.
         if cycle.turn != 0.0 && share != 1.0 {
             return None;
         }
@@ -209,7 +209,7 @@ impl Gait {
         Some((strides, share * share * mass * self.support * work))
     }
 
-    /// The first time after `time`, s, at which starting or stopping begins or ends.
+    /// The first time after `time`, s, at which the start or stop ramp begins or ends.
     pub fn next_event(&self, time: f64) -> f64 {
         let ends = |from: f64| [from, from + self.ramp_time];
         let all = ends(self.start_time).into_iter().chain(ends(self.stop_time));
@@ -226,8 +226,8 @@ mod tests {
         Gait::default()
     }
 
-    /// The adult's ankle against the digitised curve: greatest torque, and where in the stride; the children's stays
-    /// available under its own name.
+    /// The adult's ankle compared with the digitised curve: peak torque, and its phase in the stride; the children's data stay
+    /// available under their own name.
     #[test]
     fn the_default_ankle_is_the_measured_adult() {
         let text = include_str!("../../data/gait-walking-stairs-cc0/walking_ankle_torque.csv");
@@ -249,7 +249,7 @@ mod tests {
         assert_eq!(Activity::Walk as i32, 3);
     }
 
-    /// Push-off power, and the ranges of motion that the integrated speeds give with the stride time of adults.
+    /// Push-off power, and the ranges of motion from the integrated speeds with the stride time of adults.
     #[test]
     fn the_adult_moves_as_adults_do() {
         let at = |joint, k: u32| Gait { joint, ..walk() }.at(None, 0.0, f64::from(k) / 1000.0);
@@ -272,8 +272,8 @@ mod tests {
         assert!((b.torque - 0.5 * a.torque).abs() < 1e-12 && a.angle == b.angle && a.speed == b.speed);
     }
 
-    /// The speed is the derivative of the angle along the gait, in every activity, also where strides differ and while
-    /// setting out; angle, speed and torque have no step, from one stride to the next either.
+    /// The speed is the derivative of the angle in every activity, also with varying strides and during the start ramp;
+    /// angle, speed and torque are continuous, also between strides.
     #[test]
     fn speed_is_the_rate_of_the_angle_and_nothing_jumps() {
         use Activity::*;
@@ -294,7 +294,7 @@ mod tests {
                 let mut last = gait.at(None, 0.0, s);
                 let mut largest = [0.0f64; 2];
                 for k in 0..80_000 {
-                    // The middle rule on (1), whose right-hand side is smooth.
+                    // Midpoint rule on (1), whose right-hand side is smooth.
                     let half = s + 0.5 * h * last.stride_rate;
                     let t = f64::from(k) * h;
                     let middle = gait.at(None, t + 0.5 * h, half);
@@ -345,7 +345,7 @@ mod tests {
                 "{t} {found} {work}"
             );
         }
-        // Standing still: the mean speed stays, the motion about it and the torque are gone.
+        // Standing still: the mean speed remains, the motion relative to it and the torque are zero.
         let still = Gait { stop_time: 10.0, ..gait };
         let motion = still.at(Some(&table), 20.0, 25.0);
         assert!(
@@ -368,7 +368,7 @@ mod tests {
         assert_eq!(found, [1.0, 3.0, 5.0, 7.0]);
     }
 
-    /// The integral of torque times speed over parts of a stride, a stride and several, by the middle rule.
+    /// The integral of torque times speed over parts of a stride, one stride and several, compared with the midpoint rule.
     #[test]
     fn the_work_of_a_step_is_the_integral_of_its_power() {
         for activity in [Activity::Walk, Activity::StairsDown] {

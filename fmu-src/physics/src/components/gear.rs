@@ -1,26 +1,27 @@
-//! A reduction gear: everything behind it referred to its output shaft.
+//! A reduction gear, referred to its output shaft.
 //!
 //! K = k_t ratio,   J_out = J ratio^2                                                       (1)
 //! tau_drag = tau_c tanh(w / w_small) + k v w + (1/efficiency - 1) |tau_load| sign(w)       (2)
 //! v = exp[B (1/T_g - 1/T_ref)]                                                             (3)
 //!
-//! The torque in the air gap times the ratio is K I, before any loss, so K is also the back-EMF constant at the
-//! output shaft: efficiency belongs to the drag and not to K, or power would appear or vanish on the way.
-//! The losses without load (brushes, bearings, gear) are the first two terms, the third is what a load adds:
-//! a load that drives comes back with 2 - 1/efficiency, and not at all where efficiency is below one half.
+//! Air-gap torque times ratio is K I, before any loss, so K is also the back-EMF constant at the output shaft. The efficiency belongs
+//! to the drag, not to K; otherwise the energy balance would not close. The first two terms are the losses without load (brushes,
+//! bearings, gear), the third is the additional loss under load. A driving load is transmitted with the efficiency 2 - 1/efficiency, and
+//! is blocked if efficiency is below one half.
 //! (3) is the viscosity of the grease at the gear's temperature over that at T_ref, to which viscous friction is proportional. An oil
 //! of ISO VG 100 has 100 mm2/s at 40 degC and 11 mm2/s at 100 degC: B = 4300 K. B = 0: friction does not depend on temperature.
 //! *Range* of (3): 50 K on both sides of T_ref, above the pour point (far below T_ref oils thicken faster); T_g >= 150 K.
 //! *Assumes* a stiff gear without backlash. *Neglects* breakaway: below w_small the shaft creeps.
 //! *Sign*: drag against the motion; its power tau_drag w >= 0 heats the housing.
-//! *Source*: (3) Andrade, Nature 125 (1930) 309-310; oil: ISO 3448, ISO 2909 at a viscosity index of 95. Regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083;
-//! load's share as in the Modelica Standard Library, Rotational.Components.LossyGear.
+//! *Source*: (3) Andrade, Nature 125 (1930) 309-310; oil: ISO 3448, ISO 2909 at a viscosity index of 95. Regularised Coulomb law:
+//! Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083; load-dependent term as in the Modelica Standard Library,
+//! Rotational.Components.LossyGear.
 
 use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {
-    /// The gear and the friction that it shows at its output shaft.
+    /// Gear, and friction referred to its output shaft.
     pub struct Gear {
         /// Gear ratio: turns of the rotor for one turn of the output shaft
         ratio: f64 = Variable::tunable(0, 131.0, Unit::One, 1.0, 1e5).log()
@@ -49,11 +50,11 @@ variables! {
     }
 }
 
-/// Lowest temperature of the law of viscosity, K.
+/// Lowest temperature of the viscosity law, K.
 const COLDEST: f64 = 150.0;
 
 impl Gear {
-    /// Viscosity of the grease at `t`, K, over that at T_ref, eq. (3).
+    /// Viscosity ratio of the grease, at `t`, K, to T_ref, eq. (3).
     #[inline]
     pub fn viscosity(&self, t: f64) -> f64 {
         if self.B == 0.0 { 1.0 } else { (self.B * (1.0 / t.max(COLDEST) - 1.0 / self.T_ref)).exp() }
@@ -94,7 +95,7 @@ mod tests {
         let kelvin = 9.09f64.ln() / (1.0 / 313.15 - 1.0 / 373.15);
         let gear = Gear { B: kelvin, T_ref: 313.15, tau_c: 0.0, ..Gear::default() };
         assert!((gear.viscosity(373.15) - 0.11).abs() < 1e-4 && gear.viscosity(313.15) == 1.0);
-        // Walther: lg lg (nu + 0.7) is a line over lg T.
+        // Walther: lg lg (nu + 0.7) is linear in lg T.
         let walther = |nu: f64| (nu + 0.7).log10().log10();
         let slope = (walther(100.0) - walther(11.0)) / (373.15f64 / 313.15).log10();
         let at_70 = 10f64.powf(10f64.powf(walther(100.0) - slope * (343.15f64 / 313.15).log10())) - 0.7;
@@ -104,7 +105,7 @@ mod tests {
         assert!(gear.viscosity(0.0).is_finite());
     }
 
-    /// A driven load of 1 N.m costs 1/0.73 N.m; one that drives gives back 2 - 1/0.73 N.m.
+    /// A driven load of 1 N.m requires 1/0.73 N.m; a driving load returns 2 - 1/0.73 N.m.
     #[test]
     fn the_efficiency_is_that_of_a_driven_load() {
         let gear = Gear::default();

@@ -1,15 +1,15 @@
-//! The motor's body as the air sees it: a cylinder with two flat ends.
+//! The motor's outer surface: a cylinder with two flat ends.
 //!
 //! G_still = h A_lateral + 2 h_end A_end + mount,   h = Nu k/L by `correlations/natural_convection.rs`   (1)
 //! G_room  = h_r (A_lateral + 2 A_end),             h_r by `correlations/radiation.rs`                   (2)
 //! axial conductance between segments of the length dx = lambda pi (D - s) s/dx                          (3)
 //!
-//! *Assumes* a smooth grey cylinder in a large still room, one coefficient for the whole surface at its mean
+//! *Assumes* a smooth grey cylinder in large still ambient air, one coefficient for the whole surface at its mean
 //! temperature, properties at the mean of surface and air. *Neglects* fins, labels and cable glands.
 //! *Range*: that of the correlations. *Source*: (1), (2) see there; (3) Fourier. Emissivity of stainless steel,
 //! cleaned: 0.22 at 300 K (Incropera, 7th ed., table A.11, from memory; FLIR's tables give 0.24 for steel freshly
 //! worked with emery); anodised aluminium has 0.8, painted metal 0.9.
-//! Diameter 30 mm: data sheet of maxon 305015; its length of 64 mm is not in the data sheet's text and
+//! Diameter 30 mm: data sheet of maxon 305015; its length of 64 mm is not in the data sheet and
 //! unconfirmed. Wall of 2 mm of steel, 16 W/(m.K): an estimate.
 
 use crate::correlations::{natural_convection as natural, radiation};
@@ -33,7 +33,7 @@ enumeration! {
 }
 
 impl Orientation {
-    /// Coefficient of natural convection on the lateral surface of a cylinder of this diameter and length, m, W/(m2.K), with
+    /// Film coefficient of natural convection on the lateral surface of a cylinder of this diameter and length, m, W/(m2.K), with
     /// the surface and the ambient air at these temperatures, K, and `p` pascal.
     pub fn lateral_coefficient(self, [d, l]: [f64; 2], [t_s, t_a]: [f64; 2], p: f64) -> f64 {
         let film = Air::at(0.5 * (t_s + t_a), p);
@@ -46,7 +46,7 @@ impl Orientation {
 }
 
 variables! {
-    /// Size and surface of the housing.
+    /// Dimensions and surface of the housing.
     pub struct Housing {
         /// Outer diameter of the motor
         diameter: f64 = Variable::tunable(0, 0.030, Unit::Metre, 1e-3, 1.0).log()
@@ -68,14 +68,14 @@ variables! {
     }
 }
 
-/// Coefficients of still air and of a room, W/(m2.K).
+/// Film coefficients of natural convection and radiation, W/(m2.K).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StillAir {
     /// Natural convection on the lateral surface.
     pub lateral: f64,
     /// Natural convection on the ends.
     pub end: f64,
-    /// Radiation to the room.
+    /// Radiation to ambient.
     pub radiation: f64,
 }
 
@@ -90,7 +90,7 @@ impl Housing {
         PI / 4.0 * self.diameter * self.diameter
     }
 
-    /// Conductance along the axis between the middles of two of `segments` equal segments, eq. (3), W/K.
+    /// Conductance along the axis between the centres of two neighbours of `segments` equal segments, eq. (3), W/K.
     pub fn axial_conductance(&self, segments: usize) -> f64 {
         // A wall thicker than the radius is a solid bar.
         let wall = self.thickness.min(0.5 * self.diameter);
@@ -98,7 +98,7 @@ impl Housing {
         self.conductivity * section * segments as f64 / self.length
     }
 
-    /// Coefficients in still air at `t_a` and a room at the same temperature, eqs. (1) and (2), with the surface
+    /// Film coefficients in still air and radiation to walls, both at `t_a`, eqs. (1) and (2), with the surface
     /// at `t_s` kelvin and the air at `p` pascal. At equal temperatures conduction and radiation remain.
     pub fn still_air(&self, t_s: f64, t_a: f64, p: f64) -> StillAir {
         let film = Air::at(0.5 * (t_s + t_a), p);

@@ -1,8 +1,8 @@
-//! Initial temperatures: what a value of zero means, and which values a motor refuses.
+//! Initial temperatures: meaning of the value 0, and values outside the limits of validity.
 
 use super::validity::Limits;
 
-/// The initial temperature of a node, K: `value`, or `otherwise` where it is 0 K and so not set.
+/// Initial temperature of a node, K: `value`, or `otherwise` if `value` is 0 K (not set).
 pub fn temperature(value: f64, otherwise: f64) -> f64 {
     if value == 0.0 { otherwise } else { value }
 }
@@ -34,7 +34,7 @@ mod tests {
         assert!(sentence.starts_with("w = 560 K") && sentence.contains("100 ... 543.15 K"), "{sentence}");
         let sentence = first_outside(&limits, ("w", 500.0), &[("b", 400.0), ("h", 99.0)]).unwrap();
         assert!(sentence.starts_with("h = 99 K") && sentence.contains("100 ... 583.15 K"), "{sentence}");
-        // The magnets have no torque left above T_ref - 1/alpha_mag.
+        // The magnets have no torque above T_ref - 1/alpha_mag.
         let weak = Limits::new(Validity::default(), 298.15, -0.01);
         assert!(first_outside(&weak, ("w", 500.0), &[("h", 400.0)]).unwrap().contains("398.15 K"));
     }

@@ -1,17 +1,17 @@
-//! A water jacket: parallel channels along the housing with water that a pump drives.
+//! Water jacket: parallel channels along the housing, with water driven by a pump.
 //!
 //! conductance    G = Nu k/d A_wet,                  Nu by `correlations/tube_flow.rs`          (1)
-//! stream         C = m c_p,  m = rho(T_in) Q                                                  (2)
+//! capacity rate  C = m c_p,  m = rho(T_in) Q                                                  (2)
 //! effectiveness  e = 1 - exp(-G/C),  T_out = T_in + e (T_h - T_in)                             (3)
 //! bulk           T_b = T_in + (T_h - T_in) [1 - e C/G]                                         (4)
 //! pressure drop  dp = (f l/d + K) rho u^2/2,  u = Q/(N pi d^2/4),  P = dp Q                    (5)
 //!
-//! Properties but the density of (2) are those at the bulk temperature, which follows from them: three evaluations.
-//! *Assumes* that the flow divides evenly among the channels, that all of the wetted surface has the housing's temperature.
-//! *Neglects* heat from the jacket's outside to ambient (which without flow is the only other path: the result is on the safe
-//! side), heat capacity of jacket and water, and the pump's power in the water (1e4 Pa: 0.002 K).
+//! Properties except the density of (2) are those at the bulk temperature, which depends on them: three iterations.
+//! *Assumes* even flow distribution to the channels; the wetted surface has the housing's temperature.
+//! *Neglects* heat from the jacket's outside to ambient (without water flow the only other path: the calculated temperatures are on
+//! the safe side), heat capacity of jacket and water, and the pump's power in the water (1e4 Pa: 0.002 K).
 //! *Sign*: heat into the water is positive. *Range*: that of the correlations; liquid water. Without flow (1) is finite and (3)
-//! takes no heat.
+//! gives zero heat flow.
 //! *Source*: (3), (4) Incropera, 7th ed., eqs. 8.41, 8.42; (5) ibid. eq. 8.22 and White, Fluid Mechanics, sec. 6.9.
 
 use crate::correlations::tube_flow;
@@ -43,12 +43,12 @@ variables! {
     }
 }
 
-/// The water of a jacket at one flow.
+/// Water in the jacket at one flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coolant {
     /// Conductance from the housing to the water, eq. (1), W/K.
     pub conductance: f64,
-    /// Heat capacity of the flow, eq. (2), W/K.
+    /// Heat capacity rate of the flow, eq. (2), W/K.
     pub m_flow_cp: f64,
     /// Pressure drop, eq. (5), Pa.
     pub pressure_drop: f64,
@@ -57,7 +57,7 @@ pub struct Coolant {
 }
 
 impl Jacket {
-    /// The water at the volume flow `q`, m3/s, that enters at `inlet` with the housing at `surface`, K.
+    /// The water at the volume flow `q`, m3/s, with inlet temperature `inlet` and housing temperature `surface`, K.
     pub fn coolant(&self, q: f64, inlet: f64, surface: f64) -> Coolant {
         let (d, q) = (self.hydraulic_diameter, q.max(0.0));
         let speed = q / (f64::from(self.channels) * FRAC_PI_4 * d * d);
@@ -70,7 +70,7 @@ impl Jacket {
             let nu = tube_flow::nusselt(re, water.pr, d / self.channel_length);
             coolant.conductance = nu * water.k / d * self.wetted_area;
             coolant.m_flow_cp = mass_flow * water.c_p;
-            // Laminar friction by its product with Re, so that it is finite at rest.
+            // Laminar friction as f Re, which is finite at rest.
             let friction =
                 tube_flow::friction_times_re(re) * water.mu * speed * self.channel_length / (2.0 * d * d);
             coolant.pressure_drop = friction + 0.5 * self.loss_coefficient * water.rho * speed * speed;
@@ -101,7 +101,7 @@ mod tests {
         close(coolant.pump_power, 2e-5 * 174.2, 2e-3);
     }
 
-    /// Without flow nothing is infinite, nothing flows, and a little flow changes little.
+    /// At zero flow all values are finite and the heat flow is zero; a small flow changes little.
     #[test]
     fn at_rest() {
         let jacket = Jacket::default();
@@ -113,7 +113,7 @@ mod tests {
         }
     }
 
-    /// Water that is heated by tens of kelvins has the properties at its bulk temperature: the jacket equals one without a temperature
+    /// Water heated by tens of kelvins has the properties at its bulk temperature: the jacket equals one without a temperature
     /// difference at that temperature.
     #[test]
     fn properties_are_those_at_the_bulk_temperature() {
@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// Conductance and pressure are continuous where the flow becomes turbulent.
+    /// Conductance and pressure are continuous at the transition to turbulent flow.
     #[test]
     fn through_the_transition() {
         let jacket = Jacket::default();

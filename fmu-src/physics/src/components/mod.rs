@@ -1,4 +1,4 @@
-//! Parts of a motor and of what stands around it, one file each: equations as pure functions of their parameters.
+//! Components of a motor and of its environment, one file each: equations as pure functions of their parameters.
 
 pub mod annulus;
 pub mod armature;

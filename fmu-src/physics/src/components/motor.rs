@@ -1,4 +1,4 @@
-//! Winding and magnets of an equivalent direct-current motor.
+//! Winding and magnets of an equivalent DC motor.
 //!
 //! R(T_w)   = R_ref [1 + alpha (T_w - T_ref)]                                               (1)
 //! k_t(T_m) = k_t,ref [1 + alpha_mag (T_m - T_ref)]                                         (2)
@@ -64,7 +64,7 @@ impl Motor {
 mod tests {
     use super::*;
 
-    /// The thesis's step from resistance to temperature, eq. (7): 0.4 Ohm is 25 + (0.4/0.386 - 1)/0.0039 degC.
+    /// The thesis's temperature from resistance, eq. (7): 0.4 Ohm is 25 + (0.4/0.386 - 1)/0.0039 degC.
     #[test]
     fn resistance_at_the_reference_and_at_a_hand_computed_temperature() {
         let motor = Motor::default();
@@ -74,7 +74,7 @@ mod tests {
         assert!((motor.resistance(t) - 0.4).abs() < 1e-15);
     }
 
-    /// 100 K of heating costs 12 % of the torque constant.
+    /// Heating by 100 K reduces the torque constant by 12 %.
     #[test]
     fn hot_magnets_are_weaker() {
         let motor = Motor::default();

@@ -1,12 +1,12 @@
-//! The springs of an actuator: one in series with its transmission, one beside it on the joint.
+//! Springs of an actuator: one in series with its transmission, one parallel to it at the joint.
 //!
-//! series      d = angle_in - angle_joint,   p = d less the play on the side where it touches          (1)
-//!             tau = k p + c (w_in - w_joint) on the way through the contact                            (2)
+//! series      d = angle_in - angle_joint,   p = d without the backlash, on the side in contact          (1)
+//!             tau = k p + c (w_in - w_joint) damping only in contact                            (2)
 //! parallel    tau = k (neutral - angle_joint), on both sides or on one                                 (3)
 //!
-//! *Assumes* springs without mass. Damping needs contact: inside the play it is zero, and grows to its whole over as
-//! much again, so that the torque has no step.
-//! *Sign*: a torque is positive that pushes the joint in the positive direction; it gives tau w to the joint.
+//! *Assumes* springs without mass. Damping requires contact: it is zero inside the backlash, and rises to its full value over an
+//! equal deflection, so that the torque has no step.
+//! *Sign*: a positive torque pushes the joint in the positive direction; its power on the joint is tau w.
 
 use declare::{Unit, Variable, enumeration, variables};
 
@@ -116,7 +116,7 @@ mod tests {
         let spring = SeriesSpring { damping: 3.0, ..SeriesSpring::default() };
         let d = spring.deflected(0.2, 0.5, 0.0);
         assert_eq!((d.torque, d.loss, d.energy), (50.0 + 1.5, 0.75, 5.0));
-        // Power in less power lost is the rate of its energy.
+        // Power in minus power loss is the rate of its energy.
         let next = spring.deflected(0.2 + 0.5e-7, 0.5, 0.0);
         assert!(((next.energy - d.energy) / 1e-7 - (d.torque * 0.5 - d.loss)).abs() < 1e-4);
     }

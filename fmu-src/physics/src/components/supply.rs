@@ -1,4 +1,4 @@
-//! The supply of a drive: power from the supply for the electrical power of the motor.
+//! Supply of a drive: supply power for the electrical power of the motor.
 //!
 //! driving      P_supply = standby + P / efficiency                                        (1)
 //! braking      P_supply = standby + P efficiency regeneration                             (2)

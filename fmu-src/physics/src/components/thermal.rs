@@ -1,19 +1,19 @@
-//! Heat within the motor: two nodes, or the network with stator, rotor and a housing of segments.
+//! Heat flow within the motor: two nodes, or the network with stator, rotor and a segmented housing.
 //!
 //! Two nodes (cooling_mode conductance):
 //!
 //! C_w dT_w/dt = Q_w - (T_w - T_h)/R_wh                                                     (1)
 //! C_h dT_h/dt = Q_h + (T_w - T_h)/R_wh - Q_ambient                                         (2)
 //!
-//! *Assumes* each node at one temperature; stator and magnets at the housing's, without capacity of their own.
-//! *Neglects* the leads, the mount and radiation (all inside the conductance to ambient here).
+//! *Assumes* isothermal nodes; stator and magnets at the housing's temperature, without own heat capacity.
+//! *Neglects* the leads, the mount and radiation as separate paths (included in the conductance to ambient).
 //! Network (the other cooling modes): the datasheet's R_wh lies between winding and stator, as its maker
 //! defines it; C_h is divided among rotor (C_r), stator and housing; see
-//! `models/annulus_cooled_motor/network.rs`. C_r, G_wr, G_rh, R_sh, the shares and the leads are estimates
+//! `models/annulus_cooled_motor/network.rs`. C_r, G_wr, G_rh, R_sh, the fractions and the leads are estimates
 //! (`seeds` audit, default parameters).
-//! *Sign*: a flow counts positive from the winding to the housing and from the housing to ambient.
+//! *Sign*: heat flow is positive from the winding to the housing and from the housing to ambient.
 //! *Source*: datasheet of maxon 305015: R_wh 0.21 K/W and tau_w 2.11 s give C_w = 10.05 J/K; tau_m 1180 s at
-//! 7.4 K/W gives 159.5 J/K for the whole, so C_h = 149.4 J/K. Winding limit 155 degC.
+//! 7.4 K/W gives 159.5 J/K for the whole motor, so C_h = 149.4 J/K. Winding limit 155 degC.
 
 use declare::{Unit, Variable, variables};
 

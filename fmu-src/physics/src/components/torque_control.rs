@@ -1,4 +1,4 @@
-//! The control of a series elastic actuator: a demanded torque becomes a current, a current a voltage.
+//! Control of a series elastic actuator: current command from the torque demand, voltage command from the current command.
 //!
 //! spring          e = tau_d - tau_s,   e' = (tau_d - tau_f) / T - tau_s',   tau_f' = (tau_d - tau_f) / T       (1)
 //! current wanted  k_t i = tau_in(tau_d, w_d) + tau_c tanh(w_d / w_s) + (J N / k) (w0^2 e + 2 z w0 e')          (2)
@@ -7,11 +7,11 @@
 //! integral        v' = w_i (R (i - i_m) + u_limited - u)                                                        (5)
 //!
 //! N tau_s'' / k is the motor's acceleration in terms of the spring torque, so the torque error of (2) decays as
-//! e'' + 2 z w0 e' + w0^2 e = 0 for any spring and ratio. w_d is the speed at which the motor follows joint and
-//! demand. (5) compensates the change of R and k_t in a warm motor; at a limit it stops.
-//! *Assumes* that angle, speed and current are measured without noise. *Neglects* sampling beyond the communication step,
+//! e'' + 2 z w0 e' + w0^2 e = 0 for any spring and ratio. w_d is the motor speed that follows joint and demand. (5) compensates the change
+//! of R and k_t in a warm motor; it is stopped at a limit (anti-windup).
+//! *Assumes* noise-free measurements of angle, speed and current. *Neglects* sampling other than the communication step,
 //! and the joint's acceleration, which the feedback of (2) corrects.
-//! *Source*: the law of (2) is computed torque with a linear error equation, as in Robinson et al., Series elastic
+//! *Source*: the law of (2) is computed-torque control with a linear error equation, as in Robinson et al., Series elastic
 //! actuator development for a biomimetic walking robot, AIM 1999; back-calculation (5): Astrom, Hagglund, PID
 //! Controllers, 2nd ed. 1995, section 3.5.
 
@@ -20,7 +20,7 @@ use declare::{Unit, Variable, variables};
 use std::f64::consts::TAU;
 
 variables! {
-    /// The control, with its motor data: the declared values are those of the declared motor.
+    /// The control with its motor data; the default values are those of the default motor.
     pub struct TorqueControl {
         /// Natural frequency of the torque's error
         natural_frequency: f64 = Variable::tunable(0, 40.0, Unit::Hertz, 0.01, 1e4).log()
@@ -57,15 +57,15 @@ variables! {
 /// Measurements for the control.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Torque demanded of the spring, N.m.
+    /// Demanded spring torque, N.m.
     pub demand: f64,
-    /// Motor torque for it, friction of the transmission included, N.m.
+    /// Motor torque for the demand, friction of the transmission included, N.m.
     pub feed_forward: f64,
-    /// Speed of the motor that follows joint and demand, rad/s.
+    /// Motor speed that follows joint and demand, rad/s.
     pub way_speed: f64,
     /// Torque in the spring, N.m, and its rate, N.m/s.
     pub torque: [f64; 2],
-    /// Turns of the motor for one of the spring's input, over the spring's stiffness, rad/N.m.
+    /// Ratio of motor angle to the spring's input angle, divided by the spring's stiffness, rad/N.m.
     pub turns_per_torque: f64,
     /// Speed of the motor, rad/s, and its current, A.
     pub motor: [f64; 2],
@@ -94,14 +94,14 @@ pub struct Command {
     pub current: [f64; 2],
     /// Lower and upper current limit of drive and supply, A.
     pub limits: [f64; 2],
-    /// Voltage wanted, before and after the limit, V.
+    /// Voltage command before and after the limit, V.
     pub voltage: [f64; 2],
     /// Rates of its two states: the filtered demand, N.m/s, and the integral, V/s.
     pub rates: [f64; 2],
 }
 
 impl Command {
-    /// Whether the supply gives less voltage than is wanted.
+    /// Whether the supply voltage limits the voltage command.
     #[inline]
     pub fn is_limited(&self) -> bool {
         self.voltage[0] != self.voltage[1]
@@ -109,7 +109,7 @@ impl Command {
 }
 
 impl Wanted {
-    /// Whether drive or supply limit the current command.
+    /// Whether drive or supply limits the current command.
     #[inline]
     pub fn is_limited(&self) -> bool {
         self.current[0] != self.current[1]
@@ -132,11 +132,11 @@ impl TorqueControl {
         let friction = self.tau_c * smooth_sign(seen.way_speed, self.w_small);
         let wanted = (seen.feed_forward + friction + feedback) / self.k_t;
         let emf = self.k_t * seen.motor[0];
-        // Extrapolation along a slope may have given a negative supply voltage.
+        // Extrapolation of the input may give a negative supply voltage.
         let supply = seen.supply.max(0.0);
         let low = (-self.current_max).max((-supply - emf) / self.R);
         let high = self.current_max.min((supply - emf) / self.R);
-        // A motor whose back-EMF exceeds the supply by too much has no feasible current; it brakes at the drive's limit.
+        // If the back-EMF exceeds the supply by too much, no current is feasible; the motor brakes at the drive's current limit.
         let current = if low <= high {
             wanted.clamp(low, high)
         } else {
@@ -145,8 +145,7 @@ impl TorqueControl {
         Wanted { current: [wanted, current], limits: [low, high], emf, supply, demand_rate }
     }
 
-    /// Rate of the integral, V/s, where the voltage is not limited: eq. (5) for the current wanted and the one
-    /// measured, A.
+    /// Rate of the integral, V/s, at unlimited voltage: eq. (5) for the current command and the measured current, A.
     #[inline(always)]
     pub fn winding_up(&self, wanted: &Wanted, measured: f64) -> f64 {
         TAU * self.current_bandwidth * (self.R * (wanted.current[1] - measured))
@@ -205,7 +204,7 @@ mod tests {
         assert_eq!((gone(-48.0), gone(0.0)), (0.0, 0.0));
     }
 
-    /// 1 N.m short: J (N/k) w0^2 / k_t = 33.3e-7 * (2 pi 40)^2 / 0.0276 = 7.6211 A more.
+    /// Torque error 1 N.m: additional current J (N/k) w0^2 / k_t = 33.3e-7 * (2 pi 40)^2 / 0.0276 = 7.6211 A.
     #[test]
     fn an_error_is_answered_by_its_natural_frequency() {
         let control = TorqueControl::default();
@@ -219,10 +218,10 @@ mod tests {
         let hard = Seen { demand: 5000.0, feed_forward: 20.0, ..seen() };
         let c = command(&control, &hard, [5000.0, 0.0]);
         assert_eq!(c.current[1], 30.0);
-        // At 1500 rad/s the back-EMF leaves 6.6 V, 17.1 A.
+        // At 1500 rad/s 6.6 V remain above the back-EMF: 17.1 A.
         let c = command(&control, &Seen { motor: [1500.0, 0.0], ..hard }, [5000.0, 0.0]);
         assert!((c.current[1] - (48.0 - 0.0276 * 1500.0) / 0.386).abs() < 1e-9 && c.voltage[1] == 48.0);
-        // Pushed beyond its supply it brakes with all that the drive can, in either direction.
+        // Above the no-load speed the motor brakes at the drive's current limit, in both directions.
         for speed in [5000.0, -5000.0] {
             let c = command(&control, &Seen { motor: [speed, 0.0], ..hard }, [5000.0, 0.0]);
             assert!(c.current[1] == -30.0 * speed.signum() && c.voltage[1] == 48.0 * speed.signum());

@@ -1,18 +1,18 @@
-//! From the motor's shaft to the spring: a gear, or a ball screw that pushes a lever.
+//! Transmission from the motor's shaft to the spring: a gear, or a ball screw with a lever.
 //!
 //! gear          angle_out = phi / ratio,                                      N = ratio             (1)
 //! ball screw    angle_out = neutral + asin(lead phi / (2 pi lever)),
 //!               N = d phi / d angle_out = (2 pi lever / lead) cos(angle_out - neutral)              (2)
 //! torque        tau_in = tau_out / N + (1/efficiency - 1) |tau_out / N| sign(w)                     (3)
 //!
-//! phi is the turn of the shaft, 0 where a screw stands square to its lever. By (3) 1/efficiency of the load is asked of
-//! a motor that drives, and 2 - 1/efficiency of it comes back from a load that drives; below one half the
-//! transmission locks against its load, and `sign`, a tanh, lets it creep.
-//! *Assumes* no mass but `inertia`, which turns with the input shaft behind an elastic coupling (the actuator's equations);
-//! behind a rigid one add it to the motor's.
-//! *Range*: the screw to 0.95 of its lever's length, beyond which (2) goes on along its tangent.
+//! phi is the angle of the shaft, 0 where a screw is perpendicular to its lever. By (3) a driving motor gives 1/efficiency of the load
+//! torque, and a driving load returns 2 - 1/efficiency of it. Below an efficiency of one half the transmission is self-locking; `sign`, a
+//! tanh, allows creep.
+//! *Assumes* no mass except `inertia` on the input shaft behind an elastic coupling (the actuator's equations); with a rigid coupling add
+//! it to the motor's inertia.
+//! *Range*: the screw up to 0.95 of its lever's length; (2) continues along its tangent there.
 //! *Source*: (3) as in the Modelica Standard Library, Rotational.Components.LossyGear; the efficiency of a screw that is
-//! driven back, 2 - 1/efficiency, is the makers' rule.
+//! back-driven, 2 - 1/efficiency, is the manufacturers' rule.
 
 use crate::number::smooth_sign;
 use declare::{Unit, Variable, enumeration, variables};
@@ -39,7 +39,7 @@ enumeration! {
 }
 
 variables! {
-    /// The transmission between motor and spring.
+    /// Transmission between motor and spring.
     pub struct Transmission {
         /// Kind of transmission
         kind: TransmissionKind = Variable::choice(0, 1),
@@ -76,16 +76,16 @@ variables! {
     }
 }
 
-/// Share of the lever's length up to which the screw's way is exact.
+/// Fraction of the lever's length up to which the screw's kinematics is exact.
 const REACH: f64 = 0.95;
 
 impl Transmission {
-    /// Turns of a screw for a radian of its lever where they are square.
+    /// Turns of a screw per radian of its lever where they are perpendicular.
     fn screw(&self) -> f64 {
         TAU * self.lever / self.lead
     }
 
-    /// Angle of the spring's input, rad, and the ratio there: eqs. (1) and (2) at the turn `phi` of the shaft, rad.
+    /// Angle of the spring's input, rad, and the ratio: eqs. (1) and (2) at the shaft angle `phi`, rad.
     #[inline]
     pub fn output(&self, phi: f64) -> (f64, f64) {
         match self.kind {
@@ -99,7 +99,7 @@ impl Transmission {
         }
     }
 
-    /// The turn of the shaft, rad, at which the spring's input stands at `angle`, rad: the inverse of
+    /// Shaft angle, rad, for the angle `angle` of the spring's input, rad: the inverse of
     /// [`output`](Transmission::output).
     pub fn turn(&self, angle: f64) -> f64 {
         match self.kind {
@@ -113,8 +113,8 @@ impl Transmission {
         }
     }
 
-    /// Torque that the shaft must give, N.m: eq. (3) for the torque `out` that leaves at the spring, N.m, the ratio
-    /// `n` and the shaft's speed `w`, rad/s; and how much of it is friction.
+    /// Required shaft torque, N.m: eq. (3) for the output torque `out` at the spring, N.m, the ratio
+    /// `n` and the shaft's speed `w`, rad/s; and the friction part.
     #[inline]
     pub fn input_torque(&self, out: f64, n: f64, w: f64) -> (f64, f64) {
         let carried = out / n;
@@ -131,7 +131,7 @@ mod tests {
         Transmission { kind: TransmissionKind::BallScrew, neutral_angle: 0.3, ..Transmission::default() }
     }
 
-    /// A screw of 2 mm on a lever of 60 mm: 2 pi 30 = 188.5 turns per turn where they are square, cos(0.5) of it half a
+    /// A screw of 2 mm on a lever of 60 mm: 2 pi 30 = 188.5 turns per turn where they are perpendicular, cos(0.5) of it half a
     /// radian on.
     #[test]
     fn the_ratio_is_the_slope_of_the_way() {
@@ -148,7 +148,7 @@ mod tests {
         assert!((n / 188.495_559 - 0.5f64.cos()).abs() < 1e-8);
     }
 
-    /// Continuous, with its slope, where the tangent takes over.
+    /// Value and derivative are continuous where the tangent begins.
     #[test]
     fn the_tangent_joins_smoothly() {
         let screw = screw();
@@ -158,7 +158,7 @@ mod tests {
         assert!(screw.output(2.0 * edge).0.is_finite());
     }
 
-    /// 100 N.m over 250 at 0.85: the motor gives 0.4 / 0.85 driving, and gets back 0.4 (2 - 1/0.85).
+    /// 100 N.m over 250 at 0.85: a driving motor gives 0.4 / 0.85; a driving load returns 0.4 (2 - 1/0.85).
     #[test]
     fn efficiency_counts_against_the_motor_both_ways() {
         let gear = Transmission::default();

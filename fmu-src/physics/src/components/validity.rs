@@ -1,12 +1,12 @@
-//! Where the equations of a motor end.
+//! Limits of validity of a motor's equations.
 //!
-//! winding  T_hot <= winding_temperature: the enamel is pressed through, and R(T) is no longer that of an intact winding  (1)
+//! winding  T_hot <= winding_temperature: the enamel fails, and R(T) of an intact winding no longer holds  (1)
 //! magnets  T_m <= magnet_temperature, and T_m < T_ref - 1/alpha_mag, where the linear k_t(T_m) ends at zero             (2)
 //! cold     every node above lowest_temperature: copper's R(T) bends there                                         (3)
 //!
-//! thermal.T_w_max is what the maker allows; it sets over_temperature and ends nothing. Beyond the limits here there is no
-//! motor left to simulate, so that a run ends at them: a thermal runaway, a fan that fails, a step of hours under stall.
-//! *Assumes* that what is hottest decides: no time at temperature, no partial failure.
+//! thermal.T_w_max is the manufacturer's limit; it sets over_temperature and does not end the simulation. At the limits here the
+//! equations no longer hold and the simulation ends: thermal runaway, fan failure, a step of hours at stall.
+//! *Assumes* that the extreme temperature decides: no time at temperature, no partial failure.
 //! *Sign*: [`Limits::beyond`] is positive outside. *Range*: limits that T_w_max and the ambient temperature do not reach.
 //! *Source*: (1) cut-through test of polyester enamel, class 155, at 270 degC: IEC 60317-3:2004+A1:2010, clause 10. (2) Curie
 //! temperature of Nd-Fe-B, 310 degC (data sheets of sintered grades), of ferrite, 450 degC. (3) Matula, J. Phys. Chem. Ref.
@@ -51,22 +51,22 @@ impl From<BrushedValidity> for Validity {
     }
 }
 
-/// The limits of one motor.
+/// Limits of one motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     validity: Validity,
-    /// Temperature of the magnets at which the linear law gives no torque constant, K; infinite where it does not fall.
+    /// Temperature of the magnets at which the linear law gives zero torque constant, K; infinite if k_t does not fall.
     no_torque: f64,
 }
 
-/// The temperatures that are limited, K.
+/// Temperatures that are limited, K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremes {
-    /// That of the hottest phase of the winding.
+    /// Hottest phase of the winding.
     pub winding: f64,
-    /// That of the magnets.
+    /// Magnets.
     pub magnets: f64,
-    /// The lowest of winding and magnets.
+    /// Lowest temperature of winding and magnets.
     pub lowest: f64,
 }
 
@@ -82,12 +82,12 @@ impl Limits {
         [self.validity.lowest_temperature, self.validity.winding_temperature]
     }
 
-    /// Lowest and highest temperature of the other nodes, K: the magnets may have the temperature of any of them.
+    /// Lowest and highest temperature of the other nodes, K; the magnets may be at any of them.
     pub fn of_other_nodes(&self) -> [f64; 2] {
         [self.validity.lowest_temperature, self.validity.magnet_temperature.min(self.no_torque)]
     }
 
-    /// How far the worst temperature is outside its limit, K; negative within all limits.
+    /// Largest excess of a temperature over its limit, K; negative within all limits.
     #[inline]
     pub fn excess(&self, at: &Extremes) -> f64 {
         let v = &self.validity;
@@ -96,15 +96,15 @@ impl Limits {
         hot.max(v.lowest_temperature - at.lowest)
     }
 
-    /// Whether the temperatures are outside, or are none.
+    /// Whether a temperature is outside its limits or not a number.
     #[inline]
     pub fn are_passed(&self, at: &Extremes) -> bool {
-        // A torque constant of zero is outside; f64::max drops what is no number.
+        // A torque constant of zero is outside; f64::max ignores NaN.
         let finite = at.winding.is_finite() && at.magnets.is_finite() && at.lowest.is_finite();
         self.excess(at) >= 0.0 || !finite
     }
 
-    /// Which limit the temperatures are nearest to, at `time`, s, under `losses` of which `cooling` leaves the motor, W: one
+    /// Report on the nearest limit at `time`, s, with `losses` and the heat flow `cooling` out of the motor, W: one
     /// sentence.
     pub fn sentence(&self, at: &Extremes, time: f64, [losses, cooling]: [f64; 2]) -> String {
         let v = &self.validity;
@@ -175,7 +175,7 @@ mod tests {
         assert!(limits.are_passed(&Extremes { winding: f64::NAN, ..MILD }));
     }
 
-    /// 1/0.004 K above 25 degC the linear law has no torque constant left, below the Curie temperature.
+    /// 1/0.004 K above 25 degC the linear law gives zero torque constant, below the Curie temperature.
     #[test]
     fn the_torque_constant_stays_positive() {
         let limits = Limits::new(Validity::default(), 298.15, -0.004);

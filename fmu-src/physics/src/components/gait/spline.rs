@@ -4,11 +4,11 @@
 //! at the points, M_(k-1) + 4 M_k + M_(k+1) = 6 (y_(k-1) - 2 y_k + y_(k+1)) / h^2.
 //! *Source*: de Boor, A Practical Guide to Splines, rev. ed. 2001, chapter IV.
 //!
-//! Rows of a table at any distances are connected by straight lines; the integral of such a function has pieces of second degree.
+//! Table rows at any distances are connected by straight lines; the integral of such a function has segments of second degree.
 
 use std::sync::Arc;
 
-/// Where the pieces begin.
+/// Positions of the knots.
 #[derive(Clone, Debug, PartialEq)]
 enum Knots {
     /// At 0, 1/n, 2/n, ...
@@ -17,26 +17,27 @@ enum Knots {
     At(Arc<[f64]>),
 }
 
-/// A function of period 1, or one that gains the same in each period.
+/// A periodic function of period 1, or one with a constant increment per period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
     knots: Knots,
-    /// From each knot to the next: the factors of 1, b, b^2, b^3, where b goes from 0 to 1.
+    /// Coefficients of 1, b, b^2, b^3 from each knot to the next, where b goes from 0 to 1.
     pieces: Vec<[f64; 4]>,
 }
 
-/// The integral of one function along another: y dx over a period and its parts.
+/// The integral of one function over another: y dx over a period and parts of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Along {
     knots: Knots,
-    /// For each piece the integral up to it, and the factors of b, b^2, ... within it.
+    /// For each segment the integral up to its start, and the coefficients of b, b^2, ... within it.
     pieces: Vec<[f64; 7]>,
-    /// Over the whole period.
+    /// Over a whole period.
     whole: f64,
 }
 
 impl Knots {
-    /// The piece of `n` in which `phase`, 0 ... 1, lies, how far it is through it, 0 ... 1, and pieces of this length per period.
+    /// The segment, of `n`, that contains `phase`, 0 ... 1; the relative position in it, 0 ... 1; the number of segments of this length
+    /// per period.
     #[inline]
     fn piece(&self, phase: f64, n: usize) -> (usize, f64, f64) {
         match self {
@@ -60,11 +61,11 @@ fn width(knots: &[f64], k: usize) -> f64 {
     knots.get(k + 1).copied().unwrap_or(1.0) - knots[k]
 }
 
-/// Sweeps until the equations hold to rounding: each takes away three quarters of the error.
+/// Sweeps until the equations hold to rounding; each reduces the error to one quarter.
 const SWEEPS: u32 = 40;
 
 impl Spline {
-    /// Through `values` at 0, 1/n, 2/n, ...; 1 is 0 again.
+    /// Spline through `values` at 0, 1/n, 2/n, ...; 1 is 0 again.
     pub fn through(values: &[f64]) -> Spline {
         let n = values.len();
         let around = |k: usize| ((k + n - 1) % n, (k + 1) % n);
@@ -91,8 +92,8 @@ impl Spline {
         Spline { knots: Knots::At(Arc::clone(knots)), pieces: (0..n).map(piece).collect() }
     }
 
-    /// The integral of straight lines through `rates` at `knots`, without its gain over a period if `periodic`; 0 at 0.
-    /// Also the gain.
+    /// The integral of straight lines through `rates` at `knots`, without its increment per period if `periodic`; 0 at 0.
+    /// Also returns the increment.
     pub fn integral(knots: &Arc<[f64]>, rates: &[f64], periodic: bool) -> (Spline, f64) {
         let n = rates.len();
         let area = |k: usize| 0.5 * width(knots, k) * (rates[k] + rates[(k + 1) % n]);
@@ -125,7 +126,7 @@ impl Spline {
         self.pieces.iter_mut().for_each(|piece| piece[0] += by);
     }
 
-    /// Value and slope at `phase`, 0 ... 1.
+    /// Value and derivative at `phase`, 0 ... 1.
     #[inline]
     pub fn at(&self, phase: f64) -> (f64, f64) {
         let (k, b, per_period) = self.knots.piece(phase, self.pieces.len());
@@ -135,7 +136,7 @@ impl Spline {
         (value, slope * per_period)
     }
 
-    /// The integral of this function along `way`, which has the same knots.
+    /// The integral of this function over `way`, which has the same knots.
     pub fn along(&self, way: &Spline) -> Along {
         let mut whole = 0.0;
         let piece = |(y, x): (&[f64; 4], &[f64; 4])| {
@@ -174,7 +175,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// A sine through 50 points: fourth-order in the value, third in the slope.
+    /// A sine through 50 points: fourth-order error in the value, third-order in the derivative.
     #[test]
     fn follows_a_sine_with_its_slope() {
         let values: Vec<f64> = (0..50).map(|k| (TAU * f64::from(k) / 50.0).sin()).collect();
@@ -199,7 +200,7 @@ mod tests {
         assert!((bend(1.0 - 1e-5, 1.0) - bend(0.0, 1e-5)).abs() < 1e-2 * bend(0.0, 1e-5).abs());
     }
 
-    /// Rows at unequal distances: straight lines, and their integral with and without its gain.
+    /// Rows at unequal distances: straight lines, and their integral with and without its increment.
     #[test]
     fn a_table_is_straight_between_its_rows() {
         let knots: Arc<[f64]> = vec![0.0, 0.125, 0.5].into();
@@ -226,7 +227,7 @@ mod tests {
         assert!(((0..n).map(middle).sum::<f64>() - periodic.mean()).abs() < 1e-9);
     }
 
-    /// cos^2 over a period, 1/2 of it, and the parts on the way, which go on where pieces meet.
+    /// cos^2 over a period, 1/2 of it, and parts of it, continuous at the knots.
     #[test]
     fn integrates_one_function_along_another() {
         let of = |f: fn(f64) -> f64| {

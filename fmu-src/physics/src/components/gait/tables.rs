@@ -1,24 +1,23 @@
-//! The measured strides, as splines over the phase.
+//! Measured strides, as splines over the phase.
 //!
 //! *Level walking, adults*: torque and angular velocity, Grimmer and Seyfarth 2014, digitised
-//! (`data/gait-walking-stairs-cc0/SOURCE.md`). The angle is the integral of the velocity, with zero mean; what the
-//! velocity's mean leaves over a stride (1.5 deg/s at the knee) is subtracted. Twelve harmonics are kept.
+//! (`data/gait-walking-stairs-cc0/SOURCE.md`). The angle is the integral of the velocity, with zero mean; the mean of the velocity
+//! (1.5 deg/s at the knee) is subtracted. Twelve harmonics are used.
 //! *Level walking, children*: normative means of typically developing children at five speeds, Schwartz, Rozumalski,
-//! Trost, J. Biomech. 41 (2008) 1639; the stride times are those with which torque times speed is the measured power
-//! (`data/gait-schwartz2008/SOURCE.md`). The means do not close exactly (0.2 degrees at self-selected speed); the gap is
-//! spread over the stride.
+//! Trost, J. Biomech. 41 (2008) 1639; the stride times are those for which torque times speed equals the measured power
+//! (`data/gait-schwartz2008/SOURCE.md`). The means are not exactly periodic (0.2 degrees at self-selected speed); the gap is
+//! distributed over the stride.
 //! *Stairs, adults*: the power of hip, knee and ankle, Boehme 2022, digitised (`data/gait-walking-stairs-cc0/SOURCE.md`).
-//! Torque and speed were not published with it and are estimated:
+//! Torque and speed were not published with the power and are estimated:
 //!
 //! torque = sign z^(1/2) (p^2 + p_0^2)^(1/4),   speed = p / torque                                         (1)
 //!
-//! with z such that the greatest torque is the published one ([`Peak`]), and p_0 a fiftieth of the greatest power,
-//! so that both are smooth where the power changes its sign. The sign is positive at the greatest power, and negative in
-//! one part of the stride, in which the joint moves back: the part that best closes the angle over the stride
-//! and whose ends lie where there is little power. The rest of the gap is spread over the phases of little power.
-//! Work, peak power and peak torque are thus measured; speed and angle are an estimate, with less range than a
-//! leg that swings freely. The power of the estimate differs from the measured one by 10 % (root mean
-//! square), by 20 % at the knee on stairs down: `power_is_kept`.
+//! z is chosen so that the peak torque is the published one ([`Peak`]); p_0 is a fiftieth of the peak power, so that torque and speed
+//! are smooth where the power changes its sign. The sign is positive at the peak power, and negative in one part of the stride, in which
+//! the joint moves back: the part that best closes the angle over the stride and whose ends have little power. The rest of the gap is
+//! distributed over the phases of little power. Work, peak power and peak torque are thus measured; speed and angle are an estimate, with
+//! less range than a freely swinging leg. The power of the estimate differs from the measured one by 10 % (root mean square), by 20 % at
+//! the knee on stairs down: `power_is_kept`.
 
 use super::spline::{Along, Spline};
 use super::{Activity, Joint};
@@ -28,11 +27,11 @@ use std::sync::{Arc, OnceLock};
 /// Joint angle and torque over a stride.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
-    /// Seconds for a stride.
+    /// Duration of a stride, s.
     pub stride_time: f64,
-    /// Angle over the phase, rad, without `turn`.
+    /// Angle over the phase, rad, without the increment `turn`.
     pub angle: Spline,
-    /// Gain of the angle in each stride, rad.
+    /// Increment of the angle per stride, rad.
     pub turn: f64,
     /// Torque over the phase, N.m/kg, or N.m for a load table.
     pub torque: Spline,
@@ -93,20 +92,20 @@ const STAIRS: [[&str; 3]; 2] = [
 const ADULT_STRIDES: &str = include_str!("../../../data/gait-walking-stairs-cc0/stride_time_s.csv");
 /// Equidistant points of a digitised stride.
 const POINTS: usize = 100;
-/// Harmonics of the stride that are kept of an adult's level walking: 10.5 Hz. What lies above is the ripple of the
-/// digitisation, up to 0.01 N.m/kg, whose second derivative a series spring turns into motor current.
+/// Number of harmonics for an adult's level walking: up to 10.5 Hz. Higher harmonics are the ripple of the digitisation, up to
+/// 0.01 N.m/kg; with a series spring, its second derivative would appear in the motor current.
 const HARMONICS: usize = 12;
 
-/// Greatest torque of a joint on stairs.
+/// Peak torque of a joint on stairs.
 #[derive(Clone, Copy, Debug)]
 enum Peak {
     /// Published, N.m/kg.
     Published(f64),
-    /// That of the same joint in level walking of adults.
+    /// Same joint in level walking of adults.
     LevelWalking,
 }
 
-/// Greatest torque on stairs up and down at hip, knee and ankle. Up: knee, and the hip's "similar", Costigan,
+/// Peak torque on stairs up and down at hip, knee and ankle. Up: knee, and the hip's "similar", Costigan,
 /// Deluzio, Wyss, Gait Posture 16 (2002) 31. Down: knee, Reid et al., Med. Sci. Sports Exerc. 39 (2007) 2005; hip, 0.25
 /// less than up, Protopapadaki et al., Clin. Biomech. 22 (2007) 203. The ankle's is that of level walking, which it does not
 /// reach on the way down (Beaulieu, Pelland, Robertson, Gait Posture 27 (2008) 564).
@@ -119,7 +118,7 @@ const JOINTS: [&str; 3] = ["hip", "knee", "ankle"];
 /// Activities with measured strides.
 const ACTIVITIES: usize = 8;
 
-/// The stride of an activity at a joint, computed at its first use; `None` for the load table, which is data of an instance.
+/// Stride of an activity at a joint, computed at its first use; `None` for the load table, which is data of an instance.
 #[inline]
 pub fn cycle(activity: Activity, joint: Joint) -> Option<&'static Cycle> {
     if activity == Activity::Table {
@@ -143,7 +142,7 @@ pub fn cycle(activity: Activity, joint: Joint) -> Option<&'static Cycle> {
 /// A column of a table, by its name.
 ///
 /// # Panics
-/// Where the text, which is compiled in, has no such column of numbers.
+/// If the compiled-in text has no such column of numbers.
 fn column(text: &str, name: &str, row: impl Fn(&str) -> bool) -> Vec<f64> {
     let mut lines = text.lines();
     let place = lines.next().and_then(|head| head.split(',').position(|c| c == name));
@@ -163,7 +162,7 @@ fn child(speed: &str, joint: usize) -> Cycle {
         (0..last).map(value).collect::<Vec<f64>>()
     };
     let angle = closed(format!("{}_angles_mean", JOINTS[joint]));
-    // The table counts angles in flexion, moments in extension.
+    // The table uses flexion angles and extension moments.
     let angle: Vec<f64> = angle.iter().map(|degrees| -degrees.to_radians()).collect();
     let torque = closed(format!("{}_moment_mean", JOINTS[joint]));
     Cycle::new(column(CHILDREN_STRIDES, "stride_time_s", of_speed)[0], &angle, &torque)
@@ -219,7 +218,7 @@ fn equidistant(text: &str) -> Vec<f64> {
     let phases: Vec<f64> = column(text, "pct_cycle", |_| true).iter().map(|pct| pct / 100.0).collect();
     let values = column(text, "value", |_| true);
     let count = phases.len();
-    // The digitised points go from near 0 to near 1; the neighbours of the ends are the other ends, a period away.
+    // The digitised points go from near 0 to near 1; beyond the ends the points of the other end are used, shifted by a period.
     let around = |k: isize| {
         let turns = k.div_euclid(count as isize);
         let k = k.rem_euclid(count as isize) as usize;
@@ -233,7 +232,7 @@ fn equidistant(text: &str) -> Vec<f64> {
     (0..POINTS).map(|k| at(k as f64 / POINTS as f64)).collect()
 }
 
-/// A stride on stairs, up (0) or down (1): eq. (1) for the power of a joint and its greatest torque.
+/// A stride on stairs, up (0) or down (1): eq. (1) for the power of a joint and its peak torque.
 fn stairs(way: usize, joint: usize) -> Cycle {
     let power = equidistant(STAIRS[way][joint]);
     let peak = match PEAK_TORQUE[way][joint] {
@@ -255,7 +254,7 @@ fn stairs(way: usize, joint: usize) -> Cycle {
     Cycle::new(stride_time, &angle(&speed, stride_time), &torque)
 }
 
-/// The sign of eq. (1) over the stride, -1 in the best part, with a smooth way of a few points at its ends.
+/// The sign of eq. (1) over the stride, -1 in the best part, with smooth transitions of a few points at its ends.
 fn signs(power: &[f64], speed: &[f64], most: f64) -> Vec<f64> {
     const SMOOTH: f64 = 1.5;
     let whole: f64 = speed.iter().map(|w| w.abs()).sum();
@@ -269,7 +268,7 @@ fn signs(power: &[f64], speed: &[f64], most: f64) -> Vec<f64> {
         let way: f64 = all(from, to).zip(speed).map(|(s, w)| s * w).sum();
         way.abs() / whole + (power[from].abs() + power[to].abs()) / most
     };
-    // Away from heel strike, so that the sign closes over the stride.
+    // Away from heel strike, so that the sign is periodic.
     let ends = 5..POINTS - 5;
     let parts =
         ends.clone().flat_map(|from| ends.clone().filter(move |&to| to >= from).map(move |to| (from, to)));
@@ -290,7 +289,7 @@ mod tests {
         let cycle = cycle(Activity::ChildWalk, Joint::Knee).unwrap();
         for k in 0..50 {
             let phase = k as f64 / 50.0;
-            // Within the gap that is spread over the stride.
+            // Within the gap that is distributed over the stride.
             assert!((cycle.angle.at(phase).0 + angle[k].to_radians()).abs() < 0.01);
             assert!((cycle.torque.at(phase).0 - moment[k]).abs() < 0.02);
         }
@@ -299,7 +298,7 @@ mod tests {
         assert!(times.windows(2).all(|w| w[0] > w[1]) && times[0] == 1.58);
     }
 
-    /// Twelve harmonics follow the digitised torque within its ripple, and pass a curve of fewer unchanged.
+    /// Twelve harmonics follow the digitised torque within its ripple, and reproduce a curve of fewer harmonics exactly.
     #[test]
     fn the_low_pass_takes_the_ripple_alone() {
         for (joint, most) in [0.012, 0.008, 0.008].into_iter().enumerate() {
@@ -313,7 +312,7 @@ mod tests {
         assert!(smooth.iter().zip(low_pass(&smooth)).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 
-    /// Torque times speed against the power that was measured: root mean square of the difference, and the work.
+    /// Torque times speed compared with the measured power: root mean square of the difference, and the work.
     #[test]
     fn power_is_kept() {
         for (way, texts) in STAIRS.iter().enumerate() {

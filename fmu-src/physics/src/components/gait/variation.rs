@@ -1,20 +1,20 @@
-//! Strides that differ: random numbers that belong to a seed, a quantity and a stride, with a smooth way between them.
+//! Stride-to-stride variation: random numbers determined by seed, quantity and stride, smoothly interpolated.
 //!
-//! A hash, and no generator of a library: strides are evaluated in any order, and the bits must not depend on a library's version.
+//! A hash instead of a library's generator: strides are evaluated in any order, and the results must not depend on a library version.
 //! *Source* of the hash: the finaliser of SplitMix64, Steele, Lea, Flood, OOPSLA 2014.
 
-/// What varies from stride to stride.
+/// Quantities that vary from stride to stride.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The time that a stride takes.
+    /// Stride time.
     Time = 1,
-    /// The range of the angle.
+    /// Range of the angle.
     Angle = 2,
-    /// The torque.
+    /// Torque.
     Torque = 3,
 }
 
-/// Numbers whose sum is nearly normal.
+/// Number of uniform variates; their sum is nearly normal.
 const SUMMANDS: u64 = 12;
 
 fn hash(mut x: u64) -> u64 {
@@ -24,7 +24,7 @@ fn hash(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// A random number of mean 0 and standard deviation 1 within three of them, the same for ever for these three.
+/// A random number of mean 0 and standard deviation 1, a function of seed, quantity and stride only.
 fn number(seed: i32, quantity: Quantity, stride: i64) -> f64 {
     let start = hash(seed as u64 ^ (quantity as u64) << 40) ^ stride as u64;
     let uniform = |k: u64| (hash(start ^ k << 56) >> 11) as f64 / (1u64 << 53) as f64;
@@ -32,7 +32,7 @@ fn number(seed: i32, quantity: Quantity, stride: i64) -> f64 {
     (sum - 0.5 * SUMMANDS as f64).clamp(-3.0, 3.0)
 }
 
-/// The number at the coordinate `stride`, and its slope along it. In the middle of a stride it is the stride's own.
+/// The number at the coordinate `stride`, and its derivative. At the middle of a stride it is the stride's own number.
 pub fn of(seed: i32, quantity: Quantity, stride: f64) -> (f64, f64) {
     let from = (stride - 0.5).floor();
     let (way, slope) = super::ramp(stride - 0.5 - from);
@@ -51,7 +51,7 @@ mod tests {
         let mean = all.iter().sum::<f64>() / 2e4;
         let deviation = (all.iter().map(|z| z * z).sum::<f64>() / 2e4).sqrt();
         assert!(mean.abs() < 0.02 && (deviation - 1.0).abs() < 0.02, "{mean} {deviation}");
-        // Neighbours, quantities and seeds have nothing to do with each other.
+        // Adjacent strides, quantities and seeds are uncorrelated.
         let product =
             |other: &dyn Fn(i64) -> f64| (0..20_000).map(|k| all[k as usize] * other(k)).sum::<f64>() / 2e4;
         assert!(product(&|k| number(7, Quantity::Time, k + 1)).abs() < 0.03);
