@@ -7,16 +7,14 @@
 //! pressure drop = 4 f L/D_h rho u^2/2 = 2 (f Re) mu u L/D_h^2                              (5)
 //!
 //! f is Fanning's factor, a quarter of Darcy's; a = D_i/D_o, D_h = D_o - D_i, x = L/(D_h Re).
-//! f_app in (2) is the mean over the length L from a sharp entrance with uniform speed and holds the momentum
-//! that the profile takes up; add to it a contraction of uniform profile only (K_d = 1, `entrance_exit.rs`).
-//! In a short duct f_app exceeds f of developed turbulence: the layers at the walls have not met, and count
-//! in (3).
-//! *Assumes* smooth concentric walls, constant properties. *Neglects* turbulence in those layers (some 10
+//! f_app in (2) is the mean over the length L from a sharp entrance with uniform velocity; it includes the momentum change of the
+//! profile; combine it only with the contraction loss of a uniform profile (K_d = 1, `entrance_exit.rs`). In a short duct f_app exceeds f
+//! of developed turbulence, since the wall layers have not met; hence the maximum in (3).
+//! *Assumes* smooth concentric walls, constant properties. *Neglects* turbulence in the wall layers (some 10
 //! D_h), eccentricity (lowers f Re by up to half), rotation of the shaft's end.
 //! *Sign*: (5) has the sign of u.
-//! *Range*: (1) exact; a is held within 1e-3 and 0.999 (a tube without a core is not its limit in detail: ln
-//! a falls slowly). (2) within 2.4 %. (3) phi Re up to 1e6, here to 1e9. L/D_h below 1e-3 counts as 1e-3. Re
-//! -> 0: (1).
+//! *Range*: (1) exact; a is limited to 1e-3 ... 0.999 (the limit a -> 0 is approached slowly, as ln a). (2) within 2.4 %. (3) phi Re
+//! up to 1e6, here to 1e9. L/D_h below 1e-3 is set to 1e-3. Re -> 0: (1).
 //! *Source*: (1) Bird, Stewart, Lightfoot, Transport Phenomena, sec. 2.4; (2) Shah, J. Fluids Eng. 100 (1978)
 //! 177-179, with its table of K and C for annuli; (3) Gnielinski, VDI Heat Atlas, 2nd ed. (2010), ch. G2, eq.
 //! for f_ann, after the laminar-equivalent diameter of Jones and Leung, J. Fluids Eng. 103 (1981) 615-623;
@@ -34,20 +32,20 @@ const ENTRANCE: [[f64; 3]; 6] = [
     [1.00, 0.674, 2.9e-5],
 ];
 
-/// Ratio of diameters within the limits of this file.
+/// Ratio of diameters, limited to the range of this file.
 #[inline]
 pub(crate) fn limited_ratio(a: f64) -> f64 {
     a.clamp(1e-3, 0.999)
 }
 
-/// Length over hydraulic diameter within the limits of the annulus's laws.
+/// Length over hydraulic diameter, limited to the range of the annulus correlations.
 #[inline]
 pub(crate) fn limited_length(l_over_d_h: f64) -> f64 {
     l_over_d_h.clamp(1e-3, 1e9)
 }
 
 /// Shape factor phi of eq. (1): Re phi is the Reynolds number of a tube with the same laminar friction.
-/// 2/3 between plates, rising to 1 as the core vanishes.
+/// 2/3 between plates; approaches 1 as the core vanishes.
 #[inline]
 pub fn shape_factor(a: f64) -> f64 {
     let a = limited_ratio(a);
@@ -80,7 +78,7 @@ pub fn laminar_apparent_f_re(re: f64, a: f64, l_over_d_h: f64) -> f64 {
     steep + (laminar_f_re(a) + k / (4.0 * x) - steep) / (1.0 + c / (x * x))
 }
 
-/// Fanning's factor f of developed turbulent flow, eq. (3); Re below 2300 counts as 2300.
+/// Fanning's factor f of developed turbulent flow, eq. (3); Re below 2300 is set to 2300.
 #[inline]
 pub fn turbulent_f(re: f64, a: f64) -> f64 {
     let re_star = re.abs().clamp(RE_LAMINAR, 1e9) * shape_factor(a);
@@ -89,7 +87,7 @@ pub fn turbulent_f(re: f64, a: f64) -> f64 {
 }
 
 /// f Re over the first `l_over_d_h` hydraulic diameters at any Reynolds number, eqs. (2) to (4). The product
-/// stays finite where the flow stops.
+/// remains finite at zero flow.
 pub fn f_re(re: f64, a: f64, l_over_d_h: f64) -> f64 {
     let re = re.abs().min(1e9);
     let share = turbulent_share(re);
@@ -120,7 +118,7 @@ mod tests {
 
     const LAMINAR: &str = include_str!("../../tests/data/annulus-laminar/annulus_laminar_computed.csv");
 
-    /// Against the numerical solution in `tests/data/annulus-laminar`.
+    /// Comparison with the numerical solution in `tests/data/annulus-laminar`.
     #[test]
     fn laminar_closed_form_is_the_numerical_solution() {
         for row in rows(LAMINAR) {
@@ -128,7 +126,7 @@ mod tests {
         }
     }
 
-    /// Plates: 24 (Incropera, 7th ed., table 8.1: Darcy 96). The tube's 16 is the limit, reached slowly.
+    /// Plates: 24 (Incropera, 7th ed., table 8.1: Darcy 96). The tube's 16 is approached slowly.
     #[test]
     fn limits_of_the_shape() {
         close(laminar_f_re(0.999), 24.0, 1e-5);
@@ -136,9 +134,8 @@ mod tests {
         assert!(laminar_f_re(0.001) > 16.0 && laminar_f_re(0.001) < laminar_f_re(0.01));
     }
 
-    /// Before the profile meets: the boundary layer of Blasius displaces 1.7208 sqrt(nu x/u); the core so
-    /// gains speed and loses the pressure of f_app Re = 2 * 1.7208/sqrt(x). A cube root in (2) was seen to
-    /// fail.
+    /// Entrance region: the displacement thickness of Blasius's boundary layer is 1.7208 sqrt(nu x/u); the core accelerates and the
+    /// pressure drops by f_app Re = 2 * 1.7208/sqrt(x). The test fails with a cube root in (2).
     #[test]
     fn short_duct_has_the_boundary_layer_of_blasius() {
         let (re, length) = (2000.0, 0.002);
@@ -180,7 +177,7 @@ mod tests {
         continuous(|a| f_re(500.0, a, 10.0), 0.999);
     }
 
-    /// What a fan has to overcome never falls while the flow rises.
+    /// The pressure drop increases monotonically with the flow.
     #[test]
     fn pressure_drop_rises_with_the_flow() {
         for a in [0.1, 0.5, 0.75, 0.9] {

@@ -1,4 +1,4 @@
-//! Heat from the inner wall of a concentric annulus to the air in it, the outer wall insulated.
+//! Heat transfer from the inner wall of a concentric annulus to the air in it, with an insulated outer wall.
 //!
 //! developed, laminar, uniform flux: Nu_1 = 2 (1 - a) / [a int_a^1 F^2/y dy]                (1)
 //! developed, laminar, uniform temperature: Nu_1 = 3.66 + 1.2 a^(-0.8)                      (2)
@@ -9,19 +9,18 @@
 //! transition: Nu = (1 - g) Nu_laminar(2300) + g Nu_turbulent(4000),  g = (Re - 2300)/1700  (6)
 //! local: Nu_x = d(x Nu)/dx                                                                 (7)
 //!
-//! a = D_i/D_o, D_h = D_o - D_i, Nu = h D_h/k, Gz = Re Pr D_h/L, f Darcy's factor (`annulus_friction.rs`), h
-//! on the difference of wall and mixed air. F(y) in (1) is the share of the flow beyond the radius y r_o:
-//! integrating the energy equation twice leaves nothing else. Nu_3 is there when the flow starts with the
-//! heating. For uniform flux Nu_2 takes the factor of Leveque, 2 pi/(3 sqrt 3) = 1.209, and Nu_3 that of the
-//! flat plate, 0.453/0.332 = 1.364. A housing of metal lies between the two; nearer to uniform temperature.
-//! *Assumes* smooth concentric walls, properties at the air's mean temperature.
-//! *Neglects* natural convection in the gap, swirl and turbulence from the fan (raise Nu), and the gas's own
+//! a = D_i/D_o, D_h = D_o - D_i, Nu = h D_h/k, Gz = Re Pr D_h/L, f Darcy's factor (`annulus_friction.rs`), h based on the difference
+//! of wall and bulk temperature. F(y) in (1) is the fraction of the flow outside the radius y r_o; (1) follows from integrating the energy
+//! equation twice. Nu_3 applies when flow and heating start together. For uniform flux Nu_2 has the factor of Leveque,
+//! 2 pi/(3 sqrt 3) = 1.209, and Nu_3 that of the flat plate, 0.453/0.332 = 1.364. A metal housing is between the two conditions, closer to
+//! uniform temperature.
+//! *Assumes* smooth concentric walls, properties at the mean temperature of the air.
+//! *Neglects* natural convection in the gap, swirl and turbulence from the fan (raise Nu), and the gas property
 //! correction (T/T_w)^0.45 in (5) (some 5 % at a wall 40 K above the air).
-//! *Range*: a 0.02 to 0.999, beyond as the limit ((2) within 4 % of exact values from 0.05 on); (3), (4) Pr
-//! 0.1 to 1000, Re <= 2300; (5) Re 4000 to 1e6, Pr 0.6 to 1000; (7) exact. x/D_h below 1e-3 counts as 1e-3,
-//! Re above 1e7 as 1e7, Pr is held within 0.1 and 1e3. No flow leaves Nu_1. In a duct shorter than some 10
-//! D_h, (6) can fall with Re: the laminar entrance then gives more at 2300 than (5) at 4000 (one part in 10^4
-//! at L/D_h = 10, uniform flux).
+//! *Range*: a 0.02 to 0.999, limited to this range ((2) within 4 % of exact values from 0.05 on); (3), (4) Pr 0.1 to 1000, Re <= 2300;
+//! (5) Re 4000 to 1e6, Pr 0.6 to 1000; (7) exact. x/D_h below 1e-3 is set to 1e-3, Re above 1e7 to 1e7, Pr is limited to 0.1 ... 1e3. Zero
+//! flow gives Nu_1. In a duct shorter than about 10 D_h, (6) can decrease with Re: the laminar entrance then gives more at 2300 than (5) at
+//! 4000 (one part in 10^4 at L/D_h = 10, uniform flux).
 //! *Source*: (1) derived here; (2) to (4) Martin and Gnielinski, VDI Heat Atlas, 2nd ed. (2010), ch. G2; (5)
 //! Gnielinski, ibid. and Heat Transfer Eng. 30 (2009) 431; (6) Gnielinski, Int. J. Heat Mass Transfer 63
 //! (2013) 134-140; factors of uniform flux: Shah and London (1978), and Incropera, 7th ed., eqs. 7.23 and
@@ -31,7 +30,7 @@ use super::annulus_friction::{limited_length, turbulent_f};
 use super::{RE_LAMINAR, RE_TURBULENT, turbulent_share};
 use std::f64::consts::PI;
 
-/// How the inner wall is held.
+/// Thermal boundary condition of the inner wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wall {
     /// One temperature along the wall
@@ -40,23 +39,23 @@ pub enum Wall {
     UniformFlux,
 }
 
-/// How the flow comes to the heated length.
+/// Velocity profile at the start of the heated length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Entry {
-    /// With a uniform profile: velocity and temperature develop together
+    /// Uniform profile: velocity and temperature develop together
     Developing,
-    /// With its laminar profile: only the temperature develops
+    /// Developed laminar profile: only the temperature develops
     Developed,
 }
 
-/// Ratio of diameters within the limits of this file.
+/// Ratio of diameters, limited to the range of this file.
 #[inline]
 fn limited_ratio(a: f64) -> f64 {
     a.clamp(0.02, 0.999)
 }
 
-/// Nu of developed laminar flow with uniform flux at the inner wall, eq. (1). Some forty exponentials:
-/// evaluate it when the geometry changes.
+/// Nu of developed laminar flow with uniform flux at the inner wall, eq. (1). About forty exponentials:
+/// evaluate it only when the geometry changes.
 pub fn laminar_uniform_flux(a: f64) -> f64 {
     let a = limited_ratio(a);
     let ln = a.ln();
@@ -85,7 +84,7 @@ pub fn laminar_uniform_temperature(a: f64) -> f64 {
     3.66 + 1.2 * limited_ratio(a).powf(-0.8)
 }
 
-/// An annulus heated inside, with what does not change while the air flows.
+/// An annulus heated at the inner wall: values that depend on geometry only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatedAnnulus {
     ratio: f64,
@@ -117,7 +116,7 @@ impl HeatedAnnulus {
         }
     }
 
-    /// Nu_1: developed laminar flow, and what is left without flow.
+    /// Nu_1: developed laminar flow, and zero flow.
     #[inline]
     pub fn nu_developed(&self) -> f64 {
         self.developed.cbrt()
@@ -130,16 +129,16 @@ impl HeatedAnnulus {
         (self.thermal * gz, self.hydrodynamic * (2.0 / (1.0 + 22.0 * pr)).sqrt() * gz * gz.sqrt())
     }
 
-    /// Eq. (5) without its entrance.
+    /// Eq. (5) without its entrance factor.
     #[inline]
     fn turbulent(&self, re: f64, pr: f64) -> f64 {
-        // Darcy's f over 8 is Fanning's over 2.
+        // Darcy's f / 8 is Fanning's f / 2.
         let f = 0.5 * turbulent_f(re, self.ratio);
         let k1 = 1.07 + 900.0 / re - 0.63 / (1.0 + 10.0 * pr);
         f * re * pr * self.shape / (k1 + 12.7 * f.sqrt() * (pr.cbrt() * pr.cbrt() - 1.0))
     }
 
-    /// Any regime from the laminar law and the share of the turbulent entrance at this length.
+    /// Nu in any regime from the laminar law and the turbulent entrance factor at this length.
     #[inline]
     fn regimes(&self, re: f64, pr: f64, laminar: impl Fn(f64) -> f64, entrance: f64) -> f64 {
         let share = turbulent_share(re);
@@ -177,10 +176,10 @@ impl HeatedAnnulus {
         self.regimes(re, pr, laminar, x.cbrt().powi(-2) / 3.0)
     }
 
-    /// Mean Nu from `from` to `to` hydraulic diameters behind the entrance: what one axial segment sees, so
-    /// that all segments together have the mean of the whole, however many they are.
+    /// Mean Nu from `from` to `to` hydraulic diameters downstream of the entrance, for one axial segment. The mean of all segments is
+    /// the mean of the whole, for any number of segments.
     pub fn between(&self, re: f64, pr: f64, from: f64, to: f64) -> f64 {
-        // Below the limit of length Nu is held: x Nu still falls to nothing at the entrance itself.
+        // Below the lower limit of length Nu is constant, so x Nu goes to zero at the entrance.
         let (from, to) = (from.min(to).clamp(0.0, 1e9), from.max(to).clamp(1e-3, 1e9));
         let width = to - from;
         if width < 1e-6 * to {
@@ -190,7 +189,7 @@ impl HeatedAnnulus {
     }
 }
 
-/// The numbers that the laws can take.
+/// Arguments limited to the range of the correlations.
 #[inline]
 fn limited(re: f64, pr: f64, l: f64) -> (f64, f64, f64) {
     (re.abs().min(1e7), pr.clamp(0.1, 1e3), limited_length(l))

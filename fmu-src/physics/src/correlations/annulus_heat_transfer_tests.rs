@@ -1,4 +1,4 @@
-//! Tests of the heated annulus: numerical solutions, theory of the entrance, other authors' laws, continuity.
+//! Tests of the heated annulus: numerical solutions, entrance theory, other correlations, continuity.
 
 use super::*;
 use crate::correlations::checks::{close, continuous, rows};
@@ -7,7 +7,7 @@ const FLUX: &str = include_str!("../../tests/data/annulus-laminar/annulus_lamina
 const TEMPERATURE: &str =
     include_str!("../../tests/data/annulus-laminar/annulus_laminar_nu_one_wall_T_other_insulated.csv");
 
-/// Against the numerical solution in `tests/data/annulus-laminar`.
+/// Comparison with the numerical solution in `tests/data/annulus-laminar`.
 #[test]
 fn uniform_flux_is_the_numerical_solution() {
     for row in rows(FLUX) {
@@ -17,7 +17,7 @@ fn uniform_flux_is_the_numerical_solution() {
     close(laminar_uniform_flux(0.999), 140.0 / 26.0, 2e-3);
 }
 
-/// Against the table of the book in `tests/data/annulus-laminar`.
+/// Comparison with the textbook table in `tests/data/annulus-laminar`.
 #[test]
 fn uniform_temperature_is_near_the_table() {
     for row in rows(TEMPERATURE).iter().filter(|row| row[1].is_finite()) {
@@ -26,8 +26,8 @@ fn uniform_temperature_is_near_the_table() {
 }
 
 /// The entrance of a developed flow between plates after Leveque: local Nu = (12/9 Gz)^(1/3)/Gamma(4/3) with
-/// uniform temperature, (12/9 Gz)^(1/3) Gamma(2/3) with uniform flux; 12 is the slope of the parabola at the
-/// wall. Gz^(1/2) instead of Gz^(1/3) was seen to fail.
+/// uniform temperature, (12/9 Gz)^(1/3) Gamma(2/3) with uniform flux; 12 is the wall gradient of the parabola.
+/// The test fails with Gz^(1/2) instead of Gz^(1/3).
 #[test]
 fn thermal_entrance_is_leveques() {
     let (gamma_4_3, gamma_2_3) = (0.892_979_511_569_249, 1.354_117_939_426_4);
@@ -50,11 +50,11 @@ fn common_entrance_is_the_flat_plate() {
     close(flux.local(re, pr, x), 0.453 * plate, 0.07);
 }
 
-/// Temperature develops in the exact laminar profile, inner wall heated, outer insulated: finite volumes in y
-/// = r/r_o, implicit steps along x. Returns local Nu at each of `stations` (x/(D_h Re Pr)), ascending.
+/// Temperature development in the exact laminar profile, inner wall heated, outer wall insulated: finite volumes in
+/// y = r/r_o, implicit steps along x. Returns local Nu at each of `stations` (x/(D_h Re Pr)), ascending.
 fn marched<const N: usize>(a: f64, wall: Wall, stations: [f64; N]) -> [f64; N] {
     const CELLS: usize = 300;
-    // Cells shrink towards the heated wall.
+    // Cells become smaller towards the heated wall.
     let edge = |i: usize| a + (1.0 - a) * (i as f64 / CELLS as f64).powf(1.7);
     let edges: Vec<f64> = (0..=CELLS).map(edge).collect();
     let middle: Vec<f64> = edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect();
@@ -109,8 +109,8 @@ fn marched<const N: usize>(a: f64, wall: Wall, stations: [f64; N]) -> [f64; N] {
     out
 }
 
-/// Eqs. (3) and (7) against a numerical solution of the entrance, from its start to developed flow: within
-/// 5.3 %, worst where the laws of entrance and of developed flow meet.
+/// Eqs. (3) and (7) compared with a numerical solution from the entrance to developed flow: within
+/// 5.3 %, largest between the entrance law and the developed flow.
 #[test]
 fn thermal_entrance_is_near_a_numerical_solution() {
     let stations = [1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 1.0];
@@ -126,9 +126,9 @@ fn thermal_entrance_is_near_a_numerical_solution() {
     }
 }
 
-/// A tube's law (Gnielinski, Int. Chem. Eng. 16 (1976) 359; Incropera, 7th ed., eqs. 8.21, 8.62) times 0.86
-/// a^(-0.16) (Petukhov and Roizen) is an older way to the same number: within 6 % from 1e4 to 1e5.
-/// Re^0.9 for Re in (5) was seen to fail.
+/// A tube correlation (Gnielinski, Int. Chem. Eng. 16 (1976) 359; Incropera, 7th ed., eqs. 8.21, 8.62) times 0.86
+/// a^(-0.16) (Petukhov and Roizen) is an older correlation for the same Nu: within 6 % from 1e4 to 1e5.
+/// The test fails with Re^0.9 for Re in (5).
 #[test]
 fn turbulent_near_the_tube_with_petukhov_and_roizens_factor() {
     for a in [0.3, 0.5, 0.75, 0.857] {
@@ -167,7 +167,7 @@ fn nothing_jumps_at_any_switch() {
     }
 }
 
-/// At a motor's length the blend rises with the flow; with uniform flux it may stand still in the transition.
+/// At a motor's length the blended Nu rises with the flow; with uniform flux it may be constant in the transition.
 #[test]
 fn rises_with_the_flow_at_a_motors_length() {
     for wall in [Wall::UniformTemperature, Wall::UniformFlux] {

@@ -1,20 +1,20 @@
-//! Cylinder in cross flow, forced and mixed with natural convection.
+//! Cylinder in cross flow: forced and mixed convection.
 //!
 //! Nu_D = 0.3 + 0.62 Re^(1/2) Pr^(1/3) / [1 + (0.4/Pr)^(2/3)]^(1/4) [1 + (Re/282000)^(5/8)]^(4/5)   (1)
 //! Nu^n = (Nu_forced - 0.3)^n + Nu_natural^n                                                (2)
 //!
 //! (2) with n = 4 for a horizontal cylinder in cross flow, n = 3 in general ([`Mixing`]). The 0.3 of (1) is
-//! conduction in still air, which Nu_natural has too: without it (2) is natural convection when the fan
-//! rests.
-//! *Assumes* a uniform approach flow, air at the film temperature; (2) flow across or with the buoyancy.
-//! *Neglects* the turbulence of a fan (raises Nu by 10 to 40 %), free ends, blockage by the jet's edge; (2)
-//! holds for flow against the buoyancy only with a minus sign, a case that no motor here has.
-//! *Range*: (1) Re Pr > 0.2 at all Re and Pr; below it goes on to 0.3 smoothly. Scatter of the data +-20 %.
-//! Re < 0 counts as |Re|; Re above 1e9 as 1e9; Pr is held within 1e-3 and 1e4.
+//! conduction in still air, which Nu_natural includes too; it is subtracted so that (2) gives natural convection
+//! when the fan is off.
+//! *Assumes* a uniform approach flow, air at the film temperature; (2) transverse or assisting flow.
+//! *Neglects* the turbulence of a fan (raises Nu by 10 to 40 %), free ends, blockage at the jet's edge. Opposing
+//! flow would need a minus sign in (2); it does not occur in this motor.
+//! *Range*: (1) Re Pr > 0.2 at all Re and Pr; below it decreases smoothly to 0.3. Scatter of the data +-20 %.
+//! Re < 0 is set to |Re|; Re above 1e9 to 1e9; Pr is limited to 1e-3 ... 1e4.
 //! *Source*: (1) Churchill and Bernstein, J. Heat Transfer 99 (1977) 300-306, the form for the whole range;
 //! Incropera, 7th ed., eq. 7.54; (2) ibid. sec. 9.9, eq. 9.64, and Churchill, AIChE J. 23 (1977) 10-16.
 
-/// Nusselt number that (1) leaves at rest.
+/// Nusselt number of (1) at zero flow.
 pub const NU_AT_REST: f64 = 0.3;
 
 /// Mean Nusselt number on the diameter in forced cross flow, eq. (1).
@@ -25,7 +25,7 @@ pub fn cylinder(re: f64, pr: f64) -> f64 {
     NU_AT_REST + boundary_layer * (1.0 + (re / 282_000.0).powf(0.625)).powf(0.8)
 }
 
-/// How forced and natural convection join: the exponent n of eq. (2).
+/// Combination of forced and natural convection: the exponent n of eq. (2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mixing {
     /// n = 3: plates, flow along a cylinder, flow across an upright cylinder
@@ -34,8 +34,8 @@ pub enum Mixing {
     HorizontalCylinder,
 }
 
-/// Nusselt number of mixed convection, eq. (2), from a forced one without its rest value and a natural one.
-/// Negative numbers count as 0. Both on the same length.
+/// Nusselt number of mixed convection, eq. (2), from a forced one without its value at zero flow and a natural one.
+/// Negative numbers are set to 0. Both refer to the same length.
 #[inline]
 pub fn mixed(nu_forced: f64, nu_natural: f64, mixing: Mixing) -> f64 {
     let larger = nu_forced.max(nu_natural).max(0.0);
@@ -61,8 +61,8 @@ mod tests {
     use super::*;
     use crate::correlations::checks::close;
 
-    /// Incropera, 7th ed., example 7.4: Re = 6071, Pr = 0.70: Nu = 40.6. Pr instead of Pr^(1/3), and 0.6
-    /// instead of the root of Re, were seen to fail here.
+    /// Incropera, 7th ed., example 7.4: Re = 6071, Pr = 0.70: Nu = 40.6. The test fails with Pr instead of Pr^(1/3), and with 0.6
+    /// instead of the exponent 1/2 of Re.
     #[test]
     fn cylinder_in_a_wind_tunnel_of_the_book() {
         close(cylinder(6071.0, 0.70), 40.6, 2e-3);

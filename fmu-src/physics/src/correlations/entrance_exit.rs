@@ -6,20 +6,20 @@
 //! K_d = 6/5 laminar;  1 + 0.04 (Re/1e4)^(-0.2) turbulent;  linear in Re between 2300 and 4000 (4)
 //! p_1 - p_2 = rho u^2/2 (1 - sigma^2 + K_c) at the entrance, -rho u^2/2 (1 - sigma^2 - K_e) at the exit (5)
 //!
-//! sigma is the area of the gap over that before or behind it, C_c the contraction of the jet behind the
-//! edge, K_d the momentum of the profile over that of a uniform one, u the mean speed in the gap.
+//! sigma is the ratio of the gap's area to that before or behind it, C_c the contraction of the jet behind the
+//! edge, K_d the momentum of the profile divided by that of a uniform one, u the mean velocity in the gap.
 //! *Assumes* sharp edges, parallel plates (a narrow annulus), a profile that is developed where K_d > 1. With
-//! the friction of a developing profile (`annulus_friction.rs`) the entrance takes K_d = 1, or the momentum
-//! counts twice.
-//! *Neglects* the profile in the wide part, compressibility, swirl.
+//! the friction of a developing profile (`annulus_friction.rs`) use K_d = 1 at the entrance; otherwise the momentum
+//! is counted twice.
+//! *Neglects* the velocity profile in the wide part, compressibility, swirl.
 //! *Sign*: (5) positive = pressure lost downstream; K_e < 0 recovers pressure.
-//! *Range*: sigma 0 to 1, beyond as the limit; (4) at any Re.
+//! *Range*: sigma 0 to 1, limited to this range; (4) at any Re.
 //! *Source*: (1), (2) Kays, Trans. ASME 72 (1950) 1067-1074, as drawn in Kays and London, Compact Heat
 //! Exchangers, fig. 5-3; (3) free-streamline theory of a slot, von Mises, VDI-Zeitschrift 61 (1917) 447; (4)
 //! 6/5 is the exact value of a parabola, 1.04 at Re = 1e4 and 1 at infinity those of fig. 5-3 (`seeds` audit,
-//! T36); that K_d - 1 falls as friction does, Re^-0.2, and the blend are the project's choice.
+//! T36); that K_d - 1 falls as friction does, Re^-0.2, and the interpolation are the project's choice.
 //! The audit reads K_c(0) = 0.785 and 0.385 for K_d = 1.2 and 1; (1) with (3), C_c(0) = pi/(pi + 2) = 0.611,
-//! gives 0.805 and 0.405. The 0.02 is within the reading of the figure.
+//! gives 0.805 and 0.405. The 0.02 is within the reading error of the figure.
 
 use super::{RE_TURBULENT, turbulent_share};
 use std::f64::consts::{FRAC_2_PI, PI};
@@ -67,7 +67,7 @@ pub fn expansion(sigma: f64, k_d: f64) -> f64 {
 }
 
 /// Pressure drop from the wide part into the gap, eq. (5), Pa: `k_c` of [`contraction`], density in kg/m3,
-/// mean speed `u` in the gap in m/s. It has the part that speeds the air up and the part that is lost.
+/// mean velocity `u` in the gap in m/s. It includes the acceleration and the loss.
 #[inline]
 pub fn entrance_drop(k_c: f64, sigma: f64, rho: f64, u: f64) -> f64 {
     let sigma = sigma.clamp(0.0, 1.0);
@@ -99,8 +99,8 @@ mod tests {
         close(contraction_ratio(1.0), 1.0, 1e-7);
     }
 
-    /// Kays and London, fig. 5-3 as read in the audit of the seeds (T36): 0.785 laminar, 0.385 at Re =
-    /// infinity for sigma = 0; they read to 0.02. K_e = 1 there, -0.4 and 0 at sigma = 1.
+    /// Kays and London, fig. 5-3 as read in the audit of `seeds` (T36): 0.785 laminar, 0.385 at Re =
+    /// infinity for sigma = 0; reading error 0.02. K_e = 1 there, -0.4 and 0 at sigma = 1.
     #[test]
     fn figure_of_kays_and_london() {
         assert!((contraction(0.0, 1.2) - 0.785).abs() <= 0.021);
@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(expansion(1.0, 1.0), 0.0);
     }
 
-    /// With a uniform profile (1) is the loss of the jet that fills the gap again, (1/C_c - 1)^2, and (2) the
+    /// With a uniform profile (1) is the loss of the reattaching jet, (1/C_c - 1)^2, and (2) the
     /// loss of Borda and Carnot, (1 - sigma)^2.
     #[test]
     fn uniform_profile_is_borda_and_carnot() {
@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    /// A loss at both ends: what the entrance takes, the exit does not give back.
+    /// Loss at both ends: the exit recovers less than the pressure drop of the entrance.
     #[test]
     fn both_ends_together_lose() {
         let (rho, u) = (1.2, 10.0);

@@ -1,33 +1,32 @@
-//! Pressure of a fan over its flow, and where it meets a system.
+//! Fan curve: pressure as a function of flow, and the operating point in a system.
 //!
 //! p(Q) = n^2 rho/rho_ref p_0(Q/n)                                                          (1)
 //! p_0(q) = p_max (1 - q/q_max), or a table, linear between its points                      (2)
 //! stall: p_0(q) times 1 - depth exp(-((q/q_max - centre)/width)^2)                         (3)
 //! operating point: p(Q) = p_system(Q)                                                      (4)
 //!
-//! n is the speed over that of the data sheet, rho_ref the density there. Powers follow as n^3 rho/rho_ref.
+//! n is the speed over that of the data sheet, rho_ref the density there. Power scales with n^3 rho/rho_ref.
 //! *Assumes* the affinity laws (efficiency and curve do not change with Reynolds number).
-//! *Neglects* hysteresis of the stall; the interior of (2) from end points is unknown: a straight line is a
-//! guess, good to some 20 % in flow for a small axial fan.
+//! *Neglects* hysteresis of the stall. If only the end points of (2) are known, the straight line is an
+//! estimate with an error of about 20 % in flow for a small axial fan.
 //! *Sign*: Q > 0 in the direction of the fan, p > 0 against it.
-//! *Range*: any flow. Beyond the ends the curve goes on with the slope of the last piece: p < 0 beyond q_max
-//! (blown through), p > p_max for Q < 0. n below 1e-6 counts as rest: no pressure. With (3) a curve may rise;
-//! of several operating points (4) takes that of the largest flow, the one a fan reaches that starts
-//! unloaded.
+//! *Range*: any flow. Outside its end points the curve is extrapolated linearly: p < 0 above q_max (external
+//! flow through the fan), p > p_max for Q < 0. n below 1e-6 is set to 0: no pressure. With (3) a curve may rise; of several operating
+//! points (4) uses the one with the largest flow, which a fan reaches when it starts unloaded.
 //! *Source*: (1) Eck, Fans (1973), ch. 1, or ASHRAE Handbook, HVAC Systems and Equipment, ch. Fans; (2) end
 //! points of 40x40x10 fans: data sheet CUI CFM-40V; stall at 30 to 60 % of the free flow is usual for axial
 //! fans; (3) the project's own form.
 
 use std::fmt;
 
-/// A dip by stall, eq. (3).
+/// Stall dip, eq. (3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stall {
-    /// Share of the pressure that is lost in the middle of the dip, 0 to 1
+    /// Fraction of the pressure that is lost in the middle of the dip, 0 to 1
     pub depth: f64,
     /// Flow in the middle of the dip over q_max
     pub centre: f64,
-    /// Half-width of the dip over q_max; held above 1e-3
+    /// Half-width of the dip over q_max; at least 1e-3
     pub width: f64,
 }
 
@@ -50,16 +49,16 @@ pub enum Shape<'a> {
     },
 }
 
-/// Why a curve is none.
+/// Why a curve is invalid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CurveError {
     /// Fewer than two points or two columns that differ in length: flows, pressures
     Points(usize, usize),
     /// A number is not finite, or an end point is not positive: name, value
     Number(&'static str, f64),
-    /// The flow does not rise behind this point: its number from 1, flow, next flow
+    /// The flow does not rise after this point: its number from 1, flow, next flow
     FlowNotRising(usize, f64, f64),
-    /// The pressure does not fall behind this point: its number from 1, pressure, next pressure
+    /// The pressure does not fall after this point: its number from 1, pressure, next pressure
     NotFalling(usize, f64, f64),
     /// The table does not reach zero flow and zero pressure: first flow, last pressure
     Ends(f64, f64),
@@ -109,7 +108,7 @@ pub struct FanCurve<'a> {
 }
 
 impl<'a> FanCurve<'a> {
-    /// The curve, if it falls from a positive pressure at zero flow to zero pressure at a positive flow.
+    /// The curve, if it falls from positive pressure at zero flow to zero pressure at positive flow.
     pub fn new(shape: Shape<'a>, stall: Option<Stall>) -> Result<Self, CurveError> {
         let positive = |name, value: f64| {
             if value.is_finite() && value > 0.0 { Ok(()) } else { Err(CurveError::Number(name, value)) }
@@ -157,7 +156,7 @@ impl<'a> FanCurve<'a> {
         }
     }
 
-    /// Pressure in Pa at the flow `q` in m3/s, the share of speed `n` and the ratio of densities
+    /// Pressure in Pa at the flow `q` in m3/s, the speed ratio `n` and the ratio of densities
     /// `rho_ratio` = rho/rho_ref, eq. (1).
     pub fn pressure(&self, q: f64, n: f64, rho_ratio: f64) -> f64 {
         if n < 1e-6 {
@@ -167,16 +166,16 @@ impl<'a> FanCurve<'a> {
         n * n * rho_ratio.clamp(0.0, 1e3) * self.reference(q.clamp(-1e6, 1e6) / n)
     }
 
-    /// Flow in m3/s where the fan meets `system`, eq. (4). `system` gives the pressure in Pa that a flow in
-    /// m3/s takes: 0 or less at rest, rising. A system that drives the fan blows through it beyond its free flow; a fan at
-    /// rest takes no pressure. Bisection, safeguarding a secant: at most 150 steps, no derivative, nothing allocated.
+    /// Operating flow of the fan with `system`, m3/s, eq. (4). `system` gives the pressure drop in Pa at a flow in m3/s: 0 or less at
+    /// zero flow, rising. A system that drives the fan (negative pressure drop) gives a flow above the free flow. A fan at rest
+    /// has no pressure
+    /// drop. Bisection-safeguarded secant method: at most 150 steps, no derivative, no allocation.
     pub fn operating_flow(&self, n: f64, rho_ratio: f64, system: impl Fn(f64) -> f64) -> f64 {
         self.operating_flow_with_leak(n, rho_ratio, |q| (system(q), 0.0))
     }
 
-    /// As [`operating_flow`](Self::operating_flow), with a part of the fan's flow that does not pass the system:
-    /// `system` gives the pressure that a flow takes, and the flow that leaks away under it, m3/s, rising too.
-    /// The answer is the flow through the system.
+    /// As [`operating_flow`](Self::operating_flow), with a leak between fan and system: `system` gives the pressure drop at
+    /// a flow, and the leak flow at this pressure, m3/s, rising too. Returns the flow through the system.
     pub fn operating_flow_with_leak(
         &self,
         n: f64,
@@ -198,7 +197,7 @@ impl<'a> FanCurve<'a> {
             return free;
         }
         if is_driven {
-            // Beyond the free flow, from a thousandth of that at full speed on, in growing steps.
+            // Above the free flow: growing steps, the first a thousandth of the free flow at full speed.
             let mut way = 1e-3 * self.free_flow();
             for _ in 0..50 {
                 (low, f_low) = (high, f_high);
@@ -209,7 +208,7 @@ impl<'a> FanCurve<'a> {
                 }
             }
         } else if self.stall.is_some() {
-            // From the free end downward, to stay on the outer branch.
+            // From the free flow downward, to find the operating point with the largest flow.
             const PARTS: i32 = 64;
             for k in (0..PARTS).rev() {
                 let q = free * f64::from(k) / f64::from(PARTS);
@@ -229,7 +228,7 @@ impl<'a> FanCurve<'a> {
                 break;
             }
             let secant = (low * f_high - high * f_low) / (f_high - f_low);
-            // Every third step halves: no curve can keep the bracket wide.
+            // Every third step is a bisection, so that the bracket always shrinks.
             let inside = secant > low && secant < high && k % 3 != 2;
             let q = if inside { secant } else { 0.5 * (low + high) };
             let f = surplus(q);
@@ -269,7 +268,7 @@ fn check_table(flow: &[f64], pressure: &[f64]) -> Result<(), CurveError> {
     if first != 0.0 || last != 0.0 { Err(CurveError::Ends(first, last)) } else { Ok(()) }
 }
 
-/// Linear between the points of a checked table, and beyond its ends with the last slope.
+/// Linear between the points of a checked table, and extrapolated linearly.
 fn interpolated(flow: &[f64], pressure: &[f64], q: f64) -> f64 {
     let last = flow.len() - 2;
     let k = flow[1..=last].partition_point(|&x| x < q);

@@ -1,4 +1,4 @@
-//! Tests of the fan curve: data sheets, affinity, bad curves, operating points that can be solved by hand.
+//! Tests of the fan curve: data sheets, affinity laws, invalid curves, operating points with analytical solutions.
 
 use super::*;
 use crate::correlations::checks::{close, continuous};
@@ -15,9 +15,9 @@ fn table() -> FanCurve<'static> {
 }
 
 /// The CUI CFM-40V family at 12 V, one fan at three speeds, by its data sheet: 5800 min-1 3.304 L/s 29.89 Pa,
-/// 7000 min-1 3.776 L/s 47.33 Pa, 8500 min-1 4.672 L/s 62.27 Pa. Real fans keep the affinity laws to 15 %
-/// (the sheet rounds 0.12 inH2O); the thesis's own family to 0.3 %: 8300 to 6400 min-1 from 7.24 to 4.29
-/// mmH2O. Pressure with n instead of n^2 was seen to fail.
+/// 7000 min-1 3.776 L/s 47.33 Pa, 8500 min-1 4.672 L/s 62.27 Pa. Real fans follow the affinity laws within 15 %
+/// (the sheet rounds 0.12 inH2O); the thesis's family within 0.3 %: 8300 to 6400 min-1 from 7.24 to 4.29
+/// mmH2O. The test fails for a pressure with n instead of n^2.
 #[test]
 fn data_sheets_follow_the_affinity_laws() {
     for (speed, flow, pressure) in [(5800.0, 0.003304, 29.89), (7000.0, 0.003776, 47.33)] {
@@ -67,7 +67,7 @@ fn a_curve_that_does_not_fall_is_refused_in_one_sentence() {
     assert!(FanCurve::new(Shape::EndPoints { flow_max: 1.0, pressure_max: 1.0 }, stall).is_err());
 }
 
-/// Against c Q^2 on a straight curve: c Q^2 + (p/q) Q - p = 0 by the root of the quadratic.
+/// System c Q^2 and a straight curve: c Q^2 + (p/q) Q - p = 0, solved by the quadratic formula.
 #[test]
 fn operating_point_on_a_parabola_by_hand() {
     let (q, p) = (0.004672, 62.27);
@@ -76,7 +76,7 @@ fn operating_point_on_a_parabola_by_hand() {
         let exact = 2.0 * p / (slope + (slope * slope + 4.0 * c * p).sqrt());
         close(ends().operating_flow(1.0, 1.0, |q| c * q * q), exact, 1e-11);
     }
-    // A quadratic system keeps its place on the curve: flow goes with n, whatever the density (both ~ rho).
+    // A quadratic system keeps its relative operating point: the flow is proportional to n at any density (both ~ rho).
     let full = table().operating_flow(1.0, 1.0, |q| 3e6 * q * q);
     close(table().operating_flow(0.5, 0.8, |q| 0.8 * 3e6 * q * q), 0.5 * full, 1e-11);
 }
@@ -107,7 +107,7 @@ fn flow_rises_smoothly_with_the_speed_from_rest() {
     }
 }
 
-/// A straight curve with a dip in the middle has three crossings with a steep system; the outer one is taken.
+/// A straight curve with a dip in the middle has three crossings with a steep system; the one with the largest flow is used.
 #[test]
 fn stall_dips_and_the_outer_branch_is_taken() {
     let stall = Some(Stall { depth: 0.4, centre: 0.4, width: 0.08 });

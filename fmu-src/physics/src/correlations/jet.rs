@@ -4,14 +4,13 @@
 //! r(x) = D/2 + x tan(theta),  r_i(x) = max(0, d/2 - x tan(theta)),  A(x) = pi (r^2 - r_i^2)  (2)
 //! u(x) = u_0 (A_0/A)^m                                                                     (3)
 //!
-//! D is the bore of the fan, d its hub, theta the half-angle of spread. The air leaves as a ring that spreads
-//! outward, and inward over the hub's dead water until that is filled. (3) with m = 1/2 keeps the momentum
-//! rho u^2 A: a jet that draws in the air around it. m = 1 keeps the flow: air that its swirl throws apart. A fan
-//! without guide vanes lies between.
-//! *Assumes* one mean speed over the ring (top hat), air at rest around it, no wall near.
+//! D is the bore of the fan, d its hub, theta the half-angle of spread. The air leaves as a ring that spreads outward, and inward over
+//! the wake of the hub until it is a full disc. m = 1/2 in (3) conserves the momentum rho u^2 A: a jet with entrainment. m = 1 conserves
+//! the flow: a swirling jet that spreads by centrifugal force. A fan without guide vanes is between the two.
+//! *Assumes* one mean speed over the ring (top hat), air at rest around it, no wall nearby.
 //! *Neglects* swirl (a wider cone: choose theta), the profile across the jet, the potential core.
-//! *Sign*: Q < 0 (a fan that sucks) has no jet; the speed is 0.
-//! *Range*: x >= 0, below counts as 0. The spread of a round turbulent jet without swirl is tan(theta) = 1/B
+//! *Sign*: Q < 0 (suction side) has no jet; the velocity is 0.
+//! *Range*: x >= 0, x < 0 is set to 0. The spread of a round turbulent jet without swirl is tan(theta) = 1/B
 //! = 0.17, with B the decay constant of its centreline speed U_c/U_0 = B D/x: a Gaussian profile of the same
 //! mass and momentum has U_c = 2 u. A small fan with swirl spreads wider; 0.1 to 0.5 are in use.
 //! *Source*: Pope, Turbulent Flows (2000), sec. 5.1 and table 5.1: B = 5.8 to 6.1, half-width S x, S = 0.094
@@ -27,11 +26,11 @@ pub const TAN_SPREAD_ROUND_JET: f64 = 0.17;
 pub struct FanJet {
     /// Diameter of the bore, m
     pub bore: f64,
-    /// Diameter of the hub, m; held below 0.99 of the bore
+    /// Diameter of the hub, m; limited to 0.99 of the bore
     pub hub: f64,
-    /// Tangent of the half-angle of spread; held within 0 and 2
+    /// Tangent of the half-angle of spread; limited to 0 ... 2
     pub tan_spread: f64,
-    /// Exponent m of eq. (3); held within 0.5 and 1
+    /// Exponent m of eq. (3); limited to 0.5 ... 1
     pub decay: f64,
 }
 
@@ -63,14 +62,14 @@ impl FanJet {
         PI * (outer - inner) * (outer + inner)
     }
 
-    /// Mean speed of the jet at the distance `x` in m with the flow `q` in m3/s, eq. (3), m/s.
+    /// Mean velocity of the jet at the distance `x` in m with the flow `q` in m3/s, eq. (3), m/s.
     #[inline]
     pub fn speed(&self, q: f64, x: f64) -> f64 {
         let exit = self.exit_area();
         q.clamp(0.0, 1e6) / exit * (exit / self.area(x)).powf(self.decay.clamp(0.5, 1.0))
     }
 
-    /// Length of a body of `length` m that lies in the jet at the distance `x`, its middle on the axis, m.
+    /// Length of the part of a body of `length` m inside the jet at the distance `x`, m; the body is centred on the axis.
     #[inline]
     pub fn covered_length(&self, length: f64, x: f64) -> f64 {
         length.max(0.0).min(2.0 * self.radius(x))
@@ -85,8 +84,8 @@ mod tests {
     const FAN: FanJet = FanJet { bore: 0.038, hub: 0.024, tan_spread: TAN_SPREAD_ROUND_JET, decay: 0.5 };
 
     /// Far from the fan, the centreline of the equivalent Gaussian jet (twice the mean speed) has the
-    /// measured decay B = 5.8 (Hussein and others) to 6.06 (Panchapakesan and Lumley), Pope, table 5.1. Speed
-    /// falling with the area instead of its root was seen to fail.
+    /// measured decay B = 5.8 (Hussein and others) to 6.06 (Panchapakesan and Lumley), Pope, table 5.1. The test fails
+    /// if the velocity decreases with the area instead of its square root.
     #[test]
     fn measured_decay_of_a_round_jet() {
         let jet = FanJet { hub: 0.0, ..FAN };

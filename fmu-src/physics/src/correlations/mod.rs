@@ -1,7 +1,7 @@
 //! Heat transfer, friction, fans: one correlation a file, pure functions with equation, range and source.
 //!
-//! Every function is finite for all finite arguments. Outside its range it holds the value of the limit or
-//! goes on as its own text says; none panics, none allocates. Where two laws meet, the value is continuous.
+//! Every function is finite for all finite arguments. Outside its range it returns the value at the limit or is
+//! extrapolated as documented; none panics, none allocates. Combined correlations are continuous.
 
 pub mod annulus_friction;
 pub mod annulus_heat_transfer;
@@ -13,21 +13,21 @@ pub mod natural_convection;
 pub mod radiation;
 pub mod tube_flow;
 
-/// Reynolds number up to which the flow in a duct counts as laminar.
+/// Reynolds number up to which the flow in a duct is laminar.
 pub const RE_LAMINAR: f64 = 2300.0;
 /// Reynolds number from which on the flow in a duct counts as turbulent.
 pub const RE_TURBULENT: f64 = 4000.0;
 
-/// Share of turbulent flow at the Reynolds number `re` of a duct: 0 up to 2300, 1 from 4000 on, linear
+/// Weight of turbulent flow at the Reynolds number `re` of a duct: 0 up to 2300, 1 from 4000 on, linear
 /// between.
 ///
-/// *Source*: Gnielinski, Int. J. Heat Mass Transfer 63 (2013) 134-140, who so interpolates Nu in tubes.
+/// *Source*: Gnielinski, Int. J. Heat Mass Transfer 63 (2013) 134-140, who interpolates Nu in tubes in this way.
 #[inline]
 pub fn turbulent_share(re: f64) -> f64 {
     ((re.abs() - RE_LAMINAR) / (RE_TURBULENT - RE_LAMINAR)).clamp(0.0, 1.0)
 }
 
-/// What the tests of several correlations need.
+/// Helpers for the tests of the correlations.
 #[cfg(test)]
 pub(crate) mod checks {
     /// `computed` is within the relative `tolerance` of `expected`.
@@ -37,7 +37,7 @@ pub(crate) mod checks {
         assert!(error <= tolerance, "{computed} instead of {expected}: {error:.2e} > {tolerance:.0e}");
     }
 
-    /// `f` jumps by less than 1e-3 of its value where two laws meet at `x`.
+    /// `f` jumps by less than 1e-3 of its value between two correlations at `x`.
     #[track_caller]
     pub fn continuous(f: impl Fn(f64) -> f64, x: f64) {
         let d = 1e-9 * x.abs().max(1e-3);

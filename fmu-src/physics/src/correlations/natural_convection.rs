@@ -11,16 +11,15 @@
 //!     heat per length = 2 pi k_eff (T_i - T_o) / ln(D_o/D_i)
 //! temperature difference in Ra: sqrt((T - T_a)^2 + (0.05 K)^2)                              (6)
 //!
-//! *Assumes* an isothermal surface, properties at the mean of surface and air, a large still room.
-//! *Neglects* the wake of the cylinder over its own ends. For a vertical motor, its ends lie flat: (4) then
-//! only stands in for them (upper and lower face together differ little from an upright one).
-//! *Range*: (1) Ra_D <= 1e12, (2) all Ra_L up to 1e12; both for any Pr. Ra -> 0 gives Nu = 0.36 and 0.68:
-//! conduction alone, which a finite body in a large room keeps. Ra < 0 counts as |Ra| (heat also flows in);
-//! above 1e12 the same law goes on to 1e30; Pr is held within 1e-3 and 1e4. (2a) up to 1e9, where a motor
-//! always is and where (2) lies up to 18 % above it in air.
-//! (3) A cylinder is a plate while D/L >= 35/Gr_L^(1/4) ([`is_plate_like`]); slenderer, its curvature adds
-//! the second term of the laminar integral solution; a motor (L/D about 2, Gr_L about 1e6) needs it: 6 %.
-//! (5) 0.7 <= Pr <= 6000, Ra_c <= 1e7, beyond as it stands; conduction alone where (5) falls below it (Ra_c about 100 in air).
+//! *Assumes* an isothermal surface, properties at the film temperature, large still ambient air.
+//! *Neglects* the wake of the cylinder at its own ends. The ends of a vertical motor are horizontal; (4) is then
+//! an approximation (the mean of upper and lower face is close to that of an upright disc).
+//! *Range*: (1) Ra_D <= 1e12, (2) all Ra_L up to 1e12; both for any Pr. Ra -> 0 gives Nu = 0.36 and 0.68: pure conduction of a finite
+//! body in a large space. Ra < 0 is set to |Ra| (heat flows inwards); above 1e12 the same law is used up to 1e30; Pr is limited to 1e-3 ...
+//! 1e4. (2a) up to 1e9, which includes all motors; there (2) is up to 18 % above it in air.
+//! (3) A cylinder is treated as a plate if D/L >= 35/Gr_L^(1/4) ([`is_plate_like`]); slenderer, its curvature adds
+//! the second term of the laminar integral solution. A motor (L/D about 2, Gr_L about 1e6) needs it: 6 %.
+//! (5) 0.7 <= Pr <= 6000, Ra_c <= 1e7, extrapolated above; pure conduction where (5) is below it (Ra_c about 100 in air).
 //! (6) The derivative of Ra^(1/4) and Ra^(1/6) at Ra = 0 is infinite. Still air is not isothermal (ISO 7730, category A, allows 2 K
 //! over 1 m of height, hence 0.06 K over a motor of 30 mm): smaller differences do not determine the coefficient. (6) changes it by
 //! less than 1e-3 above 0.6 K, and the heat flow of that motor by less than 1 mW everywhere.
@@ -33,13 +32,13 @@ use std::f64::consts::PI;
 /// Variation of the temperature in still air, K, eq. (6).
 const VARIATION: f64 = 0.05;
 
-/// Temperature difference that drives the convection between surfaces or air that differ by `dt`, eq. (6), K: positive and smooth.
+/// Temperature difference that drives the convection, for surfaces or air that differ by `dt`, eq. (6), K: positive and smooth.
 #[inline]
 pub fn driving_difference(dt: f64) -> f64 {
     (dt * dt + VARIATION * VARIATION).sqrt()
 }
 
-/// Numbers that the laws can take: |Ra| up to 1e30, Pr from 1e-3 to 1e4.
+/// Limits the arguments: |Ra| up to 1e30, Pr from 1e-3 to 1e4.
 #[inline]
 fn limited(ra: f64, pr: f64) -> (f64, f64) {
     (ra.abs().min(1e30), pr.clamp(1e-3, 1e4))
@@ -73,7 +72,7 @@ pub fn vertical_plate_laminar(ra_l: f64, pr: f64) -> f64 {
 }
 
 /// Mean Nusselt number on the height of a vertical cylinder, eq. (3), from Ra on the height and `l_over_d`,
-/// the height over the diameter (held within 0 and 100).
+/// the height over the diameter (limited to 0 ... 100).
 #[inline]
 pub fn vertical_cylinder(ra_l: f64, pr: f64, l_over_d: f64) -> f64 {
     let (_, p) = limited(ra_l, pr);
@@ -81,14 +80,14 @@ pub fn vertical_cylinder(ra_l: f64, pr: f64, l_over_d: f64) -> f64 {
     vertical_plate_laminar(ra_l, pr) + curvature * l_over_d.clamp(0.0, 100.0)
 }
 
-/// Whether a vertical cylinder is thick enough to count as a plate: D/L >= 35/Gr_L^(1/4).
+/// Whether a vertical cylinder can be treated as a plate: D/L >= 35/Gr_L^(1/4).
 #[inline]
 pub fn is_plate_like(ra_l: f64, pr: f64, l_over_d: f64) -> bool {
     let (ra, pr) = limited(ra_l, pr);
     (ra / pr).powf(0.25) >= 35.0 * l_over_d
 }
 
-/// Height of the vertical plate that an upright end disc of diameter `d` stands for, eq. (4), m: area over
+/// Height of the vertical plate that replaces an upright end disc of diameter `d`, eq. (4), m: area over
 /// width.
 #[inline]
 pub fn end_disc_height(d: f64) -> f64 {
@@ -102,7 +101,7 @@ pub fn concentric_length(d_i: f64, d_o: f64) -> f64 {
     2.0 * (d_o / d_i).ln().powf(4.0 / 3.0) / root.powf(5.0 / 3.0)
 }
 
-/// Effective conductivity of the gas between horizontal concentric cylinders over its conductivity, eq. (5), from Ra on
+/// Ratio of effective to molecular conductivity of the gas between horizontal concentric cylinders, eq. (5), from Ra on
 /// [`concentric_length`] and the difference of the two surfaces.
 #[inline]
 pub fn concentric_cylinders(ra_c: f64, pr: f64) -> f64 {
@@ -127,7 +126,7 @@ mod tests {
         close(2.0 * PI * 0.030 * k * 85.0 / 1.2f64.ln(), 100.0, 0.01);
     }
 
-    /// Without circulation conduction is left; the larger of the two has no jump.
+    /// Without circulation the result is pure conduction; the maximum of the two is continuous.
     #[test]
     fn gas_at_rest_between_cylinders_conducts() {
         assert_eq!(concentric_cylinders(0.0, 0.7), 1.0);
@@ -138,8 +137,7 @@ mod tests {
     }
 
     /// Cengel, Heat and Mass Transfer, example 9-1 (pipe of 8 cm at 70 degC in air at 20 degC): k 0.02699,
-    /// Pr 0.7241, nu 1.750e-5; Ra = 1.869e6, Nu = 17.40, h = 5.869. A power of 1/5 instead of 1/6 was seen to
-    /// fail.
+    /// Pr 0.7241, nu 1.750e-5; Ra = 1.869e6, Nu = 17.40, h = 5.869. The test fails with a power of 1/5 instead of 1/6.
     #[test]
     fn hot_pipe_of_the_book() {
         let ra = 9.81 / 318.0 * 50.0 * 0.08f64.powi(3) * 0.7241 / 1.750e-5f64.powi(2);
@@ -157,7 +155,7 @@ mod tests {
 
     /// Ostrach's solution of the laminar layer as LeFevre interpolates it (Incropera, 7th ed., eqs. 9.20 and
     /// 9.21): Nu = 4/3 (Gr/4)^(1/4) 0.75 Pr^(1/2) / (0.609 + 1.221 Pr^(1/2) + 1.238 Pr)^(1/4). (2a) without
-    /// its 0.68 within 2 %, also for water and oil; (2) in air within 18 %. The power 1/3 in (2a) was seen to fail.
+    /// its 0.68 within 2 %, also for water and oil; (2) in air within 18 %. The test fails with the power 1/3 in (2a).
     #[test]
     fn laminar_plate_is_ostrachs() {
         for pr in [0.71, 7.0, 100.0f64] {

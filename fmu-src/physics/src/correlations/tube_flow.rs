@@ -6,11 +6,11 @@
 //! transition Nu = (1 - g) Nu_laminar(2300) + g Nu_turbulent(4000),   g = (Re - 2300)/1700                            (4)
 //! friction   f = 64/Re laminar, (3) turbulent, between as (4)                                                        (5)
 //!
-//! All Nu are means over the length. (1) is that of velocity and temperature profiles that develop together from the inlet.
-//! *Assumes* a smooth tube, properties at the mean bulk temperature. *Neglects* viscosity at the wall (a few per cent in water
+//! All Nu are means over the length. (1): velocity and temperature profiles develop together from the inlet.
+//! *Assumes* a smooth tube, properties at the mean bulk temperature. *Neglects* the viscosity change at the wall (a few per cent in water
 //! for 20 K), natural convection in the tube, curvature, the friction of the developing flow.
-//! *Range*: (1) all Re below 2300; (2) 4000 to 1e6, 0.5 < Pr < 1000, d/l <= 1. Re < 0 counts as |Re|, above 1e6 as 1e6; d/l above
-//! 1 as 1. Scatter of the data +-10 %, in the transition more.
+//! *Range*: (1) all Re below 2300; (2) 4000 to 1e6, 0.5 < Pr < 1000, d/l <= 1. Re < 0 is set to |Re|, above 1e6 to 1e6; d/l above
+//! 1 to 1. Scatter of the data +-10 %, larger in the transition.
 //! *Source*: (1) Gnielinski, VDI Heat Atlas, 2nd ed., G1, eqs. 3 to 13; (2) to (4) Gnielinski, Int. J. Heat Mass Transfer 63
 //! (2013) 134-140; (3) Konakov (1946), as there; (5) Hagen and Poiseuille.
 
@@ -73,7 +73,7 @@ mod tests {
         close(nusselt(1000.0, 6.0, 1.0 / 60.0), 7.8616, 1e-4);
     }
 
-    /// Incropera, 7th ed., eq. 8.57 (Hausen): a developing temperature profile in developed flow, which (1) is for Pr -> infinity.
+    /// Incropera, 7th ed., eq. 8.57 (Hausen): a developing temperature profile in developed flow; (1) approaches it for Pr -> infinity.
     #[test]
     fn the_book_of_the_entrance() {
         for gz in [5.0, 20.0, 100.0] {
@@ -83,7 +83,7 @@ mod tests {
         }
     }
 
-    /// Incropera, eq. 8.60 (Dittus and Boelter), whose data scatter by 25 %, and the smooth tube of Moody's chart.
+    /// Incropera, eq. 8.60 (Dittus and Boelter), scatter of the data 25 %, and the smooth tube of the Moody chart.
     #[test]
     fn the_book_of_turbulence() {
         for (re, pr) in [(2e4, 1.0f64), (1e5, 6.0), (5e5, 3.0)] {

@@ -1,4 +1,4 @@
-//! Dry air as an ideal gas with properties that depend on temperature.
+//! Dry air as an ideal gas with temperature-dependent properties.
 //!
 //! rho = p / (R T)                                                                          (1)
 //! mu  = 1.458e-6 T^1.5 / (T + 110.4)                                                       (2)
@@ -7,19 +7,19 @@
 //! Pr  = mu c_p / k,   nu = mu / rho,   beta = 1/T                                          (5)
 //!
 //! *Assumes* dry air near atmospheric pressure; (4) rigid rotors with the vibration of N2 and O2, x_2 the
-//! share of diatomic gas, x_1 of argon. *Neglects* humidity (density 1 % lower at 30 degC and 80 %), the real
-//! gas (c_p 0.3 % higher than (4) at 1 bar).
-//! *Range*: 200 to 500 K within 1.2 % of the book, c_p within 0.6 %. A temperature below 100 K or above 1000
-//! K counts as that limit in (2) to (5), below 1 K as 1 K in (1); a pressure below 1 Pa as 1 Pa.
+//! fraction of diatomic gas, x_1 of argon. *Neglects* humidity (density 1 % lower at 30 degC and 80 %), real-gas
+//! effects (c_p 0.3 % higher than (4) at 1 bar).
+//! *Range*: 200 to 500 K within 1.2 % of tabulated values, c_p within 0.6 %. The temperature is limited to 100 ... 1000 K in (2) to
+//! (5), to at least 1 K in (1); the pressure to at least 1 Pa.
 //! *Source*: (2), (3) and R: US Standard Atmosphere 1976, eqs. 51, 53 and table 2; (4) Vincenti and Kruger,
 //! Introduction to Physical Gas Dynamics (1965), ch. IV, theta = 3390 K (N2) and 2270 K (O2).
 
 /// Specific gas constant of dry air, J/(kg.K).
 pub const R: f64 = 287.053;
 
-/// Shares of nitrogen, oxygen and the rest (argon), by volume.
+/// Volume fractions of nitrogen, oxygen and the rest (argon).
 const SHARES: (f64, f64, f64) = (0.7808, 0.2095, 0.0097);
-/// Temperatures of vibration of nitrogen and oxygen, K.
+/// Characteristic vibrational temperatures of nitrogen and oxygen, K.
 const THETA: (f64, f64) = (3390.0, 2270.0);
 
 #[inline]
@@ -53,7 +53,7 @@ pub fn specific_heat(t: f64) -> f64 {
     let t = limited(t);
     let einstein = |theta: f64| {
         let z = theta / t;
-        // e^-z instead of e^z: no overflow in the cold.
+        // e^-z instead of e^z: no overflow at low temperature.
         let e = (-z).exp();
         z * z * e / ((1.0 - e) * (1.0 - e))
     };
@@ -74,7 +74,7 @@ pub fn kinematic_viscosity(t: f64, p: f64) -> f64 {
     viscosity(t) / density(t, p)
 }
 
-/// All that a correlation asks of the air in one film, at one temperature and pressure.
+/// Air properties at one film temperature and pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Air {
     /// Temperature, K
@@ -99,7 +99,7 @@ impl Air {
         Self { t, rho: density(t, p), mu, k, c_p, pr: mu * c_p / k }
     }
 
-    /// Reynolds number of the speed `u` in m/s on the length `length` in m; never negative.
+    /// Reynolds number of the velocity `u` in m/s on the length `length` in m; never negative.
     #[inline]
     pub fn reynolds(&self, u: f64, length: f64) -> f64 {
         (self.rho * u * length / self.mu).abs()
@@ -131,8 +131,8 @@ mod tests {
         [500.0, 0.6964, 1030.0, 270.1e-7, 38.79e-6, 40.7e-3, 0.684],
     ];
 
-    /// The table says atmospheric pressure; its densities are those of 1 bar. An exponent of 1.4 instead of
-    /// 1.5 in eq. (2) was seen to fail here.
+    /// The table states atmospheric pressure; its densities are those at 1 bar. The test fails with an exponent of 1.4 instead of
+    /// 1.5 in eq. (2).
     #[test]
     fn book_values_from_200_to_500_kelvin() {
         for [t, rho, c_p, mu, nu, k, pr] in TABLE_A4 {

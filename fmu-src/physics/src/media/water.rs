@@ -1,13 +1,13 @@
-//! Liquid water near atmospheric pressure with properties that depend on temperature.
+//! Liquid water near atmospheric pressure with temperature-dependent properties.
 //!
 //! rho = (999.83952 + 16.945176 t - 7.9870401e-3 t^2 - 46.170461e-6 t^3 + 105.56302e-9 t^4
 //!        - 280.54253e-12 t^5) / (1 + 16.879850e-3 t),   t in degC                          (1)
 //! mu  = 1e-6 (280.68 x^-1.9 + 511.45 x^-7.7 + 61.131 x^-19.6 + 0.45903 x^-40),   x = T/300 K (2)
 //! k   = 0.80201 x^-0.32 - 0.25992 x^-5.7 + 0.10024 x^-12 - 0.032005 x^-15                  (3)
-//! c_p = polynomial of the fifth degree in T - 320 K                                        (4)
+//! c_p = polynomial of degree 5 in T - 320 K                                                 (4)
 //!
-//! *Assumes* pure water. *Neglects* additives: a mixture with 30 % of glycol conducts 20 % less and is twice as viscous.
-//! *Range*: 273.16 to 380 K; a temperature outside counts as that limit. (1) within 0.01 %, (2) 1 %, (3) 2 %, (4) 0.1 %.
+//! *Assumes* pure water. *Neglects* additives: a mixture with 30 % of glycol has 20 % less conductivity and twice the viscosity.
+//! *Range*: 273.16 to 380 K; the temperature is limited to this range. (1) within 0.01 %, (2) 1 %, (3) 2 %, (4) 0.1 %.
 //! *Source*: (1) Kell, J. Chem. Eng. Data 20 (1975) 97-105; (2), (3) Patek et al., J. Phys. Chem. Ref. Data 38 (2009) 21-29
 //! (IAPWS SR6-08); (4) fitted here to the saturated liquid in Perry's handbook, 9th ed., table 2-135.
 
