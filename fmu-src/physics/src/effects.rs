@@ -1,6 +1,6 @@
-//! The effects: one line each. An effect acts at a port of the model, keeps the energy balance, and is off by default.
+//! List of the effects, one line each. An effect acts at a port of the model, keeps the energy balance, and is off by default.
 //!
-//! A port is a line of `../ports.rs`. The model's equations know ports alone, and enter what comes out of them in the ledger with both ends.
+//! A port is a line of `ports.rs`. The model's equations use ports only, and enter each power flow with source and sink in the ledger.
 
 mod ambient_drift;
 mod bridge_drop;
@@ -83,24 +83,24 @@ macro_rules! effects {
         $crate::groups! { Effects { $($prefix @ $base => $id: $type),* } }
 
         impl Effects {
-            /// The variables of the effects at ports that a model does not serve: `reason` says why not, and what to use instead.
+            /// The variables of effects at ports that a model does not support: `reason` says why, and what to use instead.
             pub fn unserved(reason: impl Fn(Port) -> Option<&'static str>) -> Vec<Unserved> {
                 let effects = [$(($prefix, Port::$port)),*];
                 let unserved = |(start, port)| reason(port).map(|reason| Unserved { start, reason });
                 effects.into_iter().filter_map(unserved).collect()
             }
 
-            /// The forms in which close-loop looks for each effect, by id.
+            /// Candidate forms of each effect for `close-loop`, by id.
             pub const CANDIDATES: &'static [(&'static str, &'static [Candidate])] =
                 &[$((stringify!($id), <$type as Effect>::CANDIDATES)),*];
 
-            /// Every effect on, each of a size that a bench could have; terms come from data and are none here.
+            /// Every effect on, each with a realistic size; without terms, which are data.
             pub fn examples() -> Effects {
                 Effects { $($id: Effect::example()),* }
             }
 
-            /// Whether any effect at `port` is on, so that steps can pass by the ports where nothing acts. Inlined, so that for a
-            /// known port only its own effects are asked.
+            /// Whether any effect at `port` is on, so that a step can skip inactive ports. Inlined, so that for a constant port only its
+            /// own effects are checked.
             #[inline(always)]
             pub fn acts_at(&self, port: Port) -> bool {
                 false $(|| (matches!(Port::$port, p if p == port || p == Port::Any) && self.$id.is_on()))*
@@ -111,18 +111,18 @@ macro_rules! effects {
                 false $(|| self.$id.is_on())*
             }
 
-            /// Gives the terms to the effect that carries them; false where it does not take these.
+            /// Passes the terms to the effect that evaluates them; false if it rejects them.
             pub fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
                 false $(| self.$id.take_terms(terms))*
             }
 
-            /// Gives all effects their drivers ([`Effect::set_drivers`]).
+            /// Sets the drivers of all effects ([`Effect::set_drivers`]).
             #[inline]
             pub fn set_drivers(&mut self, drivers: &Drivers) -> bool {
                 false $(| self.$id.set_drivers(drivers))*
             }
 
-            /// Whether any effect holds this driver over a step ([`Effect::holds`]).
+            /// Whether any effect holds this driver constant over a step ([`Effect::holds`]).
             pub fn holds(&self, driver: Driver) -> bool {
                 false $(|| self.$id.holds(driver))*
             }
@@ -138,7 +138,7 @@ macro_rules! effects {
     };
 }
 
-/// The methods of [`Effects`]: what all effects say at each port, and its derivative.
+/// The methods of [`Effects`]: combination of all effects at each port, and its derivative.
 macro_rules! combine {
     (($effects:tt) $($(#[$doc:meta])* [$($port:ident $(as $term:ident $file:literal $unit:ident $(of $live:ident)?)?)?]
         $rule:ident $name:ident [$($d:ident : $number:ident)?]
@@ -152,7 +152,7 @@ macro_rules! combine {
     };
 }
 
-/// What all effects say at one port.
+/// Combination of all effects at one port.
 macro_rules! one {
     ($(#[$doc:meta])* $rule:ident $name:ident [$($d:ident : $number:ident)?]
         ($($argument:ident : $type:ty),*) $call:tt -> $result:ty, ($($id:ident)*)) => {
@@ -195,50 +195,50 @@ effects! {
     windage: Windage @ "effect.windage." 1030 at DragTorque;
     /// Friction of gear and bearings under load.
     load_dependent_friction: LoadDependentFriction @ "effect.load_dependent_friction." 1040 at LoadDrag;
-    /// Voltage lost in brushes or semiconductors.
+    /// Voltage drop of brushes or semiconductors.
     contact_drop: ContactDrop @ "effect.contact_drop." 1050 at TerminalVoltage;
     /// Radiation from the housing to ambient.
     housing_radiation: HousingRadiation @ "effect.housing_radiation." 1060 at HousingToAmbient;
-    /// A resistance between winding and housing that depends on temperature.
+    /// Temperature-dependent resistance between winding and housing.
     interface_temperature: InterfaceTemperature @ "effect.interface_temperature." 1070 at WindingHousingResistance;
     /// Air flow over the housing or through the winding.
     forced_convection: ForcedConvection @ "effect.forced_convection." 1080 at AmbientConductance;
-    /// A fan that works against a pressure.
+    /// Flow reduction of a fan by back pressure.
     fan_back_pressure: FanBackPressure @ "effect.fan_back_pressure." 1090 at FanFlow;
-    /// Magnets that have lost some of their strength.
+    /// Partial loss of magnetisation.
     demagnetisation: Demagnetisation @ "effect.demagnetisation." 1100 at TorqueConstant;
-    /// A sensor of the ambient temperature that drifts.
+    /// Drift of the ambient temperature sensor.
     ambient_drift: AmbientDrift @ "effect.ambient_drift." 1110 at AmbientSensor;
-    /// Power lost in the drive.
+    /// Power loss of the drive.
     drive_loss: DriveLoss @ "effect.drive_loss." 1120 at DriveLoss;
-    /// A stator with a temperature of its own.
+    /// Stator with its own temperature.
     stator_node: StatorNode @ "effect.stator_node." 1180 at Stator;
-    /// Copper loss of the ripple of a chopped current.
+    /// Copper loss of the current ripple from PWM.
     pwm_ripple: PwmRipple @ "effect.pwm_ripple." 1200 at Ripple;
-    /// Voltage lost in the drive's bridge.
+    /// Voltage drop of the drive's H-bridge.
     bridge_drop: BridgeDrop @ "effect.bridge_drop." 1210 at Bridge;
     /// Dead time of the drive's bridge.
     dead_time: DeadTime @ "effect.dead_time." 1220 at Bridge;
-    /// Convection of the housing that grows with the speed.
+    /// Convection of the housing that increases with the speed.
     speed_convection: SpeedConvection @ "effect.speed_convection." 1230 at Any;
-    /// Losses that arise in the stator, not in the winding.
+    /// Losses in the stator instead of the winding.
     stator_loss: StatorLoss @ "effect.stator_loss." 1240 at StatorLoss;
     /// Shaft power of a propeller or fan.
     propeller_load: PropellerLoad @ "effect.propeller_load." 1250 at PowerModeLoad;
-    /// A torque sensor whose zero is wrong.
+    /// Zero offset of the torque sensor.
     torque_sensor_offset: TorqueSensorOffset @ "effect.torque_sensor_offset." 1260 at TorqueSensor;
-    // A reading passes these in their order: what is lost along the stem is a share of the true rise.
-    /// A sensor of the housing that follows late.
+    // The order of the sensor effects matters: the stem loss is a fraction of the true rise over ambient.
+    /// First-order lag of the housing temperature sensor.
     housing_sensor_lag: HousingSensorLag @ "effect.housing_sensor_lag." 1130 at HousingSensorLag;
-    /// A sensor of the winding that the air cools.
+    /// Stem conduction error of the winding temperature sensor.
     winding_sensor_stem_loss: WindingSensorStemLoss @ "effect.winding_sensor_stem_loss." 1140 at WindingSensor;
-    /// A sensor of the housing that the air cools.
+    /// Stem conduction error of the housing temperature sensor.
     housing_sensor_stem_loss: HousingSensorStemLoss @ "effect.housing_sensor_stem_loss." 1150 at HousingSensor;
-    /// A sensor of the winding that shows a constant too much.
+    /// Constant offset of the winding temperature sensor.
     winding_sensor_offset: WindingSensorOffset @ "effect.winding_sensor_offset." 1160 at WindingSensor;
-    /// A sensor of the housing that shows a constant too much.
+    /// Constant offset of the housing temperature sensor.
     housing_sensor_offset: HousingSensorOffset @ "effect.housing_sensor_offset." 1170 at HousingSensor;
-    /// Terms found in data that are in no list.
+    /// Terms found in data that no effect of the list covers.
     generic_term: GenericTerms @ "effect.generic_term." 1190 at Any;
 }
 
@@ -256,12 +256,12 @@ impl Effects {
     }
 }
 
-/// What the effects' own tests share.
+/// Helpers for the tests of the effects.
 #[cfg(test)]
 mod testing {
     use super::*;
 
-    /// Asserts that the slope of a port is its difference quotient within `tolerance`.
+    /// Asserts that the derivative of a port equals its difference quotient within `tolerance`.
     pub fn slope_is_derivative(port: impl Fn(Dual64) -> Dual64, at: &[f64], by: f64, tolerance: f64) {
         for &x in at {
             let exact = slope(x, &port);

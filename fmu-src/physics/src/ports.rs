@@ -1,48 +1,49 @@
-//! The list of the ports, from which `effects/ports.rs` generates trait, sums and derivatives, and `terms/driver.rs` the ports of terms.
+//! List of the ports. `effects/ports.rs` generates trait, sums and derivatives from it, and `terms/driver.rs` the ports of terms.
 
-/// Hands the list of the ports to the macro `$then`, with whatever follows its name. A line of the list is
+/// Passes the list of the ports to the macro `$then`, with the tokens that follow its name. A line of the list is
 ///
 /// ```text
 /// [Port as Term "name" Unit of Driver] rule method [D: Number] (arguments) -> result, derivative [method];
 /// ```
 ///
-/// `sum`, `factor`, `chain` (each effect gets the first argument from the one before) and `least` say how the effects combine. A
+/// `sum`, `factor`, `chain` (each effect gets the result of the one before as first argument) and `least` combine the effects. A
 /// method without a port is a part of the port before it. A derivative is one with respect to the first argument. `as` names the port
-/// where terms that are data act there ([`terms::Port`](crate::terms::Port)): name in files, unit of a value, and the driver that is
+/// of terms that are data ([`terms::Port`](crate::terms::Port)): name in files, unit of a value, and the driver that is
 /// evaluated within a step; the others are constant over a step.
 macro_rules! ports {
     ($then:ident $($with:tt)*) => { $then! { ($($with)*)
-        /// A torque against the motion at speed `w`, rad/s: N.m, of the sign of `w`. Its power heats the housing.
+        /// A torque against the motion at speed `w`, rad/s: N.m, with the sign of `w`. Its power heats the housing.
         [DragTorque as DragTorque "drag_torque" NewtonMetre of Speed]
             sum drag_torque [D: Number] (w: D) -> D, derivative [drag_torque_slope];
         /// The part of [`drag_torque`](Effect::drag_torque) that arises in the iron, N.m.
         [] sum iron_drag [] (w: f64) -> f64, derivative [];
-        /// A torque against the motion for each newton metre that the shaft hands to its load: of the sign of `w`
+        /// A torque against the motion per newton metre of shaft torque on the load: with the sign of `w`
         /// times that of the load's torque, which is about `tau`, N.m. Its power heats the housing.
         [LoadDrag] sum load_drag [D: Number] (w: D, tau: f64) -> D, derivative [load_drag_slope];
-        /// Volts lost between the terminals and the winding at current `i`, A: of the sign of `i`. Their power heats
+        /// Voltage drop between terminals and winding at current `i`, A: V, with the sign of `i`. Its power heats
         /// the winding.
         [TerminalVoltage as TerminalVoltage "terminal_voltage" Volt of Current]
             sum terminal_voltage [D: Number] (i: D) -> D, derivative [terminal_voltage_slope];
-        /// Volts lost in the drive's bridge at current `i`, A (drive_mode pwm): of the sign of `i`. Their power heats
+        /// Voltage drop of the drive's bridge at current `i`, A (drive_mode pwm): V, with the sign of `i`. Its power heats
         /// ambient.
         [Bridge] sum bridge_voltage [D: Number] (i: D) -> D, derivative [bridge_voltage_slope];
-        /// Volts that the motor misses at current `i`, A, while the supply of `supply` volts gives as much less
-        /// (drive_mode pwm): of the sign of `i`. No heat.
+        /// Reduction of the motor voltage at current `i`, A, with the supply voltage `supply`, V; the supply power is lower accordingly
+        /// (drive_mode pwm): V, with the sign of `i`. No heat.
         [] sum missed_voltage [D: Number] (i: D, supply: f64) -> D, derivative [missed_voltage_slope];
         /// Mean square of the current's ripple, A2 (drive_mode pwm), which heats the winding.
         [Ripple] sum ripple_square [] (duty: f64, supply: f64, inductance: f64) -> f64, derivative [];
         /// Multiplies the winding's resistance; positive.
         [WindingResistance as WindingResistance "winding_resistance" One]
             factor winding_resistance [] () -> f64, derivative [];
-        /// Multiplies the torque constant at `time`, s. Over time alone it steps at [`next_event`](Effect::next_event) and only there.
+        /// Multiplies the torque constant at `time`, s. As a function of time it changes in steps at
+        /// [`next_event`](Effect::next_event) only.
         [TorqueConstant as TorqueConstant "torque_constant" One]
             factor torque_constant [] (time: f64) -> f64, derivative [];
         /// The first time after `time` at which a port jumps, s; infinite where none does.
         [] least next_event [] (time: f64) -> f64, derivative [];
-        /// Heat set free in the winding beside that of its current, W.
+        /// Additional heat in the winding, W, besides its current's.
         [WindingHeat as WindingHeat "winding_heat" Watt] sum winding_heat [] () -> f64, derivative [];
-        /// Heat set free in the housing at `t_h`, K, that ambient gives, W.
+        /// Heat in the housing at `t_h`, K, taken from ambient, W.
         [HousingHeat as HousingHeat "housing_heat" Watt of HousingTemperature]
             sum housing_heat [D: Number] (t_h: D) -> D, derivative [housing_heat_slope];
         /// A stator between winding and housing.
@@ -51,39 +52,39 @@ macro_rules! ports {
         [WindingHousingResistance as WindingHousingResistance "winding_housing_resistance" One of WindingTemperature]
             factor winding_housing_resistance [D: Number] (t_w: D) -> D,
             derivative [winding_housing_resistance_slope];
-        /// Further conductances to ambient, W/K, at the fan's `flow`, 0 to 1.
+        /// Additional conductances to ambient, W/K, at the fan's `flow`, 0 to 1.
         [AmbientConductance] sum ambient_conductance [] (flow: f64) -> PerNode, derivative [];
-        /// Heat flow from the housing at `t_h`, K, to ambient at `t_a` that follows no conductance, W.
+        /// Heat flow from the housing at `t_h`, K, to ambient at `t_a` that no conductance describes, W.
         [HousingToAmbient as HousingAmbientConductance "housing_ambient_conductance" WattPerKelvin
             of HousingTemperature]
             sum housing_to_ambient [D: Number] (t_h: D, t_a: f64) -> D,
             derivative [housing_to_ambient_slope];
         /// Multiplies every heat capacity; positive.
         [HeatCapacity as HeatCapacity "heat_capacity" One] factor heat_capacity [] () -> f64, derivative [];
-        /// The command that the fan really follows when it is given `n`, 0 to 1.
+        /// The effective fan command for the command `n`, 0 to 1.
         [FanFlow as FanFlow "fan_flow" One of FanCommand] chain fan_flow [] (n: f64) -> f64, derivative [];
-        /// How fast the true ambient temperature leaves the indicated one, K/s; they agree at time 0.
+        /// Drift rate of the true ambient temperature relative to the indicated one, K/s; they agree at time 0.
         [AmbientSensor as AmbientSensor "ambient_sensor" Kelvin] sum ambient_sensor [] () -> f64, derivative [];
-        /// What the true ambient temperature is above the indicated one, beside its drift, K.
+        /// Difference of the true ambient temperature to the indicated one, without drift, K.
         [] sum ambient_offset [] () -> f64, derivative [];
-        /// Time constant with which the sensor of the housing follows, s.
+        /// Time constant of the housing sensor, s.
         [HousingSensorLag] sum housing_sensor_lag [] () -> f64, derivative [];
-        /// What the sensor of the winding indicates at its temperature `t` with ambient at `t_a`, K.
+        /// Indicated winding temperature at the true temperature `t` with ambient at `t_a`, K.
         [WindingSensor as WindingSensor "winding_sensor" Kelvin]
             chain winding_sensor [] (t: f64, t_a: f64) -> f64, derivative [];
-        /// What the sensor of the housing indicates at its temperature `t` (that it lags behind) with ambient at
+        /// Indicated housing temperature at the temperature `t` (lag included) with ambient at
         /// `t_a`, K.
         [HousingSensor as HousingSensor "housing_sensor" Kelvin]
             chain housing_sensor [] (t: f64, t_a: f64) -> f64, derivative [];
-        /// What the torque sensor indicates at the torque `tau`, N.m, of the shaft on its load.
+        /// Indicated torque at the shaft torque `tau`, N.m, on the load.
         [TorqueSensor as TorqueSensor "torque_sensor" NewtonMetre]
             chain torque_sensor [] (tau: f64) -> f64, derivative [];
-        /// Fraction of the input electrical_power that never reaches the winding and heats ambient.
+        /// Fraction of the input electrical_power that heats ambient instead of the winding.
         [DriveLoss] sum drive_loss [] () -> f64, derivative [];
-        /// Fraction of the electrical_power that reaches the motor (drive_mode power) and heats the stator, not the winding.
+        /// Fraction of the electrical_power that reaches the motor (drive_mode power) and heats the stator instead of the winding.
         [StatorLoss] sum stator_loss [] () -> f64, derivative [];
         /// Torque of the load at the imposed speed `w`, rad/s, whose power is a part of electrical_power (drive_mode power):
-        /// N.m, of the sign of `w`.
+        /// N.m, with the sign of `w`.
         [PowerModeLoad] sum power_mode_torque [] (w: f64) -> f64, derivative [];
     } };
 }

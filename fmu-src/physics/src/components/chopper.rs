@@ -86,7 +86,7 @@ variables! {
     }
 }
 
-/// Below this sum of V_on and V_off the division in (7) is undefined, V.
+/// Lower limit of the divisor V_on + V_off, V.
 const VOLTAGE_SMALL: f64 = 1e-9;
 
 /// The bridge at one instant, in the direction of its duty.

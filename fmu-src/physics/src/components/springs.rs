@@ -4,8 +4,8 @@
 //!             tau = k p + c (w_in - w_joint) damping only in contact                            (2)
 //! parallel    tau = k (neutral - angle_joint), on both sides or on one                                 (3)
 //!
-//! *Assumes* springs without mass. Damping requires contact: it is zero inside the backlash, and rises to its full value over an
-//! equal deflection, so that the torque has no step.
+//! *Assumes* springs without mass. Damping requires contact: it is zero inside the backlash, and rises to its full value over a further
+//! deflection of half the backlash, so that the torque has no step.
 //! *Sign*: a positive torque pushes the joint in the positive direction; its power on the joint is tau w.
 
 use declare::{Unit, Variable, enumeration, variables};

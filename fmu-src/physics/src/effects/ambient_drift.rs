@@ -1,9 +1,9 @@
-//! A sensor of the ambient temperature that drifts.
+//! Drift of the ambient temperature sensor.
 //!
-//! T_a = T_shown + rate time                                                                (1)
+//! T_a = T_indicated + rate time                                                            (1)
 //!
-//! The input `ambient_temperature` is what the sensor shows; the motor feels T_a.
-//! *Assumes* a drift linear in time, zero at time 0. *Neglects* everything else about the sensor.
+//! The input `ambient_temperature` is the indicated temperature; T_a, the true one, acts on the motor.
+//! *Assumes* a drift linear in time, zero at time 0. *Neglects* other errors of the sensor.
 //! *Sign*: rate > 0 means that the ambient air becomes warmer than indicated. *Source*: contract of the bench.
 
 use super::candidate::Candidate;

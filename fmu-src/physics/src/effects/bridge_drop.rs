@@ -1,10 +1,10 @@
-//! Voltage lost in the H-bridge of the drive.
+//! Voltage drop of the drive's H-bridge.
 //!
 //! V = V_0 tanh(I / I_small) + R_on I                                                       (1)
 //!
-//! Acts in drive_mode pwm. *Assumes* two switches in the path of the current at all times, so that the drop does
-//! not depend on the duty. *Neglects* the time that switching takes. *Sign*: of the current; its power V I >= 0
-//! heats the drive, which stands apart from the motor, and with it the surroundings.
+//! Acts in drive_mode pwm. *Assumes* two switches in the current path at all times, so that the drop does not depend on the duty.
+//! *Neglects* switching times. *Sign*: that of the current; its power V I >= 0 heats the drive, which is thermally separate from the motor,
+//! and thus ambient.
 //! *Range*: V_0 is 0 for MOSFETs, 1.4 to 3 V for bipolar bridges (L298: 1.8 V typical at 1 A).
 //! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., ch. 2 and 20.
 
@@ -27,7 +27,7 @@ variables! {
 }
 
 impl Effect for BridgeDrop {
-    // Terminal voltages on a bench are those behind the bridge, where it is not seen.
+    // Terminal voltages on a bench are measured downstream of the bridge, where this effect is not observable.
     const CANDIDATES: &'static [Candidate] = &[];
 
     fn example() -> Self {

@@ -1,22 +1,22 @@
-//! How close-loop looks for an effect: declared with the effect, read by the crate `calibrate`.
+//! Forms in which `close-loop` searches for an effect: declared with the effect, read by the crate `calibrate`.
 
 use crate::terms::{Driver, Port};
 
-/// Which time of a driver something follows.
+/// Time dependence of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Follows {
-    /// Nothing: it is constant.
+    /// Constant.
     Nothing,
     /// The present value of a driver.
     Driver(Driver),
-    /// A first-order lag of a driver: a state that the model lacks.
+    /// A first-order lag of a driver: an additional state.
     Late(Driver),
-    /// What was before: it latches, has hysteresis or comes and goes.
+    /// Past values: a latch, hysteresis or an intermittent effect.
     History,
 }
 
 impl Follows {
-    /// Its name in reports; `None` where it is constant.
+    /// Its name in reports; `None` if it is constant.
     pub fn name(self) -> Option<&'static str> {
         match self {
             Follows::Nothing => None,
@@ -26,49 +26,49 @@ impl Follows {
     }
 }
 
-/// How the size of an effect is found.
+/// Method for estimating the size of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// Along a slope at zero.
+    /// Linear estimate from the derivative at zero.
     Slope,
-    /// A step at a time that is tried: size and time.
+    /// A step at a trial time: size and time.
     Step,
-    /// By simulations at a few sizes: the effect brings a store of its own.
+    /// Simulations at a few sizes: the effect adds its own energy storage.
     Store,
 }
 
-/// A form in which an effect is looked for in measured data.
+/// A candidate form of an effect for measured data.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
-    /// Symbols of the parameters that are fitted, the size first.
+    /// Symbols of the fitted parameters, the size first.
     pub symbols: &'static [&'static str],
-    /// Where it acts, in the words of laws found in data.
+    /// Port at which it acts, as in laws found in data.
     pub port: Port,
-    /// What it follows.
+    /// Its time dependence.
     pub follows: Follows,
-    /// Settings that stand still: symbol and item.
+    /// Fixed settings: symbol and item.
     pub settings: &'static [(&'static str, &'static str)],
-    /// How its size is found.
+    /// Method for estimating its size.
     pub way: Way,
-    /// Whether it may act in some runs only: something on the bench, not in the motor.
+    /// Whether it may act in some runs only: an effect of the bench, not of the motor.
     pub may_vary: bool,
-    /// The most that one that grows with time may have done by the end of the clock: beyond, it is broken and has not drifted.
+    /// Largest plausible effect at the end of the data, for one that grows with time: above it is a defect, not a drift.
     pub most: f64,
 }
 
 impl Candidate {
-    /// One that follows the present value of a driver.
+    /// An effect that follows the present value of a driver.
     pub const fn on(driver: Driver, port: Port, symbols: &'static [&'static str]) -> Candidate {
         Candidate { follows: Follows::Driver(driver), ..Candidate::constant(port, symbols) }
     }
 
-    /// One that is constant.
+    /// A constant effect.
     pub const fn constant(port: Port, symbols: &'static [&'static str]) -> Candidate {
         let (follows, way) = (Follows::Nothing, Way::Slope);
         Candidate { symbols, port, follows, settings: &[], way, may_vary: false, most: f64::INFINITY }
     }
 
-    /// One that may act in some runs only: something on the bench, not in the motor.
+    /// An effect that may act in some runs only: of the bench, not of the motor.
     pub const fn of_the_bench(self) -> Candidate {
         Candidate { may_vary: true, ..self }
     }

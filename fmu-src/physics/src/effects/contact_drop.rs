@@ -1,10 +1,10 @@
-//! Voltage lost in brushes or semiconductors.
+//! Voltage drop of brushes or semiconductors.
 //!
 //! V = V_b tanh(I / I_small)                                                                (1)
 //!
-//! *Assumes* a drop that does not depend on the size of the current. *Neglects* temperature, wear and the film.
-//! *Sign*: of the current; the terminals give V more than the winding sees, and its power V I >= 0 heats the winding.
-//! *Source*: Modelica Standard Library, Electrical.Machines.Losses.DCMachines.Brush, with a smooth passage.
+//! *Assumes* a drop independent of the current's magnitude. *Neglects* temperature, wear and the brush film.
+//! *Sign*: that of the current; the terminal voltage exceeds the winding voltage by V, and its power V I >= 0 heats the winding.
+//! *Source*: Modelica Standard Library, Electrical.Machines.Losses.DCMachines.Brush, with a smooth transition.
 
 use super::candidate::Candidate;
 use super::ports::Effect;

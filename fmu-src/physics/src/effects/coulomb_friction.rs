@@ -3,7 +3,7 @@
 //! tau = tau_c tanh(w / w_small)                                                            (1)
 //!
 //! *Assumes* a friction torque that does not depend on speed, load or temperature.
-//! *Neglects* breakaway above tau_c: below w_small the shaft creeps instead of sticking.
+//! *Neglects* static friction above tau_c: below w_small the shaft creeps instead of sticking.
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing.
 //! *Source*: regularised Coulomb law, Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083.
 
@@ -60,7 +60,7 @@ mod tests {
         assert!((friction.drag_torque(0.5f64) - 0.00983 * 0.462_117_157_260_009_76).abs() < 1e-15);
     }
 
-    /// The slope that the integrator linearises with, against a difference, also far beyond the passage.
+    /// The derivative for the integrator compared with a difference quotient, also far above w_small.
     #[test]
     fn the_slope_is_the_derivative() {
         let friction = CoulombFriction { tau_c: 0.00983, w_small: 1.0 };

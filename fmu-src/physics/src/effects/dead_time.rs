@@ -1,10 +1,10 @@
-//! Dead time of the drive's bridge: both switches of a leg rest while the current decides.
+//! Dead time of the drive's bridge: both switches of a leg are open and the diodes carry the current.
 //!
 //! V = share V_supply tanh(I / I_small),   share = 2 t_dead f_pwm                           (1)
 //!
-//! Acts in drive_mode pwm. The motor misses V, and the supply gives as much less: the current flows on through the
-//! diodes, back to the supply. *Assumes* a bridge that switches both legs, diodes without drop (`bridge_drop.rs`).
-//! *Sign*: against the current; no heat. *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sec. 8-7.
+//! Acts in drive_mode pwm. V is subtracted from the motor's voltage, and the supply's power is lower accordingly: the current flows through
+//! the diodes back to the supply. *Assumes* a bridge that switches both legs, diodes without drop (`bridge_drop.rs`).
+//! *Sign*: against the current; no loss. *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sec. 8-7.
 
 use super::candidate::Candidate;
 use super::ports::Effect;
@@ -23,7 +23,7 @@ variables! {
 }
 
 impl Effect for DeadTime {
-    // Terminal voltages on a bench are those behind the bridge, where it is not seen.
+    // Terminal voltages on a bench are measured downstream of the bridge, where this effect is not observable.
     const CANDIDATES: &'static [Candidate] = &[];
 
     fn example() -> Self {

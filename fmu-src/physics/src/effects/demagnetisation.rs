@@ -1,11 +1,11 @@
-//! Magnets that have lost some of their strength.
+//! Partial loss of magnetisation.
 //!
 //! k_t -> k_t (1 - fraction) from time on                                                   (1)
 //!
-//! The torque constant and, by reciprocity, the back-EMF constant step at once; current, speed and temperatures
-//! are continuous. It is an event in time: a step of the caller's that contains it is cut there.
-//! *Assumes* a loss that is sudden and for good. *Neglects* what caused it.
-//! *Sign*: fraction > 0 weakens the motor. *Source*: irreversible loss of Nd-Fe-B beyond its knee.
+//! The torque constant and, by reciprocity, the back-EMF constant change in a step; current, speed and temperatures
+//! are continuous. It is a time event: a communication step that contains it is divided there.
+//! *Assumes* a sudden, permanent loss. *Neglects* its cause.
+//! *Sign*: fraction > 0 weakens the motor. *Source*: irreversible loss of Nd-Fe-B below the knee point.
 
 use super::candidate::{Candidate, Way};
 use super::ports::{Effect, IMMINENT};
@@ -56,7 +56,7 @@ mod tests {
     fn a_step_at_its_time() {
         let lost = Demagnetisation { fraction: 0.2, time: 5.0 };
         assert_eq!((lost.torque_constant(4.999), lost.torque_constant(5.0)), (1.0, 0.8));
-        // A time that rounding keeps a hair below the event counts as the event's.
+        // A time that is below the event time by rounding only is the event time.
         assert_eq!(lost.torque_constant(5.0 - 1e-12), 0.8);
         assert_eq!((lost.next_event(0.0), lost.next_event(5.0)), (5.0, f64::INFINITY));
     }

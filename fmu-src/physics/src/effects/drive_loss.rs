@@ -1,11 +1,11 @@
-//! Power that the drive loses before it reaches the winding.
+//! Power loss of the drive.
 //!
 //! Q_w = (1 - share) P,   Q_drive = share P                                                 (1)
 //!
-//! Acts in drive_mode power, where P is the input `electrical_power`; the drive stands apart from the motor, so
-//! its heat goes straight to ambient.
-//! *Assumes* a share that does not depend on the power. *Neglects* the drive's own heat capacity.
-//! *Sign*: share > 0 leaves the winding cooler. *Source*: definition of an efficiency.
+//! Acts in drive_mode power, where P is the input `electrical_power`; the drive is thermally separate from the motor, so
+//! its heat flows directly to ambient.
+//! *Assumes* a fraction that does not depend on the power. *Neglects* the drive's own heat capacity.
+//! *Sign*: share > 0 reduces the winding's heat. *Source*: definition of an efficiency.
 
 use super::candidate::Candidate;
 use super::ports::Effect;

@@ -1,10 +1,10 @@
-//! A fan that works against a pressure.
+//! Flow reduction of a fan by back pressure.
 //!
 //! n_effective = n (1 - k n)                                                                (1)
 //!
-//! *Assumes* a loss of flow in proportion to the flow's own pressure drop. *Neglects* stall.
-//! *Sign*: k > 0 takes flow away. *Range*: n from 0 to 1; an n beyond counts as its limit.
-//! *Source*: data of the synthetic bench; second order of a falling fan curve against a rising system curve.
+//! *Assumes* a flow reduction proportional to the pressure drop of the flow. *Neglects* stall.
+//! *Sign*: k > 0 reduces the flow. *Range*: n is limited to 0 ... 1.
+//! *Source*: data of the synthetic bench; second-order expansion of a falling fan curve with a rising system curve.
 
 use super::candidate::Candidate;
 use super::ports::Effect;

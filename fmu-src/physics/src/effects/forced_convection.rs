@@ -1,9 +1,9 @@
-//! A further conductance to ambient.
+//! Additional conductance to ambient.
 //!
 //! Q_flow = G s (T - T_a),   T that of the housing or of the winding                        (1)
 //!
-//! s = 1 where it is constant (air flow in the laboratory, a mount), or n^0.8 where it follows the fan (components/conductance.rs).
-//! *Assumes* that it does not depend on temperature. *Neglects* the warming of the air on its way.
+//! s = 1 (driver constant: air flow in the laboratory, a mount) or s = n^0.8 (driver fan_command, components/conductance.rs).
+//! *Assumes* that it does not depend on temperature. *Neglects* the temperature rise of the air.
 //! *Sign*: Q_flow > 0 leaves the motor. *Source*: as components/conductance.rs.
 
 use super::candidate::Candidate;

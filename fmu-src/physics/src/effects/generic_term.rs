@@ -1,28 +1,29 @@
-//! Terms found in data that are in no list: the carrier of `terms.rs` at the motor's ports.
+//! Terms found in data that no effect of the list covers: evaluation of `terms.rs` at the motor's ports.
 //!
 //! With y the sum of `gain` times the values of the terms at a port:
 //!
-//! | port | what y does | driver that is alive within a step |
+//! | port | effect of y | driver evaluated within a step |
 //! |---|---|---|
-//! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes either way and heats the housing | speed |
-//! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is lost either way and heats the winding | current |
-//! | winding_resistance, torque_constant | times 1 + y | |
-//! | winding_housing_resistance | times 1 + y | winding_temperature |
-//! | winding_heat | y, W, heats the winding; it counts as taken in, as heat_power does | |
-//! | housing_heat | y, W, heats the housing; the surroundings give it (heat_to_ambient is less by y) | housing_temperature |
+//! | drag_torque | y tanh(w / w_small), N.m: y > 0 brakes in both directions and heats the housing | speed |
+//! | terminal_voltage | y tanh(I / 0.05 A), V: y > 0 is a loss for both signs of I and heats the winding | current |
+//! | winding_resistance, torque_constant | multiplied by 1 + y | |
+//! | winding_housing_resistance | multiplied by 1 + y | winding_temperature |
+//! | winding_heat | y, W, heats the winding; part of the energy input, as heat_power | |
+//! | housing_heat | y, W, heats the housing; taken from ambient (heat_to_ambient is reduced by y) | housing_temperature |
 //! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing | housing_temperature |
-//! | heat_capacity | the capacities of winding and housing (with a network: of winding and stator) times 1 + y; the energy balance counts from then on | |
-//! | fan_flow | the command times 1 + y, not below 0 | fan_command |
-//! | ambient_sensor | the true ambient temperature is y, K, above the shown one | |
+//! | heat_capacity | heat capacities of winding and housing (with a network: of winding and stator) multiplied by 1 + y; the
+//! energy balance starts there | |
+//! | fan_flow | the command multiplied by 1 + y, at least 0 | fan_command |
+//! | ambient_sensor | the true ambient temperature is y, K, above the indicated one | |
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |
 //! | torque_sensor | the indicated torque is y, N.m, too high | |
 //!
-//! *Assumes* that drivers which are not alive stand still over a step, at the middle of where they begin and end, so that such a
-//! term is of second order in the step; of first where it acts on the very quantity that it follows and that answers within the step
-//! (heat in the winding by the winding's temperature). The energy balance closes with it. The state of a lag is advanced with its
-//! driver on a line over the step, and stands in the middle as well: second order.
-//! *Sign*: as the table says. *Range*: a factor 1 + y is not taken below 0.05.
-//! *Source*: the data that the terms were found in.
+//! *Assumes* that the other drivers are constant over a step, at the mean of their values at its start and end; such a term is of
+//! second order in the step, and of first order where it acts on its own driver and this driver changes within the step (winding_heat as a
+//! function of winding_temperature). The energy balance closes with it. The state of a lag is integrated with its driver linear over the
+//! step, and is also evaluated at the midpoint: second order.
+//! *Sign*: see the table. *Range*: a factor 1 + y is at least 0.05.
+//! *Source*: the data in which the terms were found.
 
 use super::candidate::Candidate;
 use super::ports::Effect;
@@ -30,9 +31,9 @@ use crate::number::{Number, smooth_sign};
 use crate::terms::{Driver, Drivers, GenericTerm, Lag, MOST_TERMS, Port};
 use declare::{Group, Unit, Variable, variables};
 
-/// Current below which a drop turns round, A.
+/// Current below which a voltage drop changes sign smoothly, A.
 const I_SMALL: f64 = 0.05;
-/// Least factor on a parameter of the motor.
+/// Smallest factor on a parameter of the motor.
 const LEAST_FACTOR: f64 = 0.05;
 
 variables! {
@@ -47,7 +48,7 @@ variables! {
     }
 }
 
-/// The terms of a motor, with the last drivers that were set.
+/// The terms of a motor, with their latest drivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GenericTerms {
     tuning: Tuning,
@@ -74,13 +75,13 @@ impl Group for GenericTerms {
 }
 
 impl GenericTerms {
-    /// The sum at a port, with the driver that it keeps alive at `x`; nothing where no term is on.
+    /// The sum at a port, with `x` for the driver that is evaluated within a step; neutral if no term is on.
     #[inline(always)]
     fn along<D: Number>(&self, port: Port, x: D) -> D {
         if self.is_on() { self.evaluate(port, x) } else { D::from(0.0) }
     }
 
-    /// Apart from [`along`](Self::along), so that a motor without terms only asks whether there is one.
+    /// Separate from [`along`](Self::along), so that a motor without terms only checks whether there are any.
     #[inline(never)]
     fn evaluate<D: Number>(&self, port: Port, x: D) -> D {
         let all = self.terms.iter().flatten().enumerate();
@@ -102,7 +103,7 @@ impl GenericTerms {
 }
 
 impl Effect for GenericTerms {
-    // Laws that no effect has are found by other means (calibrate).
+    // Laws that no effect covers are found by other methods (calibrate).
     const CANDIDATES: &'static [Candidate] = &[];
 
     fn example() -> Self {
@@ -231,7 +232,7 @@ mod tests {
         terms
     }
 
-    /// 5 mN.m at 100 rad/s, 10 mN.m at 1600 rad/s (exponent 1/4), against the motion either way.
+    /// 5 mN.m at 100 rad/s, 10 mN.m at 1600 rad/s (exponent 1/4), against the motion in both directions.
     #[test]
     fn a_drag_brakes_either_way() {
         let drag = carrying(Port::DragTorque, 5e-3, Driver::Speed, 100.0, 0.25);
@@ -266,7 +267,7 @@ mod tests {
         assert_eq!(change(Port::FanFlow, -3.0).fan_flow(0.5), 0.0);
     }
 
-    /// What the air takes is dear, and asked for anew only for those that may change it.
+    /// Film coefficients are expensive; they are evaluated again only for terms that may change them.
     #[test]
     fn the_air_hears_of_those_that_meet_it() {
         for port in [Port::FanFlow, Port::HousingAmbientConductance, Port::DragTorque, Port::HousingHeat] {
@@ -287,7 +288,7 @@ mod tests {
         assert!(!GenericTerms::default().is_on(), "no terms");
     }
 
-    /// Terms at one port add up; those of others do not meddle; a fourth term is refused and changes nothing.
+    /// Terms at one port are added; those at other ports have no influence; a fourth term is rejected and changes nothing.
     #[test]
     fn up_to_three_terms_add_up() {
         let table = |port: Port, y: f64| {

@@ -2,8 +2,8 @@
 //!
 //! Q_flow = k (T_h^4 - T_a^4),   k = sigma eps A                                            (1)
 //!
-//! *Assumes* a grey, diffuse, convex body in a large room of the air's temperature. *Neglects* the annulus wall.
-//! *Sign*: Q_flow > 0 leaves the housing. *Range*: kelvin.
+//! *Assumes* a grey, diffuse, convex body in a large enclosure at ambient temperature. *Neglects* the annulus wall.
+//! *Sign*: Q_flow > 0 leaves the housing. *Range*: temperatures in kelvin.
 //! *Source*: Incropera, Fundamentals of Heat and Mass Transfer, 7th ed., eq. 1.7.
 
 use super::candidate::Candidate;
@@ -48,7 +48,7 @@ mod tests {
     use super::super::testing::slope_is_derivative;
     use super::*;
 
-    /// 100 cm2 of black paint (0.95) at 350 K in a room of 300 K: 5.670374e-8 * 0.95 * 0.01 * 6.90625e9 W.
+    /// 100 cm2 of black paint (0.95) at 350 K at 300 K ambient: 5.670374e-8 * 0.95 * 0.01 * 6.90625e9 W.
     #[test]
     fn black_paint_at_350_kelvin() {
         let radiation = HousingRadiation { k: 5.670_374e-8 * 0.95 * 0.01 };

@@ -1,11 +1,11 @@
-//! A sensor of the housing's temperature that follows late.
+//! First-order lag of the housing temperature sensor.
 //!
 //! tau dy/dt = T_h - y                                                                      (1)
 //!
-//! y is what the sensor has reached; it starts at the ambient temperature, as every node does. The solution is in
+//! y is the reading of the sensor; it starts at the ambient temperature, as every node. The solution is in
 //! components/sensor.rs.
-//! *Assumes* a sensor of one heat capacity behind one resistance. *Neglects* what it takes from the housing.
-//! *Sign*: tau > 0 shows a warming housing too cold. *Range*: tau >= 0; 0 follows at once.
+//! *Assumes* a sensor of one heat capacity behind one resistance. *Neglects* the heat that it draws from the housing.
+//! *Sign*: tau > 0 indicates too low a temperature while the housing warms up. *Range*: tau >= 0; 0 is no lag.
 //! *Source*: first-order response of a contact thermometer, VDI/VDE 3522-1.
 
 use super::candidate::{Candidate, Follows, Way};

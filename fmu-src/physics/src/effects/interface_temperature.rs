@@ -1,11 +1,11 @@
-//! A resistance between winding and housing that depends on temperature.
+//! Temperature-dependent resistance between winding and housing.
 //!
 //! R = R_wh [1 + beta (T_w - 298.15)]                                                       (1)
 //!
-//! Impregnation that opens (beta > 0) or an air gap that closes (beta < 0) as the winding grows.
-//! *Assumes* a linear law about 25 degC. *Neglects* history. The bracket is not let below 0.1.
-//! *Sign*: beta > 0 insulates a hot winding better. *Range*: see the limit of the bracket.
-//! *Source*: data of the synthetic bench; first order of any smooth law.
+//! Cause: impregnation that opens (beta > 0) or an air gap that closes (beta < 0) with thermal expansion of the winding.
+//! *Assumes* a linear law about 25 degC. *Neglects* history. The bracket is at least 0.1.
+//! *Sign*: beta > 0 increases the resistance of a hot winding. *Range*: see the limit of the bracket.
+//! *Source*: data of the synthetic bench; first-order expansion of any smooth law.
 
 use super::candidate::Candidate;
 use super::ports::Effect;
@@ -13,9 +13,9 @@ use crate::number::Number;
 use crate::terms::{Driver, Port};
 use declare::{Unit, Variable, variables};
 
-/// Temperature at which R_wh is given, K.
+/// Reference temperature of R_wh, K.
 const T_REF: f64 = 298.15;
-/// Least value of the bracket in eq. (1).
+/// Smallest value of the bracket in eq. (1).
 const LEAST: f64 = 0.1;
 
 variables! {

@@ -3,7 +3,7 @@
 //! tau = k w / (w^2 + w_small^2)^(1/4)     -> k |w|^(1/2) sign(w) for |w| >> w_small        (1)
 //!
 //! The loss is tau w ~ w^(3/2), between hysteresis (~ w) and eddy currents (~ w^2).
-//! The square root has an infinite slope at rest; eq. (1) has k / w_small^(1/2) there, and is below the square
+//! The square root has an infinite derivative at rest; the derivative of eq. (1) there is k / w_small^(1/2). Eq. (1) is below the square
 //! root by 16 % at w_small, by 0.25 % at 10 w_small, by 25 parts in a million at 100 w_small.
 //! *Assumes* a flux that does not depend on the load. *Neglects* temperature.
 //! *Sign*: against the motion; its power tau w >= 0 heats the housing (the stator is at the housing's temperature).

@@ -1,12 +1,12 @@
 //! Friction of gear and bearings under load.
 //!
-//! tau = mu |tau_s| sign(w), where tau_s is the torque that the shaft hands to its load     (1)
+//! tau = mu |tau_s| sign(w), where tau_s is the shaft torque on the load                    (1)
 //!
-//! Both signs pass through zero as a tanh, of width w_small and tau_small. With the drag as a multiple of tau_s
+//! Both sign functions are a tanh, of width w_small and tau_small. With the drag as a multiple of tau_s
 //! (the port's form), a model that knows only the torque u before this friction solves
 //! tau_s = u - load_drag tau_s, so tau_s = u / (1 + load_drag); the sign of u is that of tau_s, as mu < 1.
-//! *Assumes* a coefficient that does not depend on speed or temperature. *Neglects* breakaway: the shaft creeps.
-//! *Sign*: against the motion, whichever way the load pushes; its power mu |tau_s w| >= 0 heats the housing.
+//! *Assumes* a coefficient that does not depend on speed or temperature. *Neglects* static friction: the shaft creeps.
+//! *Sign*: against the motion, for both directions of the load torque; its power mu |tau_s w| >= 0 heats the housing.
 //! *Source*: Modelica Standard Library, Rotational.Components.LossyGear: efficiency 1/(1 + mu) when the motor
 //! drives, 1 - mu when the load does.
 

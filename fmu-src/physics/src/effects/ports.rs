@@ -1,4 +1,4 @@
-//! The ports of a model: where effects act, and what each may do there.
+//! Ports of a model: where effects act, and the interface of each.
 //!
 //! Each port is declared once, in [`ports!`]. The method of [`Effect`], the sum over all effects, the derivative and the activity
 //! are generated from this declaration.
@@ -9,15 +9,15 @@ use crate::number::Number;
 use crate::ports::ports;
 use crate::terms::{Driver, Drivers, GenericTerm, Lag};
 
-/// An event that is less than this ahead has come, s: times that differ by rounding are the same.
+/// A time event that is less than this ahead is due, s: equality of times within rounding.
 pub const IMMINENT: f64 = 1e-9;
 
-/// A value for each thermal node that effects know of.
+/// A value for each thermal node that effects use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PerNode {
-    /// That of the winding.
+    /// Winding.
     pub winding: f64,
-    /// That of the housing.
+    /// Housing.
     pub housing: f64,
 }
 
@@ -60,11 +60,11 @@ impl From<f64> for Stator {
     }
 }
 
-/// The neutral summand: x + -0.0 is x to the last bit for every x, so that no addition remains of it in
-/// the sum over all effects; x + 0.0 is not, where x is -0.0.
+/// The neutral summand: x + -0.0 is x to the last bit for every x, so the compiler removes the addition from
+/// the sum over all effects; x + 0.0 differs where x is -0.0.
 const NONE: f64 = -0.0;
 
-/// What an effect gives at a port that it does not touch.
+/// Value of an effect at a port at which it does not act.
 macro_rules! neutral {
     (sum $($argument:ident)*) => {
         NONE.into()
@@ -80,7 +80,7 @@ macro_rules! neutral {
     };
 }
 
-/// What all effects together give at a port where none acts.
+/// Sum of all effects at a port where none acts.
 macro_rules! inactive {
     (sum $($argument:ident)*) => { 0.0.into() };
     ($($other:tt)*) => { neutral!($($other)*) };
@@ -90,37 +90,37 @@ macro_rules! define {
     (() $($(#[$doc:meta])* [$($port:ident $(as $term:ident $file:literal $unit:ident $(of $live:ident)?)?)?]
         $rule:ident $name:ident [$($d:ident : $number:ident)?]
         ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$($slope:ident)?];)*) => {
-        /// What an effect may do, port by port. A port that an effect does not touch stays neutral.
+        /// The ports of an effect. The default of each port is neutral.
         #[allow(unused_variables)]
         pub trait Effect: Sized {
-            /// The forms in which close-loop looks for the effect; none where a bench cannot distinguish it from others.
+            /// The candidate forms of the effect for `close-loop`; none where a bench cannot distinguish it from others.
             const CANDIDATES: &'static [Candidate];
 
-            /// The effect switched on, of a size that a bench could have: for tests of all effects.
+            /// The effect switched on, with a realistic size: for tests of all effects.
             fn example() -> Self;
 
-            /// Whether its switch, the parameter that is 0 by default, is on.
+            /// Whether the effect is on: its switch parameter, 0 by default, is not 0.
             fn is_on(&self) -> bool;
 
-            /// Takes terms that are data in place of those it had; false, and nothing taken, where it carries none or not
+            /// Replaces the effect's terms that are data; returns false and changes nothing if it has none or rejects
             /// these.
             fn take_terms(&mut self, terms: &[GenericTerm]) -> bool {
                 false
             }
 
-            /// Tells where the motor stands: what follows a driver slowly holds that over a step. Whether this may change what
-            /// the air takes, which is kept over many steps.
+            /// Sets the drivers; an effect that depends on drivers holds them constant over a step. Returns whether this may change film
+            /// coefficients, which are cached over many steps.
             #[inline]
             fn set_drivers(&mut self, drivers: &Drivers) -> bool {
                 false
             }
 
-            /// Whether it holds this driver over a step, as [`set_drivers`](Effect::set_drivers) set it.
+            /// Whether it holds this driver constant over a step, as [`set_drivers`](Effect::set_drivers) set it.
             fn holds(&self, driver: Driver) -> bool {
                 false
             }
 
-            /// The lag of the `k`-th term that is data, whose state the model integrates.
+            /// The lag of the `k`-th term that is data; its state is integrated by the model.
             #[inline]
             fn lag(&self, k: usize) -> Option<Lag> {
                 None
@@ -136,13 +136,13 @@ macro_rules! define {
         /// Where an effect acts: the ports of [`Effect`].
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Port {
-            /// Any of them: data decide where it acts, or the effect follows drivers ([`set_drivers`](Effect::set_drivers)).
+            /// Any port: data decide where it acts, or the effect depends on drivers ([`set_drivers`](Effect::set_drivers)).
             Any,
             $($(#[doc = concat!("Port of [`", stringify!($name), "`](Effect::", stringify!($name), ").")] $port,)?)*
         }
 
         impl Port {
-            /// All ports but [`Any`](Port::Any).
+            /// All ports except [`Any`](Port::Any).
             pub const ALL: &'static [Port] = &[$($(Port::$port,)?)*];
         }
 
@@ -151,13 +151,13 @@ macro_rules! define {
         pub struct Acts(u32);
 
         impl Acts {
-            /// Where these effects act.
+            /// The ports at which these effects act.
             pub fn of(effects: &Effects) -> Acts {
                 let bit = |port: Port| u32::from(effects.acts_at(port)) << port as u32;
                 Acts(Port::ALL.iter().fold(0, |all, port| all | bit(*port)))
             }
 
-            /// The same without one port.
+            /// The same ports without one.
             pub fn without(self, port: Port) -> Acts {
                 Acts(self.0 & !(1 << port as u32))
             }
@@ -169,19 +169,19 @@ macro_rules! define {
             }
         }
 
-        /// The effects as a step sees them: ports where nothing acts are not evaluated.
+        /// Effects as used in a step: ports where nothing acts are not evaluated.
         #[derive(Clone, Copy, Debug)]
         pub struct Ports<'a> {
             /// The effects.
             pub effects: &'a Effects,
-            /// Where they act.
+            /// The ports at which they act.
             pub acts: Acts,
         }
 
         impl Ports<'_> {
             $(active! { [$($port)?] $rule $name ($($argument: $type),*) -> $result, derivative [$($slope)?] })*
 
-            /// The reciprocal of the factor on the resistance from winding to housing.
+            /// Reciprocal of the factor on the thermal resistance from winding to housing.
             #[inline]
             pub fn winding_housing_conductance(&self, t_w: f64) -> f64 {
                 if self.acts.at(Port::WindingHousingResistance) { 1.0 / self.winding_housing_resistance(t_w) } else { 1.0 }
@@ -190,10 +190,10 @@ macro_rules! define {
     };
 }
 
-/// The number of the methods of [`Ports`], which need no derivatives.
+/// Number type of the methods of [`Ports`], which need no derivatives.
 type D = f64;
 
-/// A port that is evaluated where an effect acts, and its derivative.
+/// A port that is evaluated only if an effect acts there, and its derivative.
 macro_rules! active {
     ([] $($rest:tt)*) => {};
     ([$port:ident] $rule:ident $name:ident ($($argument:ident : $type:ty),*) -> $result:ty, derivative []) => {

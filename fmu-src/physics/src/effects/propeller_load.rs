@@ -1,11 +1,11 @@
-//! Shaft power of a propeller or fan, where the electrical power is the input.
+//! Shaft power of a propeller or fan, with the electrical power as input.
 //!
 //! tau = k w |w|,   P_shaft = k |w|^3                                                        (1)
 //!
 //! Acts in drive_mode power with an imposed speed: P_shaft is a part of the input `electrical_power` that leaves by the shaft and
-//! does not heat the motor. In the other modes the current carries the torque, and the load is what remains of it.
+//! does not heat the motor. In the other modes the torque follows from the current, and the load from the torque.
 //! *Assumes* a constant power coefficient: P_shaft = C_P rho n^3 D^5, so k = C_P rho D^5 / (2 pi)^3.
-//! *Neglects* the advance ratio and the density of the air. *Sign*: k > 0 takes power from the motor.
+//! *Neglects* the advance ratio and changes of air density. *Sign*: k > 0 takes power from the motor.
 //! *Range*: P_shaft below electrical_power. *Source*: McCormick, Aerodynamics, Aeronautics and Flight Mechanics (2nd ed., 1995), ch. 6.
 
 use super::candidate::Candidate;

@@ -1,9 +1,9 @@
-//! Copper loss of the ripple that chopping leaves on the current.
+//! Copper loss of the current ripple from PWM.
 //!
 //! dI = V_supply d (1 - d) / (L f),   I_ripple^2 = dI^2 / 12,   Q = R(T_w) I_ripple^2          (1)
 //!
-//! Acts in drive_mode pwm, with d the size of the duty. *Assumes* a triangle: a period far below L/R, continuous
-//! conduction, one leg switching (both legs at once: twice dI). *Neglects* skin effect and the ripple's loss in
+//! Acts in drive_mode pwm, with d the magnitude of the duty. *Assumes* a triangular ripple: a period far below L/R, continuous
+//! conduction, one leg switching (both legs at once: twice dI). *Neglects* skin effect and the ripple loss in
 //! iron and magnets. *Sign*: Q heats the winding and is drawn from the supply.
 //! *Range*: f L/R above about 3; below, (1) overestimates. *Source*: Mohan, Undeland, Robbins, Power Electronics,
 //! 3rd ed., sec. 7-7.
@@ -21,7 +21,7 @@ variables! {
 }
 
 impl Effect for PwmRipple {
-    // No size of it is 0: the loss falls with the square of the frequency.
+    // The size has no value at which the effect is 0: the loss decreases with the square of the frequency.
     const CANDIDATES: &'static [Candidate] = &[];
 
     fn example() -> Self {

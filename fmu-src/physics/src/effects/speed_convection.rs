@@ -1,12 +1,12 @@
-//! Convection of the housing that grows with the speed: a rotor, a fan or a propeller on the shaft moves the air.
+//! Convection of the housing that increases with the speed: a rotor, a fan or a propeller on the shaft moves the air.
 //!
 //! Q_flow = G (|w| / w_ref)^n (T_h - T_a)                                                   (1)
 //!
 //! The air velocity is proportional to the speed, and the heat transfer coefficient to its power n: 0.5 for a laminar boundary
 //! layer, 0.6 for a cylinder in cross flow, 0.8 for a turbulent boundary layer.
-//! *Assumes* a velocity of the air that follows the speed without delay. *Neglects* the warming of the air on its way, and the
+//! *Assumes* an air velocity that follows the speed without delay. *Neglects* the temperature rise of the air and the
 //! direction of rotation. *Sign*: Q_flow > 0 leaves the motor. *Range*: any speed; at standstill (1) is zero.
-//! *Numerics*: the speed is constant over a step, at its value in the middle: second order in the step.
+//! *Numerics*: the speed is constant over a step, at its midpoint value: second order in the step.
 //! *Source*: Incropera and DeWitt, Fundamentals of Heat and Mass Transfer (4th ed., 1996), ch. 7 (exponents); Staton and Cavagnino,
 //! IEEE Trans. Ind. Electron. 55 (2008) 3509-3516 (motors).
 
@@ -30,7 +30,7 @@ variables! {
     }
 }
 
-/// The effect, with the last speed that was set.
+/// The effect, with the latest speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpeedConvection {
     law: PowerOfSpeed,
@@ -99,7 +99,7 @@ mod tests {
         SpeedConvection { law: PowerOfSpeed { G: 0.1, n, w_ref: 100.0 }, speed }
     }
 
-    /// 0.1 W/K at 100 rad/s, either way; 0.2 W/K at four times the speed with n = 0.5; 40 K give 8 W.
+    /// 0.1 W/K at 100 rad/s, in both directions; 0.2 W/K at four times the speed with n = 0.5; 40 K give 8 W.
     #[test]
     fn a_power_of_the_speed() {
         let heat = |speed: f64, n: f64| at(speed, n).housing_to_ambient(340.0, 300.0);

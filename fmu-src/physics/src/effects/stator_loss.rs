@@ -1,12 +1,12 @@
-//! Losses that arise in the stator, not in the winding, as a fraction of the electrical power.
+//! Losses in the stator instead of the winding, as a fraction of the electrical power.
 //!
 //! Q_w = (1 - fraction) P_m,   Q_s = fraction P_m                                           (1)
 //!
-//! Acts in drive_mode power, where P_m is what of the input `electrical_power` reaches the motor as heat. Q_s heats the stator; in
+//! Acts in drive_mode power, where P_m is the part of the input `electrical_power` that heats the motor. Q_s heats the stator; in
 //! cooling_mode conductance it heats the housing, which includes the stator. With an imposed current the effects at the port
-//! drag_torque have this part (`iron_loss`).
-//! *Assumes* a fraction that does not depend on the power: losses of the iron and of the current grow alike.
-//! *Neglects* that this fraction differs between standstill and high speed. *Sign*: fraction > 0 leaves the winding cooler.
+//! drag_torque include the iron loss (`iron_loss`).
+//! *Assumes* a fraction that does not depend on the power: iron and copper losses are proportional.
+//! *Neglects* the dependence of this fraction on speed. *Sign*: fraction > 0 reduces the winding's heat.
 //! *Range*: 0 to 1. *Source*: separation of losses, IEC 60034-2-1:2014.
 
 use super::candidate::Candidate;

@@ -1,9 +1,9 @@
-//! A stator with a temperature of its own between winding and housing.
+//! Stator with its own temperature between winding and housing.
 //!
 //! C_s dT_s/dt = (T_w - T_s)/R_wh - (T_s - T_h)/R_sh                                        (1)
 //!
-//! In cooling_mode conductance the housing then stands behind the stator; in the other modes, which have a
-//! stator already, R_sh adds to the resistance of its contact and C_s to its capacity.
+//! In cooling_mode conductance the stator is in series between winding and housing; in the other modes, which have a
+//! stator node, R_sh adds to its contact resistance and C_s to its heat capacity.
 //! *Assumes* one temperature for the stator. *Neglects* radial conduction within it.
 //! *Sign*: heat flows from the winding through the stator to the housing.
 //! *Source*: lumped-parameter network, e.g. Mellor, Roberts, Turner, IEE Proc. B 138 (1991) 205-218.

@@ -1,9 +1,9 @@
-//! A torque sensor whose zero is wrong.
+//! Zero offset of the torque sensor.
 //!
 //! tau_indicated = tau + offset                                                             (1)
 //!
 //! *Assumes* the same offset at all torques. *Neglects* errors of the sensitivity and crosstalk.
-//! *Sign*: offset > 0 indicates a greater torque from the motor to its load. The motor itself is not affected by its sensor:
+//! *Sign*: offset > 0 indicates a greater torque from the motor to its load. The sensor does not affect the motor:
 //! `power_mechanical` and the energies follow from the true torque.
 //! *Range*: any torque. *Source*: zero signal of torque transducers, VDI/VDE 2646:2019 (minimum requirements, terms).
 

@@ -1,9 +1,9 @@
-//! Friction of lubricant.
+//! Viscous friction of lubricant.
 //!
 //! tau = k w                                                                                (1)
 //!
 //! Eddy-current loss has the same law; a measurement of drag against speed cannot distinguish the two.
-//! *Assumes* laminar films of constant viscosity. *Neglects* its fall with temperature.
+//! *Assumes* laminar lubricant films of constant viscosity. *Neglects* the decrease of viscosity with temperature.
 //! *Sign*: against the motion; its power k w^2 >= 0 heats the housing.
 //! *Source*: Modelica Standard Library, Electrical.Machines.Losses.Friction, with power_w = 1 (exponent of the torque).
 

@@ -1,8 +1,8 @@
-//! Drag of the air on the rotor.
+//! Air drag of the rotor.
 //!
 //! tau = k w |w|                                                                            (1)
 //!
-//! *Assumes* turbulent flow of constant density. *Neglects* the laminar range near rest, where the torque is
+//! *Assumes* turbulent flow of constant density. *Neglects* the laminar range at low speed, where the torque is
 //! small, and the air's temperature.
 //! *Sign*: against the motion; its power k |w|^3 >= 0 heats the housing.
 //! *Source*: Vrancik, NASA TN D-4849 (1968); the skin-friction coefficient is taken as constant.
@@ -47,7 +47,7 @@ mod tests {
     use super::super::testing::slope_is_derivative;
     use super::*;
 
-    /// 2e-9 * 1000^2 = 2 mN.m, against the motion either way.
+    /// 2e-9 * 1000^2 = 2 mN.m, against the motion in both directions.
     #[test]
     fn the_square_of_speed() {
         let windage = Windage { k: 2e-9 };

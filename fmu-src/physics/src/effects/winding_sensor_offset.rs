@@ -1,9 +1,9 @@
-//! A sensor of the winding's temperature that shows a constant too much.
+//! Constant offset of the winding temperature sensor.
 //!
-//! T_shown = T + offset                                                                     (1)
+//! T_indicated = T + offset                                                                 (1)
 //!
 //! *Assumes* the same offset at all temperatures. *Neglects* noise and drift.
-//! *Sign*: offset > 0 shows a winding that is warmer than it is. The motor itself does not feel its sensor.
+//! *Sign*: offset > 0 indicates too high a temperature. The sensor does not affect the motor.
 //! *Range*: any temperature. *Source*: tolerance of thermocouples, IEC 60584-1:2013, class 1: 1.5 K.
 
 use super::candidate::Candidate;

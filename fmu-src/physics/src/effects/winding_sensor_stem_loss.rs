@@ -1,10 +1,10 @@
-//! A sensor of the winding's temperature that the air cools through its stem.
+//! Stem conduction error of the winding temperature sensor.
 //!
-//! T_shown = T - k (T - T_a)                                                                (1)
+//! T_indicated = T - k (T - T_a)                                                            (1)
 //!
 //! T_a is the true ambient temperature.
-//! *Assumes* a stem in the ambient air and in balance. *Neglects* what the sensor's heat does to the winding.
-//! *Sign*: k > 0 shows too little of the rise. *Range*: k from 0 (no loss) to below 1 (shows the air).
+//! *Assumes* a stem in the ambient air, in thermal equilibrium. *Neglects* the heat that the sensor draws from the winding.
+//! *Sign*: k > 0 indicates too small a rise over ambient. *Range*: k from 0 (no loss) to below 1 (indicates ambient).
 //! *Source*: two conductances in series, k = G_stem / (G_stem + G_contact).
 
 use super::candidate::Candidate;
@@ -43,7 +43,7 @@ impl Effect for WindingSensorStemLoss {
 mod tests {
     use super::*;
 
-    /// A tenth of 50 K is lost; in balance with the air nothing is.
+    /// A tenth of 50 K is lost; at equal temperatures the error is zero.
     #[test]
     fn a_share_of_the_rise_is_lost() {
         let sensor = WindingSensorStemLoss { k: 0.1 };
