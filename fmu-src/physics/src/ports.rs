@@ -7,9 +7,9 @@
 /// ```
 ///
 /// `sum`, `factor`, `chain` (each effect gets the result of the one before as first argument) and `least` combine the effects. A
-/// method without a port is a part of the port before it. A derivative is one with respect to the first argument. `as` names the port
-/// of terms that are data ([`terms::Port`](crate::terms::Port)): name in files, unit of a value, and the driver that is
-/// evaluated within a step; the others are constant over a step.
+/// method without a port belongs to the port before it. A derivative is with respect to the first argument. `as` names the port of
+/// terms that are data ([`terms::Port`](crate::terms::Port)): name in files, unit of a value, and the driver that is evaluated within a
+/// step; the others are constant over a step.
 macro_rules! ports {
     ($then:ident $($with:tt)*) => { $then! { ($($with)*)
         /// A torque against the motion at speed `w`, rad/s: N.m, with the sign of `w`. Its power heats the housing.

@@ -1,11 +1,11 @@
-//! Dormand and Prince's pair of orders 5 and 4 for small systems that are not stiff, with nothing to remember from
-//! one communication step to the next, so that a step depends on where it starts alone.
+//! Dormand and Prince's pair of orders 5 and 4 for small non-stiff systems. Nothing is stored from one communication step to
+//! the next, so that a step depends on its initial state only.
 //!
 //! *Source*: Dormand, Prince, J. Comput. Appl. Math. 6 (1980) 19, the pair known as DOPRI5 or ode45.
 
 /// Nodes of the stages.
 const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
-/// Weights of the stages before; the last row is the solution of order 5.
+/// Weights of the previous stages; the last row is the solution of order 5.
 const A: [[f64; 6]; 7] = [
     [0.0; 6],
     [0.2, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -15,41 +15,41 @@ const A: [[f64; 6]; 7] = [
     [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
     [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// Weights of order 5 less those of order 4.
+/// Weights of order 5 minus those of order 4.
 const E: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
-/// Error of a step in shares of a state's size that is taken.
+/// Accepted error of a step, relative to the size of a state.
 const TOLERANCE: f64 = 1e-7;
-/// Halvings of a communication step before the equations count as unsolvable.
+/// Halvings of a communication step before the step fails.
 const HALVINGS: u32 = 40;
 
-/// Steps that one communication step may be cut into; a caller who asks for years at once shall not wait for ever.
+/// Largest number of steps in one communication step; limits the computing time of a long communication step.
 const MOST_STEPS: u32 = 1_000_000;
 
-/// The equations could not be followed: the time from the start of the step, s, where it ended.
+/// Step failure: the time from the start of the communication step, s, at which it occurred.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepFailure {
     /// Time from the start of the step, s.
     pub t: f64,
 }
 
-/// A step that is tried.
+/// A trial step.
 #[derive(Clone, Copy, Debug)]
 pub struct Tried<P, const N: usize> {
     /// The states after it.
     pub states: [f64; N],
-    /// The error of its worst state, in shares of what is allowed.
+    /// Error of the worst state, relative to the tolerance.
     pub error: f64,
-    /// What holds after it, where that is known by then.
+    /// Intermediate results at the end of the step, if already computed.
     pub point: Option<P>,
 }
 
-/// Advances `x` by `h` seconds, in as many steps as it takes. `one(t, x, first, length)` tries a step of `length` from `t`
-/// seconds on; `first` is what holds there, where that is known. The error may be `allowed` times the usual one. Gives the number of
-/// rejected steps. On failure `x` is as it was.
+/// Advances `x` by `h` seconds, in as many steps as needed. `one(t, x, first, length)` is a trial step of `length` from `t`;
+/// `first` are the intermediate results there, if known. The error may be `allowed` times the tolerance. Returns the number of
+/// rejected steps. On failure `x` is unchanged.
 ///
 /// # Errors
-/// Rates that are not finite, an error that no step is small enough for, or more steps than anyone would wait for.
+/// Non-finite rates, an error above the tolerance at the smallest step, or more than [`MOST_STEPS`] steps.
 pub fn advance<P, const N: usize>(
     one: impl Fn(f64, &[f64; N], Option<&P>, f64) -> Tried<P, N>,
     x: &mut [f64; N],
@@ -65,7 +65,7 @@ pub fn advance<P, const N: usize>(
     in_parts(one, x, first, h, allowed)
 }
 
-/// A communication step that is too long for one step.
+/// A communication step that needs several steps.
 #[cold]
 fn in_parts<P, const N: usize>(
     one: impl Fn(f64, &[f64; N], Option<&P>, f64) -> Tried<P, N>,
@@ -90,7 +90,7 @@ fn in_parts<P, const N: usize>(
         if tried.error <= allowed {
             (now, reached) = (tried.states, tried.point);
             t = if last { h } else { t + length };
-            // What is far below the tolerance at this length is below it at twice the length.
+            // Error far below the tolerance: the step can be doubled.
             if tried.error < 0.01 * allowed {
                 step *= 2.0;
             }
@@ -105,7 +105,7 @@ fn in_parts<P, const N: usize>(
     Err(StepFailure { t })
 }
 
-/// The error of the worst state, in shares of what is allowed: that of each, its size, and the state before and after.
+/// Error of the worst state, relative to the tolerance, from the error and size of each state and its values before and after.
 #[inline(always)]
 pub fn share_of<const N: usize>(
     error: &[f64; N],
@@ -116,14 +116,14 @@ pub fn share_of<const N: usize>(
     let mut worst: f64 = 0.0;
     for n in 0..N {
         let share = error[n].abs() / (TOLERANCE * size[n].max(before[n].abs()).max(after[n].abs()));
-        // A rate that is no number is an error without end, which `max` would drop.
+        // A rate that is not finite gives an infinite error; `max` would ignore NaN.
         worst = if share.is_finite() { worst.max(share) } else { f64::INFINITY };
     }
     worst
 }
 
-/// One step of Dormand and Prince: `point(t, x)` is what holds `t` seconds into the communication step, `rates` are
-/// the derivatives that it says; `size` is what the error of each state is measured by, beside the state itself.
+/// One step of Dormand and Prince: `point(t, x)` are the intermediate results `t` seconds into the communication step, `rates` the
+/// derivatives from them; the error of each state is relative to `size` or to the state itself, whichever is larger.
 pub fn dormand_prince<P, const N: usize>(
     point: impl Fn(f64, &[f64; N]) -> P,
     rates: impl Fn(&P) -> [f64; N],
@@ -153,7 +153,7 @@ pub fn dormand_prince<P, const N: usize>(
 mod tests {
     use super::*;
 
-    /// Advances by Dormand and Prince's steps alone.
+    /// Advances by Dormand and Prince's steps only.
     fn run<const N: usize>(
         rates: impl Fn(f64, &[f64; N]) -> [f64; N],
         x: &mut [f64; N],
@@ -165,7 +165,7 @@ mod tests {
         advance(one, x, None, h, 1.0).map(|_| ())
     }
 
-    /// x' = -50 x + 50 sin(t): a transient and a forced motion, both known.
+    /// x' = -50 x + 50 sin(t): a transient and a forced motion, with a closed solution.
     #[test]
     fn follows_a_known_solution() {
         let exact = |t: f64| {

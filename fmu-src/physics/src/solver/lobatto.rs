@@ -1,16 +1,16 @@
-//! Lobatto's quadrature with five points: for states whose rates are known along a step before it is made.
+//! Lobatto quadrature with five points: for states whose rates along a step are known in advance.
 //!
-//! Exact for polynomials of degree 7 at the end of the step, of degree 4 at the points within it; Simpson's rule on three of
-//! the points says where it is not good enough.
+//! Exact for polynomials of degree 7 at the end of the step, of degree 4 at the inner points. The error estimate is the difference to
+//! Simpson's rule on three of the points.
 //! *Source*: Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.5, Lobatto IIIA.
 
 /// Number of points.
 pub const POINTS: usize = 5;
-/// The points, in shares of the step: its ends, its middle, and 1/2 -+ (3/28)^(1/2).
+/// The points, as fractions of the step: its ends, its middle, and 1/2 -+ (3/28)^(1/2).
 pub const AT: [f64; POINTS] = [0.0, 0.17267316464601146, 0.5, 0.8273268353539885, 1.0];
 /// Weights of the whole step.
 const WHOLE: [f64; POINTS] = [1.0 / 20.0, 49.0 / 180.0, 16.0 / 45.0, 49.0 / 180.0, 1.0 / 20.0];
-/// Weights of the integrals up to the points within.
+/// Weights of the integrals up to the inner points.
 const WITHIN: [[f64; POINTS]; POINTS - 2] = [
     [
         0.06772843218615689,
@@ -28,10 +28,10 @@ const WITHIN: [[f64; POINTS]; POINTS - 2] = [
         -0.017728432186156898,
     ],
 ];
-/// A corner costs the rule at most this share of what Simpson's rule differs by where it costs most.
+/// A kink in f causes at most this fraction of the largest difference to Simpson's rule as error.
 const CORNER: f64 = 0.35;
 
-/// The integral over a step of `h`, and how far it may be off: `f` at [`AT`].
+/// The integral over a step of `h`, and its error estimate: `f` at [`AT`].
 #[inline(always)]
 pub fn integral(f: &[f64; POINTS], h: f64) -> (f64, f64) {
     let ends = f[0] + f[4];
@@ -58,7 +58,7 @@ mod tests {
             let exact = |t: f64| (2.0 * t).powi(degree + 1) / f64::from(2 * (degree + 1));
             let (whole, off) = integral(&f, 1.0);
             assert!((whole - exact(1.0)).abs() < 1e-13, "{degree} {whole}");
-            // Simpson's rule is exact to degree 3, and is no bound without meaning beyond.
+            // Simpson's rule is exact to degree 3; above, the estimate is not zero.
             assert_eq!(off.abs() < 1e-14, degree <= 3, "{degree} {off}");
             for (found, t) in integrals(&f, 1.0).into_iter().zip(AT).filter(|_| degree <= 4) {
                 assert!((found - exact(t)).abs() < 1e-13, "{degree} {t} {found}");
@@ -66,7 +66,7 @@ mod tests {
         }
     }
 
-    /// max(t - s, 0): wherever the corner is, but for where both rules agree by chance, the error is the one that is told.
+    /// max(t - s, 0): for any position s of the kink, the estimate bounds the error, except where both rules agree by chance.
     #[test]
     fn a_corner_is_told() {
         let (mut worst, mut told, mut blind) = (0.0f64, 0.0f64, 0);

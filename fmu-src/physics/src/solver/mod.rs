@@ -1,4 +1,4 @@
-//! Numerics: the integrators of the FMUs. The independent one that tests compare with is the crate `reference`.
+//! Numerics: the integrators of the FMUs. The crate `reference` has the independent integrator of the tests.
 
 pub mod explicit;
 pub mod lobatto;

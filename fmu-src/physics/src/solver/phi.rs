@@ -9,8 +9,8 @@
 //! int x dt      = h phi_1 x0 + h^2 sum_j j! phi_{j+2} n_j                                  (3)
 //! int t x dt    = h^2 (phi_1 - phi_2) x0 + h^3 sum_j j! (phi_{j+2} - phi_{j+3}) n_j        (4)
 //! ```
-//! with phi_k = phi_k(h A). No inverse of A is taken, so a singular A (a shaft without friction, a current
-//! that is imposed) is no special case.
+//! with phi_k = phi_k(h A). A is not inverted, so a singular A (a shaft without friction, an imposed current)
+//! needs no special treatment.
 //!
 //! *Method*: Taylor series of the highest phi at A h / 2^s, the others by (1) backwards, then s doublings
 //! ```text
@@ -22,7 +22,7 @@
 use nalgebra::{SMatrix, SVector, Vector2};
 use std::ops::{Add, Mul};
 
-/// The product of a matrix and a vector, unrolled: the general one costs several times as much at these sizes.
+/// The product of a matrix and a vector, unrolled: several times faster than the general one at these sizes.
 #[inline(always)]
 pub fn product<const N: usize>(m: &SMatrix<f64, N, N>, x: &SVector<f64, N>) -> SVector<f64, N> {
     let (columns, x) = (&m.data.0, &x.data.0[0]);
@@ -35,19 +35,19 @@ pub fn product<const N: usize>(m: &SMatrix<f64, N, N>, x: &SVector<f64, N>) -> S
     SVector::from(y)
 }
 
-/// How many phi functions are kept: phi_0 ... phi_6, as (4) with t^2 in place of t needs.
+/// Number of phi functions: phi_0 ... phi_6, for (4) with t^2 instead of t.
 const KEPT: usize = 7;
-/// How many of them a matrix of more than two rows needs: phi_0 ... phi_5, as (4) needs.
+/// Number of phi functions for a matrix of more than two rows: phi_0 ... phi_5, for (4).
 const KEPT_OF_MORE: usize = 6;
-/// Of these at half the step: phi_0 ... phi_3.
+/// Number of phi functions at half the step: phi_0 ... phi_3.
 const HALF: usize = 4;
-/// Even power at which the Taylor series of phi_6 of a matrix of size 1 ends, with the odd one behind it: what is left out
-/// is 6! / 22! of what stays, far below the rounding of a double.
+/// Even power at which the Taylor series of phi_6 of a matrix of norm 1 ends, with the next odd one: the remainder
+/// is 6! / 22! of the sum, far below the rounding of a double.
 const POWER: usize = 14;
-/// A size for which a power of [`POWER_SMALL`] is enough: 1e-3^6 6! / 12!.
+/// Norm up to which [`POWER_SMALL`] is sufficient: 1e-3^6 6! / 12!.
 const SMALL: f64 = 1e-3;
 const POWER_SMALL: usize = 4;
-/// Eigenvalues beyond which p + q z loses digits that the product of matrices keeps.
+/// Eigenvalues above which p + q z loses more digits than the product of matrices.
 const FAR: f64 = 1e4;
 /// 1 / k!
 const RECIPROCAL: [f64; KEPT + POWER + 1] = {
@@ -62,7 +62,7 @@ const RECIPROCAL: [f64; KEPT + POWER + 1] = {
 /// 2^-k
 const HALVED: [f64; KEPT] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
 
-/// phi_0 ... phi_6 of h A (of more than two rows: phi_0 ... phi_5), and what half the step needs, for one A and one h.
+/// phi_0 ... phi_6 of h A (of more than two rows: phi_0 ... phi_5), and those of half the step, for one A and one h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phi<const N: usize> {
     a: SMatrix<f64, N, N>,
@@ -71,13 +71,13 @@ pub struct Phi<const N: usize> {
     half: [SMatrix<f64, N, N>; HALF],
     /// The four matrices of eq. (4).
     moment: [SMatrix<f64, N, N>; 4],
-    /// 2 phi_3 - phi_2: what a parabola gives beyond a line.
+    /// 2 phi_3 - phi_2: weight of the difference of a parabola to a straight line.
     curvature: SMatrix<f64, N, N>,
-    /// 4 phi_3 - phi_2: what the last of the three values of a parabola gives.
+    /// 4 phi_3 - phi_2: weight of the last of the three values of a parabola.
     last: SMatrix<f64, N, N>,
 }
 
-/// phi_0 ... phi_6 at the whole step, and phi_0 ... phi_3 at half of it.
+/// phi_0 ... phi_6 of the whole step, and phi_0 ... phi_3 of half of it.
 type Functions<T> = ([T; KEPT], [T; HALF]);
 
 /// The functions of z times 2^doublings, by eqs. (1) and (5); `times` multiplies two functions of z, `plus` adds a number
@@ -93,7 +93,7 @@ fn functions<T>(
 where
     T: Copy + Add<Output = T> + Mul<f64, Output = T>,
 {
-    // Even and odd powers apart: neither waits for the other.
+    // Even and odd powers separately, for instruction-level parallelism.
     let square = times(&z, &z);
     let (mut even, mut odd) = (one * RECIPROCAL[kept - 1 + power], one * RECIPROCAL[kept + power]);
     for k in (0..power).step_by(2).rev() {
@@ -110,7 +110,7 @@ where
         half.copy_from_slice(&phi[..HALF]);
         let e = phi[0];
         for k in (1..kept).rev() {
-            // 1 / 1! and 1 / 0! are no factors.
+            // 1 / 1! and 1 / 0! are 1.
             let mut sum = times(&e, &phi[k]) + phi[k];
             if k > 1 {
                 sum = sum + phi[k - 1];
@@ -125,8 +125,8 @@ where
     (phi, half)
 }
 
-/// How often a matrix of this size is halved, and the power of it with which its series then ends. At least one halving,
-/// so that half the step is at hand.
+/// Number of halvings for a matrix of this norm, and the last power of its series. At least one halving,
+/// so that the functions of half the step are available.
 fn scaling(size: f64) -> (i32, usize) {
     let (mut doublings, mut left) = (1, 0.5 * size);
     while left > 1.0 && left.is_finite() {
@@ -135,16 +135,16 @@ fn scaling(size: f64) -> (i32, usize) {
     (doublings, if left < SMALL { POWER_SMALL } else { POWER })
 }
 
-/// The functions of a matrix of two rows: each is p + q z (Cayley, Hamilton), so that two numbers stand for four, and
-/// the eigenvalues alone say how often to halve. `None` for other matrices, and for eigenvalues so large that p + q z
-/// would cancel.
+/// The functions of a matrix of two rows: each is p + q z (Cayley, Hamilton), so that two numbers replace four, and the number of
+/// halvings depends on the eigenvalues only. `None` for other matrices, and for eigenvalues so large that p + q z would
+/// suffer from cancellation.
 fn pair<const N: usize>(z: &SMatrix<f64, N, N>) -> Option<Functions<SMatrix<f64, N, N>>> {
     if N != 2 {
         return None;
     }
     let half_trace = 0.5 * (z[(0, 0)] + z[(1, 1)]);
     let apart = 0.5 * (z[(0, 0)] - z[(1, 1)]);
-    // The eigenvalues are half the trace and the root of this beside it.
+    // The eigenvalues are half the trace plus and minus this root.
     let size = half_trace.abs() + (apart * apart + z[(0, 1)] * z[(1, 0)]).abs().sqrt();
     if size.is_nan() || size > FAR {
         return None;
@@ -209,7 +209,7 @@ impl<const N: usize> Phi<N> {
         &self.a
     }
 
-    /// phi_k, k = 0 ... 6; the last one of two rows alone.
+    /// phi_k, k = 0 ... 6; k = 6 for two rows only.
     pub(super) fn functions(&self) -> &[SMatrix<f64, N, N>; KEPT] {
         &self.full
     }
@@ -234,8 +234,8 @@ impl<const N: usize> Phi<N> {
         product(&self.full[0], x) + product(&self.full[1], n) * self.h
     }
 
-    /// x(h) for a quadratic forcing, eq. (2), as x0 plus the change: phi_0 = 1 + h A phi_1, so that a solution at
-    /// rest stays there to the last bit. `rate` is A x0 + n0, the derivative at the start.
+    /// x(h) for a quadratic forcing, eq. (2), as x0 plus the change: phi_0 = 1 + h A phi_1, so that an equilibrium
+    /// is preserved to the last bit. `rate` is A x0 + n0, the derivative at the start.
     #[inline]
     pub fn end(&self, x: &SVector<f64, N>, rate: &SVector<f64, N>, n: &Forcing<N>) -> SVector<f64, N> {
         let f = &self.full;
@@ -258,14 +258,14 @@ impl<const N: usize> Phi<N> {
         (product(&m[0], x) + forced * self.h) * (self.h * self.h)
     }
 
-    /// How far a step with a linear forcing would miss one with the quadratic forcing: the error of the
+    /// Difference between the solutions with linear and with quadratic forcing: the error of the
     /// next lower order.
     #[inline]
     pub fn curvature_error(&self, n: &Forcing<N>) -> SVector<f64, N> {
         product(&self.curvature, &n.n2) * self.h
     }
 
-    /// By how much x(h) changes where the quadratic forcing at the end of the step is larger by `late`.
+    /// Change of x(h) if the quadratic forcing at the end of the step increases by `late`.
     #[inline]
     pub fn last_stage_error(&self, late: &SVector<f64, N>) -> SVector<f64, N> {
         product(&self.last, late) * self.h
@@ -295,7 +295,7 @@ mod tests {
     use nalgebra::{Matrix2, matrix, vector};
     use proptest::prelude::*;
 
-    /// A scalar system with every closed form known: x' = -x + 1 + s + s^2 over h = 2.
+    /// A scalar system whose phi functions have closed forms: x' = -x + 1 + s + s^2 over h = 2.
     #[test]
     fn scalar_with_quadratic_forcing_has_its_closed_form() {
         let h = 2.0f64;
@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn a_stiff_step_lands_on_the_steady_state() {
-        // The slowest rate times the step is 560: nothing of the start is left.
+        // The slowest rate times the step is 560: the initial state has no influence.
         let a = matrix![-5900.0, -420.0; 8300.0, 0.0];
         let phi = Phi::new(a, 1.0);
         let n = vector![3.0e5, -100.0];
@@ -331,8 +331,8 @@ mod tests {
         assert!((x - steady).norm() < 1e-9 * steady.norm(), "{x} {steady}");
     }
 
-    /// Eigenvalues apart, equal, and one of them far beyond the other, on both sides of [`FAR`]; then complex ones. Against
-    /// the closed form x_s + e^{A h} (x0 - x_s), to what so many doublings leave of the digits.
+    /// Eigenvalues apart, equal, and one of them much larger than the other, on both sides of [`FAR`]; then complex ones. Compared with
+    /// the closed form x_s + e^{A h} (x0 - x_s), within the rounding of the doublings.
     #[test]
     fn a_matrix_of_two_rows_has_its_closed_form_near_and_far() {
         let turn = matrix![0.8, -0.6; 0.6, 0.8];
@@ -360,7 +360,7 @@ mod tests {
     }
 
     proptest! {
-        /// Two half steps are one whole step: the property that the doublings must keep.
+        /// Two half steps equal one whole step, a property that the doublings must preserve.
         #[test]
         fn two_halves_make_a_whole(rates in prop::array::uniform4(-3e3f64..3e3), h in 1e-6f64..2e-3,
                                    x0 in prop::array::uniform2(-10f64..10.0), n in prop::array::uniform2(-1e3f64..1e3)) {

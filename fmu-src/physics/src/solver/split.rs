@@ -1,26 +1,26 @@
-//! The production integrator: two exponential blocks, fast (current, speed) and thermal, coupled in each step.
+//! The default integrator: two exponential blocks, fast (current, speed) and thermal, coupled in each step.
 //!
-//! Each block is x' = A x + N(t, x): A is the block's Jacobian, kept frozen while it is nearly right, and N is
-//! the *whole* remainder, so that a stale A costs accuracy in the error estimate and never in the equations.
-//! N is followed by a parabola through three stages (ETD3RK); a linear system with input ramps is exact.
+//! Each block is x' = A x + N(t, x): A is the block's Jacobian, frozen while it is accurate enough, and N is the *whole* remainder, so
+//! that an outdated A affects only the error estimate, not the equations. N is approximated by a parabola through three stages (ETD3RK);
+//! a linear system with linear inputs is solved exactly.
 //!
 //! ```text
 //! N_0 = N(0, x0)     x_a = x(h/2; N_0)     N_a = N(h/2, x_a)     x_b = x(h; 2 N_a - N_0)
 //! x1  = x(h; parabola through N_0, N_a, N(h, x_b))                                         (1)
 //! ```
 //!
-//! Heat: the system turns the *integrals* of the fast solution, that of i^2 included, into the heat of the step
-//! ([`System::work`]), so a current transient that dies within the step heats the winding by its actual loss. The thermal block then takes a heat flow with that very integral.
-//! The blocks are solved in turn until the temperatures at the end of the step stand still.
+//! Heat: the system computes the heat of the step from the *integrals* of the fast solution, including that of i^2
+//! ([`System::work`]), so a current transient that decays within the step heats the winding by its actual loss. The heat flow of the
+//! thermal block has exactly this integral. The blocks are solved in turn until the temperatures at the end of the step converge.
 //!
 //! *Error control*: the estimate of a step's error is the sum of
-//! - the line error: parabola against line (the error of the order below), in both blocks;
-//! - the stage error: the fast block's remainder at x1 against that at x_b, the only estimate that serves a stiff block;
+//! - the line error: parabola compared with straight line (error of the next lower order), in both blocks;
+//! - the stage error: the fast block's remainder at x1 compared with that at x_b, the only valid estimate for a stiff block;
 //! - the coupling error: change of the temperatures since the fast block used them;
-//! - the heat error: heat in the middle of the step against its parabola, quadratures, and the balance of the step's energies.
+//! - the heat error: heat in the middle of the step compared with its parabola, quadrature, and the step's energy balance residual.
 //!
-//! A step with too large an error is rejected and cut. The communication step is always met, and the next call begins with
-//! the step that this one would have continued with.
+//! A step with too large an error is rejected and repeated with a smaller step size. The last step ends at the communication point;
+//! the next communication step starts with the next step size of this one.
 //! *Source*: Cox, Matthews, J. Comput. Phys. 176 (2002) eq. (23)-(25); Hochbruck, Ostermann, Acta Numerica 19 (2010).
 
 mod square;
@@ -33,40 +33,40 @@ use crate::runtime::Saved;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use square::Squares;
 
-/// Relative tolerance of one step on the error of temperatures and energies, and on the fast block's last stage where
-/// rates bend within a stiff step ([`System::bends_where_stiff`]).
+/// Relative tolerance of one step on the error of temperatures and energies, and on the stage error where
+/// rates change within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
-/// Relative tolerance of one step on the fast block's last stage elsewhere, an estimate of the method's own order, and on what
-/// temperatures that are not yet settled do to it; and on its parabola against the line where rates bend.
+/// Relative tolerance of one step on the stage error elsewhere, an estimate of the method's own order, on the effect of the coupling
+/// error on the fast block, and on its line error where rates change within a stiff step.
 const STAGE_TOLERANCE: f64 = 1e-6;
-/// Relative tolerance of one step on the fast block's parabola against the line elsewhere: an error of order three beside a
-/// step whose own is of order five while the Jacobian is that of its start (tests/limits.rs). With all three, a minute of
-/// walking at a millisecond keeps current, speed and angle to 2e-7 of their size; tests/accuracy.rs has the rest.
+/// Relative tolerance of one step on the fast block's line error elsewhere: an estimate of order three for a step of order five, as
+/// long as the Jacobian is that of the step's start (tests/limits.rs). With all three tolerances, a minute of walking at a
+/// communication step of 1 ms keeps current, speed and angle to 2e-7 of their size; more in tests/accuracy.rs.
 const LINE_TOLERANCE: f64 = 3e-5;
-/// Sizes below which an error no longer counts as relative: 1 A, 10 rad/s.
+/// Sizes below which the error is absolute: 1 A, 10 rad/s.
 const FAST_FLOOR: Fast = Vector2::new(1.0, 10.0);
-/// A temperature error below this is none, K (times [`TOLERANCE`]).
+/// Absolute tolerance of temperatures, K (times [`TOLERANCE`]).
 const THERMAL_FLOOR: f64 = 1.0;
-/// Heat that moves the smallest node by less than this is nothing, K (times [`TOLERANCE`]).
+/// Absolute tolerance of heat, as temperature of the smallest node, K (times [`TOLERANCE`]).
 const HEAT_FLOOR: f64 = 1.0;
-/// How strongly copper and magnets answer to temperature, 1/K: what a temperature error does to the fast block.
+/// Sensitivity of copper and magnets to temperature, 1/K: effect of a temperature error on the fast block.
 const SENSITIVITY: f64 = 0.004;
-/// A frozen Jacobian is renewed when it is off by this share: one that is off by more costs the step its order, and a motor
-/// that warms by 15 K/s more than all else that it errs.
+/// A frozen Jacobian is updated if its relative error exceeds this value: a larger error reduces the order of the step; in a motor
+/// that warms by 15 K/s it would be the dominant error.
 const STALE: f64 = 3e-6;
-/// The same while the tolerance is eased, at most.
+/// Upper limit of this value with eased tolerances.
 const STALE_AT_MOST: f64 = 1e-3;
-/// Rounds in which the two blocks may agree.
+/// Largest number of iterations between the two blocks.
 const ROUNDS: usize = 4;
-/// A step that would be this share of what is left takes all of it: as it aims at half of the error that is allowed, that
-/// still serves. A step that is refused is cut to less.
+/// A step of at least this fraction of the rest takes the whole rest: the step size aims at half of the tolerance, so
+/// the error is still acceptable. A rejected step is reduced by more than this factor.
 const WHOLE: f64 = 0.8;
-/// No motor is this hot, K: a solution that comes here has run away, and there is no use in following it.
+/// Temperature limit, K: above it the solution diverges and the step is rejected.
 const ABSURD: f64 = 1e5;
-/// A step cut below this share of the caller's step is a failure, not an accuracy.
+/// Smallest step as a fraction of the communication step; below it the step fails.
 const LEAST_SHARE: f64 = 1e-9;
 
-/// What the integrator carries from step to step. `E` is how many energies are counted, at least three.
+/// State between steps. `E` is the number of energies, at least three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<const N: usize, const E: usize = 3> {
     /// Current, A, and speed, rad/s.
@@ -75,10 +75,10 @@ pub struct State<const N: usize, const E: usize = 3> {
     pub angle: f64,
     /// Node temperatures, K.
     pub temperature: SVector<f64, N>,
-    /// Energy taken in, delivered at the shaft, and given to ambient since the start, J; then, as far as
-    /// `E` reaches, the losses in the winding and by friction.
+    /// Energy input, energy at the shaft, and heat to ambient since the start, J; then, depending on
+    /// `E`, the losses in the winding and by friction.
     pub energy: [f64; E],
-    /// Integrals over the last call to [`Split::advance`], for states beside the nodes.
+    /// Integrals over the last call to [`Split::advance`], for states other than the nodes.
     pub integrals: StepIntegrals<N>,
 }
 
@@ -94,14 +94,14 @@ impl<const N: usize, const E: usize> Default for State<N, E> {
     }
 }
 
-/// Integrals over one call to [`Split::advance`]; no part of what the next one depends on.
+/// Integrals over one call to [`Split::advance`]; the next call does not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepIntegrals<const N: usize> {
     /// Integrals of the node temperatures over time, K.s.
     pub temperature: SVector<f64, N>,
-    /// Heat of the work that no node took, J ([`Work::aside`]).
+    /// Heat of the work outside the nodes, J ([`Work::aside`]).
     pub aside: f64,
-    /// Heat that left the nodes, J.
+    /// Heat flow out of the nodes, integrated, J.
     pub outflow: f64,
 }
 
@@ -118,7 +118,7 @@ impl<const N: usize, const E: usize> State<N, E> {
         fast.into_iter().chain(self.temperature.iter().copied()).chain(self.energy)
     }
 
-    /// The state of as many numbers, `None` where they run out.
+    /// The state from these numbers, `None` if there are too few.
     pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Self> {
         let x = Fast::new(next()?, next()?);
         let angle = next()?;
@@ -145,12 +145,12 @@ impl<const N: usize, const E: usize> Saved for State<N, E> {
     }
 }
 
-/// Why a step could not be made.
+/// Step failure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepFailure {
-    /// Where in the caller's step, s.
+    /// Time from the start of the communication step, s.
     pub t: f64,
-    /// The step that was still too long, s.
+    /// Step size at the failure, s.
     pub h: f64,
 }
 
@@ -163,18 +163,18 @@ pub struct Split<const N: usize> {
     fast: Phi<2>,
     squares: Squares,
     thermal: Phi<N>,
-    /// The tolerance over [`TOLERANCE`].
+    /// Factor on [`TOLERANCE`].
     ease: f64,
     /// Factor on all tolerances.
     scale: f64,
-    /// Steps that were rejected since the integrator was made.
+    /// Rejected steps since the integrator was created.
     pub rejected: u64,
-    /// The step that the last call would have gone on with, s.
+    /// Step size for the next step, s.
     trial: f64,
 }
 
 impl<const N: usize> Default for Split<N> {
-    /// Frozen for no step at all: the first step renews both blocks.
+    /// No frozen blocks: the first step computes both.
     fn default() -> Self {
         let (fast, thermal) = (Phi::new(Matrix2::zeros(), 0.0), Phi::new(SMatrix::zeros(), 0.0));
         let squares = Squares::of(&fast);
@@ -194,15 +194,15 @@ impl<const N: usize> Saved for Split<N> {
 }
 
 impl<const N: usize> Split<N> {
-    /// What a saved instance must hold beside its state so that it goes on bit for bit: matrix and step of both
-    /// frozen blocks, from which the phi functions follow, and the step to begin with.
+    /// Saved data of the integrator for a bit-identical continuation: matrix and step size of both
+    /// frozen blocks, which determine the phi functions, and the next step size.
     pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
         let (fast, thermal) = (&self.fast, &self.thermal);
         let fast = fast.matrix().iter().copied().chain([fast.step()]);
         fast.chain(thermal.matrix().iter().copied()).chain([thermal.step(), self.trial])
     }
 
-    /// The integrator of as many numbers, `None` where they run out or the step is none.
+    /// The integrator from these numbers, `None` if there are too few or the step size is invalid.
     pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Self> {
         fn block<const M: usize>(next: &mut impl FnMut() -> Option<f64>) -> Option<Phi<M>> {
             let mut matrix = SMatrix::<f64, M, M>::zeros();
@@ -217,7 +217,7 @@ impl<const N: usize> Split<N> {
         Some(Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial })
     }
 
-    /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] as they are eased: one, where that is wider than all.
+    /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] with the factor `ease`, where it makes them equal or larger.
     fn tolerances(&self, bends: bool) -> [f64; 3] {
         let tolerance = TOLERANCE * self.ease;
         let [stage, line] =
@@ -229,17 +229,17 @@ impl<const N: usize> Split<N> {
         (STALE * self.ease * self.scale).min(STALE_AT_MOST)
     }
 
-    /// Lets the steps err by this factor more than they do by default; it is no part of what is saved.
+    /// Multiplies the tolerance by this factor; not part of the saved state.
     pub fn ease(&mut self, factor: f64) {
         self.ease = factor;
     }
 
-    /// Multiplies all tolerances, the renewal of the Jacobians included, by a factor on their defaults; it is no part of what is saved.
+    /// Multiplies all tolerances, including that of the frozen Jacobians, by a factor on their defaults; not part of the saved state.
     pub fn scale_tolerances(&mut self, factor: f64) {
         self.scale = factor;
     }
 
-    /// Advances `state` by `h` seconds, in as many steps as the error asks for; on failure nothing changes.
+    /// Advances `state` by `h` seconds, in as many steps as the error control needs; on failure nothing changes.
     pub fn advance<const E: usize>(
         &mut self,
         system: &impl System<N>,
@@ -259,7 +259,7 @@ impl<const N: usize> Split<N> {
                     self.trial = f64::INFINITY;
                     break;
                 }
-                // Third order: the next step may grow by the cube root of what is to spare.
+                // Third-order error: the next step size follows from the cube root of the error.
                 trial = try_h * (0.8 / error.cbrt()).clamp(0.3, 4.0);
                 if try_h == rest {
                     self.trial = trial;
@@ -281,7 +281,7 @@ impl<const N: usize> Split<N> {
         Ok(())
     }
 
-    /// One step without error control, for studies of the method's order.
+    /// One step without error control, to study the order of the method.
     pub fn single_step<const E: usize>(
         &mut self,
         system: &impl System<N>,
@@ -291,7 +291,7 @@ impl<const N: usize> Split<N> {
         self.step(system, state, 0.0, h, &mut None).0
     }
 
-    /// Renews the frozen blocks where they no longer serve; the first renewal keeps what they were frozen for.
+    /// Updates the frozen blocks if they are outdated; `backup` keeps the blocks before the first update.
     fn renew(&mut self, a: Matrix2<f64>, m: SMatrix<f64, N, N>, h: f64, backup: &mut Option<Frozen<N>>) {
         let stale = self.stale();
         let fast = self.fast.step() == h && fresh(self.fast.matrix(), &a, h, stale);
@@ -339,7 +339,7 @@ impl<const N: usize> Split<N> {
         let xa = fast.half(&x0, &n0);
         let mut tempm = temp0 + rate0 * (0.5 * h);
         let mut stage = system.instant(middle, &xa, &tempm);
-        // To begin with, the temperatures end where the first stage's heat leads, which has most of a transient behind it.
+        // Initial guess: temperatures at the end from the heat of the first stage, by which most of a fast transient has decayed.
         let rate = network0 + system.heat_rates_at(middle, &xa, &tempm, &stage).component_mul(per_joule);
         let mut temp1 = temp0 + rate * h;
         let mut round = 0;
@@ -366,7 +366,7 @@ impl<const N: usize> Split<N> {
             let instants = [start, system.instant(middle, &xm, &tempm), system.instant(until, &x1, &temp1)];
             let work = system.work(&segment, &instants);
 
-            // A heat flow with the step's own integral: Simpson's rule solved for the middle.
+            // Heat flow with exactly the integral of the step: Simpson's rule solved for the middle value.
             let heat1 = system.heat_rates_at(until, &x1, &temp1, &instants[2]);
             let heatm = (work.heat * (6.0 / h) - heat0 - heat1) * 0.25;
             let flow =
@@ -390,14 +390,14 @@ impl<const N: usize> Split<N> {
 
             let size = x0.abs().sup(&x1.abs()).sup(&FAST_FLOOR);
             let line_error = fast.curvature_error(&forcing).component_div(&size).amax();
-            // Where the block is stiff, its end is the remainder's end value over A, and the parabola and the line
-            // agree on that; the estimate is the difference of the remainders at the end and at the last stage.
+            // In a stiff block the end state depends only on the remainder at the end, which is equal for parabola and line;
+            // the error estimate is the difference of the remainders at the end and at the last stage.
             let stage_error = system.fast_rates_at(until, &x1, &temp1, &instants[2]) - product(a, &x1) - nb;
             let stage_error = fast.last_stage_error(&stage_error);
             let stage_error = stage_error.component_div(&size).amax();
-            // The heat's integral is exact, so its shape within the step counts by the relaxation over the step.
+            // The integral of the heat is exact; its shape within the step only matters as far as the node relaxes over the step.
             let thermal_error = product(m, &thermal.curvature_error(&warming)).amax() * h / THERMAL_FLOOR;
-            // A transient that dies early has not the parabola's shape, and its heat comes before the middle.
+            // The heat of a transient that decays early is not a parabola, and is released before the middle.
             let shape_error = system.heat_rates_at(middle, &xm, &tempm, &instants[1]) - heatm;
             let shape_error = (shape_error.component_mul(per_joule) * h).amax();
             let heat_error = work.quadrature_error * per_joule.amax() / HEAT_FLOOR;
@@ -405,7 +405,7 @@ impl<const N: usize> Split<N> {
             let error = line_error / line_tolerance
                 + (stage_error + SENSITIVITY * coupling_error) / stage_tolerance
                 + of_heat / tolerance;
-            // Heat to ambient: the frozen network's share from the exact integral, the rest by Simpson.
+            // Heat to ambient: the linear part of the frozen network from the exact integral, the rest by Simpson's rule.
             let share = -m.tr_mul(capacity);
             let over_time = thermal.integral(&temp0, &warming);
             let outflow = share.dot(&over_time)
@@ -430,8 +430,8 @@ impl<const N: usize> Split<N> {
     }
 }
 
-/// Whether a frozen matrix still serves: what it is off by, times the step, moves the solution by less than the share
-/// `stale` of what the matrix itself does.
+/// Whether a frozen matrix is still accurate: its error times the step changes the solution by less than the fraction
+/// `stale` of the matrix's own effect.
 #[inline]
 fn fresh<const N: usize>(frozen: &SMatrix<f64, N, N>, now: &SMatrix<f64, N, N>, h: f64, stale: f64) -> bool {
     let slack = stale / h;

@@ -1,23 +1,23 @@
-//! A stabilised explicit method for networks of many slow nodes: Runge-Kutta-Chebyshev of second order.
+//! A stabilised explicit method for networks of many slow nodes: Runge-Kutta-Chebyshev, second order.
 //!
 //! ```text
 //! Y_0 = y,  Y_1 = y + m~_1 h F(y),
 //! Y_j = (1 - m_j - n_j) y + m_j Y_{j-1} + n_j Y_{j-2} + m~_j h F(t + c_{j-1} h, Y_{j-1}) + g~_j h F(y)   (1)
 //! ```
-//! with coefficients from Chebyshev polynomials. With s stages it is stable on the negative real axis down to
-//! -2/3 (s^2 - 1): the work grows with the root of the stiffness, and a step costs s evaluations of a sparse
-//! network instead of a full matrix. What a linear sum of the states keeps (energy), (1) keeps to rounding.
+//! with coefficients from Chebyshev polynomials. With s stages it is stable on the negative real axis down to -2/3 (s^2 - 1): the work
+//! grows with the square root of the stiffness, and a step needs s evaluations of a sparse network instead of a full matrix. A conserved
+//! linear combination of the states (energy) is conserved by (1) to rounding.
 //! *Error*: 4/5 (y_0 - y_1) + 2/5 h (F_0 + F_1), the difference to a third-order quadrature.
 //! *Source*: Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326, eqs. (2.1) to (2.5), (2.8).
 
-/// Most states of a system.
+/// Largest number of states of a system.
 pub const MOST: usize = 68;
 /// States, the first of which are in use.
 pub type States = [f64; MOST];
 
 /// Damping of the stability region.
 const DAMPING: f64 = 2.0 / 13.0;
-/// Most stages of one step.
+/// Largest number of stages of one step.
 const MOST_STAGES: usize = 50;
 
 /// The method with a number of stages.
@@ -34,7 +34,7 @@ impl Default for Stabilized {
     }
 }
 
-/// T_s, T_s' and T_s'' of Chebyshev at `w0`.
+/// Chebyshev polynomial T_s with T_s' and T_s'' at `w0`.
 fn chebyshev(s: usize, w0: f64) -> [f64; 3] {
     let (mut before, mut now) = ([1.0, 0.0, 0.0], [w0, 1.0, 0.0]);
     for _ in 1..s {
@@ -57,7 +57,7 @@ impl Stabilized {
         Stabilized { stages, w0, w1: d1 / d2 }
     }
 
-    /// The method that is stable for a step of `z` = h times the largest rate, or the one that is for the largest.
+    /// The method with the fewest stages that is stable for `z` = h times the largest rate, or the one with the most stages.
     pub fn for_stiffness(z: f64) -> Self {
         let stages = (z / 0.65 + 1.0).max(0.0).sqrt().ceil();
         Self::new(stages.min(MOST_STAGES as f64) as usize)
@@ -75,7 +75,7 @@ impl Stabilized {
     }
 
     /// One step of length `h` of the first `n` states from `y` with the rates `f0` there; `rates(t, y, out)` with
-    /// t from the step's start. Gives the states at the end.
+    /// t from the step's start. Returns the states at the end.
     #[inline]
     pub fn step(
         &self,
@@ -90,7 +90,7 @@ impl Stabilized {
         // b_0 = b_1 = b_2 = T_2''/(T_2')^2 with T_2'' = 4, T_2' = 4 w0.
         let b2 = 4.0 / (16.0 * w0 * w0);
         let (mut b_before, mut b_last) = (b2, b2);
-        // Chebyshev's polynomials and their derivatives at w0, for j - 2 and j - 1.
+        // Chebyshev polynomials and their derivatives at w0, for j - 2 and j - 1.
         let (mut t_before, mut t_last) = ([1.0, 0.0, 0.0], [w0, 1.0, 0.0]);
         let (mut c_before, mut c_last) = (0.0, b2 * w1);
         let (mut before, mut last) = (*y, *y);
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     fn run(stages: usize, steps: usize, rate: f64) -> f64 {
-        // y' = rate (cos t - y): smooth and stiff at will.
+        // y' = rate (cos t - y): smooth, with adjustable stiffness.
         let method = Stabilized::new(stages);
         let h = 1.0 / steps as f64;
         let mut y = [0.0; MOST];
@@ -161,7 +161,7 @@ mod tests {
         a * 1f64.cos() + b * 1f64.sin() + (1.0 - a) * (-rate).exp()
     }
 
-    /// Error against step: the slope is 2 within 0.2 for any number of stages.
+    /// Error as a function of the step: order 2 within 0.2 for any number of stages.
     #[test]
     fn second_order() {
         for stages in [2, 3, 5, 12] {
@@ -171,7 +171,7 @@ mod tests {
         }
     }
 
-    /// Stable to the limit that for_stiffness relies on.
+    /// Stable up to the limit used by for_stiffness.
     #[test]
     fn stable_for_the_stiffness_it_was_chosen_for() {
         for z in [1.0, 1.9, 10.0, 300.0, 1600.0] {
@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// A chain whose sum nothing changes: kept to rounding.
+    /// A chain with a conserved sum: conserved to rounding.
     #[test]
     fn a_linear_sum_is_kept() {
         let method = Stabilized::new(4);

@@ -6,29 +6,29 @@
 //! int i^2 dt = V(0) - V(h) + 2 int x^T S n dt                                              (3)
 //! S = -(det Q + r r^T) / (2 tr det),   r = (a_22, -a_12)                                   (4)
 //! ```
-//! The integral of n is that of x, t x and t^2 x with the phi functions. A transient that dies early in a long step is no special
-//! case, and the energies of inductance and rotor cancel in (3) as they do in the energy balance, so that rounding is relative to
-//! them.
+//! The integral with n follows from those of x, t x and t^2 x with the phi functions. A transient that decays early in a long step
+//! needs no special treatment, and the energies of inductance and rotor cancel in (3) as they do in the energy balance, so that rounding
+//! is relative to them.
 //!
-//! Where the second row of A is zero (a speed that is imposed, a line over the step) a scalar equation replaces (2):
-//! S = -1/(2 a_11) with a_12 w as a part of n. Where the block has no Lyapunov function, Simpson's rule replaces (3).
+//! If the second row of A is zero (imposed speed, linear over the step) a scalar equation replaces (2):
+//! S = -1/(2 a_11) with a_12 w as a part of n. If the block has no Lyapunov function, Simpson's rule replaces (3).
 //! *Source*: (2), (3): differentiate V; (4): the solution of the Lyapunov equation for two rows, by insertion.
 
 use super::Fast;
 use crate::solver::phi::{Forcing, Phi, product};
 use nalgebra::Matrix2;
 
-/// Trace and determinant count as zero below this fraction of their terms: (4) loses as many digits.
+/// Trace and determinant are treated as zero below this fraction of their terms: (4) loses as many digits.
 const SINGULAR: f64 = 1e-7;
 
-/// What eq. (3) needs of one A and one h; `None` without a Lyapunov function.
+/// Coefficients of eq. (3) for one A and one h; `None` without a Lyapunov function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Squares(Option<Form>);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Form {
     s: Matrix2<f64>,
-    /// phi_j - 2 phi_{j+1} + 2 phi_{j+2}, j = 1 ... 4: what the integral of t^2 x has in place of phi_j.
+    /// phi_j - 2 phi_{j+1} + 2 phi_{j+2}, j = 1 ... 4: replaces phi_j in the integral of t^2 x.
     second: [Matrix2<f64>; 4],
     /// 2 S_11 a_12 where the speed is imposed, else 0.
     coupled: f64,
@@ -46,8 +46,8 @@ impl Squares {
         }))
     }
 
-    /// int i^2 dt over a step with these currents and speeds at its start, middle and end, with the integrals of x and of t x, and
-    /// how far the trapezoidal rule would miss where Simpson's rule replaces eq. (3).
+    /// int i^2 dt over a step with these currents and speeds at its start, middle and end, with the integrals of x and of t x. Also the
+    /// error of the trapezoidal rule if Simpson's rule replaces eq. (3), else 0.
     #[inline]
     pub fn integral(&self, h: f64, x: &[Fast; 3], n: &Forcing<2>, [first, moment]: [&Fast; 2]) -> (f64, f64) {
         let Some(Form { s, second, coupled }) = &self.0 else {
@@ -64,14 +64,14 @@ impl Squares {
             s[(0, 0)] * a[0] * b[0] + s[(0, 1)] * (a[0] * b[1] + a[1] * b[0]) + s[(1, 1)] * a[1] * b[1]
         };
         let forcing = of(&n.n0, first) + of(&n.n1, &moment) + of(&n.n2, &seconds);
-        // a_12 w with the speed on its line.
+        // a_12 w with the speed linear over the step.
         let speed = coupled * (x[0][1] * first[0] + h * n.n0[1] * moment[0]);
-        // V(0) - V(h) by the differences, which rounding leaves alone where nothing moves.
+        // V(0) - V(h) from the differences, without rounding error at equilibrium.
         (of(&(x[0] - x[2]), &(x[0] + x[2])) + 2.0 * forcing + speed, 0.0)
     }
 }
 
-/// Whether the speed follows an input: a line over the step.
+/// Whether the speed is imposed: linear over the step.
 fn is_imposed(a: &Matrix2<f64>) -> bool {
     a[(1, 0)] == 0.0 && a[(1, 1)] == 0.0
 }
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use nalgebra::{matrix, vector};
 
-    /// By Gauss's rule with three points on intervals that grow from the fastest decay on, as far as a swing allows.
+    /// By Gauss's rule with three points on intervals that grow from the fastest time constant on, limited by the period of an oscillation.
     fn by_quadrature(a: &Matrix2<f64>, h: f64, x0: &Fast, n: [Fast; 3]) -> f64 {
         let forcing = |s: f64| n[0] + n[1] * s + n[2] * (s * s);
         let at = |t: f64| {
@@ -128,8 +128,8 @@ mod tests {
         Squares::of(&phi).integral(h, &x, &forcing, [&moments[0], &moments[1]])
     }
 
-    /// Two real rates far apart, near, a swinging pair, a shaft without friction, a speed that is imposed; steps from far
-    /// below to far beyond the time constants.
+    /// Two real eigenvalues far apart, close together, a complex pair, a shaft without friction, an imposed speed; steps from much
+    /// shorter to much longer than the time constants.
     #[test]
     fn the_square_is_that_of_the_solution() {
         let blocks = [
@@ -157,7 +157,7 @@ mod tests {
         }
     }
 
-    /// Friction that falls with speed as fast as the armature brakes: no Lyapunov function, so Simpson's rule and its error.
+    /// Friction that decreases with speed as fast as the armature brakes: no Lyapunov function, so Simpson's rule and its error estimate.
     #[test]
     fn a_block_without_a_lyapunov_function_takes_simpsons_rule() {
         let a = matrix![-5900.0, -420.0; 8300.0, 420.0 * 8300.0 / 5900.0];

@@ -1,17 +1,17 @@
-//! What the split asks of a model, and what it says of a step.
+//! Interface of a model to the split integrator.
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 /// Current, A, and speed, rad/s.
 pub type Fast = Vector2<f64>;
 
-/// Interface from a model to the integrator. Times are seconds since the start of the caller's step.
+/// Interface of a model to the integrator. Times are seconds since the start of the communication step.
 pub trait System<const N: usize> {
-    /// What rates, heat and work share at one instant and costs to compute.
+    /// Intermediate results at one instant, shared by rates, heat and work.
     type Instant: Copy;
-    /// That of an instant.
+    /// Intermediate results at an instant.
     fn instant(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Self::Instant;
-    /// Derivatives of current and speed, A/s and rad/s2, with what is known of the instant.
+    /// Derivatives of current and speed, A/s and rad/s2, with the intermediate results of the instant.
     fn fast_rates_at(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>, instant: &Self::Instant)
     -> Fast;
     /// Derivatives of current and speed, A/s and rad/s2.
@@ -21,15 +21,15 @@ pub trait System<const N: usize> {
     }
     /// Their Jacobian with respect to (current, speed), 1/s.
     fn fast_matrix(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> Matrix2<f64>;
-    /// Derivatives of the temperatures by conduction, convection and radiation alone, K/s, and the heat flow from the nodes
-    /// to whatever surrounds them, W.
+    /// Derivatives of the temperatures by conduction, convection and radiation only, K/s, and the heat flow out of the nodes
+    /// to their environment, W.
     fn network(&self, t: f64, temperature: &SVector<f64, N>) -> (SVector<f64, N>, f64);
-    /// Derivatives of the temperatures by conduction, convection and radiation alone, K/s.
+    /// Derivatives of the temperatures by conduction, convection and radiation only, K/s.
     #[inline]
     fn network_rates(&self, t: f64, temperature: &SVector<f64, N>) -> SVector<f64, N> {
         self.network(t, temperature).0
     }
-    /// Heat flow from the nodes to whatever surrounds them, W.
+    /// Heat flow out of the nodes to their environment, W.
     #[inline]
     fn outflow(&self, t: f64, temperature: &SVector<f64, N>) -> f64 {
         self.network(t, temperature).1
@@ -40,7 +40,7 @@ pub trait System<const N: usize> {
     fn capacity(&self) -> &SVector<f64, N>;
     /// Their reciprocals, K/J.
     fn inverse_capacity(&self) -> &SVector<f64, N>;
-    /// Heat set free in each node, W, with what is known of the instant.
+    /// Heat generated in each node, W, with the intermediate results of the instant.
     fn heat_rates_at(
         &self,
         t: f64,
@@ -48,22 +48,22 @@ pub trait System<const N: usize> {
         temperature: &SVector<f64, N>,
         instant: &Self::Instant,
     ) -> SVector<f64, N>;
-    /// Heat set free in each node at one instant, W.
+    /// Heat generated in each node at one instant, W.
     #[inline]
     fn heat_rates(&self, t: f64, x: &Fast, temperature: &SVector<f64, N>) -> SVector<f64, N> {
         self.heat_rates_at(t, x, temperature, &self.instant(t, x, temperature))
     }
-    /// Energies over one step, from the fast solution's integrals, with what is known of its start, middle and end.
+    /// Energies over one step, from the fast solution's integrals, with the intermediate results at its start, middle and end.
     fn work(&self, segment: &Segment<N>, instants: &[Self::Instant; 3]) -> Work<N>;
-    /// True where the fast rates bend on a scale that a stiff block passes within a step, so that the last stage must be
-    /// as near as all else.
+    /// Whether the fast rates change within a step that is stiff, so that the last stage needs the tolerance
+    /// of the other errors.
     fn bends_where_stiff(&self) -> bool;
 }
 
-/// The fast solution over one step, and the temperatures under it.
+/// The fast solution over one step, with the temperatures.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<const N: usize> {
-    /// Start, s after the start of the caller's step.
+    /// Start, s after the start of the communication step.
     pub t: f64,
     /// Length, s.
     pub h: f64,
@@ -71,7 +71,7 @@ pub struct Segment<const N: usize> {
     pub x: [Fast; 3],
     /// Their integrals, A.s and rad.
     pub integral: Fast,
-    /// Integral of the square of the current, A2.s, and how far a coarser rule would miss it where it is not exact.
+    /// Integral of the square of the current, A2.s, and, where it is not exact, its difference to a coarser rule.
     pub square: f64,
     /// See [`square`](Segment::square).
     pub error_of_square: f64,
@@ -84,18 +84,18 @@ pub struct Segment<const N: usize> {
 /// Energies over one step, J.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<const N: usize> {
-    /// Heat set free in each node.
+    /// Heat generated in each node.
     pub heat: SVector<f64, N>,
     /// Losses in the winding and by friction.
     pub losses: [f64; 2],
-    /// Electrical energy taken at the terminals, and heat put in from outside.
+    /// Electrical energy at the terminals, and external heat input.
     pub electrical: f64,
-    /// Energy delivered at the shaft.
+    /// Energy at the shaft.
     pub mechanical: f64,
-    /// Heat given to ambient without passing a node.
+    /// Heat to ambient that does not pass a node.
     pub ambient: f64,
-    /// Heat set free beyond the nodes.
+    /// Heat generated outside the nodes.
     pub aside: f64,
-    /// How far a coarser rule would miss the energies that are not exact.
+    /// Difference to a coarser rule of the energies that are not exact.
     pub quadrature_error: f64,
 }
