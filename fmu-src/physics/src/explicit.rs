@@ -1,6 +1,6 @@
-//! Models without an integrator of their own: a [`Law`] is a right-hand side with outputs, [`Explicit`] makes [`Equations`] of it.
+//! Models with the explicit integrator: a [`Law`] is a right-hand side with outputs; [`Explicit`] implements [`Equations`] with it.
 //!
-//! The equations of an actuator's transmission or of a person's gait are not stiff, so that Dormand and Prince's method solves them.
+//! The equations of an actuator's transmission or of a person's gait are not stiff; the method of Dormand and Prince is sufficient.
 
 use crate::groups::Grouped;
 use crate::load_table::LoadTable;
@@ -12,7 +12,7 @@ use declare::State;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-/// What the law is asked about: the present inputs and states, and what the start has left.
+/// Arguments of the law: present inputs and states, and the values fixed at the start.
 #[derive(Clone, Copy, Debug)]
 pub struct Now<'a, I, const N: usize, const M: usize> {
     /// Time, s.
@@ -21,57 +21,57 @@ pub struct Now<'a, I, const N: usize, const M: usize> {
     pub inputs: &'a I,
     /// States, in the order of the declaration.
     pub states: &'a [f64; N],
-    /// What the start has fixed.
+    /// Values fixed at the start.
     pub initial: &'a [f64; M],
 }
 
-/// What the law is asked about along a step: inputs on their lines.
+/// Arguments of the law along a step: inputs with their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Line<'a, I, const M: usize> {
-    /// Time at the beginning of the communication step, s.
+    /// Time at the start of the communication step, s.
     pub time: f64,
     /// Inputs there.
     pub inputs: &'a I,
-    /// Their slopes, per second; `None` where all of them are held.
+    /// Input derivatives, per second; `None` if all inputs are constant.
     pub slopes: Option<&'a I>,
-    /// What the start has fixed.
+    /// Values fixed at the start.
     pub initial: &'a [f64; M],
 }
 
 impl<I: Table, const M: usize> Line<'_, I, M> {
-    /// The inputs `t` seconds into the step.
+    /// The inputs `t` seconds after the start of the step.
     #[inline(always)]
     pub fn inputs(&self, t: f64) -> I {
         self.slopes.map_or(*self.inputs, |slopes| self.inputs.after(t, slopes))
     }
 }
 
-/// The equations of a model with `N` states, and its parameters. `M` numbers are fixed when it starts.
+/// The equations of a model with `N` states, and its parameters. `M` values are fixed at the start.
 pub trait Law<const N: usize, const M: usize>:
     Grouped + Clone + Debug + Default + PartialEq + Send + Sync + Sized + 'static
 {
-    /// What the importer sets.
+    /// Inputs.
     type Inputs: Table;
-    /// What the model computes.
+    /// Outputs.
     type Outputs: Table;
-    /// Outputs of the energy balance, which are computed on request only.
+    /// Outputs of the energy balance, computed on request only.
     type Balance: Table;
-    /// Residuals that pass through zero at an event.
+    /// Event indicators.
     type Indicators: Table;
 
-    /// What holds at one instant, from which rates and outputs follow.
+    /// Intermediate results at one instant, from which rates and outputs follow.
     type Point: Clone + Debug + Send + Sync + 'static;
     /// The states, in the order of the rates.
     const LIST: &'static [State];
 
     /// The declaration of the model.
     fn declaration() -> &'static Declaration;
-    /// States and reference values at the start; checks the parameters together.
+    /// States and reference values at the start; checks the consistency of the parameters.
     ///
     /// # Errors
-    /// Parameters that do not go together.
+    /// Inconsistent parameters.
     fn start(&self, time: f64, inputs: &Self::Inputs) -> Result<([f64; N], [f64; M]), Fault>;
-    /// What holds at one instant.
+    /// Intermediate results at one instant.
     fn point(&self, now: &Now<'_, Self::Inputs, N, M>) -> Self::Point;
     /// Derivatives of the states with respect to time.
     fn rates(point: &Self::Point) -> [f64; N];
@@ -81,8 +81,8 @@ pub trait Law<const N: usize, const M: usize>:
     fn balance(&self, now: &Now<'_, Self::Inputs, N, M>, point: &Self::Point) -> Self::Balance;
     /// The event indicators.
     fn indicators(&self, now: &Now<'_, Self::Inputs, N, M>, point: &Self::Point) -> Self::Indicators;
-    /// Tries a step of `h` seconds from the states `x`, `t` seconds into the communication step; `first` is what
-    /// holds there, where that is known. Laws that know a shorter way than Dormand's and Prince's take it.
+    /// A trial step of `h` seconds from the states `x`, `t` seconds after the start of the communication step; `first` are the
+    /// intermediate results there, if known. A law with a faster method than Dormand and Prince's overrides this.
     #[inline]
     fn one(
         &self,
@@ -94,7 +94,7 @@ pub trait Law<const N: usize, const M: usize>:
     ) -> Tried<Self::Point, N> {
         self.general(line, t, x, first, h)
     }
-    /// Dormand's and Prince's step.
+    /// Step of Dormand and Prince.
     fn general(
         &self,
         line: &Line<'_, Self::Inputs, M>,
@@ -109,32 +109,32 @@ pub trait Law<const N: usize, const M: usize>:
         };
         dormand_prince(point, Self::rates, t, x, first, h, &sizes(Self::LIST))
     }
-    /// The reference values after the parameters have changed under way from those of `before`.
+    /// The reference values after a change of tunable parameters; `before` has the previous ones.
     fn retuned(&self, _before: &Self, now: &Now<'_, Self::Inputs, N, M>) -> [f64; M] {
         *now.initial
     }
-    /// Takes a load table; false where the law has no use for one.
+    /// Sets a load table; false if the law does not use one.
     fn set_load(&mut self, _table: &LoadTable) -> bool {
         false
     }
-    /// The first event after `time` that is known by its time, s; infinite where there is none.
+    /// The first time event after `time`, s; infinite if there is none.
     fn next_event(&self, _time: f64) -> f64 {
         f64::INFINITY
     }
 }
 
-/// What the error of each state is measured by.
+/// Reference size for the error of each state.
 #[inline]
 pub fn sizes<const N: usize>(list: &[State]) -> [f64; N] {
     std::array::from_fn(|n| list[n].value.nominal)
 }
 
-/// States of a model that a law makes, and what its start has fixed.
+/// States of a model that consists of a law, and the values fixed at its start.
 #[derive(Clone, Copy, Debug)]
 pub struct Explicit<L, const N: usize, const M: usize> {
     states: [f64; N],
     initial: [f64; M],
-    /// Factor on the tolerance of the integrator, and steps that it has rejected.
+    /// Factor on the tolerance of the integrator, and number of rejected steps.
     tolerance: f64,
     rejected: u64,
     law: PhantomData<L>,
@@ -152,7 +152,7 @@ impl<L, const N: usize, const M: usize> Saved for Explicit<L, N, M> {
     }
 }
 
-/// A model made of a law.
+/// A model that consists of a law.
 type Model<L, const N: usize, const M: usize> = Runtime<Explicit<L, N, M>, N>;
 
 impl<L: Law<N, M>, const N: usize, const M: usize> Model<L, N, M> {
@@ -193,7 +193,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Equations<N> for Explicit<L, 
         let slopes = run.is_sloping().then_some(&run.slopes);
         let line = Line { time, inputs: &run.inputs, slopes, initial: &run.own.initial };
         let mut states = run.own.states;
-        // What was found for the outputs is the beginning of the step, unless the caller counts time in another way.
+        // Intermediate results of the outputs are reused at the start of the step, unless the caller's time differs.
         let first = run.known_point().filter(|_| time == run.time);
         let one = |t: f64, x: &[f64; N], first: Option<&L::Point>, h: f64| law.one(&line, t, x, first, h);
         let followed = advance(one, &mut states, first, h, run.own.tolerance);
@@ -253,7 +253,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Equations<N> for Explicit<L, 
         run.parameters.next_event(time)
     }
 
-    /// Nothing changes at events alone.
+    /// No discrete states.
     fn discrete(_: &Model<L, N, M>, before: &[f64; 0]) -> [f64; 0] {
         *before
     }
@@ -266,7 +266,7 @@ impl<L: Law<N, M>, const N: usize, const M: usize> Equations<N> for Explicit<L, 
         run.own.rejected
     }
 
-    /// Nothing that terms follow.
+    /// No drivers for terms.
     fn drivers(run: &Model<L, N, M>) -> Drivers {
         Drivers { time: run.time, ..Drivers::default() }
     }

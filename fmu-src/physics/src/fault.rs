@@ -1,4 +1,4 @@
-//! Why a model does not do what it is asked for.
+//! Failure to start or to step.
 
 /// Why a model cannot start or step: one sentence.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,8 +1,8 @@
-//! Structs made of groups of variables: listed once, found by group and row.
+//! Structs of groups of variables: declared once, accessed by group and row.
 
 use crate::model::GroupAt;
 
-/// A struct of groups of variables, as [`groups!`](crate::groups) makes it.
+/// A struct of groups of variables, implemented by [`groups!`](crate::groups).
 pub trait Grouped {
     /// The groups, in the order of the tables.
     fn groups() -> Vec<GroupAt>;
@@ -11,19 +11,19 @@ pub trait Grouped {
     /// # Panics
     /// If there is no such group or row.
     fn value(&self, group: usize, row: usize) -> f64;
-    /// Sets a row; false where its type has no such value.
+    /// Sets a row; false if the value is invalid for its type.
     ///
     /// # Panics
     /// If there is no such group or row.
     fn set_value(&mut self, group: usize, row: usize, value: f64) -> bool;
 }
 
-/// Lists the groups of a struct and dispatches to them: a field a line, each a [`declare::Group`].
+/// Lists the groups of a struct and dispatches to them: one field per line, each a [`declare::Group`].
 ///
 /// ```text
 /// groups! { Motor { "" @ 0 => inputs: Inputs, "motor." @ 100 => winding: Winding } then effects: Effects }
 /// ```
-/// `then` names a field that has groups of its own, which follow.
+/// `then` names a field that has its own groups, which follow.
 #[macro_export]
 macro_rules! groups {
     ($owner:ident { $($prefix:literal @ $base:literal => $field:ident : $type:ty),* $(,)? } $(then $tail:ident : $tail_type:ty)?) => {

@@ -1,14 +1,14 @@
 //! Power balance: each power flow is entered once, with its source and its sink.
 //!
-//! A flow leaves one account and reaches another, so what the accounts lose and gain always sums to zero. The
-//! accounts of a motor are bounded by what can be measured outside ([`Account::Terminals`],
-//! [`Account::Shaft`], [`Account::Ambient`]), by what stores energy, and by [`Account::AirGap`], which passes on
-//! all it gets. The check is that the model's own derivatives agree with the accounts ([`Ledger::error`]).
+//! A flow leaves one account and enters another, so the sum over all accounts is always zero. The
+//! accounts of a motor are the external flows that can be measured ([`Account::Terminals`],
+//! [`Account::Shaft`], [`Account::Ambient`]), the energy storages, and [`Account::AirGap`], which stores
+//! nothing. The check is that the model's own derivatives agree with the accounts ([`Ledger::error`]).
 
-/// Where energy comes from or goes to.
+/// Source or sink of energy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Account {
-    /// The electrical terminals, and heat put in from outside.
+    /// Electrical terminals, and external heat input.
     Terminals,
     /// The load on the shaft.
     Shaft,
@@ -22,19 +22,19 @@ pub enum Account {
     AirGap,
     /// Heat in the winding.
     Winding,
-    /// Heat in the stator, where it has a temperature of its own.
+    /// Heat in the stator, where it has its own temperature.
     Stator,
-    /// Heat in the rotor with its magnets, where it has a temperature of its own.
+    /// Heat in the rotor with its magnets, where it has its own temperature.
     Rotor,
     /// Heat in the tube around the motor.
     Tube,
-    /// The air that is led past the motor; stores nothing.
+    /// Air flow past the motor; stores nothing.
     Air,
     /// The electrical supply of the fan.
     Fan,
-    /// Heat in the housing, with stator and magnets where they have no account of their own.
+    /// Heat in the housing, with stator and magnets where they have no own account.
     Housing,
-    /// Heat in the gear, where it has a temperature of its own.
+    /// Heat in the gear, where it has its own temperature.
     Gear,
     /// Heat in the box around the motor: its air and walls.
     Enclosure,
@@ -59,13 +59,13 @@ impl Ledger {
         self.net[to as usize] += power;
     }
 
-    /// What an account gains, W.
+    /// Power into an account, W.
     pub fn gain(&self, account: Account) -> f64 {
         self.net[account as usize]
     }
 
-    /// The power that is unaccounted for, W: the sum over all accounts of how far the entered gain is from
-    /// what the account shows by itself (terminal volts times amperes, capacity times heating rate, ...).
+    /// Power balance residual, W: the sum over all accounts of the magnitude of the difference between the entered power and
+    /// the account's own value in `shown` (terminal voltage times current, heat capacity times temperature derivative, ...).
     pub fn error(&self, shown: &[(Account, f64)]) -> f64 {
         shown.iter().map(|&(account, gain)| (self.gain(account) - gain).abs()).sum()
     }

@@ -1,7 +1,7 @@
 //! The models: equations, correlations and the fast integrator.
 //!
-//! No FMI, no files, no clock, no threads here; nothing is allocated while a model runs. Start at
-//! [`models::ALL`], the list of models, or at `fmu-src/README.md`, the map from equation to file.
+//! No FMI, no file access, no clock, no threads; no allocation while a model runs. Entry points:
+//! [`models::ALL`], the list of models, and `fmu-src/README.md`, the map from equation to file.
 
 pub mod components;
 pub mod correlations;

@@ -1,11 +1,11 @@
 //! Values over a step.
 
-/// A value that runs along a line.
+/// A value that is linear over a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Line {
     /// Value at the start of the step.
     pub start: f64,
-    /// Slope, per second.
+    /// Derivative, per second.
     pub slope: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What every model is to the outside: a declaration, values by slot, and steps.
+//! Interface of every model: a declaration, values by slot, and steps.
 
 use crate::exchange::Exchange;
 pub use crate::fault::Fault;
@@ -11,15 +11,15 @@ use std::sync::OnceLock;
 /// A group of variables within a model.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupAt {
-    /// Put before each name, for example `motor.`.
+    /// Prefix of each name, for example `motor.`.
     pub prefix: &'static str,
-    /// Added to each value reference of the table.
+    /// Offset of each value reference of the table.
     pub base: u32,
     /// The rows.
     pub table: &'static [Variable],
 }
 
-/// Where a variable lives in a model: which group, which row.
+/// Position of a variable in a model: group and row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot {
     /// Index of the group in [`Declaration::groups`].
@@ -31,18 +31,18 @@ pub struct Slot {
 impl Slot {
     /// The group of the continuous states; rows in their order.
     pub const STATES: u16 = u16::MAX - 1;
-    /// The group of their derivatives.
+    /// The group of the derivatives of the states.
     pub const RATES: u16 = u16::MAX;
 }
 
-/// Which of several elements an entry is.
+/// Position of an entry in an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Element {
-    /// From 1.
+    /// Index, from 1.
     pub index: u32,
-    /// How many there are.
+    /// Number of elements.
     pub of: Elements,
-    /// Whether the array of them all is an output.
+    /// Whether the whole array is an output.
     pub shown: bool,
 }
 
@@ -53,20 +53,20 @@ pub struct Entry {
     pub name: String,
     /// Full value reference, unique in the model and never re-used.
     pub value_reference: u32,
-    /// Where the value lives.
+    /// Position of the value.
     pub slot: Slot,
-    /// What is declared of it.
+    /// Declaration of the variable.
     pub row: &'static Variable,
-    /// Where it is one of several.
+    /// Position in an array, if it is an element.
     pub element: Option<Element>,
 }
 
-/// Variables of shared parts that a model does not have, because they would change nothing.
+/// Variables of shared components that a model omits, because they would have no effect.
 #[derive(Clone, Copy, Debug)]
 pub struct Unserved {
-    /// How their names begin.
+    /// Prefix of their names.
     pub start: &'static str,
-    /// Why the model does not have them, and what to use instead.
+    /// Why the model omits them, and what to use instead.
     pub reason: &'static str,
 }
 
@@ -75,28 +75,28 @@ pub struct Unserved {
 pub struct Declaration {
     /// Name, also the FMI model identifier.
     pub name: &'static str,
-    /// One sentence.
+    /// Description, one sentence.
     pub description: &'static str,
     /// All groups, in the order of the tables.
     pub groups: Vec<GroupAt>,
     /// All variables, in the order of the tables; then each state with its derivative.
     pub entries: Vec<Entry>,
-    /// The continuous states, in their order: indices of the entries of state and derivative. What a parameter
-    /// counts comes last, so that the states in use are the first ones.
+    /// The continuous states, in their order: indices of the entries of state and derivative. States whose number depends on
+    /// a parameter come last, so that the states in use are the first ones.
     pub states: Vec<[usize; 2]>,
     /// The event indicators, in their order: indices of their entries.
     pub indicators: Vec<usize>,
-    /// The parameters that say how many elements a variable has: indices of their entries.
+    /// The parameters that give the number of elements of a variable: indices of their entries.
     pub dimensions: Vec<usize>,
     /// Hash of the variable table without the start values: FMI 2 GUID and FMI 3 instantiation token.
     pub token: String,
     by_reference: Vec<Option<u32>>,
-    /// Name and value reference of the variables of shared parts that the model does not have, with the reason.
+    /// Name and value reference of the variables of shared components that the model omits, with the reason.
     unserved: Vec<(String, u32, &'static str)>,
 }
 
 impl Declaration {
-    /// The declaration made of a list of groups and of continuous states, without the variables that the model does not serve.
+    /// The declaration from a list of groups and of continuous states, without the omitted variables.
     pub fn new(
         name: &'static str,
         description: &'static str,
@@ -150,7 +150,7 @@ impl Declaration {
         }
     }
 
-    /// One sentence about a variable of this name that other models have and this one does not serve.
+    /// One sentence about a variable of this name that other models have and this one omits.
     pub fn unserved(&self, name: &str) -> Option<String> {
         self.sentence(self.unserved.iter().find(|absent| absent.0 == name)?)
     }
@@ -171,7 +171,7 @@ impl Declaration {
         self.entries.get(k as usize)
     }
 
-    /// Whether a variable says how many elements another has.
+    /// Whether a variable is the number of elements of another.
     pub fn is_dimension(&self, entry: &Entry) -> bool {
         self.dimensions.iter().any(|&k| self.entries[k].value_reference == entry.value_reference)
     }
@@ -182,7 +182,7 @@ impl Declaration {
     }
 }
 
-/// Adds every state with its derivative to the entries; where they stand there.
+/// Appends every state with its derivative to the entries; returns their indices.
 fn enter_states(entries: &mut Vec<Entry>, states: &'static [State]) -> Vec<[usize; 2]> {
     let mut places = Vec::new();
     for state in states {
@@ -212,7 +212,7 @@ fn enter_states(entries: &mut Vec<Entry>, states: &'static [State]) -> Vec<[usiz
     places
 }
 
-/// The FNV-1a hash, twice with different offsets, over all that a binary and its XML must agree on.
+/// The FNV-1a hash, twice with different offsets, over everything that must be equal in a binary and its XML.
 fn token(name: &str, entries: &[Entry]) -> String {
     let mut text = String::from(name);
     for e in entries {
@@ -238,7 +238,7 @@ fn token(name: &str, entries: &[Entry]) -> String {
         text.bytes().fold(offset, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
     };
     let (a, b) = (hash(0xcbf2_9ce4_8422_2325), hash(0x6c62_272e_07bb_0142));
-    // In the shape of a GUID, which FMI 2 importers expect.
+    // In the format of a GUID, which FMI 2 importers expect.
     format!(
         "{{{:08x}-{:04x}-{:04x}-{:04x}-{:012x}}}",
         a >> 32,
@@ -252,30 +252,30 @@ fn token(name: &str, entries: &[Entry]) -> String {
 /// Value reference of the independent variable, time, in every model.
 pub const TIME: u32 = 0;
 
-/// Why a value is not taken.
+/// Reason for rejecting a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
     /// Not a number, or infinite.
     NotFinite,
     /// Below or above the declared limits.
     OutOfRange,
-    /// A fraction where a whole number is wanted.
+    /// Not an integer where one is required.
     NotWhole,
-    /// No item of the enumeration, or no Boolean.
+    /// Not an item of the enumeration, or not a Boolean.
     NoSuchItem,
-    /// The model computes it.
+    /// Computed by the model.
     Computed,
     /// Fixed after initialization.
     Fixed,
 }
 
 impl Entry {
-    /// Whether an importer may let the variable run along a slope.
+    /// Whether an importer may set an input derivative for the variable.
     pub fn is_continuous_input(&self) -> bool {
         self.row.causality == Causality::Input && self.row.variability == Variability::Continuous
     }
 
-    /// Whether an importer may read it, or set it, in the middle of a step: continuous inputs and outputs.
+    /// Whether an importer may read or set it in intermediate update mode: continuous inputs and outputs.
     pub fn is_intermediate(&self) -> bool {
         let shown = self.element.is_some_and(|element| element.shown) && self.slot.group == Slot::STATES;
         self.row.kind == Kind::Real
@@ -283,12 +283,12 @@ impl Entry {
             && (shown || matches!(self.row.causality, Causality::Input | Causality::Output))
     }
 
-    /// Whether it is for others to set: an input or a parameter.
+    /// Whether it can be set: an input or a parameter.
     pub fn is_settable(&self) -> bool {
         matches!(self.row.causality, Causality::Input | Causality::Parameter)
     }
 
-    /// Whether `value` may be set; `running` once initialization is over.
+    /// Whether `value` may be set; `running` is true after initialization.
     #[inline]
     pub fn check(&self, value: f64, running: bool) -> Result<(), Refusal> {
         let row = self.row;
@@ -309,10 +309,10 @@ impl Entry {
         }
     }
 
-    /// One sentence about a refused value: name, value, limits, unit.
+    /// One sentence about a rejected value: name, value, limits, unit.
     pub fn explain(&self, value: f64, refusal: &Refusal) -> String {
         let name = &self.name;
-        // A pure number is written without its unit.
+        // A dimensionless value is written without unit.
         let unit = match self.row.unit.name() {
             "1" => String::new(),
             unit => format!(" {unit}"),
@@ -350,94 +350,94 @@ impl Entry {
     }
 }
 
-/// Heat flow from the housing to ambient, and the temperatures at both ends.
+/// Heat flow from the housing to ambient, with the temperatures of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HousingHeat {
     /// Mean temperature of the housing, K.
     pub housing: f64,
-    /// Temperature of ambient, K.
+    /// Ambient temperature, K.
     pub ambient: f64,
     /// Heat flow by all paths: convection, radiation, mount, air flow and tube, W.
     pub flow: f64,
 }
 
-/// A model as the FMI layer and the tools see it.
+/// Interface of a model to the FMI layer and the tools.
 ///
-/// Values are numbers in SI units, whole ones for integers; Booleans are 0 or 1 and enumerations their FMI value. The caller checks
+/// Values are numbers in SI units; integers are whole numbers, Booleans 0 or 1, enumerations their FMI value. The caller checks
 /// values by [`Entry::check`] before it sets them.
 pub trait Model: Exchange + Send + Sync {
-    /// The model's table.
+    /// The declaration of the model.
     fn declaration(&self) -> &'static Declaration;
-    /// The value of a slot; outputs belong to the present time.
+    /// The value of a slot; outputs at the present time.
     fn get(&mut self, slot: Slot) -> f64;
-    /// Sets a parameter or an input; false where the type has no such value.
+    /// Sets a parameter or an input; false if the value is invalid for its type.
     fn set(&mut self, slot: Slot, value: f64) -> bool;
-    /// The slope of a continuous input over the next step, per second. It holds for that step alone; after it
-    /// the input stands where the slope has led it.
+    /// Sets the input derivative of a continuous input for the next step, per second. It is valid for that step only; afterwards
+    /// the input keeps its extrapolated value.
     fn set_slope(&mut self, slot: Slot, slope: f64);
     /// The input derivative that [`set_slope`](Model::set_slope) has set for the next step, per second.
     fn slope(&self, slot: Slot) -> f64;
-    /// Takes terms that are data (`terms.rs`) in place of those it had, before it starts; false, and nothing
-    /// taken, where it carries none or not as many.
+    /// Replaces the terms that are data (`terms.rs`), before the start; returns false and changes nothing
+    /// if the model accepts no terms or not as many.
     fn set_terms(&mut self, _terms: &[GenericTerm]) -> bool {
         false
     }
-    /// Takes a load table (`load_table.rs`), before it starts; false where it has no use for one.
+    /// Sets a load table (`load_table.rs`), before the start; false if the model does not use one.
     fn set_load(&mut self, _table: &LoadTable) -> bool {
         false
     }
-    /// Ends initialization at `time`: checks the parameters together, sets every state.
+    /// Ends initialization at `time`: checks the consistency of the parameters, sets all states.
     fn start(&mut self, time: f64) -> Result<(), Fault>;
-    /// Advances from `time`, which the caller counts, by `h` > 0 seconds; on failure nothing changes, unless the model has
+    /// Advances from `time`, the caller's time, by `h` > 0 seconds; on failure nothing changes, unless the model has
     /// [`ended`](Model::ended).
     fn step(&mut self, time: f64, h: f64) -> Result<(), Fault>;
-    /// Whether the last step failed at a limit of validity: then the model stands at the last time within it, and the run is
+    /// Whether the last step failed at a limit of validity: the model then is at the last time within the limit, and the run is
     /// over.
     fn ended(&self) -> bool {
         false
     }
-    /// The time that the model has reached, s.
+    /// The present time of the model, s.
     fn time(&self) -> f64;
-    /// The continuous states that rates depend on, in an order of the model's own that its modes and effects fix.
+    /// The continuous states that the rates depend on; their order depends on the model's modes and effects.
     fn states(&self, out: &mut Vec<f64>);
-    /// Takes a time and other values for [`states`](Model::states); false, and nothing taken, where they are not as
-    /// many.
+    /// Sets the time and the values of [`states`](Model::states); returns false and changes nothing if their number
+    /// differs.
     fn set_states(&mut self, time: f64, states: &[f64]) -> bool;
-    /// Derivatives of [`states`](Model::states) at the present states and inputs, per second; of slopes they
-    /// know nothing.
+    /// Derivatives of [`states`](Model::states) at the present states and inputs, per second; independent of input
+    /// derivatives.
     fn rates(&mut self, out: &mut Vec<f64>);
-    /// Lets the steps err by this factor more than they do by default, until the next start: for searches that repeat
-    /// a run many times and look at the answer alone.
+    /// Multiplies the error tolerance of the steps by this factor, until the next start: for searches that repeat
+    /// a run many times and use the result only.
     fn ease(&mut self, factor: f64);
     /// Multiplies the tolerances of the integrator by a factor on their defaults, until the next start.
     fn scale_tolerances(&mut self, factor: f64);
-    /// Steps that the integrator has rejected because of their error; only differences over a step have a meaning.
+    /// Number of steps rejected by the error control; only differences over a step are meaningful.
     fn rejected_steps(&self) -> u64;
-    /// Heat flow from the housing to ambient at the present time, with the true temperatures, not those of sensors;
-    /// `None` where the housing is not in contact with ambient.
+    /// Heat flow from the housing to ambient at the present time, with the true instead of the indicated temperatures;
+    /// `None` if the housing is not in contact with ambient.
     fn housing_heat(&mut self) -> Option<HousingHeat> {
         None
     }
-    /// What terms may follow, at the present time.
+    /// Drivers of terms at the present time.
     fn drivers(&self) -> Drivers;
-    /// Everything that the future depends on, as numbers.
+    /// The complete state of the instance, as numbers.
     fn save(&self, out: &mut Vec<f64>);
-    /// Takes back what [`save`](Model::save) gave; false where the length does not fit.
+    /// Restores the state from [`save`](Model::save); false if the length differs.
     fn restore(&mut self, saved: &[f64]) -> bool;
-    /// A copy with a life of its own.
+    /// An independent copy.
     fn boxed_clone(&self) -> Box<dyn Model>;
-    /// Copies another instance of the same model into this one, without allocating; false where it is another
+    /// Copies another instance of the same model into this one, without allocation; false if it is another
     /// model.
     fn copy_from(&mut self, other: &dyn Model) -> bool;
-    /// For [`copy_from`](Model::copy_from).
+    /// Used by [`copy_from`](Model::copy_from).
     fn as_any(&self) -> &dyn std::any::Any;
 }
 
-/// A kind of model: its declaration and how to make one.
+/// A kind of model: its declaration and its constructor.
 pub struct ModelType {
-    /// The declaration, made at the first call.
+    /// The declaration, created at the first call.
     pub declaration: fn() -> &'static Declaration,
-    /// A new instance at its start values.
+    /// A new instance with its start values.
     pub new: fn() -> Box<dyn Model>,
 }
 
@@ -447,14 +447,14 @@ impl fmt::Debug for ModelType {
     }
 }
 
-/// A declaration that is made once.
+/// A declaration that is created once.
 pub type Declared = OnceLock<Declaration>;
 
-/// Relative tolerance that the default accuracy of the integrators corresponds to.
+/// Relative tolerance that corresponds to the default accuracy of the integrators.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Log categories of every FMU: name and description; the last one stands for all.
-/// The names of FMI 2.0.5 section 2.2.4, and one more.
+/// Log categories of every FMU: name and description; the last one includes all.
+/// The names of FMI 2.0.5 section 2.2.4, and one additional category.
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
     ("logStatusError", "Reason of each call that returns Error"),
     ("logStatusDiscard", "Reason of each call that returns Discard"),

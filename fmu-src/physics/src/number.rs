@@ -1,22 +1,22 @@
-//! Numbers that carry a derivative, and a sign that is smooth at zero: what effects and components are written with.
+//! Number types with a derivative, and a sign function that is smooth at zero: used in effects and components.
 
 use num_dual::DualNum;
 
-/// A number, or a number with its derivative: what a port is computed with, so that no slope is written by hand.
+/// A number, or a number with its derivative: argument of a port, for automatic differentiation.
 pub trait Number: DualNum<Primitive = f64> + Copy {}
 impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
 
-/// The sign of `x` with a smooth passage through zero of width `small`: tanh(x / small), saturated where a double
-/// no longer sees the difference (and where a dual number's tanh would overflow).
+/// Smooth sign of `x`, tanh(x / small); saturated where the difference to 1 is below double precision
+/// (and where a dual number's tanh would overflow).
 #[inline]
 pub(crate) fn smooth_sign<D: Number>(x: D, small: f64) -> D {
     const SATURATED: f64 = 20.0;
     if x.re().abs() > SATURATED * small {
         return D::from(x.re().signum());
     }
-    // tanh by one exponential: as near as rounding of 1 lets it be, odd to the last bit, and 0 where x is.
+    // tanh by one exponential: accurate to the rounding of 1, odd to the last bit, exactly 0 at x = 0.
     let turned = 1.0 - 2.0 / ((2.0 * x.re().abs() / small).exp() + 1.0);
     let sign = turned.copysign(x.re());
-    // The derivative follows from the value; `x` less its own value is the derivative's part of `x` alone.
+    // The derivative follows from the value; `x` minus its own value is the derivative part of `x`.
     (x - D::from(x.re())) * ((1.0 - sign * sign) / small) + sign
 }

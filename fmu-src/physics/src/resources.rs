@@ -1,10 +1,10 @@
-//! The data that an archive brings to a model.
+//! Data in the resources of an FMU archive.
 
 use crate::load_table::LoadTable;
 use crate::model::Model;
 use crate::terms::GenericTerm;
 
-/// The data in the resources of an archive.
+/// Data in the resources of an archive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resources {
     /// Terms.
@@ -14,17 +14,17 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// Resources with terms alone.
+    /// Resources with terms only.
     pub fn of_terms(terms: &[GenericTerm]) -> Resources {
         Resources { terms: terms.to_vec(), load: None }
     }
 
-    /// Whether there are none.
+    /// Whether there are no data.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty() && self.load.is_none()
     }
 
-    /// Gives them to a model that has not started; false where it does not take all of them.
+    /// Passes them to a model that has not started; false if it rejects any of them.
     pub fn give(&self, model: &mut dyn Model) -> bool {
         let terms = self.terms.is_empty() || model.set_terms(&self.terms);
         let load = self.load.as_ref().is_none_or(|table| model.set_load(table));

@@ -1,83 +1,83 @@
-//! Derivatives of what a model computes with respect to what it is given, in one direction.
+//! Directional derivatives of a model's unknowns with respect to its knowns.
 //!
 //! D(h) = [f(h) - f(-h)] / 2h,   D_j(h) = D_{j-1}(h) + [D_{j-1}(h) - D_{j-1}(4h)] / (16^j - 1)      (1)
 //!
-//! Differences of the very equations, extrapolated to h = 0 (Richardson), with h from a hundredth of the variables'
-//! size ([`WAY`]) down by factors of 4 until two extrapolations agree to [`ENOUGH`]; each unknown takes the pair that agrees
-//! best (Ridders). At a limit that must not be crossed the differences are one-sided, with 4^j in place of 16^j.
-//! *Assumes* a smooth function near the point; where two extrapolations never agree, [`Slope::error`] says so.
-//! *Accuracy*: for smooth equations 1e-9 of the derivative, beside what rounding leaves of the unknown
-//! and of the terms that it is made of, eps |f| / h.
+//! Differences of the model equations, extrapolated to h = 0 (Richardson), with h from a hundredth of the variables'
+//! size ([`WAY`]) downwards by factors of 4 until two extrapolations agree to [`ENOUGH`]; for each unknown the pair with the best
+//! agreement is used (Ridders). At a limit the differences are one-sided, with 4^j instead of 16^j.
+//! *Assumes* a smooth function near the point; where no two extrapolations agree, [`Slope::error`] is large.
+//! *Accuracy*: for smooth equations 1e-9 of the derivative, plus the rounding error of the unknown
+//! and of its terms, eps |f| / h.
 //! *Why no dual numbers*: friction and other ports have them, for the integrator's Jacobians; correlations, operating points
-//! of fans and the network do not, and one law for all is one that a new effect cannot break.
+//! of fans and the network do not. Differences are independent of the implementation of an effect.
 //! *Source*: Ridders, Adv. Eng. Software 4 (1982) 75-76; Wynn, Math. Tables Aids Comput. 10 (1956) 91-96.
 
 use crate::model::{Model, Slot};
 
-/// Largest way, as a share of a variable's size.
+/// Largest increment, relative to a variable's size.
 pub const WAY: f64 = 1e-2;
-/// Each way over the next.
+/// Ratio of each increment to the next.
 const SHRINK: f64 = 4.0;
-/// Most ways that are tried: the last is 4e-8 of the first.
+/// Largest number of increments: the last is 4e-8 of the first.
 const LEVELS: usize = 13;
-/// Relative agreement of two extrapolations at which none better is sought.
+/// Relative agreement of two extrapolations at which the search ends.
 const ENOUGH: f64 = 1e-11;
-/// Relative agreement from which on worse agreement is rounding, and no structure that is still too small to be seen.
+/// Relative agreement after which worse agreement is due to rounding, not to a feature of the function smaller than the increment.
 const SETTLED: f64 = 1e-8;
-/// A limit that is nearer than this share of the largest way is one where the variable stands.
+/// A variable is at a limit if the distance is below this fraction of the largest increment.
 const AT_LIMIT: f64 = 1e-3;
 
-/// What is moved.
+/// A known, with respect to which the derivative is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Known {
     /// An input or a parameter.
     Variable(Slot),
-    /// A continuous state, by its place.
+    /// A continuous state, by its index.
     State(usize),
     /// Time.
     Time,
 }
 
-/// A variable that moves along the direction.
+/// A known with its direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Move {
-    /// Which.
+    /// The known.
     pub known: Known,
-    /// Where it stands.
+    /// Its present value.
     pub at: f64,
-    /// How far it moves for each unit of the direction.
+    /// Its component of the direction (seed).
     pub seed: f64,
-    /// Its typical size, positive.
+    /// Its nominal size, positive.
     pub size: f64,
-    /// Where it must stay.
+    /// Its limits.
     pub limits: (f64, f64),
 }
 
-/// What is computed.
+/// An unknown.
 #[derive(Clone, Copy, Debug)]
 pub struct Unknown {
-    /// Which.
+    /// Its slot.
     pub slot: Slot,
-    /// Its typical size, positive: it may be what is left of terms as large, with their rounding.
+    /// Its nominal size, positive: an unknown may be a small difference of terms of this size, with their rounding error.
     pub size: f64,
 }
 
-/// A derivative, and how far the last two estimates of it are apart.
+/// A derivative, and the difference of its last two estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {
     /// The derivative.
     pub value: f64,
-    /// Its uncertainty.
+    /// Its error estimate.
     pub error: f64,
 }
 
-/// A model whose slopes are asked for.
+/// Directional derivatives of a model.
 pub struct Slopes<'a> {
-    /// The model, which stays as it is.
+    /// The model, which is not changed.
     pub base: &'a dyn Model,
-    /// Another of its kind, to be moved.
+    /// Another instance of the same model, which is changed.
     pub scratch: &'a mut dyn Model,
-    /// Time of the start, s, where the variables decide how the model starts and not how it goes on.
+    /// Start time, s, if the knowns act through the initialization instead of the present state.
     pub restart: Option<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Slopes<'_> {
         self.from(moves, unknowns, None)
     }
 
-    /// The same from one side, ahead or behind: at a point where two smooth functions meet, the derivative of one of them.
+    /// The one-sided derivative, forward or backward: for a point where the derivative is discontinuous.
     pub fn one_sided(&mut self, moves: &[Move], unknowns: &[Unknown], is_ahead: bool) -> Vec<Slope> {
         self.from(moves, unknowns, Some(is_ahead))
     }
@@ -111,7 +111,7 @@ impl Slopes<'_> {
         self.extrapolate(&moving, unknowns, sided.signum() * whole.min(sided.abs()), Some(start))
     }
 
-    /// Eq. (1) from the way `h` on; one-sided from `start` where there is one.
+    /// Eq. (1) from the increment `h` on; one-sided if `start`, the value at h = 0, is given.
     fn extrapolate(
         &mut self,
         moves: &[Move],
@@ -121,9 +121,9 @@ impl Slopes<'_> {
     ) -> Vec<Slope> {
         let order = if start.is_some() { SHRINK } else { SHRINK * SHRINK };
         let mut best = vec![Slope { value: f64::NAN, error: f64::INFINITY }; unknowns.len()];
-        // For each unknown the last line of the table, until rounding has taken over.
+        // For each unknown the last row of the table, until rounding dominates.
         let mut lines: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); unknowns.len()];
-        // Its differences, with what rounding leaves of each.
+        // Its differences, with the rounding error of each.
         let mut differences: Vec<Vec<[f64; 2]>> = vec![Vec::with_capacity(LEVELS); unknowns.len()];
         for _ in 0..LEVELS {
             let to = self.at(moves, unknowns, h);
@@ -161,7 +161,7 @@ impl Slopes<'_> {
         best
     }
 
-    /// The unknowns `s` units along the direction; not a number where the model has none.
+    /// The unknowns at `s` units along the direction; NaN if the model cannot be evaluated there.
     fn at(&mut self, moves: &[Move], unknowns: &[Unknown], s: f64) -> Vec<f64> {
         self.scratch.copy_from(self.base);
         let count = self.scratch.declaration().states.len();
@@ -198,7 +198,7 @@ impl Slopes<'_> {
     }
 }
 
-/// The next line of the table of eq. (1), which begins with `difference`, and the best of its entries.
+/// The next row of the table of eq. (1), which begins with `difference`, and the best of its entries.
 fn next_line(line: &[f64], difference: f64, order: f64, rounding: f64) -> (Vec<f64>, Slope) {
     let mut best = Slope { value: f64::NAN, error: f64::INFINITY };
     let mut next = vec![difference];
@@ -216,7 +216,7 @@ fn next_line(line: &[f64], difference: f64, order: f64, rounding: f64) -> (Vec<f
 }
 
 /// The limit of differences by Wynn's epsilon algorithm: of each even column the entry that agrees best with the one above.
-/// Only as far as they approach something: of what grows (an infinite slope) the algorithm would give a limit, too.
+/// Only as long as the differences converge: the algorithm would return a limit for a divergent sequence (infinite derivative), too.
 fn limit_of(differences: &[[f64; 2]]) -> Slope {
     let far = |k: usize| (differences[k][0] - differences[k - 1][0]).abs();
     let count = (2..differences.len()).find(|&k| far(k) >= far(k - 1)).unwrap_or(differences.len());
@@ -227,7 +227,7 @@ fn limit_of(differences: &[[f64; 2]]) -> Slope {
     for k in 0.. {
         if k % 2 == 0 {
             for (n, pair) in column.windows(2).enumerate() {
-                // An entry of column k stands for k + 1 differences; the last of them, and what is taken from it, rounds most.
+                // An entry of column k depends on k + 1 differences; the last one has the largest rounding error.
                 let rounding = differences[n + 1 + k][1] * (1 + k) as f64;
                 let error = (pair[1] - pair[0]).abs() + rounding;
                 if error < best.error {
@@ -274,7 +274,7 @@ mod tests {
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{a} and {b}");
         let inverse_l = 1.0 / motor_parameters.L;
-        // In the middle, at a limit from below, and at one from above.
+        // In the middle, at a lower limit, and at an upper limit.
         for limits in [(-1e4, 1e4), (0.0, 1e4), (-1e4, 0.0)] {
             let by_voltage = slopes.along(&one(Known::Variable(voltage), 0.0, 48.0, limits), &unknowns);
             close(by_voltage[0].value, inverse_l);
@@ -288,8 +288,8 @@ mod tests {
         assert_eq!(nothing[0].value, 0.0);
     }
 
-    /// By hand where laws turn round within a rad/s while speeds count in thousands: dry friction tanh(w/w_small) and iron
-    /// w / (w^2 + w_small^2)^(1/4), with their slopes far below and far above where they turn.
+    /// By hand for laws with a transition width of 1 rad/s while the nominal speed is in the thousands: dry friction tanh(w/w_small) and
+    /// iron loss w / (w^2 + w_small^2)^(1/4), far below and far above the transition.
     #[test]
     fn slopes_where_friction_turns_round() {
         let mut motor = AnnulusCooledMotor::default();
@@ -323,7 +323,7 @@ mod tests {
         }
     }
 
-    /// 2 - 3 h^(1/4) + h^(1/2) + h^2 goes to 2, to which its twelfth term has come by a tenth.
+    /// 2 - 3 h^(1/4) + h^(1/2) + h^2 converges slowly to 2: after twelve terms the error is still a tenth.
     #[test]
     fn broken_powers_go_to_their_limit() {
         let at = |k: i32| SHRINK.powi(-k);
@@ -336,7 +336,7 @@ mod tests {
         assert!(limit_of(&growing).error > 0.1);
     }
 
-    /// n^0.8 has an infinite slope at 0: the error tells.
+    /// n^0.8 has an infinite derivative at 0: the error estimate indicates it.
     #[test]
     fn what_has_no_slope_is_told() {
         let mut motor = AnnulusCooledMotor::default();

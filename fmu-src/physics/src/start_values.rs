@@ -1,16 +1,16 @@
-//! Start values inside the binary, so that an FMU starts at what its XML says even where the importer passes no
+//! Start values inside the binary, so that an FMU has the start values of its XML even if the importer passes no
 //! resource path and sets nothing.
 //!
-//! The library holds a block of fixed size that begins with [`MAGIC`]. The archive builder writes the start
-//! values of a preset into the copy of the library that it packs; the library reads them when it makes an
+//! The library contains a block of fixed size that begins with [`MAGIC`]. The archive builder writes the start
+//! values of a preset into this block of the packed library; the library reads them when it creates an
 //! instance. Layout after the magic: number of entries, then that many pairs of value reference and value, all
 //! little-endian, `u32` and `f64`.
 
-/// Marks the block.
+/// Marker of the block.
 pub const MAGIC: [u8; 24] = *b"motor-fmu start values 1";
 /// Size of the block, bytes.
 pub const SIZE: usize = 8192;
-/// Most entries that fit.
+/// Largest number of entries.
 pub const CAPACITY: usize = (SIZE - MAGIC.len() - 4) / 12;
 
 /// The block without entries.
@@ -24,7 +24,7 @@ pub const fn empty() -> [u8; SIZE] {
     block
 }
 
-/// Why start values cannot be put into a library.
+/// Reason why start values cannot be written into a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PatchError {
     /// The empty block does not occur exactly once.
@@ -40,7 +40,7 @@ pub fn patch(library: &mut [u8], entries: &[(u32, f64)]) -> Result<(), PatchErro
     if entries.len() > CAPACITY {
         return Err(PatchError::TooMany(entries.len()));
     }
-    // The magic alone is no block: a linker may keep that of this very function.
+    // The magic alone is not the block: a linker may keep the constant of this function.
     let is_empty = |at: usize| library.get(at..at + SIZE).is_some_and(|block| *block == empty());
     let magics = library.windows(MAGIC.len()).enumerate().filter(|(_, w)| *w == MAGIC).map(|(k, _)| k);
     let found: Vec<usize> = magics.filter(|&at| is_empty(at)).collect();

@@ -1,51 +1,51 @@
-//! Terms that are data: what an effect found in measurements says, where no effect of the list says it.
+//! Terms that are data: effects found in measurements that the list of effects does not cover.
 //!
 //! y = c prod_i b_i^p_i,   b_i = (x_i - offset_i) / reference_i,   up to three drivers x_i      (1)
-//! y = a table in one driver: linear between its points, held at its ends beyond            (2)
-//! y = a grid over two drivers: bilinear between its points, held at its edges beyond       (3)
+//! y = a table in one driver: linear between its points, constant outside                   (2)
+//! y = a grid over two drivers: bilinear between its points, constant outside its edges     (3)
 //! tau dz/dt = x - z                                                                        (4)
 //!
-//! With a lag, z of eq. (4) stands in the law in place of the driver x; z starts at the x of the start, so that a motor at rest in
-//! its ambient temperature stays at rest. The driver of a lag may also be a heat flow, which no law follows without a lag: a node
-//! that the model lacks (magnets, a bearing) is a first-order lag of the temperature or of the heat beside it.
+//! With a lag, z of eq. (4) replaces the driver x in the law; z starts at the initial x, so that a motor at rest at
+//! ambient temperature stays at rest. The driver of a lag may also be a heat flow, which requires a lag: a missing node
+//! (magnets, a bearing) is a first-order lag of a neighbouring temperature or heat flow.
 //!
-//! A term is a port and one of these laws. What its value does at the port stands with the effect that carries
-//! terms, `effects/generic_term.rs`; the file that brings terms into an FMU is the matter of the crate `terms`.
-//! Speed, current and load torque count by their size, |b|^p, since a drag or a drop is the same either way. Temperatures, fan
-//! command and time have a side: below their offset the power is that of |b| with the other sign, so that p = 1 is a line.
-//! *Assumes* nothing: (1) to (4) are fits. *Range*: |p| up to [`GREATEST_EXPONENT`]; where p < 0, a base below
-//! [`LEAST_BASE`] counts as that. *Neglects* history beyond eq. (4).
+//! A term is a port and one of these laws. The effect that evaluates terms, `effects/generic_term.rs`, describes the action of the value
+//! at the port; the crate `terms` reads the file with the terms of an FMU.
+//! Speed, current and load torque enter by their magnitude, |b|^p, since drag and voltage drops are equal in both directions. Temperatures,
+//! fan command and time are signed: below their offset the power is -|b|^p, so that p = 1 is a straight line.
+//! *Assumes* nothing: (1) to (4) are fits. *Range*: |p| up to [`GREATEST_EXPONENT`]; where p < 0, a base is at least
+//! [`LEAST_BASE`]. *Neglects* history other than eq. (4).
 
 mod driver;
 
 use crate::number::Number;
 pub use driver::{Driver, Drivers, Port};
 
-/// Most terms that a model carries.
+/// Largest number of terms of a model.
 pub const MOST_TERMS: usize = 3;
-/// Most drivers of a product.
+/// Largest number of drivers of a product.
 pub const MOST_DRIVERS: usize = 3;
-/// Most points of a table.
+/// Largest number of points of a table.
 pub const MOST_POINTS: usize = 32;
-/// Most points of a grid along each of its drivers.
+/// Largest number of points of a grid along each of its drivers.
 pub const MOST_LINES: usize = 8;
 /// Limits of the time constant of a lag, s.
 pub const TIME_CONSTANT: (f64, f64) = (1e-3, 1e6);
-/// Greatest exponent, either way.
+/// Largest magnitude of an exponent.
 pub const GREATEST_EXPONENT: f64 = 6.0;
-/// A base with a negative exponent is not taken below this.
+/// Lower limit of a base with a negative exponent.
 pub const LEAST_BASE: f64 = 1e-3;
 
 /// One driver of eq. (1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Factor {
-    /// Which.
+    /// The driver.
     pub driver: Driver,
-    /// Subtracted from it first.
+    /// Offset, subtracted first.
     pub offset: f64,
-    /// Divides the difference, positive: the base of the power is a pure number.
+    /// Divisor of the difference, positive: the base of the power is dimensionless.
     pub reference: f64,
-    /// The power.
+    /// The exponent.
     pub exponent: f64,
 }
 
@@ -64,7 +64,7 @@ impl Factor {
         } else if self.exponent < 0.0 && base.re() < LEAST_BASE {
             D::from(LEAST_BASE.powf(self.exponent))
         } else if base.re() == 0.0 {
-            // A root's slope is infinite there, and what multiplies it at the ports is zero.
+            // The derivative of a root is infinite there; its factor at the ports is zero.
             D::from(0.0)
         } else {
             base.powf(self.exponent)
@@ -92,7 +92,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table through these points; `None` unless there are 2 to [`MOST_POINTS`], finite, with x ascending.
+    /// The table through these points; `None` unless there are 2 to [`MOST_POINTS`] finite points with ascending x.
     pub fn new(driver: Driver, x: &[f64], y: &[f64]) -> Option<Table> {
         let ascending = x.windows(2).all(|pair| pair[0] < pair[1]);
         let finite = x.iter().chain(y).all(|number| number.is_finite());
@@ -110,7 +110,7 @@ impl Table {
         (&self.x[..self.count], &self.y[..self.count])
     }
 
-    /// The value at `at`, and whether that lies beyond the points, so that an end is held.
+    /// The value at `at`, and whether `at` is outside the points, where the end value is used.
     pub fn at<D: Number>(&self, at: D) -> (D, bool) {
         let (x, y) = self.points();
         let last = self.count - 1;
@@ -128,7 +128,7 @@ impl Table {
 /// Eq. (3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// The drivers, those of the rows first.
+    /// The drivers, first that of the rows.
     pub drivers: [Driver; 2],
     counts: [usize; 2],
     points: [[f64; MOST_LINES]; 2],
@@ -136,7 +136,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid through these values, a row for each point of the first driver; `None` unless there are 2 to [`MOST_LINES`] points of
+    /// The grid through these values, one row for each point of the first driver; `None` unless there are 2 to [`MOST_LINES`] points of
     /// each of two drivers, finite and ascending, with a value for each pair.
     pub fn new(drivers: [Driver; 2], points: [&[f64]; 2], values: &[Vec<f64>]) -> Option<Grid> {
         let fits = |line: &[f64]| {
@@ -169,12 +169,12 @@ impl Grid {
         &self.points[driver][..self.counts[driver]]
     }
 
-    /// The values, a row for each point of the first driver.
+    /// The values, one row for each point of the first driver.
     pub fn values(&self) -> impl Iterator<Item = &[f64]> {
         self.values[..self.counts[0]].iter().map(|row| &row[..self.counts[1]])
     }
 
-    /// The interval of a driver in which `x` lies, its weight from 0 to 1, and whether it lies beyond the points.
+    /// The interval of a driver that contains `x`, its weight from 0 to 1, and whether `x` is outside the points.
     fn place<D: Number>(&self, driver: usize, x: D) -> (usize, D, bool) {
         let points = self.points(driver);
         let last = points.len() - 1;
@@ -188,7 +188,7 @@ impl Grid {
         }
     }
 
-    /// The value, and whether that lies beyond the points.
+    /// The value, and whether the argument is outside the points.
     pub fn at<D: Number>(&self, x: D, y: D) -> (D, bool) {
         let (a, s, below) = self.place(0, x);
         let (b, t, above) = self.place(1, y);
@@ -198,16 +198,16 @@ impl Grid {
     }
 }
 
-/// Eq. (4): a state of its own in place of a driver.
+/// Eq. (4): a state that replaces a driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
-    /// The driver that is followed late.
+    /// The driver that is lagged.
     pub driver: Driver,
     /// Time constant, s.
     pub tau: f64,
 }
 
-/// How a term follows its drivers.
+/// Law of a term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // a box would be an allocation for each copy of a model
 pub enum Law {
@@ -231,29 +231,29 @@ impl Law {
     }
 }
 
-/// A term: where it acts, and its law.
+/// A term: port and law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GenericTerm {
-    /// Where.
+    /// The port.
     pub port: Port,
-    /// How much.
+    /// The law.
     pub law: Law,
-    /// The driver that the law follows late, if any.
+    /// Lag of one of the law's drivers, if any.
     pub lag: Option<Lag>,
 }
 
 impl GenericTerm {
-    /// A term that follows the present values of its drivers.
+    /// A term that depends on the present values of its drivers.
     pub const fn new(port: Port, law: Law) -> GenericTerm {
         GenericTerm { port, law, lag: None }
     }
 
-    /// The value, in the port's unit; a lagged driver is one of the drivers.
+    /// The value, in the port's unit; a lagged driver must already be in `drivers`.
     pub fn value(&self, drivers: &Drivers) -> f64 {
         self.along(drivers, None)
     }
 
-    /// The value with one driver alive: its number stands in its place and carries its derivative.
+    /// The value with `Number` type for one driver, which carries the derivative.
     #[inline]
     pub fn along<D: Number>(&self, drivers: &Drivers, live: Option<(Driver, D)>) -> D {
         let of = |driver: Driver| match live {
@@ -271,7 +271,7 @@ impl GenericTerm {
         }
     }
 
-    /// The `k`-th term of a model: its lagged driver as its state has it.
+    /// The value of the `k`-th term of a model, with its lagged driver from its state.
     #[inline]
     pub fn along_as<D: Number>(&self, k: usize, drivers: &Drivers, live: Option<(Driver, D)>) -> D {
         match self.lag {
@@ -283,12 +283,12 @@ impl GenericTerm {
         }
     }
 
-    /// Whether it follows the present value of this driver.
+    /// Whether it depends on the present value of this driver.
     pub fn follows(&self, driver: Driver) -> bool {
         self.lag.is_none_or(|lag| lag.driver != driver) && self.law.drivers().any(|d| d == driver)
     }
 
-    /// Whether the term is a table or a grid that is asked beyond its points.
+    /// Whether the term is a table or a grid that is evaluated outside its points.
     pub fn is_held(&self, drivers: &Drivers) -> bool {
         match &self.law {
             Law::Product(_) => false,
@@ -297,7 +297,7 @@ impl GenericTerm {
         }
     }
 
-    /// Whether its drivers go together: no heat flow without a lag, and a lag of a driver that the law follows.
+    /// Whether its drivers are consistent: no heat flow without a lag, and a lag of a driver of the law.
     pub fn is_whole(&self) -> bool {
         let lagged = |driver: Driver| self.lag.is_some_and(|lag| lag.driver == driver);
         self.law.drivers().all(|d| !d.is_heat() || lagged(d))
@@ -351,7 +351,7 @@ mod tests {
         assert_eq!(product(-3.0, [None; 3]).value(&AT), -3.0);
     }
 
-    /// 3 K below its offset a line goes on below zero, and so does a root; a speed counts by its size.
+    /// 3 K below its offset a straight line is negative, and so is a root; a speed enters by its magnitude.
     #[test]
     fn temperatures_have_sides() {
         let at = Drivers { ambient_temperature: 290.0, speed: -4.0, ..AT };
@@ -408,7 +408,7 @@ mod tests {
         assert!(new(&[1.0, 2.0], &[1.0, f64::NAN]).is_none());
     }
 
-    /// Rows over speed 0 and 100 rad/s, columns over 300 and 400 K: (1, 2), (3, 8). In the middle 3.5; beyond an edge the edge.
+    /// Rows over speed 0 and 100 rad/s, columns over 300 and 400 K: (1, 2), (3, 8). In the middle 3.5; outside an edge the edge value.
     #[test]
     fn a_grid_is_bilinear_inside_and_held_outside() {
         let drivers = [Driver::Speed, Driver::WindingTemperature];
@@ -435,7 +435,7 @@ mod tests {
         assert!(Grid::new([Driver::Speed; 2], [&[0.0, 1.0], &[0.0, 1.0]], &rows).is_none());
     }
 
-    /// The state of a lag stands in place of its driver, and carries no derivative of it.
+    /// The state of a lag replaces its driver, without a derivative with respect to it.
     #[test]
     fn a_lagged_driver_is_the_state_of_its_lag() {
         let law = product(2.0, [factor(Driver::WindingTemperature, 10.0, 300.0, 1.0), None, None]).law;

@@ -34,10 +34,10 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use square::Squares;
 
 /// Relative tolerance of one step on the error of temperatures and energies, and on the stage error where
-/// rates change within a stiff step ([`System::bends_where_stiff`]).
+/// rates are nonlinear within a stiff step ([`System::bends_where_stiff`]).
 const TOLERANCE: f64 = 1e-7;
 /// Relative tolerance of one step on the stage error elsewhere, an estimate of the method's own order, on the effect of the coupling
-/// error on the fast block, and on its line error where rates change within a stiff step.
+/// error on the fast block, and on its line error where rates are nonlinear within a stiff step.
 const STAGE_TOLERANCE: f64 = 1e-6;
 /// Relative tolerance of one step on the fast block's line error elsewhere: an estimate of order three for a step of order five, as
 /// long as the Jacobian is that of the step's start (tests/limits.rs). With all three tolerances, a minute of walking at a
@@ -61,7 +61,7 @@ const ROUNDS: usize = 4;
 /// A step of at least this fraction of the rest takes the whole rest: the step size aims at half of the tolerance, so
 /// the error is still acceptable. A rejected step is reduced by more than this factor.
 const WHOLE: f64 = 0.8;
-/// Temperature limit, K: above it the solution diverges and the step is rejected.
+/// Temperature limit, K: above it the solution has diverged and the step is rejected.
 const ABSURD: f64 = 1e5;
 /// Smallest step as a fraction of the communication step; below it the step fails.
 const LEAST_SHARE: f64 = 1e-9;
@@ -217,7 +217,7 @@ impl<const N: usize> Split<N> {
         Some(Split { fast, squares, thermal, ease: 1.0, scale: 1.0, rejected: 0, trial })
     }
 
-    /// [`TOLERANCE`], [`STAGE_TOLERANCE`] and [`LINE_TOLERANCE`] with the factor `ease`, where it makes them equal or larger.
+    /// The tolerances: [`TOLERANCE`] times `ease`, and those of stage and line error, at least as large; all times `scale`.
     fn tolerances(&self, bends: bool) -> [f64; 3] {
         let tolerance = TOLERANCE * self.ease;
         let [stage, line] =

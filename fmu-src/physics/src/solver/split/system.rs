@@ -55,8 +55,8 @@ pub trait System<const N: usize> {
     }
     /// Energies over one step, from the fast solution's integrals, with the intermediate results at its start, middle and end.
     fn work(&self, segment: &Segment<N>, instants: &[Self::Instant; 3]) -> Work<N>;
-    /// Whether the fast rates change within a step that is stiff, so that the last stage needs the tolerance
-    /// of the other errors.
+    /// Whether the fast rates are nonlinear within a stiff step, so that the stage error needs the tolerance of the
+    /// other errors.
     fn bends_where_stiff(&self) -> bool;
 }
 
