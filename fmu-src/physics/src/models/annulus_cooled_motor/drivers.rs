@@ -1,4 +1,4 @@
-//! Drivers of the terms, sensor of the housing, and initial state.
+//! Drivers of the terms, temperature sensor of the housing, and initial state.
 
 use super::motor::{AnnulusCooledMotor, Motor};
 use super::network::Network;
@@ -13,14 +13,14 @@ use crate::terms::{Drivers, Lag, MOST_TERMS};
 use declare::Group;
 
 impl AnnulusCooledMotor {
-    /// Sets the drivers of the terms to their values at `time`, and updates the heat capacities.
+    /// Sets the drivers of the terms to their values at `time` and updates the heat capacities.
     #[inline]
     pub(super) fn set_drivers(&mut self, time: f64) {
         self.set_drivers_over(time, 0.0);
     }
 
-    /// The same for a step of `h` seconds: what the inputs and the clock decide stands in its middle, so that a term which holds
-    /// it over the step is of second order in them.
+    /// The same for a step of `h` seconds. Drivers that depend on inputs or time are evaluated at the midpoint, so that a term
+    /// with constant drivers over the step is of second order in them.
     #[inline]
     pub(super) fn set_drivers_over(&mut self, time: f64, h: f64) {
         if self.parameters.effects.acts_at(Port::Any) {
@@ -46,7 +46,7 @@ impl AnnulusCooledMotor {
             let before = self.own.constants.heat(&self.own.state.temperature, self.own.t_start);
             self.own.capacity_factor = factor;
             self.follow_parameters();
-            // Who integrates also says when a step is taken (`exchange.rs`); until then nothing is booked.
+            // A Model Exchange importer reports completed steps (`exchange.rs`); until then the stored energy is unchanged.
             if self.pre.is_none() {
                 self.own.stored_at_start +=
                     self.own.constants.heat(&self.own.state.temperature, self.own.t_start) - before;
@@ -54,7 +54,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Whether an effect that is data holds over a step what the states decide.
+    /// Whether an effect depends on drivers that follow the states and are constant over a step.
     #[inline]
     pub(super) fn holds_states(&self) -> bool {
         let effects = &self.parameters.effects;
@@ -65,8 +65,8 @@ impl AnnulusCooledMotor {
                     .any(|d| effects.holds(*d)))
     }
 
-    /// Sets the drivers of the terms to their values in the middle of a step of `h` seconds, whose end a first pass finds: what they hold over it is
-    /// then of second order in the step, also where it follows a current that answers within milliseconds.
+    /// Sets the drivers of the terms to their values at the midpoint of a step of `h` seconds. A trial step gives the end values, so
+    /// that constant drivers are of second order in the step, also if they follow a current that changes within milliseconds.
     pub(super) fn set_drivers_middle(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.clone();
         let from = self.drivers_over(time, 0.0);
@@ -80,7 +80,7 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    /// What terms may follow in the middle of a step of `h` seconds from `time` on.
+    /// Drivers of the terms at the midpoint of a step of `h` seconds that starts at `time`.
     pub(super) fn drivers_over(&self, time: f64, h: f64) -> Drivers {
         let (x, housing) = (&self.own.state.x, self.housing_temperature());
         let choices = &self.parameters.choices;
@@ -94,7 +94,7 @@ impl AnnulusCooledMotor {
             current,
             load_torque: match choices.mechanical_mode {
                 MechanicalMode::FreeShaft => inputs.load_torque,
-                // Without its own drags, which may be what is asked for.
+                // Without the motor's drag, which may itself be the term that needs this driver.
                 MechanicalMode::ImposedSpeed => self.parameters.motor.torque_constant(housing) * current,
             },
             winding_temperature: self.own.state.temperature[0],
@@ -102,20 +102,20 @@ impl AnnulusCooledMotor {
             ambient_temperature: inputs.ambient_temperature + self.parameters.effects.ambient_sensor() * time,
             fan_command: inputs.fan_command,
             time,
-            // Known once the effects have their drivers; only lags follow them ([`Self::lag_sources`]).
+            // Available only after the effects have their drivers; used only by lags ([`Self::lag_sources`]).
             copper_loss: 0.0,
             friction_loss: 0.0,
             lagged: self.own.term_lags,
         }
     }
 
-    /// What terms may follow now, heat flows among it.
+    /// Present drivers of the terms, including heat flows.
     pub(super) fn drivers_with_heat(&self) -> Drivers {
         let [copper_loss, friction_loss] = self.equations().heat_flows(&self.own.state);
         Drivers { copper_loss, friction_loss, ..self.drivers_over(self.time, 0.0) }
     }
 
-    /// What the lag of each term follows now; 0 without a lag.
+    /// Present input of each term's lag; 0 without a lag.
     pub(super) fn lag_sources(&self) -> [f64; MOST_TERMS] {
         let effects = &self.parameters.effects;
         let lags: [Option<Lag>; MOST_TERMS] = std::array::from_fn(|k| effects.lag(k));
@@ -124,21 +124,21 @@ impl AnnulusCooledMotor {
         lags.map(|lag| lag.map_or(0.0, |lag| drivers.of(lag.driver)))
     }
 
-    /// Puts the state of each lag where its driver stands.
+    /// Initialises each lag at the value of its driver.
     pub(super) fn start_lags(&mut self) {
         if !self.parameters.effects.has_lags() {
             return;
         }
         self.own.term_lags = [0.0; MOST_TERMS];
         self.set_drivers(self.time);
-        // First the drivers, then the heat flows that may depend on them.
+        // Two passes: heat flows may depend on the drivers.
         for _ in 0..2 {
             self.own.term_lags = self.lag_sources();
             self.set_drivers(self.time);
         }
     }
 
-    /// The states of the lags follow a step of `h` seconds that began with their drivers at `before`.
+    /// Advances the lag states over a step of `h` seconds; `before` are the drivers at its start.
     pub(super) fn follow_lags(&mut self, before: &[f64; MOST_TERMS], h: f64) {
         let after = self.lag_sources();
         for k in 0..MOST_TERMS {
@@ -153,13 +153,13 @@ impl AnnulusCooledMotor {
         self.own.network.as_ref().map_or(self.own.state.temperature[1], Network::housing_temperature)
     }
 
-    /// The sensor of the housing follows a step of `h` seconds that began with the housing at `before`, K.
+    /// Advances the housing sensor over a step of `h` seconds; `before` is the housing temperature at its start, K.
     pub(super) fn follow_sensor(&mut self, before: f64, h: f64) {
         let tau = self.parameters.effects.housing_sensor_lag();
         self.own.t_sensor = lagged(self.own.t_sensor, tau, before, self.housing_temperature(), h);
     }
 
-    /// Puts the motor into its initial state; nodes without an initial value are at `ambient`, K.
+    /// Sets the initial state; nodes without an initial value start at `ambient`, K.
     pub(super) fn put_initial(&mut self, ambient: f64) {
         let i = self.parameters.initial;
         let choices = &self.parameters.choices;
@@ -169,7 +169,7 @@ impl AnnulusCooledMotor {
         self.own.state.x = Fast::new(or_zero(is_driven, i.current), or_zero(is_free, i.shaft_speed));
         self.own.state.angle = i.shaft_angle;
         let housing = temperature(i.housing_temperature, ambient);
-        // Two nodes alone: the second is the whole housing.
+        // With two nodes only, the second is the whole housing.
         let core =
             if self.own.network.is_some() { temperature(i.stator_temperature, ambient) } else { housing };
         self.own.state.temperature = [temperature(i.winding_temperature, ambient), core].into();

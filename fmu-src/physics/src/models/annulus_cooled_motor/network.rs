@@ -1,4 +1,4 @@
-//! Heat beyond winding and stator: rotor, housing in segments along the axis, and the tube around them.
+//! Thermal network beside winding and stator: rotor, housing segments along the axis, and the tube around them.
 //!
 //! ```text
 //! C_r dT_r/dt = G_wr (T_w - T_r) + Q_r - sum_i G_rh/n (T_r - T_i)                          (1)
@@ -6,12 +6,12 @@
 //!               - direct_i (T_i - T_a) - q_air,i - G_tube (T_i - T_t)                      (2)
 //! C_t dT_t/dt = sum_i [G_tube (T_i - T_t) - q_air,t,i] - G_out (T_t - T_a)                 (3)
 //! ```
-//! T_w and T_s are winding and stator, the two nodes of `equations.rs`; q_air as `cooling/coefficients.rs` says, with
-//! the air of one segment passing to the next. Each stands still as a node where its mode has no use for it.
+//! T_w and T_s are winding and stator, the two nodes of `equations.rs`; q_air follows from `cooling/coefficients.rs`,
+//! where the outlet air of one segment is the inlet air of the next. A node that the mode does not use is constant.
 //!
-//! The two nodes see rotor and housing run along a line over a substep, and the network receives the
-//! heat that left them over it, so that no energy is lost between the two; the substep is cut until the line
-//! is good enough ([`Network::miss`]). The network itself is solved by `solver/stabilized.rs`.
+//! Over a substep the two nodes use rotor and housing temperatures that are linear in time. The network then receives the
+//! heat that left the two nodes, so that energy is conserved. The substep is shortened until the error of the linear
+//! temperatures is small enough ([`Network::miss`]). `solver/stabilized.rs` solves the network itself.
 
 mod body;
 
@@ -25,68 +25,68 @@ use crate::solver::stabilized::{MOST, Stabilized, States, error};
 use body::FIRST;
 
 const ROTOR: usize = 0;
-/// Place of the tube among the temperatures.
+/// Index of the tube among the temperatures.
 pub const TUBE: usize = 1;
 
-/// Error of a temperature after a substep that is accepted, K.
+/// Largest temperature error of an accepted substep, K.
 const TOLERANCE: f64 = 1e-6;
 
-/// Heat that comes into the network, W.
+/// Heat flows into the network, W.
 #[derive(Clone, Copy, Debug)]
 pub struct Inflow {
     rotor: f64,
     segment: [f64; SEGMENTS],
 }
 
-/// Every flow of the network at one instant, W.
+/// Heat flows of the network at one instant, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flows {
     /// From the rotor to the housing.
     pub rotor_to_housing: f64,
     /// From the housing to ambient.
     pub housing_to_room: f64,
-    /// From the housing to the passing air or coolant.
+    /// From the housing to the air or coolant flow.
     pub housing_to_air: f64,
     /// From the housing to the tube, by radiation.
     pub housing_to_tube: f64,
-    /// From the tube to the passing air.
+    /// From the tube to the air flow.
     pub tube_to_air: f64,
     /// From the tube to ambient.
     pub tube_to_ambient: f64,
-    /// From the fan to the passing air.
+    /// From the fan to the air flow.
     pub fan_to_air: f64,
-    /// What the air or the coolant carries away.
+    /// Enthalpy flow of air or coolant to ambient.
     pub air_to_room: f64,
-    /// Temperature at which the air or the coolant leaves, K.
+    /// Outlet temperature of air or coolant, K.
     pub outlet: f64,
 }
 
-/// The network of one motor with its temperatures.
+/// Thermal network of one motor with its temperatures.
 #[derive(Clone, Debug)]
 pub struct Network {
-    /// What it is made of.
+    /// Heat capacities and conductances.
     pub body: Body,
     cooling: Cooling,
-    /// Rotor, tube, segments, and energy given to ambient over the last substep.
+    /// Temperatures of rotor, tube and segments, and the energy given to ambient over the last substep.
     states: States,
     tangent: Tangent,
-    /// The coefficients in use.
+    /// Present coefficients.
     now: Coefficients,
-    /// Heat that the surroundings set free in the housing (effects at housing_heat), W.
+    /// Heat flow that effects add to the housing (port housing_heat), W.
     from_outside: f64,
     method: Stabilized,
     /// Upper bound of the rates, 1/s.
     fastest: f64,
     /// States at the end of the last substep.
     next: States,
-    /// Length of the next substep to try, s.
+    /// Length of the next substep attempt, s.
     pub substep: f64,
-    /// Error that is accepted in a substep, K.
+    /// Largest error of an accepted substep, K.
     pub tolerance: f64,
 }
 
 impl Network {
-    /// The network at one temperature.
+    /// The network at a uniform temperature.
     pub fn new(parameters: &Parameters, body: Body, temperature: f64) -> Network {
         Network {
             body,
@@ -103,19 +103,19 @@ impl Network {
         }
     }
 
-    /// The error that is accepted in a substep, as a multiple of the default.
+    /// Sets the tolerance of a substep to a multiple of the default.
     pub fn ease(&mut self, factor: f64) {
         self.tolerance = TOLERANCE * factor;
     }
 
-    /// Draws the consequences of parameters that were written. The number of segments must not have changed.
+    /// Applies changed parameters. The number of segments must not have changed.
     pub fn follow(&mut self, parameters: &Parameters, body: Body) {
         self.body = body;
         self.cooling = Cooling::new(parameters, body.segments);
         self.tangent = Tangent::NONE;
     }
 
-    /// Puts rotor, housing and tube at these temperatures, K.
+    /// Sets the temperatures of rotor, housing and tube, K.
     pub fn put_temperatures(&mut self, rotor: f64, housing: f64, tube: f64) {
         (self.states[ROTOR], self.states[TUBE]) = (rotor, tube);
         self.states[FIRST..FIRST + self.body.segments].fill(housing);
@@ -131,23 +131,23 @@ impl Network {
         mean(self.housing())
     }
 
-    /// Temperature of the rotor with its magnets; that of the housing where there is no such node, K.
+    /// Temperature of the rotor with its magnets, K; without a rotor node that of the housing.
     pub fn rotor_temperature(&self) -> f64 {
         if self.body.has(ROTOR) { self.states[ROTOR] } else { self.housing_temperature() }
     }
 
-    /// The same at the end of the last substep, before it is accepted.
+    /// Rotor temperature at the end of the last substep, before it is accepted, K.
     pub fn rotor_ahead(&self) -> f64 {
         let next = &self.next;
         if self.body.has(ROTOR) { next[ROTOR] } else { mean(&next[FIRST..FIRST + self.body.segments]) }
     }
 
-    /// Temperatures by place ([`Body::nodes`]), K.
+    /// Temperatures by index ([`Body::nodes`]), K.
     pub fn temperatures(&self) -> &States {
         &self.states
     }
 
-    /// The same, to be written.
+    /// Mutable access to [`temperatures`](Self::temperatures).
     pub fn temperatures_mut(&mut self) -> &mut States {
         &mut self.states
     }
@@ -159,13 +159,13 @@ impl Network {
         rotor * (self.states[ROTOR] - origin) + tube * (self.states[TUBE] - origin) + segment * housing
     }
 
-    /// Temperatures and what the next step depends on.
+    /// Temperatures and the other variables that the next step depends on.
     pub fn to_numbers(&self) -> impl Iterator<Item = f64> + '_ {
         let housing = self.states[..FIRST + self.body.segments].iter().copied();
         housing.chain(self.tangent.at.to_numbers()).chain([self.substep])
     }
 
-    /// Takes back what [`to_numbers`](Self::to_numbers) gave; `None` where the numbers run out.
+    /// Restores the numbers of [`to_numbers`](Self::to_numbers); `None` if there are too few.
     pub fn take_numbers(
         &mut self,
         parameters: &Parameters,
@@ -184,7 +184,7 @@ impl Network {
         Some(())
     }
 
-    /// Evaluates the coefficients at these conditions, with what follows from them alone.
+    /// Evaluates the coefficients at these conditions, and the quantities that depend only on them.
     fn renew(&mut self, parameters: &Parameters, at: Conditions) {
         self.tangent = Tangent::new(&self.cooling, parameters, at);
         self.tangent.coefficients(&self.cooling, parameters, &at, &mut self.now);
@@ -195,7 +195,7 @@ impl Network {
         Conditions::of(inputs, self.housing_temperature() + ahead, self.states[TUBE], ambient)
     }
 
-    /// Brings the coefficients to the inputs, with the housing `ahead` kelvin warmer than it is.
+    /// Updates the coefficients to the inputs, with the housing `ahead` kelvin above its present temperature.
     pub fn refresh(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64, ahead: f64) {
         let at = self.conditions(inputs, ambient, ahead);
         self.from_outside = parameters.effects.housing_heat(at.surface);
@@ -206,7 +206,7 @@ impl Network {
         }
     }
 
-    /// Evaluates the coefficients where the network stands, so that they depend on nothing that was before.
+    /// Evaluates the coefficients at the present temperatures by the full equations, independent of the history.
     pub fn evaluate(&mut self, parameters: &Parameters, inputs: &Inputs, ambient: f64) {
         let at = self.conditions(inputs, ambient, 0.0);
         self.from_outside = parameters.effects.housing_heat(at.surface);
@@ -216,23 +216,23 @@ impl Network {
         }
     }
 
-    /// Whether the coefficients are those of the full equations where the network stands, if only
+    /// Whether the coefficients are those of the full equations at the present temperatures, provided that only
     /// [`evaluate`](Self::evaluate) sets them.
     pub fn is_evaluated_at(&self, inputs: &Inputs, ambient: f64) -> bool {
         self.tangent.at == self.conditions(inputs, ambient, 0.0)
     }
 
-    /// Lets the next [`refresh`](Network::refresh) compute the coefficients anew.
+    /// Invalidates the coefficients, so that the next [`refresh`](Network::refresh) evaluates them.
     pub fn forget(&mut self) {
         self.tangent = Tangent::NONE;
     }
 
-    /// The coefficients in use.
+    /// Present coefficients.
     pub fn coefficients(&self) -> &Coefficients {
         &self.now
     }
 
-    /// The heat that comes in at one instant from winding and stator at their temperatures, and `friction` watts.
+    /// Heat flows into the network at one instant; winding and stator temperatures in K, `friction` in W.
     pub fn inflow(&self, winding: f64, stator: f64, friction: f64) -> Inflow {
         let body = &self.body;
         let n = body.segments;
@@ -246,8 +246,8 @@ impl Network {
         Inflow { rotor, segment }
     }
 
-    /// The mean heat over a substep of `h` seconds, from the integrals of winding and stator over time and the
-    /// friction's energy, with rotor and housing on their lines. With it, what left winding and stator, J.
+    /// Mean heat flows over a substep of `h` seconds, from the time integrals of winding and stator temperature and the
+    /// friction energy, with rotor and housing linear in time. Second result: the heat that left winding and stator, J.
     fn mean_inflow(&self, rates: &States, h: f64, integrals: &CouplingIntegrals) -> (Inflow, f64) {
         let body = &self.body;
         let &CouplingIntegrals { winding, stator, friction } = integrals;
@@ -306,17 +306,17 @@ impl Network {
         out
     }
 
-    /// Mean over the segments of what [`rates_now`](Self::rates_now) gave for them.
+    /// Mean of [`rates_now`](Self::rates_now) over the segments.
     pub fn housing_rate(&self, rates: &States) -> f64 {
         mean(&rates[FIRST..FIRST + self.body.segments])
     }
 
-    /// The rotor's share of what [`rates_now`](Self::rates_now) gave; the housing's where there is no rotor.
+    /// Derivative of the rotor temperature in [`rates_now`](Self::rates_now), K/s; without a rotor node that of the housing.
     pub fn rotor_rate(&self, rates: &States) -> f64 {
         if self.body.has(ROTOR) { rates[ROTOR] } else { self.housing_rate(rates) }
     }
 
-    /// Energy that all nodes take at these rates, W: rotor, tube, housing.
+    /// Heat stored per time at these derivatives, W: rotor, tube, housing.
     pub fn stored_rates(&self, rates: &States) -> [f64; 3] {
         let [rotor, tube, segment] = self.body.capacity;
         [
@@ -326,13 +326,13 @@ impl Network {
         ]
     }
 
-    /// Heat flow to ambient at the rates that [`rates_now`](Self::rates_now) gave, without the fan's power, W.
+    /// Heat flow to ambient from the result of [`rates_now`](Self::rates_now), without the fan power, W.
     pub fn to_ambient(&self, rates: &States) -> f64 {
         rates[FIRST + self.body.segments]
     }
 
-    /// Advances by a substep of `h` seconds: `rates` those at its start under the heat `at_start`, `integrals` what winding
-    /// and stator did over it, ambient on a line. [`accept`](Self::accept) takes the outcome.
+    /// Computes a substep of `h` seconds: `rates` are the derivatives at its start with the heat flows `at_start`, `integrals`
+    /// those of winding and stator over the substep; ambient is linear in time. [`accept`](Self::accept) accepts the result.
     pub fn advance(
         &mut self,
         h: f64,
@@ -347,7 +347,7 @@ impl Network {
             self.method = Stabilized::for_stiffness(stiffness);
         }
         self.states[FIRST + n] = 0.0;
-        // The rates at the start are those of another inflow, in which they are linear.
+        // `rates` belongs to the heat flows at the start; the derivatives are linear in them.
         let mut first = *rates;
         let [rotor, _, segment] = self.body.per_joule;
         first[ROTOR] += (inflow.rotor - at_start.rotor) * rotor;
@@ -357,8 +357,8 @@ impl Network {
         let at = |t: f64, y: &States, out: &mut States| self.rates(ambient.at(t), &inflow, y, out);
         let end = self.method.step(count, &self.states, &first, h, at);
         let mut worst = self.miss(rates, &end, h);
-        // A bound of the local error, (h lambda)^2 h y'/6, which at steps of milliseconds is far below the estimate's
-        // own rounding; only where it is not is the estimate worth another evaluation.
+        // Bound of the local error, (h lambda)^2 h y'/6. At steps of milliseconds it is far below the rounding error of the
+        // error estimate; the estimate's extra evaluation is needed only for larger bounds.
         let steepest = first[..FIRST + n].iter().fold(0.0f64, |m, r| m.max(r.abs()));
         if stiffness * stiffness * h * steepest > 0.1 * self.tolerance {
             let mut last = [0.0; MOST];
@@ -372,8 +372,8 @@ impl Network {
         Advance { left, to_ambient: end[FIRST + n], error: over }
     }
 
-    /// Error of the stator over a substep because the housing does not follow its line, K: a third of the
-    /// difference at the end, for a parabola, times the share of its heat that the stator exchanges.
+    /// Error of the stator temperature over a substep because the housing temperature is not linear in time, K: a third of
+    /// the difference at the end (for a parabola), times the fraction of its heat that the stator exchanges.
     fn miss(&self, rates: &States, end: &States, h: f64) -> f64 {
         let n = self.body.segments;
         let line = self.housing_temperature() + h * self.housing_rate(rates);
@@ -391,7 +391,7 @@ impl Network {
         self.states[..in_use].copy_from_slice(&self.next[..in_use]);
     }
 
-    /// Upper bound of the network's rates, 1/s (Gershgorin).
+    /// Upper bound of the network's eigenvalues, 1/s (Gershgorin).
     fn bound(&self) -> f64 {
         let (body, c) = (&self.body, &self.now);
         let n = body.segments;
@@ -412,11 +412,11 @@ impl Network {
     /// Heat flow from the housing to ambient, to the air and to the tube, W.
     pub fn housing_heat(&self, ambient: f64) -> f64 {
         let flows = self.flows(ambient);
-        // Heat that effects release in the housing leaves it by the same paths as any other.
+        // Heat that effects add to the housing leaves by the same paths.
         flows.housing_to_room + self.from_outside + flows.housing_to_air + flows.housing_to_tube
     }
 
-    /// Every flow at the present temperatures, for the energy balance and the outputs.
+    /// Heat flows at the present temperatures, for the energy balance and the outputs.
     pub fn flows(&self, ambient: f64) -> Flows {
         let (body, c, y) = (&self.body, &self.now, &self.states);
         let (rotor, tube) = (y[ROTOR], y[TUBE]);
@@ -443,29 +443,29 @@ impl Network {
     }
 }
 
-/// Integrals of winding and stator over a substep.
+/// Time integrals of winding and stator over a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct CouplingIntegrals {
-    /// Integral of the winding's temperature, K.s.
+    /// Integral of the winding temperature, K.s.
     pub winding: f64,
-    /// Integral of the stator's temperature, K.s.
+    /// Integral of the stator temperature, K.s.
     pub stator: f64,
     /// Friction heat, J.
     pub friction: f64,
 }
 
-/// The end of a substep.
+/// Result of a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Advance {
     /// Heat that winding and stator gave to the network, J.
     pub left: f64,
     /// Heat that the network gave to ambient, J.
     pub to_ambient: f64,
-    /// Error over what is allowed.
+    /// Ratio of the error estimate to the tolerance.
     pub error: f64,
 }
 
-/// What one segment and its stretch of tube give to the passing air, W, and the air behind them, K.
+/// Heat flows of one segment and its length of tube to the air, W, and the air temperature behind them, K.
 struct Passing {
     segment: f64,
     tube: f64,

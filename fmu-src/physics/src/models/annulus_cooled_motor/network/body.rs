@@ -1,48 +1,48 @@
-//! What the network beyond winding and stator is made of.
+//! Heat capacities and conductances of the network.
 
 pub use crate::components::housing::SEGMENTS;
 use crate::effects::Stator;
 use crate::models::annulus_cooled_motor::cooling::method;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
-/// Place of the first segment among the temperatures, behind rotor and tube.
+/// Index of the first segment among the temperatures, after rotor and tube.
 pub(super) const FIRST: usize = 2;
 
-/// What the network is made of, from the parameters alone.
+/// Heat capacities and conductances of the network, from the parameters alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
-    /// Segments of the housing.
+    /// Number of segments of the housing.
     pub segments: usize,
-    /// Heat capacities: rotor, tube, one segment, J/K; 0 for a node that is not there.
+    /// Heat capacities of rotor, tube and one segment, J/K; 0 for an absent node.
     pub capacity: [f64; 3],
-    /// Their reciprocals, K/J; 0 for a node that is not there, which then stands still.
+    /// Their reciprocals, K/J; 0 for an absent node, whose temperature is then constant.
     pub per_joule: [f64; 3],
-    /// Heat capacity of the stator, the node beside the winding, J/K.
+    /// Heat capacity of the stator, the node next to the winding, J/K.
     pub stator: f64,
-    /// From stator to one segment, W/K.
+    /// Conductance from stator to one segment, W/K.
     pub from_stator: f64,
-    /// From winding to rotor, W/K.
+    /// Conductance from winding to rotor, W/K.
     pub winding_to_rotor: f64,
-    /// From rotor to one segment, W/K.
+    /// Conductance from rotor to one segment, W/K.
     pub from_rotor: f64,
-    /// Between neighbouring segments, W/K.
+    /// Axial conductance between neighbouring segments, W/K.
     pub axial: f64,
-    /// From the winding along its leads to ambient, W/K.
+    /// Conductance from the winding along its leads to ambient, W/K.
     pub leads: f64,
-    /// Share of friction heat that goes to the rotor.
+    /// Fraction of the friction heat that goes to the rotor.
     pub friction_to_rotor: f64,
-    /// Whether heat of the iron is set free in the stator; else it goes with the friction.
+    /// Whether iron loss heats the stator; otherwise it is part of the friction heat.
     pub iron_in_stator: bool,
 }
 
 impl Body {
-    /// The network that these parameters ask for; `None` for two nodes alone.
+    /// The network for these parameters; `None` for the model with two nodes.
     pub fn of(parameters: &Parameters) -> Option<Body> {
         let thermal = &parameters.thermal;
         let Stator { resistance, capacity } = parameters.effects.stator();
         let method = method(parameters.choices.cooling_mode);
         if !method.has_network() {
-            // Winding and stator, with the housing as the one segment beyond.
+            // Winding and stator, with the housing as the single segment.
             return (capacity > 0.0).then(|| Body {
                 segments: 1,
                 capacity: [0.0, 0.0, thermal.C_h],
@@ -76,7 +76,7 @@ impl Body {
         })
     }
 
-    /// What is wrong with the parameters taken together, in one sentence.
+    /// Inconsistency between parameters, in one sentence.
     pub fn fault(parameters: &Parameters) -> Option<String> {
         let (p, method) = (parameters, method(parameters.choices.cooling_mode));
         if !method.has_network() {
@@ -91,17 +91,17 @@ impl Body {
         method.fault(p)
     }
 
-    /// Temperatures and the energy given to ambient, as many as are in use.
+    /// Number of states in use: temperatures and the energy given to ambient.
     pub(super) fn states(&self) -> usize {
         FIRST + self.segments + 1
     }
 
-    /// Whether there is a temperature that moves at this place: rotor, tube, then the segments.
+    /// Whether the temperature at this index is a state: rotor, tube, then the segments.
     pub fn holds(&self, place: usize) -> bool {
         if place < FIRST { self.has(place) } else { place < FIRST + self.segments }
     }
 
-    /// Whether a node is there.
+    /// Whether a node exists.
     pub(super) fn has(&self, node: usize) -> bool {
         self.capacity[node] > 0.0
     }
