@@ -46,7 +46,7 @@ impl AnnulusCooledMotor {
             let before = self.own.constants.heat(&self.own.state.temperature, self.own.t_start);
             self.own.capacity_factor = factor;
             self.follow_parameters();
-            // A Model Exchange importer reports completed steps (`exchange.rs`); until then the stored energy is unchanged.
+            // In Model Exchange the stored energy is corrected only when the importer completes a step (`exchange.rs`).
             if self.pre.is_none() {
                 self.own.stored_at_start +=
                     self.own.constants.heat(&self.own.state.temperature, self.own.t_start) - before;

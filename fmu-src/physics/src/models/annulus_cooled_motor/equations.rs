@@ -4,23 +4,23 @@
 //! current drive     I = I_command                                                          (2)
 //! free shaft        J dw/dt = k_t(T_m) I - tau_drag - tau_load                             (3)
 //! imposed speed     w = w_imposed                                                          (4)
-//! copper heat       Q_w = R(T_w) I^2 + V_drop(I) I (+ heat_power; in drive_mode power what of electrical_power
-//!                   is not lost in the drive, set free in the stator or handed to the load) (5)
+//! copper heat       Q_w = R(T_w) I^2 + V_drop(I) I (+ heat_power; in drive_mode power: electrical_power without the drive loss,
+//!                   the heat in the stator and the power of the load)                      (5)
 //! friction heat     Q_h = tau_drag w, with tau_drag = tau(w) + c(w, tau_s) tau_s           (6)
 //! temperatures      components/thermal.rs (1), (2) with components/conductance.rs (1), or network.rs
 //!
-//! tau_s is the torque handed to the load: tau_load on a free shaft, k_t I - tau_drag on an imposed one.
+//! tau_s is the torque on the load: tau_load on a free shaft, k_t I - tau_drag at an imposed speed.
 //! V_drop, tau and c are the sums over all effects (`effects.rs`).
 //!
 //! Effects also multiply k_t and the resistance from winding to housing, add conductances to ambient and
-//! radiation, shift the ambient temperature, and take their share of electrical_power (`effects.rs`).
+//! radiation, shift the ambient temperature, and dissipate a fraction of electrical_power (`effects.rs`).
 //!
-//! Whoever imposes a current or a speed also feeds the energy that inductance or rotor store by it; those
-//! energies stay outside the model's books, and L dI/dt and J dw/dt outside its terminals and its shaft.
-//! In drive_mode power no current flows.
+//! The source that imposes a current or a speed also supplies the energy stored in the inductance or the rotor. The energy
+//! balance, the terminal voltage and the shaft torque therefore exclude these energies, L dI/dt and J dw/dt.
+//! In drive_mode power the current is zero.
 //!
-//! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
-//! the crate `reference`, which takes [`Step::rates`].
+//! Over one step every input is linear in time. `solver/split.rs` solves the equations; the crate `reference` solves
+//! [`Step::rates`] as the reference.
 
 mod constants;
 mod drive;
@@ -39,78 +39,77 @@ use crate::solver::split::{Fast, State, System};
 use drive::Chopper;
 use nalgebra::SVector;
 
-/// Thermal nodes that a step solves: the winding, and what stands next to it. That is the stator where the model
-/// has a network beyond it (`network.rs`), else the whole housing.
+/// Thermal nodes that a step solves: the winding and its neighbour. The neighbour is the stator if the model has a network
+/// (`network.rs`), else the whole housing.
 pub const NODES: usize = 2;
 const WINDING: usize = 0;
 const CORE: usize = 1;
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
 
-/// State variables of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
+/// Number of states of [`Step::rates`]: current, speed, angle, T_w, T_h, and the three energies.
 pub const STATES: usize = 3 + NODES + 3;
 
-/// The equations over one step, inputs on their lines. Times are seconds from the start of the step.
+/// The equations over one step with linear inputs. Times are seconds from the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     model: &'a Parameters,
     inputs: &'a Inputs,
     slopes: &'a Inputs,
     constants: &'a Constants,
-    /// The voltage of the source, V, but for its bend.
+    /// Linear part of the source voltage, V.
     voltage: Line,
-    /// Second-order part of the voltage over the step, V/s2: duty and supply are lines, and their product is a parabola.
+    /// Quadratic coefficient of the source voltage over the step, V/s2: the product of duty and supply voltage, both linear.
     voltage_bend: f64,
-    /// The current, where it is imposed, A.
+    /// Imposed current, A.
     current: Line,
-    /// The torque of the load, N.m, where the rotor is free.
+    /// Load torque on a free shaft, N.m.
     load: Line,
-    /// The speed, where it is imposed, rad/s.
+    /// Imposed speed, rad/s.
     speed: Line,
-    /// Heat set free in the winding without a current, W.
+    /// Heat flow into the winding that no current causes, W.
     heat: Line,
     /// Electrical power that heats the stator, W (drive_mode power).
     stator: Line,
-    /// Heat that the drive gives to ambient, W.
+    /// Heat flow from the drive to ambient, W.
     drive: Line,
     /// True ambient temperature, K.
     ambient: Line,
-    /// Torque over that of the data sheet's constant at the same temperature: commutation, and what is left of the
-    /// magnets.
+    /// Ratio of the torque constant to its data sheet value at the same temperature: commutation and demagnetisation.
     strength: f64,
-    /// How far the phases that carry the current are above the mean winding, K.
+    /// Temperature of the conducting phases above the mean winding temperature, K.
     excess: f64,
-    /// The drive, in drive_mode pwm.
+    /// The drive in drive_mode pwm.
     chopper: Chopper,
-    /// Conductance of each node to what surrounds it, where the fan stands still over the step, W/K.
+    /// Conductance of each node to its environment if the fan command is constant over the step, W/K.
     conductance: PerNode,
-    /// Rotor and housing, where there is a network.
+    /// Rotor and housing, if there is a network.
     coupling: ThermalCoupling,
 }
 
-/// Thermal coupling of winding and core to a network, as lines over a step.
+/// Thermal coupling of winding and core to the network, linear over a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ThermalCoupling {
-    /// Conductances, W/K: of the winding to rotor and ambient together, of the core to the housing.
+    /// Conductances, W/K: from the winding to rotor and ambient together, from the core to the housing.
     pub conductance: PerNode,
-    /// Temperature that the winding's conductance leads to, K.
+    /// Temperature at the other end of the winding's conductance, K.
     pub winding: Line,
-    /// Temperature that the core's conductance leads to, K.
+    /// Temperature at the other end of the core's conductance, K.
     pub core: Line,
     /// Temperature of the magnets, K.
     pub rotor: Line,
 }
 
-/// Volts and torques at one instant.
+/// Voltages and torques at one instant.
 #[derive(Clone, Copy, Debug)]
 struct Ends {
     /// Voltage at the terminals, V.
     voltage: f64,
-    /// Torque given to the load, N.m.
+    /// Torque on the load, N.m.
     shaft_torque: f64,
     /// Drag torque, N.m.
     drag: f64,
-    /// Voltage lost in the drive's bridge, V.
+    /// Bridge voltage drop, V.
     bridge: f64,
     /// Resistance, Ohm.
     r: f64,
@@ -118,32 +117,32 @@ struct Ends {
     k: f64,
 }
 
-/// All that the equations say at one instant.
+/// Evaluation of the equations at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Voltage at the terminals, V.
     pub voltage: f64,
-    /// Power taken in, at the terminals (drive_mode pwm: by the drive) and as heat, W.
+    /// Input power at the terminals (drive_mode pwm: at the drive) and as heat, W.
     pub power_in: f64,
-    /// Power lost in the drive, W.
+    /// Power loss of the drive, W.
     pub drive: f64,
     /// Drag torque, N.m.
     pub drag: f64,
-    /// Torque given to the load, N.m.
+    /// Torque on the load, N.m.
     pub shaft_torque: f64,
     /// Derivatives of current and speed.
     pub fast: Fast,
     /// Derivatives of the temperatures, K/s.
     pub warming: Temperatures,
-    /// Heat flow to what surrounds winding and core, and from the drive, W.
+    /// Heat flow from winding and core to their environment, and from the drive, W.
     pub to_ambient: f64,
     /// The energy balance without the network.
     pub ledger: Ledger,
 }
 
 impl<'a> Step<'a> {
-    /// The equations of a motor with its inputs on lines from `time` on; `conductance` is that of the fan's
-    /// command, [`Parameters::to_ambient`]. They hold until the next event of the effects.
+    /// The equations of a motor with inputs that are linear from `time` on; `conductance` is that at the fan command,
+    /// [`Parameters::to_ambient`]. They hold until the next event of the effects.
     #[inline(always)]
     pub fn new(
         model: &'a Parameters,
@@ -206,25 +205,25 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// The same equations with the phases in use this far above the mean winding, K.
+    /// The same equations with the conducting phases `excess` kelvin above the mean winding temperature.
     #[inline]
     pub fn with_excess(mut self, excess: f64) -> Self {
         self.excess = excess;
         self
     }
 
-    /// Resistance with the mean winding at `t_w`, Ohm.
+    /// Resistance at the mean winding temperature `t_w`, Ohm.
     #[inline(always)]
     fn resistance(&self, t_w: f64) -> f64 {
         self.model.motor.resistance(t_w + self.excess) * self.ports().winding_resistance()
     }
 
-    /// What heats and cools the phases in a state `t` seconds after the start of the step.
+    /// Heat flows and conductances of the phases in a state `t` seconds after the start of the step.
     pub(super) fn phase_load(&self, t: f64, state: &State<NODES>) -> PhaseLoad {
         let (i, t_w) = (state.x[0], state.temperature[WINDING]);
         let (motor, ports) = (&self.model.motor, self.ports());
         let square = (i * i + self.ripple_square(t)) * ports.winding_resistance();
-        // The input heat_power heats all phases alike.
+        // The input heat_power is distributed evenly over the phases.
         let even = self.inputs.heat_power + self.slopes.heat_power * t;
         PhaseLoad {
             heat: motor.resistance(t_w) * square
@@ -264,7 +263,7 @@ impl<'a> Step<'a> {
         Ports { effects: &self.model.effects, acts: self.constants.acts }
     }
 
-    /// The torque against the motion, N.m; `k` is the torque constant.
+    /// Drag torque, N.m; `k` is the torque constant.
     #[inline(always)]
     fn drag(&self, t: f64, x: &Fast, k: f64) -> f64 {
         let effects = self.ports();
@@ -273,7 +272,7 @@ impl<'a> Step<'a> {
             let load = self.load.at(t);
             own + effects.load_drag(x[1], load) * load
         } else {
-            // The friction of the load is a fraction of the torque that remains after it.
+            // Load-dependent friction is a fraction of the torque that remains after speed-dependent drag.
             let before = k * x[0] - own;
             let share = effects.load_drag(x[1], before);
             if share == 0.0 { own } else { own + before * (share / (1.0 + share)) }
@@ -289,19 +288,19 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Temperature of the magnets, K: the housing's where there is no rotor.
+    /// Temperature of the magnets, K; that of the housing without a rotor node.
     #[inline(always)]
     fn magnets(&self, t: f64, temperature: &Temperatures) -> f64 {
         if self.constants.has_network { self.coupling.rotor.at(t) } else { temperature[CORE] }
     }
 
-    /// Torque constant with the magnets at their temperature.
+    /// Torque constant at the temperature of the magnets.
     #[inline(always)]
     fn torque_constant(&self, t: f64, temperature: &Temperatures) -> f64 {
         self.model.motor.torque_constant(self.magnets(t, temperature)) * self.strength
     }
 
-    /// Heat that drag sets free in the core, W, of `drag` watts in all.
+    /// Part of the drag power `drag`, W, that heats the core, W.
     #[inline(always)]
     fn drag_in_core(&self, w: f64, drag: f64) -> f64 {
         if !self.constants.has_network {
@@ -313,31 +312,31 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Heat of the drag outside the core at the start of the step, W.
+    /// Drag power that does not heat the core, at the start of the step, W.
     pub fn drag_beyond(&self, x: &Fast, temperature: &Temperatures) -> f64 {
         let drag = self.drag(0.0, x, self.torque_constant(0.0, temperature)) * x[1];
         drag - self.drag_in_core(x[1], drag)
     }
 
-    /// Drag of the iron, N.m.
+    /// Drag torque of the iron loss, N.m.
     #[inline]
     fn iron_drag(&self, w: f64) -> f64 {
         self.model.effects.iron_drag(w)
     }
 
-    /// Torque of a load whose power is a part of the input electrical_power, N.m.
+    /// Torque of a load whose power is part of the input electrical_power, N.m.
     #[inline(always)]
     fn power_mode_torque(&self, w: f64) -> f64 {
         if self.constants.acts.at(Port::PowerModeLoad) { self.ports().power_mode_torque(w) } else { 0.0 }
     }
 
-    /// Heat set free in the winding without a current at the speed `w`, W.
+    /// Heat flow into the winding that no current causes, at the speed `w`, W.
     #[inline(always)]
     fn heat_at(&self, t: f64, w: f64) -> f64 {
         self.heat.at(t) - self.power_mode_torque(w) * w
     }
 
-    /// Heat flows from the nodes to what surrounds them, W.
+    /// Heat flows from the nodes to their environment, W.
     #[inline(always)]
     fn leaving(&self, t: f64, temperature: &Temperatures) -> PerNode {
         let conductance = self.conductance_at(t);
@@ -356,7 +355,7 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Energy in the model's stores, J: magnetic and kinetic where they are its own, and heat above the temperature `origin`, K.
+    /// Stored energy, J: magnetic and kinetic unless imposed, and heat above the temperature `origin`, K.
     pub fn stored(&self, state: &State<NODES>, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
         self.magnetic(i) + self.kinetic(w) + self.constants.heat(&state.temperature, origin)
@@ -370,7 +369,7 @@ impl<'a> Step<'a> {
         if self.is_free() { 0.5 * self.model.motor.J * w * w } else { 0.0 }
     }
 
-    /// Volts and torques at one instant.
+    /// Voltages and torques at one instant.
     #[inline]
     fn ends(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Ends {
         let (i, w) = (x[0], x[1]);
@@ -386,7 +385,7 @@ impl<'a> Step<'a> {
         Ends { voltage, shaft_torque, drag, bridge, r, k }
     }
 
-    /// Everything at one instant.
+    /// Evaluates the equations at one instant.
     pub fn point(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Point {
         use Account::*;
         let motor = &self.model.motor;
@@ -429,15 +428,15 @@ impl<'a> Step<'a> {
         Point { voltage, power_in, drive, drag, shaft_torque, fast, warming, to_ambient, ledger }
     }
 
-    /// The account of the core.
+    /// The account of the core in the energy balance.
     fn core(&self) -> Account {
         if self.constants.has_network { Account::Stator } else { Account::Housing }
     }
 
-    /// Derivatives of all states, for an integrator that knows nothing of the split.
+    /// Derivatives of all states, for an integrator without operator splitting.
     ///
     /// `y` holds current, A, speed, rad/s, angle, rad, winding and housing temperature, K, and the energies
-    /// taken in, given to the load and given to ambient, J.
+    /// supplied, delivered to the load and given to ambient, J.
     pub fn rates(&self, t: f64, y: &[f64; STATES]) -> [f64; STATES] {
         let x = Fast::new(y[0], y[1]);
         let temperature = Temperatures::new(y[3], y[4]);

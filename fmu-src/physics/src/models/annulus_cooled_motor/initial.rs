@@ -1,4 +1,4 @@
-//! The state in which the motor starts.
+//! Initial state of the motor.
 
 use crate::components::initial::first_outside;
 use crate::components::validity::Limits;
@@ -32,7 +32,7 @@ variables! {
 }
 
 impl Initial {
-    /// What is wrong with initial values outside the limits of validity, in one sentence.
+    /// Initial values outside the limits of validity, in one sentence.
     pub(super) fn fault(&self, limits: &Limits) -> Option<String> {
         let others = [
             ("initial.stator_temperature", self.stator_temperature),

@@ -1,7 +1,7 @@
-//! A motor with its cooling: terminals, shaft and heat.
+//! A motor with its cooling: terminals, shaft and thermal network.
 //!
-//! `variables.rs` says what goes in and out, `parameters.rs` what the motor is made of, `equations.rs` what holds between them,
-//! `motor.rs` gives them to the runtime.
+//! `variables.rs` declares inputs and outputs, `parameters.rs` the parameters, `equations.rs` has the equations, `motor.rs`
+//! implements the interface of the runtime.
 
 pub mod cooling;
 mod drivers;

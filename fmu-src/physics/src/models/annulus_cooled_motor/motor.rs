@@ -1,5 +1,5 @@
-//! The motor as [`Equations`] of the runtime: what it carries, its outputs and events. `states.rs` has its states, `stepping.rs` its
-//! steps, `drivers.rs` drivers of terms, sensor and initial state.
+//! The motor as [`Equations`] of the runtime: its state, outputs and events. `states.rs` has the continuous states, `stepping.rs`
+//! the steps, `drivers.rs` the drivers of terms, the sensor and the initial state.
 
 use super::equations::{Constants, NODES, Step, Temperatures};
 use super::network::{Body, Network};
@@ -21,29 +21,29 @@ use std::f64::consts::FRAC_PI_3;
 /// The motor.
 pub type AnnulusCooledMotor = Runtime<Motor, ALL>;
 
-/// What the motor carries from step to step.
+/// State between communication points.
 #[derive(Clone, Debug)]
 pub struct Motor {
     pub(super) constants: Constants,
-    /// The fan command and the conductance that belongs to it: a power costs as much as half a step.
+    /// Fan command and its conductance, cached: the power function takes half the time of a step.
     pub(super) fan: (f64, PerNode),
     pub(super) state: State<NODES>,
-    /// The temperature that the housing's sensor has reached, K.
+    /// Temperature of the housing sensor, K.
     pub(super) t_sensor: f64,
-    /// What the lag of each term has reached, in the unit of its driver.
+    /// State of each term's lag, in the unit of its driver.
     pub(super) term_lags: [f64; MOST_TERMS],
-    /// The temperature at the start, K; stored heat counts from it.
+    /// Temperature at the start, K; reference of the stored heat.
     pub(super) t_start: f64,
-    /// Multiplies the heat capacities of [`Constants`].
+    /// Factor on the heat capacities of [`Constants`].
     pub(super) capacity_factor: f64,
     /// Energy stored at the start, J.
     pub(super) stored_at_start: f64,
     pub(super) split: Split<NODES>,
-    /// How far each phase is above the mean winding.
+    /// Temperature of each phase relative to the mean winding temperature.
     pub(super) phases: Phases,
-    /// The heat beyond winding and stator, where the mode of cooling has any.
+    /// Thermal network beside winding and stator, if the cooling mode has one.
     pub(super) network: Option<Network>,
-    /// What is wrong with the parameters taken together.
+    /// Inconsistency between parameters.
     pub(super) fault: Option<String>,
 }
 
@@ -58,7 +58,7 @@ pub struct Discrete {
     over_temperature: bool,
     /// Whether the duty was zero at the last event.
     idle: bool,
-    /// The factor on the heat capacities that the energy balance contains.
+    /// Factor on the heat capacities that the energy balance contains.
     booked: f64,
 }
 
@@ -71,19 +71,19 @@ impl Default for Discrete {
 }
 
 impl Discrete {
-    /// An electrical angle in the sector, rad.
+    /// The electrical angle at the middle of the sector, rad.
     pub(super) fn angle(&self) -> f64 {
         (self.sector + 0.5) * FRAC_PI_3
     }
 }
 
-/// Rows of the outputs that need no equations: states, and the sensors of winding and housing.
+/// Outputs that need no evaluation of the equations: states, and the sensors of winding and housing.
 const CURRENT_ROW: usize = 0;
 const ANGLE_ROW: usize = 1;
 const SPEED_ROW: usize = 2;
 const WINDING_SENSOR: usize = 4;
 const HOUSING_SENSOR: usize = 7;
-/// How near the border of a sector an electrical angle is at it, rad.
+/// Distance from the border of a sector within which an electrical angle is at the border, rad.
 const NEAR_SECTOR: f64 = 1e-9;
 
 impl AnnulusCooledMotor {
@@ -92,14 +92,14 @@ impl AnnulusCooledMotor {
         &self.own.state
     }
 
-    /// The equations over the next step, with the inputs on their slopes.
+    /// The equations over the next step, with linear inputs.
     pub fn step_equations(&mut self) -> Step<'_> {
         self.set_drivers(self.time);
         self.follow_cooling();
         self.equations()
     }
 
-    /// Brings what the model keeps of the cooling to the inputs.
+    /// Updates the cached cooling to the inputs.
     #[inline]
     pub(super) fn follow_cooling(&mut self) {
         if self.own.network.is_some() {
@@ -109,7 +109,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// The equations with the cooling as it is kept.
+    /// The equations with the cached cooling.
     #[inline]
     pub(super) fn equations(&self) -> Step<'_> {
         let is_kept = self.own.network.is_some() || self.own.fan.0 == self.inputs.fan_command;
@@ -124,14 +124,14 @@ impl AnnulusCooledMotor {
         if self.own.network.is_some() { step.with_coupling(self.coupling()) } else { step }
     }
 
-    /// Energy in all stores, J.
+    /// Stored energy, J.
     pub(super) fn stored(&self) -> f64 {
         let state = self.own.state;
         let network = self.own.network.as_ref().map_or(0.0, |n| n.stored(self.own.t_start));
         self.equations().stored(&state, self.own.t_start) + network
     }
 
-    /// Draws the consequences of parameters that were written.
+    /// Applies changed parameters.
     pub(super) fn follow_parameters(&mut self) {
         self.own.constants = Constants::of(&self.parameters).with_capacity(self.own.capacity_factor);
         self.own.fan = (f64::NAN, PerNode::default());
@@ -142,15 +142,14 @@ impl AnnulusCooledMotor {
                 network.follow(&self.parameters, body);
                 Some(network)
             }
-            // A network that comes anew stands at the temperature of what it grows from.
+            // A new network starts at the temperature of the node that it replaces.
             (_, Some(body)) => Some(Network::new(&self.parameters, body, self.own.state.temperature[1])),
             (_, None) => None,
         };
     }
 
-    /// What `look` sees at the present time with the drivers set and, if `cooled`, the cooling by its full equations. The motor
-    /// stays as it is: the linearized cooling and the values that effects hold belong to the steps, and reading decides nothing
-    /// about them.
+    /// Result of `look` at the present time with the drivers set and, if `cooled`, the cooling by its full equations. The motor
+    /// is unchanged: linearized cooling and constant drivers belong to the steps, and reading an output must not change them.
     pub(super) fn observe<T>(&self, cooled: bool, look: impl FnOnce(&Self) -> T) -> T {
         let is_told = self.parameters.effects.acts_at(Port::Any);
         let is_cooled = self.own.network.as_ref().is_none_or(|n| {
@@ -165,7 +164,7 @@ impl AnnulusCooledMotor {
         look(&copy)
     }
 
-    /// The temperatures that are limited.
+    /// Temperatures with limits of validity.
     pub(super) fn extremes(&self) -> Extremes {
         let [winding, core] = [self.own.state.temperature[0], self.own.state.temperature[1]];
         let magnets = self.own.network.as_ref().map_or(core, Network::rotor_temperature);
@@ -230,11 +229,11 @@ impl Equations<ALL> for Motor {
         ambient += run.parameters.effects.ambient_offset();
         run.own.state.temperature = Temperatures::repeat(ambient);
         run.own.t_start = ambient;
-        // Anew, because a network starts at the temperature that the state has.
+        // Created again, because a new network starts at the temperature of the state.
         run.own.network = None;
         run.follow_parameters();
         run.put_initial(ambient);
-        // Terms may follow the initial temperatures.
+        // Terms may depend on the initial temperatures.
         run.set_drivers(time);
         run.start_lags();
         run.own.stored_at_start = run.stored();
@@ -295,7 +294,7 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    /// A tunable parameter that changes the stored energy does not count in the energy balance.
+    /// The energy balance excludes the change of stored energy by a tunable parameter.
     fn set_parameter(run: &mut AnnulusCooledMotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
         let before = run.stored();
         let taken = set(&mut run.parameters);
@@ -331,7 +330,7 @@ impl Equations<ALL> for Motor {
         run.put_state(k, value);
     }
 
-    /// A sensor that does not lag has the temperature of the housing.
+    /// Without lag the sensor has the temperature of the housing.
     fn follow_states(run: &mut AnnulusCooledMotor) {
         if !run.lags() {
             run.own.t_sensor = run.housing_temperature();
@@ -367,7 +366,7 @@ impl Equations<ALL> for Motor {
     }
 
     fn discrete(run: &AnnulusCooledMotor, before: &Discrete) -> Discrete {
-        // At the border of a sector, where the rotor is heading decides.
+        // At the border of a sector the direction of rotation decides.
         let ahead = NEAR_SECTOR * run.own.state.x[1].signum();
         let excess = Self::indicators(run, &()).over_temperature;
         let warming = Self::rates(run, &()).map_or(0.0, |rates| run.warming(&rates));
@@ -385,7 +384,7 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    /// What is evaluated here depends on the present values alone; it serves the outputs at the same point as well.
+    /// Depends on the present values only, so the outputs at the same instant use it as well.
     fn evaluate(run: &mut AnnulusCooledMotor) {
         if run.own.fault.is_none() {
             run.set_drivers(run.time);
@@ -393,7 +392,7 @@ impl Equations<ALL> for Motor {
         }
     }
 
-    /// What the capacities hold more or less because a term has changed them is no error of the energy balance.
+    /// The energy balance excludes the change of stored heat when a term changes the heat capacities.
     fn accept_step(run: &mut AnnulusCooledMotor) {
         run.set_drivers(run.time);
         let own = &mut run.own;

@@ -1,4 +1,4 @@
-//! What a motor is made of, and how it is used.
+//! Parameters of the motor and its modes of use.
 
 use super::initial::Initial;
 use super::variables::Choices;
@@ -14,10 +14,10 @@ use crate::components::validity::{Limits, Validity};
 use crate::effects::{Effects, PerNode};
 use crate::groups;
 
-/// What the motor is made of, and how it is used.
+/// Parameters of the motor and its modes of use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parameters {
-    /// What holds for the whole run.
+    /// Structural choices, constant over the run.
     pub choices: Choices,
     /// The drive.
     pub drive: Idle,
@@ -25,9 +25,9 @@ pub struct Parameters {
     pub motor: Motor,
     /// Heat capacities and resistances.
     pub thermal: Thermal,
-    /// Cooling by a conductance.
+    /// Cooling with a given conductance.
     pub conductance: Conductance,
-    /// Size and surface of the motor.
+    /// Dimensions and surface of the motor.
     pub housing: Housing,
     /// The fan.
     pub fan: Fan,
@@ -35,9 +35,9 @@ pub struct Parameters {
     pub annulus: Annulus,
     /// The water jacket.
     pub jacket: Jacket,
-    /// Where the equations end.
+    /// Limits of validity.
     pub validity: Validity,
-    /// The state at the start.
+    /// Initial state.
     pub initial: Initial,
     /// Effects, each off by default.
     pub effects: Effects,
@@ -60,7 +60,7 @@ groups! {
 }
 
 impl Parameters {
-    /// Where the equations end.
+    /// Limits of validity.
     pub fn limits(&self) -> Limits {
         Limits::new(self.validity, self.motor.T_ref, self.motor.alpha_mag)
     }

@@ -1,8 +1,7 @@
-//! The continuous states and their rates at one instant, for those who look at the equations and not at steps.
+//! The continuous states and their derivatives at one instant, for Model Exchange.
 //!
-//! The list in `state_list.rs` is the same in every mode. A state that a mode has no use for stands still: the current or
-//! the speed where an input imposes it, nodes of a network that is not there, a sensor that does not lag, phases
-//! that share the current evenly.
+//! The list in `state_list.rs` is the same in every mode. A state that a mode does not use is constant: current or speed
+//! if an input imposes it, absent network nodes, a housing sensor without lag, phases that share the current evenly.
 
 use super::motor::AnnulusCooledMotor;
 use super::state_list::{
@@ -13,7 +12,7 @@ use crate::components::commutation::Commutation;
 use crate::solver::split::System;
 
 impl AnnulusCooledMotor {
-    /// What the state of a lag is counted in.
+    /// Scale of a lag state.
     fn lag_size(&self, k: usize) -> f64 {
         self.parameters.effects.lag(k).map_or(1.0, |lag| lag.driver.nominal())
     }
@@ -22,7 +21,7 @@ impl AnnulusCooledMotor {
         self.parameters.effects.housing_sensor_lag() > 0.0
     }
 
-    /// Place of a state among the temperatures of the network ([`Body::nodes`](super::network::Body::nodes)).
+    /// Index of a state among the temperatures of the network ([`Body::nodes`](super::network::Body::nodes)).
     fn node(k: usize) -> usize {
         match k {
             ROTOR => 0,
@@ -31,7 +30,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Whether a state moves in the present modes.
+    /// Whether a state is in use in the present modes.
     pub(super) fn moves(&self, k: usize) -> bool {
         let choices = &self.parameters.choices;
         match k {
@@ -47,7 +46,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// The value of a state; where it stands still, that of the start.
+    /// Value of a state; the start value if it is not in use.
     pub(super) fn state_value(&self, k: usize) -> f64 {
         if !self.moves(k) {
             let is_zero = matches!(k, CURRENT | SPEED | PHASES..ENERGIES | LAGS..HOUSING);
@@ -65,7 +64,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Puts a state that moves.
+    /// Sets a state that is in use.
     pub(super) fn put_state(&mut self, k: usize, value: f64) {
         match k {
             CURRENT | SPEED => self.own.state.x[k] = value,
@@ -83,7 +82,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// The rates of all states, zero for those that stand still.
+    /// Derivatives of all states; zero for states that are not in use.
     pub(super) fn rates_as_told(&self) -> All {
         let mut all = self.rates_of_heat_and_motion();
         let (x, temperature) = (self.own.state.x, self.own.state.temperature);
@@ -110,14 +109,14 @@ impl AnnulusCooledMotor {
         all
     }
 
-    /// How fast the hottest phase warms, K/s.
+    /// Rate of change of the hottest phase's temperature, K/s.
     pub(super) fn warming(&self, rates: &All) -> f64 {
         let hottest = (0..self.own.phases.above.len())
             .max_by(|&a, &b| self.own.phases.above[a].total_cmp(&self.own.phases.above[b]));
         rates[WINDING] + hottest.map_or(0.0, |k| rates[PHASES + k])
     }
 
-    /// The rates of the coupled states.
+    /// Derivatives of the coupled states.
     pub(super) fn rates_of_heat_and_motion(&self) -> All {
         let mut all = [0.0; ALL];
         let (x, temperature) = (self.own.state.x, self.own.state.temperature);

@@ -1,8 +1,8 @@
-//! A step from one communication point to the next.
+//! A communication step.
 //!
-//! Without a network, one call to the integrator. With one, the step is taken in substeps: winding and stator see
-//! rotor and housing run along a line, the network then receives their heat, and a substep with too large an error is
-//! rejected and cut. At a step of milliseconds, one substep is enough.
+//! Without a network it is one call to the integrator. With a network it is divided into substeps: in the equations of winding
+//! and stator, rotor and housing temperatures are linear in time; the network then receives their heat. A substep with too
+//! large an error is rejected and shortened. For communication steps of milliseconds one substep is enough.
 
 use super::equations::{NODES, Step, ThermalCoupling};
 use super::motor::AnnulusCooledMotor;
@@ -20,15 +20,15 @@ use crate::solver::split::State;
 use crate::solver::stabilized::States;
 use declare::Group;
 
-/// A substep shorter than this fraction of the communication step is a failure.
+/// A substep shorter than this fraction of the communication step is a step failure.
 const LEAST_SHARE: f64 = 1e-9;
-/// How far inputs that the cooling follows in steps may move within a substep: command 1, ambient K, pressure Pa, coolant K.
+/// Largest change within a substep of cooling inputs that are constant over it: fan command 1, ambient K, pressure Pa, coolant K.
 const MOVE: [f64; 4] = [0.02, 0.25, 500.0, 0.25];
-/// The same for the flow of the coolant, as a share of it, with a least, m3/s.
+/// The same for the coolant flow, as a fraction of it, and the minimum change, m3/s.
 const MOVE_FLOW: (f64, f64) = (0.02, 1e-8);
 
 impl AnnulusCooledMotor {
-    /// A step without an event in it.
+    /// A step without an event inside.
     #[inline]
     pub(super) fn advance(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         if let Some(fault) = &self.own.fault {
@@ -42,7 +42,7 @@ impl AnnulusCooledMotor {
         self.take_substeps(time, h)
     }
 
-    /// A step with the drivers that were set.
+    /// A step with the drivers already set.
     #[inline]
     pub(super) fn take_substeps(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let before = self.housing_temperature();
@@ -53,7 +53,7 @@ impl AnnulusCooledMotor {
         } else {
             self.advance_two_nodes(time, h)?;
         }
-        // What follows belongs to the end of the step, where the inputs have arrived.
+        // The following is evaluated at the end of the step, where the inputs have their final values.
         self.slopes = Inputs::zero();
         self.follow_sensor(before, h);
         if let Some(sources) = lagging {
@@ -139,7 +139,7 @@ impl AnnulusCooledMotor {
         Ok(())
     }
 
-    /// The longest substep over which the inputs that the cooling follows may be taken at their middle, s.
+    /// Longest substep over which the cooling inputs may be constant at their midpoint values, s.
     fn longest_piece(&self) -> f64 {
         let s = &self.slopes;
         let slopes = [s.fan_command, s.ambient_temperature, s.ambient_pressure, s.coolant_inlet_temperature];
@@ -149,7 +149,7 @@ impl AnnulusCooledMotor {
         times.fold(f64::INFINITY, f64::min)
     }
 
-    /// One substep of a step. `Ok(Err(h))` where it must be cut to `h` seconds; then nothing has changed.
+    /// One substep. `Ok(Err(h))` if it must be shortened to `h` seconds; the state is then unchanged.
     fn substep(&mut self, time: f64, h: f64) -> Result<Result<(), f64>, Halt> {
         let ambient = self.ambient(time);
         let still = !self.is_sloping();
@@ -159,7 +159,7 @@ impl AnnulusCooledMotor {
         let at_middle = ambient.at(0.5 * h);
         network.refresh(&self.parameters, &middle, at_middle, 0.0);
 
-        // Heat that friction sets free in the network as the substep begins.
+        // Friction heat in the network at the start of the substep.
         let (state, split) = (self.own.state, &mut self.own.split);
         let (t_w, t_core) = (state.temperature[0], state.temperature[1]);
         let (p, constants) = (&self.parameters, &self.own.constants);
@@ -215,7 +215,7 @@ impl AnnulusCooledMotor {
         state.angle * f64::from(self.parameters.motor.pole_pairs)
     }
 
-    /// How far the phases that carry the current now are above the mean winding, K.
+    /// Temperature of the conducting phases above the mean winding temperature, K.
     #[inline]
     pub(super) fn excess(&self) -> f64 {
         let commutation = self.parameters.choices.commutation;
@@ -225,7 +225,7 @@ impl AnnulusCooledMotor {
         self.own.phases.in_use(&self.shares_now())
     }
 
-    /// How the phases share the copper loss at this instant; between events within one sector of block commutation.
+    /// Distribution of the copper loss over the phases now; constant between events within one sector of block commutation.
     fn shares_now(&self) -> [f64; PHASES] {
         let commutation = self.parameters.choices.commutation;
         let angle = match &self.pre {
@@ -235,14 +235,14 @@ impl AnnulusCooledMotor {
         commutation.shares(angle, angle)
     }
 
-    /// Rates of how far the phases are above the mean winding, K/s.
+    /// Derivatives of the phase temperatures relative to the mean winding temperature, K/s.
     pub(super) fn phase_rates(&self) -> [f64; PHASES] {
         let load = self.equations().phase_load(0.0, &self.own.state);
         self.own.phases.rates(&load, &self.shares_now())
     }
 
-    /// How far the phases that carry the current are above the mean winding in the middle of the next `h` seconds, K: with it
-    /// over the whole step, the resistance is of second order in the step.
+    /// Temperature of the conducting phases above the mean winding temperature at the midpoint of the next `h` seconds, K. With
+    /// this value over the whole step, the resistance is of second order in the step.
     fn mean_excess(&self, h: f64) -> f64 {
         let commutation = self.parameters.choices.commutation;
         if commutation == Commutation::EquivalentDc {
@@ -257,7 +257,7 @@ impl AnnulusCooledMotor {
         middle.in_use(&commutation.shares(a, a + way))
     }
 
-    /// The true ambient temperature over a substep that begins at `time`, K.
+    /// True ambient temperature over a substep that starts at `time`, K.
     pub(super) fn ambient(&self, time: f64) -> Line {
         let drift = self.own.constants.drift();
         Line {
@@ -266,7 +266,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Lets the coefficients of the network belong to the inputs of this instant.
+    /// Updates the coefficients of the network to the present inputs.
     pub(super) fn bring_network_to_inputs(&mut self) {
         let ambient = self.ambient(self.time).start;
         let Some(network) = &mut self.own.network else { return };
@@ -277,7 +277,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// Evaluates the cooling at this instant by its full equations.
+    /// Evaluates the cooling by its full equations at the present time.
     pub(super) fn evaluate_cooling(&mut self) {
         let ambient = self.ambient(self.time).start;
         let steps = self.pre.is_none();
@@ -289,7 +289,7 @@ impl AnnulusCooledMotor {
         }
     }
 
-    /// What winding and core see of the network at this instant.
+    /// Thermal coupling of winding and core to the network at the present time.
     pub(super) fn coupling(&self) -> ThermalCoupling {
         let Some(network) = &self.own.network else { return ThermalCoupling::default() };
         let fan_conductance = fan_conductance(&self.parameters, self.inputs.fan_command);
@@ -298,7 +298,7 @@ impl AnnulusCooledMotor {
 }
 
 impl Phases {
-    /// The phases after `h` seconds of a step that led from one state to another.
+    /// The phases after the first `h` seconds of a step between two states.
     #[inline]
     fn over(&self, step: &Step, [from, to]: [&State<NODES>; 2], h: f64, parameters: &Parameters) -> Phases {
         let commutation = parameters.choices.commutation;

@@ -1,4 +1,4 @@
-//! A fan that pushes or pulls air through the gap between the motor and a tube; segment 1 lies where the air enters.
+//! A fan that pushes or pulls air through the gap between the motor and a tube; the air enters at segment 1.
 
 use super::{Coefficients, Method, Site};
 use crate::components::annulus::{FlowDirection, Gap};
@@ -36,7 +36,7 @@ impl Method for Annulus {
         let factor = annulus.factor(self.0);
         let (n, rho) = (site.segments, density(at.ambient, at.pressure));
         let (inner, outer) = (housing.lateral_area() * gap.length / housing.length, gap.wall_area);
-        // The air's properties hold at its mean temperature, which follows from the flow: twice is enough.
+        // Air properties are those at its mean temperature, which depends on the flow: two iterations are enough.
         let (mut mean, mut air) =
             (at.ambient + 0.2 * (at.surface - at.ambient), Air::at(at.ambient, at.pressure));
         let mut mass_flow = 0.0;
@@ -63,7 +63,7 @@ impl Method for Annulus {
             c.inlet_rise = c.fan_power / c.m_flow_cp;
         }
         let re = gap.reynolds(mass_flow, &air);
-        // What the films of the developed flow have in place of air at rest, W/K, and how far it is at rest.
+        // Film conductance of developed flow that replaces that of still air, W/K, and the fraction of still air.
         let share = inner / (inner + outer);
         let developed = factor * gap.heated.nu_developed() * air.k / gap.d_h * (inner + outer);
         let graetz = c.m_flow_cp * gap.d_h * gap.d_h / (air.k * gap.section * gap.length);
@@ -94,7 +94,7 @@ impl Method for Annulus {
 }
 
 impl Site<'_> {
-    /// Pressure of the buoyancy in an upright gap at the mass flow `m`, kg/s, Pa: the air's mean temperature between both walls.
+    /// Buoyancy pressure in a vertical gap at the mass flow `m`, kg/s, in Pa; the mean air temperature is that between both walls.
     fn buoyancy(&self, gap: &Gap, m: f64, air: &Air, factor: f64) -> f64 {
         if !gap.is_upright() {
             return 0.0;
@@ -109,7 +109,7 @@ impl Site<'_> {
     }
 }
 
-/// Power of the fan that warms the air of the gap, W: the gap's share of the fan's flow carries its share.
+/// Fan power that warms the air of the gap, W: the fraction of the fan power that equals the gap's fraction of the fan flow.
 fn warming(fan: &Fan, command: f64, rho: f64, c: &Coefficients, gap: &Gap) -> f64 {
     let through = (c.flow / (c.flow + gap.leak(c.pressure_drop, rho)).max(1e-12)).min(1.0);
     fan.power_at(command.clamp(0.0, 1.0), rho) * through

@@ -14,7 +14,7 @@
 use crate::components::housing::SEGMENTS;
 use crate::models::annulus_cooled_motor::variables::Inputs;
 
-/// On what the coefficients depend.
+/// Conditions that determine the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
     /// Mean temperature of the housing, K.
@@ -25,16 +25,16 @@ pub struct Conditions {
     pub ambient: f64,
     /// Pressure of the air, Pa.
     pub pressure: f64,
-    /// Command to the fan, 0 to 1.
+    /// Fan command, 0 to 1.
     pub command: f64,
-    /// Temperature of the coolant at its inlet, K.
+    /// Inlet temperature of the coolant, K.
     pub coolant_inlet: f64,
     /// Volume flow rate of the coolant, m3/s.
     pub coolant_flow: f64,
 }
 
 impl Conditions {
-    /// Conditions of no evaluation: they differ from all others.
+    /// Conditions before the first evaluation: unequal to all others.
     pub const NONE: Conditions = Conditions {
         surface: f64::NAN,
         tube: f64::NAN,
@@ -45,7 +45,7 @@ impl Conditions {
         coolant_flow: f64::NAN,
     };
 
-    /// Those of these inputs, with the housing at `surface`, the tube and the true ambient temperature, K.
+    /// The conditions of these inputs, with the temperatures of housing (`surface`), tube and true ambient, K.
     pub fn of(inputs: &Inputs, surface: f64, tube: f64, ambient: f64) -> Conditions {
         Conditions {
             surface,
@@ -58,13 +58,13 @@ impl Conditions {
         }
     }
 
-    /// All of them, for a saved instance.
+    /// All values, for a saved instance.
     pub fn to_numbers(self) -> [f64; 7] {
         let Conditions { surface, tube, ambient, pressure, command, coolant_inlet, coolant_flow } = self;
         [surface, tube, ambient, pressure, command, coolant_inlet, coolant_flow]
     }
 
-    /// Takes back what [`to_numbers`](Self::to_numbers) gave; `None` where the numbers run out.
+    /// Restores the numbers of [`to_numbers`](Self::to_numbers); `None` if there are too few.
     pub fn from_numbers(next: &mut impl FnMut() -> Option<f64>) -> Option<Conditions> {
         Some(Conditions {
             surface: next()?,
@@ -85,37 +85,37 @@ pub struct Coefficients {
     pub ambient_conductance: [f64; SEGMENTS],
     /// Conductance of both walls of the gap along each segment, W/K.
     pub film_conductance: [f64; SEGMENTS],
-    /// The segment's fraction of it.
+    /// The segment's fraction of the film conductance.
     pub share: [f64; SEGMENTS],
-    /// Effectiveness: change of the flow's temperature over its difference from the walls.
+    /// Effectiveness: temperature change of the flow divided by its inlet temperature difference to the walls.
     pub effectiveness: [f64; SEGMENTS],
-    /// Heat capacity of the flow, W/K.
+    /// Heat capacity rate of the flow, W/K.
     pub m_flow_cp: f64,
-    /// Temperature rise of the air before the gap by the fan's power, K.
+    /// Temperature rise of the air before the gap by the fan power, K.
     pub inlet_rise: f64,
-    /// Radiation from each segment to the tube, W/K.
+    /// Radiative conductance from each segment to the tube, W/K.
     pub to_tube: f64,
     /// Conductance from the tube to ambient, W/K.
     pub tube_to_ambient: f64,
-    /// Flow over the motor, m3/s.
+    /// Volume flow rate over the motor, m3/s.
     pub flow: f64,
-    /// Excess temperature of the air behind the motor over that of the air that leaves the last segment: 1, but lower near zero
-    /// flow, where the air behind the motor is at the ambient temperature.
+    /// Ratio of the air's excess temperature behind the motor to that at the outlet of the last segment: 1, but smaller near
+    /// zero flow, where the air behind the motor has ambient temperature.
     pub behind: f64,
-    /// Pressure that the fan gives, Pa.
+    /// Pressure rise of the fan, Pa.
     pub pressure_drop: f64,
-    /// Power that the fan gives to the air of the gap, W.
+    /// Fan power that heats the air of the gap, W.
     pub fan_power: f64,
-    /// Temperature at which the stream enters where it is a coolant, K; else it is ambient air.
+    /// Inlet temperature of a coolant, K; `None` for ambient air.
     pub coolant_inlet: Option<f64>,
     /// Pressure drop of the coolant, Pa.
     pub coolant_pressure_drop: f64,
-    /// Hydraulic power of the coolant's pump, W.
+    /// Hydraulic power of the coolant pump, W.
     pub pump_power: f64,
 }
 
 impl Coefficients {
-    /// No exchange at all.
+    /// No heat transfer.
     pub const NONE: Coefficients = Coefficients {
         ambient_conductance: [0.0; SEGMENTS],
         film_conductance: [0.0; SEGMENTS],
@@ -134,13 +134,13 @@ impl Coefficients {
         pump_power: 0.0,
     };
 
-    /// Temperature at which the stream enters, K.
+    /// Inlet temperature of the flow, K.
     #[inline]
     pub fn inlet(&self, ambient: f64) -> f64 {
         self.coolant_inlet.unwrap_or(ambient + self.inlet_rise)
     }
 
-    /// `self + z slope` on the first `n` segments.
+    /// `self + z slope` for the first `n` segments.
     #[inline]
     pub(super) fn along(&self, slope: &Coefficients, z: f64, n: usize, out: &mut Coefficients) {
         for k in 0..n {
@@ -159,7 +159,7 @@ impl Coefficients {
         out.coolant_pressure_drop = self.coolant_pressure_drop + z * slope.coolant_pressure_drop;
         out.pump_power = self.pump_power + z * slope.pump_power;
         out.coolant_inlet = self.coolant_inlet;
-        // The rise follows from what it is made of, so that the fan's watts stay the fan's watts.
+        // The rise is computed from the fan power and the heat capacity rate, so that energy is conserved.
         out.inlet_rise = if out.m_flow_cp > 0.0 { out.fan_power / out.m_flow_cp } else { 0.0 };
     }
 }

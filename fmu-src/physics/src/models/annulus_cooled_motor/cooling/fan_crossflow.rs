@@ -1,4 +1,4 @@
-//! A fan whose jet blows across the middle of the motor, still air beyond the jet's edge.
+//! A fan whose jet flows across the middle of the motor; still air outside the jet.
 
 use super::{Coefficients, Method, Site};
 use crate::components::housing::Orientation;
@@ -27,7 +27,7 @@ impl Method for FanCrossflow {
         let d = housing.diameter;
         let re = film.reynolds(jet.speed(flow, fan.distance), d);
         let forced = (crossflow::cylinder(re, film.pr) - crossflow::NU_AT_REST) * fan.turbulence_factor;
-        // Buoyancy runs around a horizontal cylinder as the jet does, along an upright one across it.
+        // Buoyant flow around a horizontal cylinder is parallel to the jet, along a vertical one perpendicular to it.
         let mixing = match housing.orientation {
             Orientation::Horizontal => crossflow::Mixing::HorizontalCylinder,
             Orientation::Vertical => crossflow::Mixing::General,

@@ -1,7 +1,7 @@
-//! The modes of cooling, one file each. [`method`] is the only place that lists them.
+//! The cooling modes, one file each. [`method`] is the only place that lists them.
 //!
-//! A mode is a [`Method`]: the parts that it adds to the motor, and the heat paths that it gives to the segments of the housing as
-//! [`Coefficients`]. `docs/extending.md` shows how to add one.
+//! A mode is a [`Method`]: the parts that it adds to the motor, and the heat paths from the segments of the housing as
+//! [`Coefficients`]. `docs/extending.md` describes how to add one.
 
 mod annulus;
 mod bare;
@@ -21,18 +21,18 @@ use crate::components::conductance::Conductance;
 use crate::components::housing::StillAir;
 use std::fmt::Debug;
 
-/// A mode of cooling.
+/// A cooling mode.
 pub trait Method: Debug + Sync {
-    /// Whether rotor, stator and segments of the housing are nodes, and ends and mount give off heat; else the whole housing is one
-    /// node.
+    /// Whether rotor, stator and housing segments are nodes, and end faces and mount transfer heat; else the whole housing is
+    /// one node.
     fn has_network(&self) -> bool {
         true
     }
-    /// Mass of the parts that the mode adds to the motor, kg.
+    /// Mass of the parts that the mode adds, kg.
     fn mass(&self, _parameters: &Parameters) -> f64 {
         0.0
     }
-    /// Heat capacity of the tube, J/K; 0 where there is none.
+    /// Heat capacity of the tube, J/K; 0 without a tube.
     fn tube_capacity(&self, _parameters: &Parameters) -> f64 {
         0.0
     }
@@ -40,7 +40,7 @@ pub trait Method: Debug + Sync {
     fn gap(&self, _parameters: &Parameters) -> Option<Gap> {
         None
     }
-    /// What is wrong with the parameters of the mode, in one sentence.
+    /// Inconsistency between parameters of the mode, in one sentence.
     fn fault(&self, _parameters: &Parameters) -> Option<String> {
         None
     }
@@ -60,7 +60,7 @@ pub fn method(mode: CoolingMode) -> &'static dyn Method {
     }
 }
 
-/// Mass of the motor with the parts that its mode of cooling adds, kg.
+/// Mass of the motor including the parts that its cooling mode adds, kg.
 pub fn mass(parameters: &Parameters) -> f64 {
     parameters.motor.mass + method(parameters.choices.cooling_mode).mass(parameters)
 }
@@ -72,11 +72,11 @@ pub struct Site<'a> {
     pub parameters: &'a Parameters,
     /// The conditions.
     pub at: &'a Conditions,
-    /// Command to the fan after the effects at the port fan_flow.
+    /// Fan command after the effects at the port fan_flow.
     pub command: f64,
     /// Coefficients in still air.
     pub still: StillAir,
-    /// Segments of the housing.
+    /// Number of segments of the housing.
     pub segments: usize,
     /// The gap between motor and tube.
     pub gap: Option<&'a Gap>,
@@ -89,7 +89,7 @@ impl Site<'_> {
         lateral * (self.still.lateral + self.still.radiation)
     }
 
-    /// Each segment with the share of its length between two places.
+    /// Each segment with the fraction of its length between two axial positions.
     pub fn covered(&self, from: f64, to: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
         let n = self.segments;
         let dx = self.parameters.housing.length / n as f64;
@@ -112,10 +112,10 @@ impl Site<'_> {
     }
 }
 
-/// The cooling of one motor: what follows from its parameters alone.
+/// The cooling of one motor, from its parameters alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Cooling {
-    /// Segments of the housing.
+    /// Number of segments of the housing.
     pub segments: usize,
     method: &'static dyn Method,
     gap: Option<Gap>,
@@ -133,7 +133,7 @@ impl Cooling {
         self.gap.is_some()
     }
 
-    /// The coefficients at one set of conditions: those of the method, of effects, and of ends and mount.
+    /// The coefficients at one set of conditions: those of the method, of effects, and of end faces and mount.
     pub fn coefficients(&self, parameters: &Parameters, at: &Conditions) -> Coefficients {
         let p = parameters;
         let site = Site {

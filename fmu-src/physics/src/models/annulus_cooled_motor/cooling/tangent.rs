@@ -1,45 +1,45 @@
-//! Coefficients of the cooling with their slopes: the correlations take longer than a step of a millisecond and change slowly,
-//! so the network is linear between two evaluations.
+//! Linearized coefficients of the cooling: an evaluation of the correlations takes longer than a step of 1 ms and the coefficients
+//! change slowly, so they are linearized between two evaluations.
 
 use super::Cooling;
 use super::coefficients::{Coefficients, Conditions};
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
-/// Coefficients for one set of conditions, with their slopes.
+/// Coefficients for one set of conditions, with their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Tangent {
-    /// Where they hold.
+    /// Conditions of the evaluation.
     pub at: Conditions,
     base: Coefficients,
-    /// Over the housing's temperature, per kelvin.
+    /// Derivatives with respect to the housing temperature, 1/K.
     slope: Coefficients,
-    /// Over the tube's temperature, for the difference [`reach_tube`], where there is a tube.
+    /// Changes for a rise of the tube temperature by [`reach_tube`], if there is a tube.
     by_tube: Option<Coefficients>,
-    /// Over the fan's command, for all of it; found when the command first moves.
+    /// Changes for a relative change of the fan command; computed when the command first changes.
     by_command: Option<Coefficients>,
 }
 
-/// Rise of the surface over which a slope is taken, K: 1, so that a difference is a slope.
+/// Temperature difference of the finite difference, K: 1, so that the difference equals the derivative.
 const RISE: f64 = 1.0;
-/// How far temperatures may move before the coefficients are evaluated anew, K. The error of a tangent is of
-/// second order: at 40 K above ambient natural convection errs by 4e-6 of itself over this way.
+/// Temperature change that requires a new evaluation, K. The linearization error is of second order: for natural
+/// convection at 40 K above ambient it is 4e-6 of the conductance at this limit.
 const NEAR: f64 = 0.25;
-/// How far the command may move, and over which way its slope is taken, both as a share of it. A flow that grows
-/// with a power of the command is off by 1e-4 of itself at the end of this way.
+/// Relative change of the fan command that requires a new evaluation, and relative step of its finite difference. For a
+/// flow that is a power of the command the error at this limit is 1e-4.
 const NEAR_COMMAND: f64 = 0.02;
 const BACK: f64 = 0.01;
-/// [`NEAR`] of the housing and of the tube where they are at ambient temperature and natural convection bends most, K, and what each
-/// kelvin above adds. The tube's slope is taken over this difference.
+/// [`NEAR`] of housing and tube at ambient temperature, where natural convection is most nonlinear, K, and its increase per
+/// kelvin above ambient. The finite difference for the tube has this step.
 const NEAR_AT_REST: f64 = 0.02;
 const NEAR_AT_REST_TUBE: f64 = 0.005;
 const PER_KELVIN: f64 = 0.02;
 
-/// How far the coolant's inlet and the surface that it cools may move, K: its properties change by 2 % per kelvin, its
-/// conductance is tens of times that of air, and its correlations take a tenth of the time of a fan's operating point.
+/// Limit for coolant inlet and cooled surface, K: coolant properties change by 2 % per kelvin, the conductance is tens of
+/// times that of air, and the correlations take a tenth of the time of a fan's operating point.
 const NEAR_COOLANT: f64 = 0.02;
 
 impl Tangent {
-    /// Coefficients that hold nowhere yet.
+    /// Coefficients before the first evaluation.
     pub const NONE: Tangent = Tangent {
         at: Conditions::NONE,
         base: Coefficients::NONE,
@@ -48,7 +48,7 @@ impl Tangent {
         by_command: None,
     };
 
-    /// The tangent at these conditions.
+    /// The linearization at these conditions.
     pub fn new(cooling: &Cooling, parameters: &Parameters, at: Conditions) -> Tangent {
         let n = cooling.segments;
         let base = cooling.coefficients(parameters, &at);
@@ -64,7 +64,7 @@ impl Tangent {
         Tangent { at, base, slope, by_tube, by_command: None }
     }
 
-    /// Whether the tangent still serves at `now`.
+    /// Whether the linearization is accurate enough at `now`.
     #[inline]
     pub fn serves(&self, now: &Conditions) -> bool {
         let at = &self.at;
@@ -77,14 +77,14 @@ impl Tangent {
             && self.beyond_tube(now).abs() <= reach_tube(at)
     }
 
-    /// How far the surface may move, K.
+    /// Permitted change of the surface temperature, K.
     #[inline]
     fn reach(&self) -> f64 {
         let near = if self.base.coolant_inlet.is_some() { NEAR_COOLANT } else { NEAR };
         near.min(NEAR_AT_REST + PER_KELVIN * (self.at.surface - self.at.ambient).abs())
     }
 
-    /// The same of the tube, K; where there is none, its temperature is no condition.
+    /// Change of the tube temperature above its limit, K; without a tube its temperature is no condition.
     #[inline]
     fn beyond_tube(&self, now: &Conditions) -> f64 {
         if self.by_tube.is_none() {
@@ -93,13 +93,13 @@ impl Tangent {
         (now.tube - now.ambient) - (self.at.tube - self.at.ambient)
     }
 
-    /// How much further the surface is above ambient than where the tangent was taken, K.
+    /// Change of the surface's excess temperature over ambient since the evaluation, K.
     #[inline]
     fn beyond(&self, now: &Conditions) -> f64 {
         (now.surface - now.ambient) - (self.at.surface - self.at.ambient)
     }
 
-    /// The coefficients at `now`, on the segments in use.
+    /// The coefficients at `now`, for the segments in use.
     #[inline]
     pub fn coefficients(
         &mut self,
@@ -116,7 +116,7 @@ impl Tangent {
         }
         out.coolant_inlet = self.base.coolant_inlet.map(|_| now.coolant_inlet);
         if now.command != self.at.command {
-            // It follows from where the tangent was taken alone, so that it is the same whenever it is found.
+            // Depends only on the conditions of the evaluation, so that the result does not depend on when it is computed.
             let (base, at) = (&self.base, self.at);
             let by_command = self.by_command.get_or_insert_with(|| {
                 let slower = Conditions { command: at.command * (1.0 - BACK), ..at };
@@ -131,7 +131,7 @@ impl Tangent {
     }
 }
 
-/// How far the tube may move, K.
+/// Permitted change of the tube temperature, K.
 #[inline]
 fn reach_tube(at: &Conditions) -> f64 {
     NEAR.min(NEAR_AT_REST_TUBE + PER_KELVIN * (at.tube - at.ambient).abs())

@@ -1,4 +1,4 @@
-//! A water jacket (`components/jacket.rs`): the water passes the segments from the first to the last.
+//! A water jacket (`components/jacket.rs`): the water flows along the segments from the first to the last.
 
 use super::{Coefficients, Method, Site};
 use crate::models::annulus_cooled_motor::parameters::Parameters;

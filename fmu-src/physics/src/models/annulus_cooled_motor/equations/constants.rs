@@ -7,12 +7,12 @@ use crate::effects::{Acts, Port};
 use crate::models::annulus_cooled_motor::network::Body;
 use crate::models::annulus_cooled_motor::parameters::Parameters;
 
-/// What follows from the parameters alone, so that no step divides by them again.
+/// Constants of the parameters, computed once and not in every step.
 #[derive(Clone, Copy, Debug)]
 pub struct Constants {
-    /// 1/L where the inductance decides the current, 0 where the source does.
+    /// 1/L if the current is a state, 0 if the source imposes it.
     pub(super) inverse_l: f64,
-    /// 1/J where the rotor is free, 0 where its speed is imposed.
+    /// 1/J if the shaft is free, 0 if its speed is imposed.
     pub(super) inverse_j: f64,
     /// Heat capacities of the nodes, J/K.
     pub(super) capacity: Temperatures,
@@ -20,25 +20,25 @@ pub struct Constants {
     pub(super) inverse_capacity: Temperatures,
     /// Conductance from winding to housing, W/K.
     pub(super) across: f64,
-    /// How fast the true ambient temperature leaves the shown one, K/s.
+    /// Drift of the true ambient temperature from the indicated one, K/s.
     pub(super) drift: f64,
-    /// Share of electrical_power that the drive loses.
+    /// Fraction of electrical_power that the drive dissipates.
     pub(super) lost: f64,
     /// Fraction of electrical_power that heats the stator.
     pub(super) in_stator: f64,
-    /// Whether a port may jump at a time of its own.
+    /// Whether the effects at a port have time events.
     pub(in super::super) eventful: bool,
-    /// Torque over that of the data sheet's torque constant, by the commutation.
+    /// Ratio of the torque constant to its data sheet value, by the commutation.
     pub(super) torque_factor: f64,
-    /// Whether a drive that chops loses something on the way.
+    /// Whether the drive is a chopper with losses, ripple or open switches.
     pub(super) chops: bool,
-    /// Whether a network stands beyond the two nodes.
+    /// Whether a network is coupled to the two nodes.
     pub(super) has_network: bool,
-    /// Whether the iron's loss heats the core while all other friction heat goes to the network.
+    /// Whether iron loss heats the core while all other friction heat goes to the network.
     pub(super) iron_in_core: bool,
-    /// Where effects act.
+    /// Ports at which effects act.
     pub(super) acts: Acts,
-    /// Where the equations end.
+    /// Limits of validity.
     pub(super) limits: Limits,
 }
 
@@ -52,10 +52,10 @@ impl Constants {
         let capacity = Temperatures::new(parameters.thermal.C_w, core);
         let lost = parameters.effects.drive_loss();
         let acts = Acts::of(&parameters.effects);
-        // Its power is a part of electrical_power, and its torque acts at an imposed speed.
+        // The power of this load is part of electrical_power; its torque acts at an imposed speed.
         let is_loaded = parameters.choices.drive_mode == DriveMode::Power && !free;
         let acts = if is_loaded { acts } else { acts.without(Port::PowerModeLoad) };
-        // Beyond the core, the network radiates.
+        // With a network, the network computes radiation.
         let acts = if body.is_none() { acts } else { acts.without(Port::HousingToAmbient) };
         Constants {
             inverse_l: if voltage_driven { 1.0 / parameters.motor.L } else { 0.0 },
@@ -76,25 +76,25 @@ impl Constants {
         }
     }
 
-    /// With every heat capacity times `factor`.
+    /// The same with all heat capacities multiplied by `factor`.
     pub fn with_capacity(mut self, factor: f64) -> Constants {
         self.capacity *= factor;
         self.inverse_capacity /= factor;
         self
     }
 
-    /// The heat in the nodes above the temperature `origin`, K, in J.
+    /// Heat stored in the nodes above the temperature `origin`, K, in J.
     pub fn heat(&self, temperature: &Temperatures, origin: f64) -> f64 {
         self.capacity.dot(&temperature.add_scalar(-origin))
     }
 
-    /// Where the equations end.
+    /// Limits of validity.
     #[inline]
     pub(in super::super) fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// How fast the true ambient temperature leaves the shown one, K/s.
+    /// Drift of the true ambient temperature from the indicated one, K/s.
     pub(in super::super) fn drift(&self) -> f64 {
         self.drift
     }

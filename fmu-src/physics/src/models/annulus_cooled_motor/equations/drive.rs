@@ -1,7 +1,7 @@
 //! The drive between supply and terminals in drive_mode pwm: losses, ripple, and open switches.
 //!
-//! Open switches (`drive.zero_duty` = coast, duty 0): the mean current falls to zero with L/R, and the terminals follow
-//! the back-EMF e. Beyond the supply's voltage V_s the diodes rectify:
+//! Open switches (`drive.zero_duty` = coast, duty 0): the mean current decays to zero with L/R, and the terminal voltage is
+//! the back-EMF e. If |e| exceeds the supply voltage V_s, the diodes rectify:
 //! ```text
 //! L di/dt = u - R i - V_lost(i) - e,   u = min(max(e, -V_s), V_s)                          (1)
 //! ```
@@ -18,18 +18,18 @@ use crate::models::annulus_cooled_motor::variables::{DriveMode, Inputs};
 /// The drive over one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Chopper {
-    /// Whether it loses volts or leaves a ripple.
+    /// Whether it has voltage losses or ripple.
     pub loses: bool,
     /// Whether all switches are open.
     pub coasts: bool,
     /// Duty cycle.
     duty: Line,
-    /// Voltage of the supply, V.
+    /// Supply voltage, V.
     supply: Line,
 }
 
 impl Chopper {
-    /// No drive that chops.
+    /// No chopper.
     const NONE: Chopper = Chopper {
         loses: false,
         coasts: false,
@@ -37,7 +37,7 @@ impl Chopper {
         supply: Line { start: 0.0, slope: 0.0 },
     };
 
-    /// The drive of a motor with these inputs; one that loses nothing in any other drive_mode.
+    /// The drive of a motor with these inputs; without losses in any other drive_mode.
     #[inline]
     pub fn new(model: &Parameters, chops: bool, u: &Inputs, slopes: &Inputs) -> Chopper {
         if !chops {
@@ -52,26 +52,26 @@ impl Chopper {
         }
     }
 
-    /// Voltage of the supply after `t` seconds, V.
+    /// Supply voltage after `t` seconds, V.
     #[inline]
     pub fn supply(&self, t: f64) -> f64 {
         self.supply.at(t)
     }
 
-    /// Voltage of eq. (1) at the terminals before losses, V, at the back-EMF `e`, and its slope with e.
+    /// Terminal voltage of eq. (1) before losses, V, at the back-EMF `e`, and its derivative with respect to e.
     #[inline]
     pub fn open_voltage(&self, t: f64, e: f64) -> (f64, f64) {
         let limit = self.supply.at(t).abs();
         if e.abs() <= limit { (e, 1.0) } else { (limit.copysign(e), 0.0) }
     }
 
-    /// Mean square of the ripple after `t` seconds, A2.
+    /// Mean square of the current ripple after `t` seconds, A2.
     #[inline]
     pub fn ripple_square(&self, t: f64, effects: &Effects, inductance: f64) -> f64 {
         if self.loses { effects.ripple_square(self.duty.at(t), self.supply.at(t), inductance) } else { 0.0 }
     }
 
-    /// Whether a drive of this motor chops otherwise than by duty times its supply's voltage.
+    /// Whether the terminal voltage of this motor's drive differs from duty times supply voltage.
     pub fn acts(model: &Parameters) -> bool {
         let pwm = model.choices.drive_mode == DriveMode::Pwm;
         pwm && (Chopper::loses(model) || model.drive.zero_duty == ZeroDuty::Coast)
@@ -85,19 +85,19 @@ impl Chopper {
 
 /// The drive in drive_mode pwm.
 impl Step<'_> {
-    /// Whether the drive loses something.
+    /// Whether the drive has losses.
     #[inline]
     pub(super) fn loses(&self) -> bool {
         self.chopper.loses
     }
 
-    /// Volts lost as heat in the bridge at the current `i`.
+    /// Bridge voltage drop at the current `i`, V; it becomes heat.
     #[inline]
     pub(super) fn bridge(&self, i: f64) -> f64 {
         if self.chopper.loses { self.model.effects.bridge_voltage(i) } else { 0.0 }
     }
 
-    /// Voltage of the source `t` seconds after the start of the step, V; `e` is the back-EMF, which open switches follow.
+    /// Source voltage `t` seconds after the start of the step, V; `e` is the back-EMF, which is the voltage with open switches.
     #[inline(always)]
     pub(super) fn source(&self, t: f64, e: f64) -> f64 {
         if self.chopper.coasts {
@@ -107,37 +107,37 @@ impl Step<'_> {
         }
     }
 
-    /// The supply whose dead time is lost, V: none where no switch is on.
+    /// Supply voltage that dead time reduces, V; zero with open switches.
     #[inline]
     pub(super) fn chopped(&self, t: f64) -> f64 {
         if self.chopper.coasts { 0.0 } else { self.chopper.supply(t) }
     }
 
-    /// Volts that the supply gives less than duty times its voltage at the current `i`.
+    /// Voltage loss by dead time at the current `i`, V.
     #[inline]
     pub(super) fn missed(&self, t: f64, i: f64) -> f64 {
         if self.chopper.loses { self.model.effects.missed_voltage(i, self.chopped(t)) } else { 0.0 }
     }
 
-    /// Slope of bridge and missed volts with the current, Ohm.
+    /// Derivative of bridge voltage drop and dead-time loss with respect to the current, Ohm.
     #[inline]
     pub(super) fn drive_slope(&self, t: f64, i: f64) -> f64 {
         if self.chopper.loses { self.model.effects.drive_voltage_slope(i, self.chopped(t)) } else { 0.0 }
     }
 
-    /// Mean square of the current's ripple, A2.
+    /// Mean square of the current ripple, A2.
     #[inline]
     pub(super) fn ripple_square(&self, t: f64) -> f64 {
         self.chopper.ripple_square(t, &self.model.effects, self.model.motor.L)
     }
 
-    /// Copper loss of the ripple with the winding at `t_w`, W.
+    /// Copper loss of the current ripple at the winding temperature `t_w`, W.
     #[inline(always)]
     pub(super) fn ripple_loss(&self, t: f64, t_w: f64) -> f64 {
         if self.chopper.loses { self.resistance(t_w) * self.ripple_square(t) } else { 0.0 }
     }
 
-    /// The same equations with the switches as the last event has left them: open, or not.
+    /// The same equations with the switch state of the last event.
     pub fn with_open_switches(mut self, open: bool) -> Self {
         self.chopper.coasts &= open;
         self

@@ -9,13 +9,13 @@ use crate::models::annulus_cooled_motor::network::Network;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, EnergyBalance, Outputs};
 use crate::solver::split::{State, System};
 
-/// What is to be shown of the heat beyond winding and core.
+/// Output values of the cooling.
 struct Outside {
     /// Heat flow to ambient, W.
     to_ambient: f64,
-    /// Temperature at which the air leaves the motor, K.
+    /// Outlet temperature of the air, K.
     air_outlet: f64,
-    /// Temperature at which the coolant leaves the jacket, K.
+    /// Outlet temperature of the coolant, K.
     coolant_outlet: f64,
     /// Heat flow to the coolant, W.
     to_coolant: f64,
@@ -24,7 +24,7 @@ struct Outside {
 }
 
 impl Step<'_> {
-    /// The outputs at the start of the step; `t_sensor` is the temperature that the housing's sensor has reached.
+    /// Outputs at the start of the step; `t_sensor` is the temperature of the housing sensor.
     pub fn outputs(&self, state: &State<NODES>, t_sensor: f64, phases: &Phases) -> Outputs {
         let (model, ambient) = (self.model, self.ambient.start);
         let (x, temperature) = (&state.x, &state.temperature);
@@ -50,13 +50,13 @@ impl Step<'_> {
         }
     }
 
-    /// Heat set free in the winding and by all drags, W.
+    /// Copper loss and friction loss, W.
     pub fn heat_flows(&self, state: &State<NODES>) -> [f64; 2] {
         let p = self.point(0.0, &state.x, &state.temperature);
         [self.copper_loss(state, p.drive), p.drag * state.x[1]]
     }
 
-    /// Copper loss with that of the contacts, and in drive_mode power what reaches the winding, W.
+    /// Copper loss including contact voltage drop, and in drive_mode power the power that heats the winding, W.
     fn copper_loss(&self, state: &State<NODES>, drive: f64) -> f64 {
         let (i, t_w) = (state.x[0], state.temperature[WINDING]);
         let copper = self.resistance(t_w) * i * i
@@ -71,7 +71,7 @@ impl Step<'_> {
         }
     }
 
-    /// The same equations with the magnets as an event at `time`, s, has left them.
+    /// The same equations with the magnetisation since the last event at `time`, s.
     pub fn with_strength_since(mut self, time: f64) -> Self {
         self.strength = self.constants.torque_factor * self.model.effects.torque_constant(time);
         self
@@ -96,8 +96,8 @@ impl Step<'_> {
         HousingHeat { housing, ambient, flow }
     }
 
-    /// The flows of power at the start of the step, and the balance residuals. Energies count from what was stored at the start,
-    /// heat from the temperature `origin`, K, so that the residual is not the rounding of energies above 0 K.
+    /// Power flows at the start of the step, and the balance residuals. Energies are relative to the energy stored at the start,
+    /// heat to the temperature `origin`, K, so that rounding errors of energies above 0 K do not enter the residual.
     pub fn energy_balance(
         &self,
         state: &State<NODES>,
@@ -154,7 +154,7 @@ impl Step<'_> {
         }
     }
 
-    /// Enters the flows of the network, each with both ends, and compares them with its own rates.
+    /// Enters the flows of the network, each at both ends, and compares them with the derivatives of its temperatures.
     fn network_books(
         &self,
         state: &State<NODES>,

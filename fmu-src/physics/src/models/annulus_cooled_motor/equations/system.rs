@@ -1,4 +1,4 @@
-//! The equations as the integrator takes them: rates and their slopes, and the energies of a step.
+//! The equations in the form of the integrator: derivatives, their Jacobian, and the energies of a step.
 
 use super::{CORE, NODES, Step, Temperatures, WINDING};
 use crate::effects::Port;
@@ -6,12 +6,12 @@ use crate::line::Line;
 use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 
-/// What an instant within a step costs.
+/// Quantities at one instant of a step that several integrals use.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant {
     /// Torque constant, N.m/A.
     k: f64,
-    /// Torque against the motion, N.m.
+    /// Drag torque, N.m.
     drag: f64,
 }
 
@@ -56,7 +56,7 @@ impl System<NODES> for Step<'_> {
             0.0
         };
         let (l, j) = (self.constants.inverse_l, self.constants.inverse_j);
-        // Open switches follow the back-EMF.
+        // With open switches the terminal voltage depends on the back-EMF.
         let followed = if self.chopper.coasts { self.chopper.open_voltage(t, k * x[1]).1 } else { 0.0 };
         Matrix2::new(-r * l, -k * l * (1.0 - followed), k * j, -slope * j)
     }
@@ -74,7 +74,7 @@ impl System<NODES> for Step<'_> {
     fn network_matrix(&self, t: f64, temperature: &Temperatures) -> SMatrix<f64, NODES, NODES> {
         let effects = self.ports();
         let (t_w, t_h) = (temperature[WINDING], temperature[CORE]);
-        // What crosses from winding to housing grows with T_w by `hot` and falls with T_h by `cold`.
+        // Derivatives of the heat flow from winding to housing: `hot` with respect to T_w, `cold` with respect to -T_h.
         let share = effects.winding_housing_conductance(t_w);
         let cold = self.constants.across * share;
         let hot = cold - cold * (t_w - t_h) * effects.winding_housing_resistance_slope(t_w) * share;
@@ -110,8 +110,8 @@ impl System<NODES> for Step<'_> {
         Temperatures::new(copper + self.heat_at(t, w), core)
     }
 
-    /// The energies of one step, each from its own law and the integrals of the fast solution, so that their balance is the error
-    /// of the step.
+    /// Energies of one step, each from its own equation and the integrals of the fast solution, so that the balance residual
+    /// is the error of the step.
     #[inline]
     fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let effects = self.ports();
@@ -119,12 +119,12 @@ impl System<NODES> for Step<'_> {
         let [x0, xm, x1] = segment.x;
         let at = [t, t + 0.5 * h, t + h];
         let simpson = |f0: f64, fm: f64, f1: f64| h / 6.0 * (f0 + 4.0 * fm + f1);
-        // A line times the solution: value at the step's start by the integral, slope by the moment.
+        // Integral of a linear function times the solution: start value by the integral, derivative by the moment.
         let line = |l: &Line, k: usize| l.at(t) * segment.integral[k] + l.slope * segment.moment[k];
         let k_t = |n: usize| instants[n].k;
 
-        // The integral of f times current or speed: the value at the end times their exact integral, and what f
-        // differs from it by Simpson's rule; with it, how far the trapezoidal rule would miss.
+        // Integral of f times current or speed: the end value of f times the exact integral, plus Simpson's rule for the
+        // deviation of f from its end value. Second result: the error that the trapezoidal rule would have.
         let against = |f: [f64; 3], k: usize| {
             let beyond = |n: usize| (f[n] - f[2]) * segment.x[n][k];
             let start = beyond(0);
@@ -145,7 +145,7 @@ impl System<NODES> for Step<'_> {
             (self.kinetic(x1[1]) - self.kinetic(x0[1]) + load + friction, load)
         } else {
             let air_gap = if self.is_voltage_driven() {
-                // The magnets' temperature moves by microkelvins over a step; its middle stands for it.
+                // The magnet temperature changes by microkelvins over a step; the midpoint value is accurate enough.
                 k_t(1) * line(&self.speed, 0)
             } else {
                 simpson(k_t(0) * x0[0] * x0[1], k_t(1) * xm[0] * xm[1], k_t(2) * x1[0] * x1[1])
@@ -167,7 +167,7 @@ impl System<NODES> for Step<'_> {
             quadrature_error += (over_step - 0.5 * h * (ripple[0] + ripple[2])).abs();
         }
         let mut drive = h * self.drive.at(t + 0.5 * h);
-        // R i^2: the value of R at the end times the integral of i^2, and what R differs from it by Simpson's rule.
+        // R i^2: the end value of R times the integral of i^2, plus Simpson's rule for the deviation of R from its end value.
         let r = |n: usize| self.resistance(segment.temperature[n][WINDING]);
         let heating = |n: usize| (r(n) - r(2)) * segment.x[n][0] * segment.x[n][0];
         let (drop, error_of_drop) = against([x0, xm, x1].map(|x| effects.terminal_voltage(x[0])), 0);
@@ -194,7 +194,7 @@ impl System<NODES> for Step<'_> {
                 drive += bridge;
                 supplied = supplied - missed - bridge;
             }
-            // What the energies of the step do not add up to.
+            // Residual of the energy balance of the step.
             quadrature_error +=
                 (supplied - copper - air_gap - self.magnetic(x1[0]) + self.magnetic(x0[0])).abs();
             (copper, supplied)
@@ -215,7 +215,7 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn bends_where_stiff(&self) -> bool {
-        // The drop of contacts turns within milliamperes, and the inductance passes them in microseconds.
+        // The contact voltage drop changes sign within milliamperes, which the current crosses in microseconds.
         self.constants.acts.at(Port::TerminalVoltage) || self.chopper.loses || self.chopper.coasts
     }
 }
