@@ -11,7 +11,7 @@ use brushed_gearmotor::BrushedGearmotor;
 use gait_load::GaitLoad;
 use series_elastic_actuator::SeriesElasticActuator;
 
-/// Every model of the project: one line each.
+/// All models of the project.
 pub const ALL: &[ModelType] =
     &[AnnulusCooledMotor::TYPE, BrushedGearmotor::TYPE, SeriesElasticActuator::TYPE, GaitLoad::TYPE];
 

@@ -1,22 +1,22 @@
-//! Model Exchange: the importer integrates, and what changes at events alone is constant in between.
+//! Model Exchange: the importer integrates; quantities that change only at events are constant in between.
 
 use super::{Equations, Runtime};
 use crate::exchange::{Exchange, Update, is_reached};
 use crate::model::Fault;
 
-/// What is constant between events.
+/// Values that are constant between events.
 #[derive(Clone, Copy, Debug)]
 pub struct PreValues<D, const N: usize> {
     /// Time of the last event, s.
     pub since: f64,
-    /// The states that do not move, as the importer has set them.
+    /// Values that the importer has set for states that are not in use.
     pub(super) still: [Option<f64>; N],
     /// The discrete states of the model.
     pub discrete: D,
 }
 
 impl<D: Default, const N: usize> Default for PreValues<D, N> {
-    /// Before any event.
+    /// Before the first event.
     fn default() -> Self {
         PreValues { since: 0.0, still: [None; N], discrete: D::default() }
     }
@@ -36,7 +36,7 @@ impl<D: super::Saved, const N: usize> super::Saved for PreValues<D, N> {
     }
 }
 
-/// Places of the coupled states that move: a search through all states takes longer than their derivatives.
+/// Indices of the coupled states in use, cached: a search through all states takes longer than their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Followed<const N: usize> {
     places: [u8; N],
@@ -50,19 +50,19 @@ impl<const N: usize> Default for Followed<N> {
 }
 
 impl<const N: usize> Followed<N> {
-    /// Their number.
+    /// Number of these states.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Their places among all states.
+    /// Indices of these states.
     pub fn iter(self) -> impl Iterator<Item = usize> {
         self.places.into_iter().take(self.count).map(usize::from)
     }
 }
 
 impl<M: Equations<N>, const N: usize> Runtime<M, N> {
-    /// The parameters have changed, and with them the states that move.
+    /// Updates the list of states in use after a change of the parameters.
     pub(super) fn follow_modes(&mut self) {
         let mut followed = Followed::default();
         for k in (0..N).filter(|&k| M::is_coupled(k) && M::moves(self, k)) {
@@ -72,7 +72,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         self.followed = followed;
     }
 
-    /// The present time counts as the first event, if the importer integrates.
+    /// In Model Exchange, treats the present time as the first event.
     pub(super) fn hold_start(&mut self) {
         if self.pre.is_some() {
             let still = std::array::from_fn(|k| Some(M::state(self, k)));
@@ -140,7 +140,7 @@ impl<M: Equations<N>, const N: usize> Exchange for Runtime<M, N> {
             for (k, still) in pre.still.iter_mut().enumerate() {
                 let moves = M::moves(self, k);
                 if moves != still.is_none() {
-                    // From here on the equations decide, or the mode's constant.
+                    // A state in use follows its equation; any other keeps its value.
                     *still = (!moves).then(|| M::state(self, k));
                     states_changed = true;
                 }

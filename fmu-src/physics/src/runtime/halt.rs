@@ -1,13 +1,13 @@
-//! How a step ends where a model's equations end: at the last time within its limits of validity.
+//! End of a step at a limit of validity: at the last time within the limits.
 
 use crate::fault::Fault;
 
-/// Why a step is not taken.
+/// Reason for a step failure.
 #[derive(Clone, Debug)]
 pub enum Halt {
     /// The equations cannot be solved.
     Fault(Fault),
-    /// It would leave the limits of validity.
+    /// The step would leave the limits of validity.
     Limit,
 }
 
@@ -17,12 +17,12 @@ impl From<Fault> for Halt {
     }
 }
 
-/// How near the limit a run ends, as a share of the step.
+/// Distance from the limit at which a run ends, as a fraction of the step.
 const NEAR: f64 = 1e-9;
 
-/// After a step of `h` seconds from `time` was refused by `first`: advances the model to the last time within its limits, by
-/// halving, and gives that time; a step that fails for any other reason leaves the model as it was. `attempt` takes a step from
-/// a time, or changes nothing.
+/// After a step of `h` seconds from `time` failed with `first`: advances the model by bisection to the last time within its
+/// limits and returns that time. If the step fails for any other reason, the model is unchanged. `attempt` takes a step from a
+/// given time, or leaves the model unchanged.
 #[cold]
 pub fn approach<M: Clone>(
     model: &mut M,
@@ -58,7 +58,7 @@ pub fn approach<M: Clone>(
 mod tests {
     use super::*;
 
-    /// A clock that ends at 0.3 s is brought there; one that fails at every step stays where it is.
+    /// A clock that ends at 0.3 s advances to 0.3 s; one that fails at every step is unchanged.
     #[test]
     fn the_last_time_within_the_limit_is_found() {
         let mut clock = 0.0;

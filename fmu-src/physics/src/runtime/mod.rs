@@ -1,8 +1,8 @@
 //! The runtime of all models.
 //!
-//! A model is variables, components and [`Equations`]. The [`Runtime`] owns everything else: inputs and their derivatives, time, values by
-//! slot, cached outputs, steps with events and limits of validity (this file), the functions of [`Model`](crate::model::Model)
-//! (`model.rs`), Model Exchange with the discrete states (`exchange.rs`), saved states (`saved.rs`).
+//! A model consists of variables, components and [`Equations`]. The [`Runtime`] provides everything else: inputs and their derivatives,
+//! time, values by slot, cached outputs, steps with events and limits of validity (this file), the functions of
+//! [`Model`](crate::model::Model) (`model.rs`), Model Exchange with the discrete states (`exchange.rs`), saved states (`saved.rs`).
 
 mod equations;
 mod exchange;
@@ -25,32 +25,32 @@ use halt::approach;
 /// A model: its parameters, inputs and states with the equations `M`, which have `N` continuous states.
 #[derive(Clone, Debug)]
 pub struct Runtime<M: Equations<N>, const N: usize> {
-    /// Parameters. After a change made here, start the model again.
+    /// Parameters. After a direct change, initialize the model again.
     pub parameters: M::Parameters,
-    /// Inputs. After a change made here, [`set_states`](crate::model::Model::set_states) says that it was made.
+    /// Inputs. After a direct change, call [`set_states`](crate::model::Model::set_states).
     pub inputs: M::Inputs,
     /// Derivatives of the inputs over the next step, per second.
     pub(crate) slopes: M::Inputs,
     pub(crate) time: f64,
-    /// What the model carries.
+    /// State between communication points.
     pub(crate) own: M,
-    /// What is constant between events, if the importer integrates.
+    /// Values that are constant between events, in Model Exchange.
     pub(crate) pre: Option<PreValues<M::Discrete, N>>,
-    /// The coupled states that move.
+    /// Coupled states in use.
     followed: Followed<N>,
     outputs: M::Outputs,
     balance: M::Balance,
     indicators: M::Indicators,
-    /// Shared quantities at the present time, where they are known.
+    /// Shared quantities at the present time, if cached.
     point: Option<M::Point>,
-    /// Whether outputs and energy balance belong to the present time.
+    /// Whether cached outputs and energy balance belong to the present time.
     has_outputs: bool,
     has_balance: bool,
     /// Whether the last step ended at a limit of validity.
     ended: bool,
 }
 
-/// Groups of variables ahead of the parameters.
+/// Indices of the groups of variables before the parameters.
 const INPUTS: usize = 0;
 const OUTPUTS: usize = 1;
 const BALANCE: usize = 2;
@@ -80,10 +80,10 @@ impl<M: Equations<N>, const N: usize> Default for Runtime<M, N> {
 }
 
 impl<M: Equations<N>, const N: usize> Runtime<M, N> {
-    /// The model in the list of models.
+    /// Entry in the list of models.
     pub const TYPE: ModelType = ModelType { declaration: M::declaration, new: || Box::new(Self::default()) };
 
-    /// The declaration of a model with this name and description.
+    /// Declaration of a model with this name and description.
     pub fn declare(name: &'static str, description: &'static str, unserved: &[Unserved]) -> Declaration {
         let own = |prefix, table| GroupAt { prefix, base: 0, table };
         let mut groups = vec![
@@ -96,25 +96,25 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         Declaration::new(name, description, groups, M::LIST, unserved)
     }
 
-    /// Whether an input has a derivative.
+    /// Whether an input has a nonzero derivative.
     #[inline]
     pub(crate) fn is_sloping(&self) -> bool {
         self.slopes != M::Inputs::zero()
     }
 
-    /// A state, an input or a parameter has changed.
+    /// Invalidates the cache after a change of a state, an input or a parameter.
     #[inline]
     pub(crate) fn outdate(&mut self) {
         (self.point, self.has_outputs, self.has_balance) = (None, false, false);
     }
 
-    /// The shared quantities at the present time, if they are known.
+    /// Shared quantities at the present time, if cached.
     #[inline]
     pub(crate) fn known_point(&self) -> Option<&M::Point> {
         self.point.as_ref()
     }
 
-    /// What `look` finds with the shared quantities at the present time.
+    /// Result of `look` with the shared quantities at the present time.
     #[inline]
     fn look<T>(&mut self, look: impl FnOnce(&Self, &M::Point) -> T) -> T {
         if self.point.is_none() {
@@ -131,13 +131,13 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         self.look(M::rates)
     }
 
-    /// A state as an importer sees it.
+    /// A state as the importer reads it.
     fn shown_state(&self, k: usize) -> f64 {
         let still = self.pre.as_ref().and_then(|pre| pre.still[k]);
         still.unwrap_or_else(|| M::state(self, k))
     }
 
-    /// Inputs and time arrive at `time`, `h` seconds on.
+    /// Sets inputs and time to those at `time`, the end of a step of `h` seconds.
     #[inline]
     pub(crate) fn arrive(&mut self, time: f64, h: f64) {
         if self.is_sloping() {
@@ -148,7 +148,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         self.outdate();
     }
 
-    /// A step, divided at the events within it.
+    /// A step, divided at the events inside it.
     #[inline]
     fn step_over_events(&mut self, time: f64, h: f64) -> Result<(), Halt> {
         let end = time + h;
@@ -158,7 +158,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
             self.slopes = M::Inputs::zero();
             return Ok(());
         }
-        // Up to the event and on from it, or nothing of both.
+        // Both parts of the step, before and after the event, or neither.
         let (before, slopes) = (self.clone(), self.slopes);
         let outcome = M::advance(self, time, event - time).and_then(|()| {
             self.slopes = slopes;
@@ -172,7 +172,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
         outcome
     }
 
-    /// A step; at a limit of validity it ends at the last time within it.
+    /// A step; at a limit of validity it ends at the last time within the limit.
     #[inline]
     fn step_to_limit(&mut self, time: f64, h: f64) -> Result<(), Fault> {
         self.ended = false;

@@ -9,7 +9,7 @@ use declare::Group;
 use std::any::Any;
 
 impl<M: Equations<N>, const N: usize> Runtime<M, N> {
-    /// Groups of variables that are set and not computed, as a saved state contains them.
+    /// Groups of variables that are set, not computed, as in a saved state.
     fn set_groups() -> impl Iterator<Item = (usize, usize)> {
         let groups = M::declaration().groups.iter().enumerate();
         groups
@@ -17,7 +17,7 @@ impl<M: Equations<N>, const N: usize> Runtime<M, N> {
             .flat_map(|(g, group)| (0..group.table.len()).map(move |row| (g, row)))
     }
 
-    /// The model of saved numbers; `None` where they are not such.
+    /// The model with restored numbers; `None` if they are no valid saved state.
     fn restored(&self, saved: &[f64]) -> Option<Self> {
         let mut copy = self.clone();
         let mut rest = saved.iter().copied();

@@ -1,4 +1,4 @@
-//! Serialization of what a model carries: each type lists its fields once, and saving and restoring follow from the list.
+//! Serialization of a model: each type lists its fields once; saving and restoring follow from the list.
 
 use nalgebra::SVector;
 
@@ -6,7 +6,7 @@ use nalgebra::SVector;
 pub trait Saved {
     /// Appends the value.
     fn save(&self, out: &mut Vec<f64>);
-    /// Takes back what [`save`](Saved::save) has appended; `None` where the numbers end or are no such value.
+    /// Restores the values of [`save`](Saved::save); `None` if there are too few numbers or a value is invalid.
     fn load(&mut self, next: &mut impl FnMut() -> Option<f64>) -> Option<()>;
 }
 
@@ -64,7 +64,7 @@ impl<T: Saved + Default> Saved for Option<T> {
     }
 }
 
-/// Implements [`Saved`] by the fields that a saved state contains; the others follow from them.
+/// Implements [`Saved`] for the fields in a saved state; the others follow from them.
 #[macro_export]
 macro_rules! saved {
     ($name:ident $(<$(const $n:ident : $t:ty),+>)? { $($field:ident),* $(,)? }) => {

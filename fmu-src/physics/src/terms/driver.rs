@@ -1,4 +1,4 @@
-//! Where a term acts, and what it follows: names, units, usual sizes and present values.
+//! Ports and drivers of the terms: names, units, nominal values and present values.
 
 use super::MOST_TERMS;
 use crate::ports::ports;
@@ -10,15 +10,15 @@ macro_rules! named {
         pub enum $type { $($(#[doc = $idoc])* $item),* }
 
         impl $type {
-            /// All of them, in order.
+            /// All items, in order.
             pub const ALL: &'static [$type] = &[$($type::$item),*];
 
-            /// Its name in files.
+            /// Name in files.
             pub fn name(self) -> &'static str {
                 match self { $($type::$item => $name),* }
             }
 
-            /// The one of this name.
+            /// The item with this name.
             pub fn by_name(name: &str) -> Option<$type> {
                 Self::ALL.iter().copied().find(|item| item.name() == name)
             }
@@ -31,14 +31,14 @@ macro_rules! term_ports {
         $rule:ident $name:ident [$($d:ident : $number:ident)?]
         ($($argument:ident : $type:ty),*) -> $result:ty, derivative [$($slope:ident)?];)*) => {
         named! {
-            /// Where a term acts: `effects/generic_term.rs` says what its value does there.
+            /// Port of a term: `effects/generic_term.rs` describes the effect of its value there.
             pub enum Port {
                 $($($(#[doc = $file] $term = $file,)?)?)*
             }
         }
 
         impl Port {
-            /// The unit of a value there; 1 is a relative change.
+            /// Unit of a term's value at the port; 1 is a relative change.
             pub fn unit(self) -> declare::Unit {
                 match self { $($($(Port::$term => declare::Unit::$unit,)?)?)* }
             }
@@ -54,38 +54,38 @@ macro_rules! term_ports {
 ports!(term_ports);
 
 named! {
-    /// What a term depends on.
+    /// Variable that a term depends on.
     pub enum Driver {
         /// Speed of the shaft, rad/s.
         Speed = "speed",
         /// Current in the winding, A.
         Current = "current",
-        /// Torque given to the load, N.m.
+        /// Torque on the load, N.m.
         LoadTorque = "load_torque",
         /// True temperature of the winding, K.
         WindingTemperature = "winding_temperature",
         /// True temperature of the housing, K.
         HousingTemperature = "housing_temperature",
-        /// True ambient temperature without what terms add to it, K.
+        /// True ambient temperature without the effect of terms, K.
         AmbientTemperature = "ambient_temperature",
-        /// Command to the fan, 0 to 1.
+        /// Fan command, 0 to 1.
         FanCommand = "fan_command",
         /// Time, s.
         Time = "time",
-        /// Heat set free in the winding, W: copper loss, and in drive_mode power what reaches the winding; only with a lag.
+        /// Heat in the winding, W: copper loss, and in drive_mode power the power that heats the winding; only with a lag.
         CopperLoss = "copper_loss",
-        /// Heat of all drags, W; only with a lag.
+        /// Friction loss of all drags, W; only with a lag.
         FrictionLoss = "friction_loss",
     }
 }
 
 impl Driver {
-    /// Whether it is a heat flow, which is known only once the terms have acted.
+    /// Whether it is a heat flow, which is available only after the terms are evaluated.
     pub fn is_heat(self) -> bool {
         matches!(self, Driver::CopperLoss | Driver::FrictionLoss)
     }
 
-    /// Unit of its values.
+    /// Unit of the driver.
     pub fn unit(self) -> declare::Unit {
         use declare::Unit::*;
         match self {
@@ -99,7 +99,7 @@ impl Driver {
         }
     }
 
-    /// A typical size of a change: the state of a lag is counted in it.
+    /// Typical change; scale of a lag state.
     pub fn nominal(self) -> f64 {
         match self {
             Driver::Speed | Driver::WindingTemperature | Driver::HousingTemperature => 100.0,
@@ -113,7 +113,7 @@ impl Driver {
 
 /// The drivers at one instant, in the units of [`Driver`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)] // each is explained in `Driver`
+#[allow(missing_docs)] // described in `Driver`
 pub struct Drivers {
     pub speed: f64,
     pub current: f64,
@@ -125,12 +125,12 @@ pub struct Drivers {
     pub time: f64,
     pub copper_loss: f64,
     pub friction_loss: f64,
-    /// What each term's lag has reached, in the unit of its driver; 0 without a lag.
+    /// State of each term's lag, in the unit of its driver; 0 without a lag.
     pub lagged: [f64; MOST_TERMS],
 }
 
 impl Drivers {
-    /// Half way from these to those.
+    /// Mean of these drivers and `to`.
     pub fn middle(&self, to: &Drivers) -> Drivers {
         let mean = |of: fn(&Drivers) -> f64| 0.5 * (of(self) + of(to));
         Drivers {
@@ -169,7 +169,7 @@ impl Drivers {
         }
     }
 
-    /// One of them.
+    /// Value of one driver.
     #[inline]
     pub fn of(&self, driver: Driver) -> f64 {
         match driver {
@@ -188,7 +188,7 @@ impl Drivers {
 }
 
 impl Driver {
-    /// Whether a power knows on which side of its offset the driver is.
+    /// Whether a power of the driver depends on its sign relative to the offset.
     pub fn has_sides(self) -> bool {
         !matches!(self, Driver::Speed | Driver::Current | Driver::LoadTorque)
     }

@@ -7,19 +7,18 @@
 //! friction heat     Q_h = tau_drag w                                                       (5)
 //! temperatures      components/enclosure.rs (1) to (3)
 //!
-//! I is the mean over a switching cycle. By (1) it runs with L/R into the mean of the periodic cycle at the present
-//! speed. In continuous conduction that is exact; in discontinuous conduction the true mean settles within the
-//! one cycle that it takes to empty the winding, which is no longer than a few L/R. The ripple is that of the
-//! periodic cycle. The supply's power follows from the motor's (components/chopper.rs), so the energy balance closes on the
-//! way, too.
+//! I is the mean over a switching cycle. By (1) it converges with the time constant L/R to the mean of the periodic cycle at
+//! the present speed. This is exact in continuous conduction. In discontinuous conduction the true mean settles within the
+//! single cycle in which the winding current decays to zero, at most a few L/R. The ripple is that of the periodic cycle. The
+//! supply power follows from the motor power (components/chopper.rs), so the energy balance also holds during transients.
 //!
-//! *Effects* act as everywhere, with this meaning: drags at the output shaft; the contacts' drop at the mean
-//! current, all through the cycle; what leaves winding or housing for "ambient" (radiation, forced convection)
-//! reaches the box, whose temperature sensors of winding and housing see as their surroundings. `parameters.rs` lists the ports
-//! that are not served; their effects are no variables of this model.
+//! *Effects* act as in the other models, with these differences: drags act at the output shaft; the contact voltage drop is
+//! that at the mean current over the whole cycle; heat from winding or housing to "ambient" (radiation, forced convection)
+//! goes to the box, whose temperature is also the environment of the winding and housing sensors. `parameters.rs` lists the
+//! unsupported ports; their effects are no variables of this model.
 //!
-//! Over one step every input runs along a line. The equations are solved by `solver/split.rs`; its reference is
-//! the crate `reference`, which takes [`Step::rates`].
+//! Over one step every input is linear in time. `solver/split.rs` solves the equations; the crate `reference` solves
+//! [`Step::rates`] as the reference.
 
 mod nodes;
 mod outputs;
@@ -36,14 +35,14 @@ use crate::line::Line;
 use crate::solver::split::{Fast, System};
 use nodes::{ACCOUNTS, PATHS};
 
-/// Energies that are counted: from the supply, to the load, to ambient, losses in the winding, friction losses.
+/// Number of integrated energies: from the supply, to the load, to ambient, losses in the winding, friction losses.
 pub const ENERGIES: usize = 5;
-/// What the integrator carries.
+/// State of the integrator.
 pub type State = crate::solver::split::State<NODES, ENERGIES>;
-/// State variables of [`Step::rates`]: current, speed, angle, temperatures, energies.
+/// Number of states of [`Step::rates`]: current, speed, angle, temperatures, energies.
 pub const STATES: usize = 3 + NODES + ENERGIES;
 
-/// What follows from the parameters alone.
+/// Constants of the parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Constants {
     /// 1/L, 1/H.
@@ -56,7 +55,7 @@ pub struct Constants {
     inverse_capacity: Temperatures,
     /// Conductances of the effects from winding and housing to the box, W/K.
     to_box: PerNode,
-    /// Where the equations end.
+    /// Limits of validity.
     limits: Limits,
 }
 
@@ -75,41 +74,41 @@ impl Constants {
         }
     }
 
-    /// Where the equations end.
+    /// Limits of validity.
     #[inline]
     pub(super) fn limits(&self) -> &Limits {
         &self.limits
     }
 }
 
-/// The equations over one step, inputs on their lines. Times are seconds from the start of the step.
+/// The equations over one step with linear inputs. Times are seconds from the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     model: &'a Parameters,
     constants: &'a Constants,
     duty: Line,
-    /// Sign of the duty over the whole step; 0 where the bridge is open.
+    /// Sign of the duty over the whole step; 0 with open switches.
     direction: f64,
     supply: Line,
     load: Line,
     /// True ambient temperature, K.
     ambient: Line,
-    /// What is left of the torque constant, 1 for all.
+    /// Factor on the torque constant by demagnetisation, 1 without.
     strength: f64,
 }
 
-/// All that the equations say at one instant.
+/// Evaluation of the equations at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// The switching cycle.
     pub cycle: Cycle<f64>,
-    /// Mean voltages across resistance and contacts, across the inductance, and of the back-EMF, V.
+    /// Mean voltages, V: across resistance and contacts, across the inductance, back-EMF.
     pub voltages: [f64; 3],
     /// Powers into winding, magnetic field and air gap, W.
     pub powers: [f64; 3],
-    /// Power taken from the supply, W.
+    /// Power from the supply, W.
     pub supply_power: f64,
-    /// Power lost in the bridge, W.
+    /// Power loss of the bridge, W.
     pub loss_drive: f64,
     /// Drag torque, N.m.
     pub drag: f64,
@@ -124,7 +123,7 @@ pub struct Point {
 }
 
 impl<'a> Step<'a> {
-    /// The equations of a gearmotor with its inputs on lines from `time` on. They hold until the next event of the
+    /// The equations of a gearmotor with inputs that are linear from `time` on. They hold until the next event of the
     /// effects, and until the duty changes its sign ([`Step::turns`]).
     #[inline]
     pub fn new(
@@ -152,13 +151,13 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// The same equations with the bridge in this direction and the magnets as an event at `since`, s, has left them.
+    /// The same equations with this bridge direction and the magnetisation since the last event at `since`, s.
     pub fn with_events(mut self, direction: f64, since: f64) -> Self {
         (self.direction, self.strength) = (direction, self.model.effects.torque_constant(since));
         self
     }
 
-    /// Seconds from the start of a step until a duty on this line passes through zero; infinite where it does not.
+    /// Seconds from the start of a step until a linear duty passes through zero; infinite if it does not.
     pub fn turns(duty: f64, slope: f64) -> f64 {
         if duty * slope < 0.0 { -duty / slope } else { f64::INFINITY }
     }
@@ -168,20 +167,20 @@ impl<'a> Step<'a> {
         Bridge::new(&self.model.drive, self.duty.at(t), self.direction, self.supply.at(t))
     }
 
-    /// The switching cycle under the back-EMF `e`, V, the contacts' drop included.
+    /// The switching cycle at the back-EMF `e`, V, including the contact voltage drop.
     #[inline]
     fn cycle<D: Number>(&self, t: f64, e: D, temperature: &Temperatures) -> Cycle<D> {
         let motor = &self.model.motor;
         self.bridge(t).cycle(e, motor.resistance(temperature[WINDING]), motor.L)
     }
 
-    /// Torque constant at the output shaft with the magnets at the housing's temperature, N.m/A.
+    /// Torque constant at the output shaft, N.m/A; the magnets have the temperature of the housing.
     #[inline]
     fn torque_constant(&self, temperature: &Temperatures) -> f64 {
         self.model.motor.torque_constant(temperature[HOUSING]) * self.strength * self.model.gear.ratio
     }
 
-    /// The torque against the motion at the output shaft, N.m.
+    /// Drag torque at the output shaft, N.m.
     #[inline]
     fn drag(&self, t: f64, w: f64, temperature: &Temperatures) -> f64 {
         let (gear, effects, load) = (&self.model.gear, &self.model.effects, self.load.at(t));
@@ -189,7 +188,7 @@ impl<'a> Step<'a> {
         own + (gear.load_drag(w, load) + effects.load_drag(w, load)) * load
     }
 
-    /// Energy in the model's stores, J: magnetic, kinetic, and heat above the temperature `origin`, K.
+    /// Stored energy, J: magnetic, kinetic, and heat above the temperature `origin`, K.
     pub fn stored(&self, state: &State, origin: f64) -> f64 {
         let (i, w) = (state.x[0], state.x[1]);
         let heat = self.constants.capacity.dot(&state.temperature.add_scalar(-origin));
@@ -204,7 +203,7 @@ impl<'a> Step<'a> {
         0.5 * self.constants.inertia * w * w
     }
 
-    /// Everything at one instant.
+    /// Evaluates the equations at one instant.
     pub fn point(&self, t: f64, x: &Fast, temperature: &Temperatures) -> Point {
         use Account::*;
         let motor = &self.model.motor;
@@ -216,7 +215,7 @@ impl<'a> Step<'a> {
         let fast = self.fast_rates(t, x, temperature);
         let voltages = [r * i + lost, motor.L * fast[0], k * w];
         let powers = [voltages[0] * i + r * cycle.ripple, voltages[1] * i, voltages[2] * i];
-        // The bridge sees the terminals alone: mean voltage, mean current, and what the ripple takes.
+        // The bridge depends only on the terminals: mean voltage, mean current, and ripple loss.
         let taken = (k * w + lost + cycle.drive) * i + r * cycle.ripple;
         let bridge = self.bridge(t);
         let supply = bridge.supply_power(&cycle);
@@ -252,10 +251,10 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Derivatives of all states, for an integrator that knows nothing of the split.
+    /// Derivatives of all states, for an integrator without operator splitting.
     ///
     /// `y` holds current, A, speed, rad/s, angle, rad, the temperatures of the nodes, K, and the
-    /// energies from the supply, to the load, to ambient, and set free in winding and housing, J.
+    /// energies from the supply, to the load, to ambient, and the losses in winding and housing, J.
     pub fn rates(&self, t: f64, y: &[f64; STATES]) -> [f64; STATES] {
         let x = Fast::new(y[0], y[1]);
         let p = self.point(t, &x, &Temperatures::from_column_slice(&y[3..3 + NODES]));

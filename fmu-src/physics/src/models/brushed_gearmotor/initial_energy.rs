@@ -1,13 +1,13 @@
-//! What the energy balance starts from.
+//! Reference energies of the energy balance.
 
-/// Stored energies from which the energy balance counts, J.
+/// Stored energies to which the energy balance is relative, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InitialEnergy {
-    /// Energy in all stores.
+    /// Total stored energy.
     pub stored: f64,
-    /// Energy in the magnetic field.
+    /// Magnetic energy.
     pub magnetic: f64,
-    /// Energy of the motion.
+    /// Kinetic energy.
     pub kinetic: f64,
 }
 

@@ -1,8 +1,8 @@
-//! A brushed gearmotor behind an H-bridge, in an insulated box.
+//! A brushed gearmotor with an H-bridge, in an insulated box.
 //!
-//! `variables.rs` says what goes in and out, `parameters.rs` what the gearmotor is made of, `equations.rs` what holds between
-//! them, `state_function.rs` is the paper's state function, corrected and as published, `motor.rs` gives them to the
-//! runtime. The declared values are those of preset bdcm-37d.
+//! `variables.rs` declares inputs and outputs, `parameters.rs` the parameters; `equations.rs` has the equations,
+//! `state_function.rs` the paper's state function, corrected and as published; `motor.rs` implements the interface of the
+//! runtime. The default values are those of preset bdcm-37d.
 
 mod equations;
 mod initial_energy;

@@ -15,12 +15,12 @@ use crate::solver::split::Split;
 use crate::terms::Drivers;
 use declare::State as Declare;
 
-/// Places of the states: current and speed, angle, temperatures, energies.
+/// Indices of the states: current and speed, angle, temperatures, energies.
 const ANGLE: usize = 2;
 const FIRST_NODE: usize = 3;
 const FIRST_ENERGY: usize = FIRST_NODE + NODES;
 
-/// Rows of the outputs that need no equations: states, and what the sensors indicate.
+/// Outputs that need no evaluation of the equations: states and sensor values.
 const CURRENT_ROW: usize = 1;
 const ANGLE_ROW: usize = 2;
 const SPEED_ROW: usize = 3;
@@ -31,12 +31,12 @@ const BOX_ROW: usize = 7;
 /// The gearmotor.
 pub type BrushedGearmotor = Runtime<Gearmotor, STATES>;
 
-/// What the gearmotor carries from step to step.
+/// State between communication points.
 #[derive(Clone, Debug)]
 pub struct Gearmotor {
     constants: Constants,
     state: State,
-    /// Initial ambient temperature, K; stored heat counts from it.
+    /// Initial ambient temperature, K; reference of the stored heat.
     t_start: f64,
     initial_energy: InitialEnergy,
     split: Split<NODES>,
@@ -61,12 +61,12 @@ impl BrushedGearmotor {
         &self.own.state
     }
 
-    /// The equations over the next step, with the inputs on their slopes.
+    /// The equations over the next step, with linear inputs.
     pub fn step_equations(&self) -> Step<'_> {
         let step = self.equations(self.time);
         match &self.pre {
             Some(pre) => {
-                // A duty that has just left zero has the direction in which it left.
+                // A duty that has just left zero determines the direction by its sign.
                 let (direction, duty) = (pre.discrete.direction, self.inputs.duty);
                 let direction = if direction == 0.0 && duty != 0.0 { duty.signum() } else { direction };
                 step.with_events(direction, pre.since)
@@ -79,12 +79,12 @@ impl BrushedGearmotor {
         Step::new(&self.parameters, &self.own.constants, &self.inputs, &self.slopes, time)
     }
 
-    /// What the energy balance would start from at the present time.
+    /// Present stored energies, as a reference of the energy balance.
     fn initial_energy(&self) -> InitialEnergy {
         self.step_equations().initial_energy(&self.own.state, self.own.t_start)
     }
 
-    /// The temperatures that are limited.
+    /// Temperatures with limits of validity.
     fn extremes(&self) -> Extremes {
         let (winding, magnets) = (self.own.state.temperature[0], self.own.state.temperature[1]);
         Extremes { winding, magnets, lowest: winding.min(magnets) }
@@ -196,7 +196,7 @@ impl Equations<STATES> for Gearmotor {
         }
     }
 
-    /// A tunable parameter that changes the stored energy does not count in the energy balance.
+    /// The energy balance excludes the change of stored energy by a tunable parameter.
     fn set_parameter(run: &mut BrushedGearmotor, set: impl FnOnce(&mut Parameters) -> bool) -> bool {
         let before = run.initial_energy();
         let taken = set(&mut run.parameters);
@@ -238,14 +238,14 @@ impl Equations<STATES> for Gearmotor {
         run.parameters.effects.next_event(time)
     }
 
-    /// A port of the effects jumps, or the duty changes its sign.
+    /// Next time event of the effects or sign change of the duty.
     fn next_division(run: &BrushedGearmotor, time: f64) -> f64 {
         let turn = time + Step::turns(run.inputs.duty, run.slopes.duty);
         let port = Self::next_event(run, time);
         if turn > time + IMMINENT { port.min(turn) } else { port }
     }
 
-    /// Exactly zero, so that rounding finds no second change of sign.
+    /// Sets the duty to exactly zero, so that rounding causes no second sign change.
     fn pass_event(run: &mut BrushedGearmotor, before: &BrushedGearmotor, time: f64, event: f64) {
         if event == time + Step::turns(before.inputs.duty, before.slopes.duty) {
             run.inputs.duty = 0.0;

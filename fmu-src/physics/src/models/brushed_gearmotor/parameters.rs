@@ -1,4 +1,4 @@
-//! What a gearmotor is made of, and how it is used.
+//! Parameters of the gearmotor and its modes of use.
 
 use super::states::Initial;
 use crate::components::armature::Armature;
@@ -10,7 +10,7 @@ use crate::effects::{Effects, Port};
 use crate::groups;
 use crate::model::Unserved;
 
-/// What the gearmotor is made of, and how it is used.
+/// Parameters of the gearmotor and its modes of use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parameters {
     /// Winding, brushes and magnets.
@@ -21,9 +21,9 @@ pub struct Parameters {
     pub gear: Gear,
     /// The H-bridge.
     pub drive: Drive,
-    /// Where the equations end.
+    /// Limits of validity.
     pub validity: BrushedValidity,
-    /// The state at the start.
+    /// Initial state.
     pub initial: Initial,
     /// Effects, each off by default.
     pub effects: Effects,
@@ -41,13 +41,13 @@ groups! {
 }
 
 impl Parameters {
-    /// Where the equations end.
+    /// Limits of validity.
     pub fn limits(&self) -> Limits {
         Limits::new(self.validity.into(), self.motor.T_ref, self.motor.alpha_mag)
     }
 }
 
-/// Why a port of the effects does not exist here, and what to use instead; `None` for the ports that the equations serve.
+/// Why this model does not support a port of the effects, and the alternative; `None` for supported ports.
 fn reason(port: Port) -> Option<&'static str> {
     use Port::*;
     match port {
@@ -79,7 +79,7 @@ fn reason(port: Port) -> Option<&'static str> {
     }
 }
 
-/// The variables of shared parts that the gearmotor does not serve.
+/// Variables of shared components that the gearmotor does not support.
 pub(super) fn unserved() -> Vec<Unserved> {
     let mut all = Effects::unserved(reason);
     all.push(Unserved {

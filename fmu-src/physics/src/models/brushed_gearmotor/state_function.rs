@@ -1,24 +1,24 @@
-//! The paper's state function V(I, T, tau), put right, and beside it as it was published.
+//! The paper's state function V(I, T, tau), corrected and as published.
 //!
-//! Kirchhoff's law of the paper's eq. (2), its eqs. (3), (4) and (8) as they stand, and its eq. (7) with the speed w
-//! where it has the angle, so that both sides are volts (tau w is the power of the back-EMF):
+//! Kirchhoff's law of the paper's eq. (2), its eqs. (3), (4) and (8) unchanged, and its eq. (7) with the speed w
+//! instead of the angle, so that both sides are volts (tau w is the power of the back-EMF):
 //! ```text
 //! V(I, T, tau; w, dI/dt) = R(T) I + L dI/dt + tau w / I,   R(T) = R_0 [1 + alpha (T - T_0)]     (1)
 //! P = V I = R I^2 + L I dI/dt + tau w                                                      (2)
 //! W = int R I^2 dt + [L I^2 / 2] + int tau dtheta                                          (3)
 //! dV/dI = R - tau w / I^2,   dV/dT = alpha R_0 I,   dV/dtau = w / I                        (4)
 //! ```
-//! each partial with the other two, w and dI/dt held. The derivatives of the inverse functions follow from (4) and
-//! the cyclic rule dV/dI dI/dT dT/dV = -1. I(V, T, tau) is a quadratic, R I^2 - (V - L dI/dt) I + tau w = 0, with two
-//! currents for the same voltage and power: a motor that runs takes the smaller ([`Branch`]).
+//! each partial derivative with the other two variables, w and dI/dt constant. The derivatives of the inverse functions follow
+//! from (4) and the cyclic rule dV/dI dI/dT dT/dV = -1. I(V, T, tau) solves a quadratic, R I^2 - (V - L dI/dt) I + tau w = 0,
+//! with two currents for the same voltage and power: a running motor has the smaller one ([`Branch`]).
 //!
-//! *What it is*: an identity. With tau = K I the last term of (1) is K w whatever I is, so an estimate of one of its
-//! variables from the others is exact by construction and validates nothing unless tau and w are measured apart.
-//! *Sign*: tau and w at the same shaft, positive where the motor drives. *Range*: I and tau w not zero together.
+//! *Limitation*: (1) is an identity. With tau = K I its last term is K w for every I, so an estimate of one of its
+//! variables from the others is exact by construction. It validates nothing unless tau and w are measured independently.
+//! *Sign*: tau and w at the same shaft, positive if the motor drives. *Range*: I and tau w not both zero.
 //! *Source*: the paper in `seeds`, sections 2 and 3; audit rows P02, P03, P14 to P21.
-//! *As published*: [`Published`], eqs. (10), (14) to (16) and (21) to (24) to the letter.
+//! *As published*: [`Published`], eqs. (10), (14) to (16) and (21) to (24) verbatim.
 
-/// What the state function knows of a motor.
+/// Parameters of the state function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateFunction {
     /// Resistance at `T_0`, Ohm.
@@ -31,7 +31,7 @@ pub struct StateFunction {
     pub l: f64,
 }
 
-/// A state of the motor.
+/// An operating point of the motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Operating {
     /// Current, A.
@@ -46,14 +46,14 @@ pub struct Operating {
     pub current_rate: f64,
 }
 
-/// A quantity with its electrical, magnetic and mechanical part.
+/// A quantity split into its electrical, magnetic and mechanical part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parts {
-    /// Of the resistance.
+    /// Part of the resistance.
     pub electrical: f64,
-    /// Of the inductance.
+    /// Part of the inductance.
     pub magnetic: f64,
-    /// Of the back-EMF.
+    /// Part of the back-EMF.
     pub mechanical: f64,
 }
 
@@ -64,16 +64,16 @@ impl Parts {
     }
 }
 
-/// Which of the two currents that fit a voltage and a mechanical power.
+/// Choice between the two currents for one voltage and mechanical power.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// The smaller: more than half of the power is mechanical, dV/dI < 0 at constant tau w.
     Running,
-    /// The larger: more than half of the power heats the winding; also near standstill.
+    /// The larger: more than half of the power becomes heat in the winding; also near standstill.
     Stalling,
 }
 
-/// The first derivatives of V(I, T, tau).
+/// First partial derivatives of V(I, T, tau).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Partials {
     /// dV/dI at constant T and tau, Ohm.
@@ -84,19 +84,19 @@ pub struct Partials {
     pub by_torque: f64,
 }
 
-/// What a change of each variable between two states contributes to the change of the voltage, V. The sum is
-/// the change itself, whatever its size: the paper's eq. (21), put right.
+/// Contribution of each variable to the change of the voltage between two states, V. The sum equals the change for any
+/// size of it: the paper's eq. (21), corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoltageChange {
-    /// Of the current, through the resistance and through tau w / I.
+    /// By the current, through the resistance and through tau w / I.
     pub by_current: f64,
-    /// Of the temperature.
+    /// By the temperature.
     pub by_temperature: f64,
-    /// Of the torque.
+    /// By the torque.
     pub by_torque: f64,
-    /// Of the speed.
+    /// By the speed.
     pub by_speed: f64,
-    /// Of dI/dt.
+    /// By dI/dt.
     pub magnetic: f64,
 }
 
@@ -131,7 +131,7 @@ impl StateFunction {
         }
     }
 
-    /// The work over `time` seconds in a state that stays, from rest: eq. (3), J.
+    /// Work over `time` seconds in a steady state that starts at rest: eq. (3), J.
     pub fn steady_work(&self, s: &Operating, time: f64) -> Parts {
         let power = self.power(s);
         Parts {
@@ -141,8 +141,8 @@ impl StateFunction {
         }
     }
 
-    /// The current at the voltage `v`, V, with temperature, torque, speed and dI/dt of `s`, A; `None` where no
-    /// current fits. That of `s` is not used.
+    /// Current at the voltage `v`, V, with temperature, torque, speed and dI/dt of `s`, A; `None` if no current solves the
+    /// equation. The current of `s` is not used.
     pub fn current(&self, v: f64, s: &Operating, branch: Branch) -> Option<f64> {
         let (r, power) = (self.resistance(s.temperature), s.torque * s.speed);
         let driving = v - self.l * s.current_rate;
@@ -156,41 +156,41 @@ impl StateFunction {
         current.is_finite().then_some(current)
     }
 
-    /// The branch on which a state lies.
+    /// The branch of a state.
     pub fn branch(&self, s: &Operating) -> Branch {
         if self.partials(s).by_current < 0.0 { Branch::Running } else { Branch::Stalling }
     }
 
-    /// The temperature at the voltage `v`, V, with the other variables of `s`, K.
+    /// Temperature at the voltage `v`, V, with the other variables of `s`, K.
     pub fn temperature(&self, v: f64, s: &Operating) -> f64 {
         let parts = self.voltage(s);
         let r = (v - parts.magnetic - parts.mechanical) / s.current;
         self.t_0 + (r / self.r_0 - 1.0) / self.alpha
     }
 
-    /// The torque at the voltage `v`, V, with the other variables of `s`, N.m.
+    /// Torque at the voltage `v`, V, with the other variables of `s`, N.m.
     pub fn torque(&self, v: f64, s: &Operating) -> f64 {
         let parts = self.voltage(s);
         (v - parts.electrical - parts.magnetic) * s.current / s.speed
     }
 
-    /// The paper's eq. (22), put right: the change of the current from `a` to the state that has the voltage `v` and
-    /// the other variables of `b`, A. It stays on the branch of `a`.
+    /// The paper's eq. (22), corrected: change of the current from `a` to the state with the voltage `v` and the other
+    /// variables of `b`, A. The branch is that of `a`.
     pub fn current_change(&self, a: &Operating, v: f64, b: &Operating) -> Option<f64> {
         Some(self.current(v, b, self.branch(a))? - a.current)
     }
 
-    /// The paper's eq. (23), put right: as [`current_change`](Self::current_change), of the temperature, K.
+    /// The paper's eq. (23), corrected: like [`current_change`](Self::current_change), for the temperature, K.
     pub fn temperature_change(&self, a: &Operating, v: f64, b: &Operating) -> f64 {
         self.temperature(v, b) - a.temperature
     }
 
-    /// The paper's eq. (24), put right: as [`current_change`](Self::current_change), of the torque, N.m.
+    /// The paper's eq. (24), corrected: like [`current_change`](Self::current_change), for the torque, N.m.
     pub fn torque_change(&self, a: &Operating, v: f64, b: &Operating) -> f64 {
         self.torque(v, b) - a.torque
     }
 
-    /// The first derivatives, eq. (4).
+    /// First partial derivatives, eq. (4).
     pub fn partials(&self, s: &Operating) -> Partials {
         let per_ampere = s.speed / s.current;
         Partials {
@@ -200,7 +200,7 @@ impl StateFunction {
         }
     }
 
-    /// What leads from the voltage of `a` to that of `b`: differences times means, which is exact for products.
+    /// Change of the voltage from `a` to `b` by variable: differences times means, which is exact for products.
     pub fn change(&self, a: &Operating, b: &Operating) -> VoltageChange {
         let mean = |x: f64, y: f64| 0.5 * (x + y);
         let current = b.current - a.current;
@@ -220,11 +220,11 @@ impl StateFunction {
     }
 }
 
-/// The functions as published, to the letter and with their errors. Temperatures in degrees Celsius, angle theta
-/// and charge q since the start. For the reproduction of the paper alone.
+/// The functions as published, verbatim with their errors. Temperatures in degrees Celsius, angle theta and charge q since
+/// the start. Only for the reproduction of the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Published {
-    /// The resistance "measured at 20 degC", Ohm: 9.2 Ohm / (0.004 * 20) in truth.
+    /// Resistance "measured at 20 degC", Ohm; in fact 9.2 Ohm / (0.004 * 20).
     pub r_0: f64,
     /// Temperature coefficient, 1/degC.
     pub alpha: f64,
@@ -232,7 +232,7 @@ pub struct Published {
     pub l: f64,
 }
 
-/// A state as the paper has it.
+/// A state in the paper's variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PublishedState {
     /// V, V.
@@ -250,7 +250,7 @@ pub struct PublishedState {
 }
 
 impl Published {
-    /// The paper's numbers.
+    /// Values of the paper.
     pub const PAPER: Published = Published { r_0: 115.0, alpha: 0.004, l: 1.803e-3 };
 
     /// Eq. (10): zero at 0 degC.
@@ -267,7 +267,7 @@ impl Published {
         }
     }
 
-    /// Eq. (15): its last term is a work and no power. `current_rate` is dI/dt, A/s.
+    /// Eq. (15): its last term is work, not power. `current_rate` is dI/dt, A/s.
     pub fn power(&self, s: &PublishedState, current_rate: f64) -> Parts {
         Parts {
             electrical: self.resistance(s.temperature) * s.current * s.current,
@@ -285,7 +285,7 @@ impl Published {
         }
     }
 
-    /// Eq. (21), from `a` to `b` with what is not a difference taken from `a`; its third term is Ohm times kelvin.
+    /// Eq. (21), from `a` to `b`; factors that are not differences are those of `a`. Its third term is in Ohm times kelvin.
     pub fn voltage_change(&self, a: &PublishedState, b: &PublishedState) -> f64 {
         let r = self.resistance(a.temperature);
         self.l / (2.0 * a.charge) * (b.current.powi(2) - a.current.powi(2))
@@ -294,7 +294,7 @@ impl Published {
             + a.angle / a.charge * (b.torque - a.torque)
     }
 
-    /// Eq. (22): the charge is missing beside alpha R_0 T in all three terms.
+    /// Eq. (22): the factor q is missing in alpha R_0 T in all three terms.
     pub fn current_change(&self, a: &PublishedState, b: &PublishedState) -> f64 {
         let sum = |t: f64| a.current * self.l + self.resistance(t);
         let (at_a, at_b) = (sum(a.temperature), sum(b.temperature));

@@ -1,10 +1,10 @@
-//! The state function against its own inverses and difference quotients, and the paper's printed numbers.
+//! The state function against its own inverses and difference quotients, and against the published numbers.
 
 use super::*;
 
 const MOTOR: StateFunction = StateFunction { r_0: 9.2, alpha: 0.004, t_0: 293.15, l: 1.803e-3 };
 
-/// The paper at 100 %: 0.18 A, 20 degC, 0.18 N.m at 8.132 rad/s.
+/// The paper's state at 100 % load: 0.18 A, 20 degC, 0.18 N.m at 8.132 rad/s.
 const FULL: Operating =
     Operating { current: 0.18, temperature: 293.15, torque: 0.18, speed: 8.132, current_rate: 0.0 };
 
@@ -70,7 +70,7 @@ fn the_partials_are_difference_quotients() {
     }
 }
 
-/// dV/dI dI/dT dT/dV = -1, and the same with the torque, each factor by differences of its own function.
+/// dV/dI dI/dT dT/dV = -1, and the same with the torque; each factor is a difference quotient of its own function.
 #[test]
 fn the_cyclic_rule() {
     for s in states() {
@@ -90,7 +90,7 @@ fn the_cyclic_rule() {
     }
 }
 
-/// However far apart two states are, the contributions add up to the difference of their voltages.
+/// For any two states the contributions add up to the difference of the voltages.
 #[test]
 fn the_contributions_to_a_change_add_up() {
     for a in states() {
@@ -100,7 +100,7 @@ fn the_contributions_to_a_change_add_up() {
             assert!((change.total() - wanted).abs() < 1e-12, "{change:?} {wanted}");
         }
     }
-    // And for a small change each is the partial times its difference.
+    // For a small change each contribution is the partial derivative times the difference.
     let b = Operating { current: 0.181, temperature: 294.15, torque: 0.1805, ..FULL };
     let (change, p) = (MOTOR.change(&FULL, &b), MOTOR.partials(&FULL));
     close(change.by_current, p.by_current * 1e-3, 2e-2);
@@ -108,7 +108,7 @@ fn the_contributions_to_a_change_add_up() {
     close(change.by_torque, p.by_torque * 5e-4, 1e-2);
 }
 
-/// Between any two states of a branch each estimate finds the difference that is there.
+/// Between any two states of a branch each estimate equals the true difference.
 #[test]
 fn the_estimates_between_two_states_invert_the_change_of_the_voltage() {
     for a in states() {
@@ -126,7 +126,7 @@ fn the_estimates_between_two_states_invert_the_change_of_the_voltage() {
     }
 }
 
-/// The paper's state at 100 %. With q = 0.6 C and theta = q w/I its eq. (14) gives what it prints.
+/// The paper's state at 100 % load. With q = 0.6 C and theta = q w/I its eq. (14) gives the published value.
 fn printed() -> PublishedState {
     let charge = 0.6;
     PublishedState {
@@ -152,20 +152,20 @@ fn the_published_functions_give_the_printed_numbers() {
     close(w.electrical, 267.79, 2e-3);
     close(w.magnetic, 29.2e-6, 1e-3);
     close(w.mechanical, 1315.0, 3e-3);
-    // Eq. (15) calls a work of 1317 J a power.
+    // Eq. (15) gives a work of 1317 J as a power.
     let p = paper.power(&PublishedState { angle: 8.132 * 900.0, ..printed() }, 0.0);
     close(p.electrical, 0.2981, 2e-4);
     close(p.mechanical, 1317.0, 1e-3);
 }
 
-/// What the audit found in eqs. (21) to (24), from their differences.
+/// Audit findings in eqs. (21) to (24), reproduced from their differences.
 #[test]
 fn the_published_errors_are_kept() {
     let (paper, a) = (Published::PAPER, printed());
     let warmer = PublishedState { temperature: 21.0, ..a };
-    // Row P17: Ohm in place of volts, 20/0.18 = 111 times too much.
+    // Row P17: Ohm where volts are required, 20/0.18 = 111 times too large.
     close(paper.voltage_change(&a, &warmer) / (0.004 * 115.0 * 0.18), 111.1, 1e-3);
-    // Row P18: 0.6 C for the charge that is missing beside alpha R_0 T.
+    // Row P18: 0.6 C, the factor q that is missing in alpha R_0 T.
     let higher = PublishedState { voltage: a.voltage + 1e-3, ..a };
     close(paper.current_change(&a, &higher) / (1e-3 / 9.2), 0.6, 1e-3);
     // Rows P19 and P20: eqs. (23) and (24) are (14) solved for T and T_m.

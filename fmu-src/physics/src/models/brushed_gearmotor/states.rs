@@ -14,8 +14,8 @@ pub(super) const BOX: usize = 2;
 pub(super) const GEAR: usize = 3;
 /// Temperatures of the nodes, K.
 pub type Temperatures = SVector<f64, NODES>;
-// Nominal derivatives, with the declared motor at 12 V and 1 A: current 12 V / L, speed of the output shaft from the torque of 1 A and the
-// rotor's inertia behind the gear, temperatures R (1 A)^2 over the heat capacity, energies their powers.
+// Nominal derivatives, with the default motor at 12 V and 1 A: 12 V / L for the current, torque of 1 A over the rotor inertia at the
+// output shaft for its speed, R (1 A)^2 over the heat capacity for temperatures, and powers for the energies.
 states! {
     /// The states of the gearmotor, in the order of `Step::rates`.
     pub const LIST = {
@@ -67,7 +67,7 @@ variables! {
 }
 
 impl Initial {
-    /// Temperatures of the nodes with their names, K; the winding comes first.
+    /// Temperatures of the nodes with their names, K; the winding is first.
     fn nodes(&self) -> [(&'static str, f64); NODES] {
         [
             ("initial.winding_temperature", self.winding_temperature),
@@ -77,13 +77,13 @@ impl Initial {
         ]
     }
 
-    /// What is wrong with initial values outside the limits of validity, in one sentence.
+    /// Initial values outside the limits of validity, in one sentence.
     pub(super) fn fault(&self, limits: &Limits) -> Option<String> {
         let [winding, others @ ..] = self.nodes();
         first_outside(limits, winding, &others)
     }
 
-    /// The initial state; nodes without an initial value are at `ambient`, K.
+    /// The initial state; nodes without an initial value start at `ambient`, K.
     pub(super) fn state<const E: usize>(&self, ambient: f64) -> split::State<NODES, E> {
         split::State {
             x: Fast::new(self.current, self.shaft_speed),

@@ -1,4 +1,4 @@
-//! Inputs and outputs of the gearmotor. Parameters stand with their components.
+//! Inputs and outputs of the gearmotor. The parameters are declared with their components.
 
 use declare::{Unit, Variable, variables};
 

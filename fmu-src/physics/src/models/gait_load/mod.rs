@@ -1,6 +1,6 @@
-//! The joint of a walking person as a load: angle, speed and demanded torque over the stride, from measured gait.
+//! Joint of a walking person as a load: angle, speed and demanded torque over the stride, from measured gait data.
 //!
-//! `components/gait.rs` has the equations and their data; this file has inputs, outputs and states.
+//! `components/gait.rs` has the equations and their data; this file declares inputs, outputs and states.
 
 mod variables;
 
@@ -17,14 +17,14 @@ use declare::State;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// States of the load.
+/// Number of states.
 pub const STATES: usize = LIST.len();
 /// The load as a model.
 pub type GaitLoad = Runtime<Explicit<Walker, STATES, 0>, STATES>;
 /// Inputs and states at one instant.
 pub type At<'a> = Now<'a, Inputs, STATES, 0>;
 
-/// Index of the stride coordinate among the states, and of the demanded energy.
+/// Indices of the stride coordinate and of the demanded energy among the states.
 const STRIDE: usize = 0;
 const ENERGY: usize = 1;
 
@@ -33,7 +33,7 @@ const ENERGY: usize = 1;
 pub struct Walker {
     /// Body, activity, joint.
     pub gait: Gait,
-    /// Cycle of the activity `table`.
+    /// Cycle of the activity `table`, if set.
     table: Option<Arc<Cycle>>,
 }
 

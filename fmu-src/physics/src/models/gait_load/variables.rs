@@ -1,4 +1,4 @@
-//! Inputs, outputs, states and event indicators of the gait. Parameters stand with `components/gait.rs`.
+//! Inputs, outputs, states and event indicators of the gait. The parameters are declared in `components/gait.rs`.
 
 use declare::{State, Unit, Variable, states, variables};
 

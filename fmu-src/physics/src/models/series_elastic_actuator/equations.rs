@@ -7,14 +7,14 @@
 //! spring         d = angle_in - joint_angle,  d' = w / N - joint_speed; components/springs.rs               (3)
 //! joint          joint_torque = tau_s + tau_p                                                              (4)
 //! motor          load_torque = tau_in (1), tau_c (2)                                                       (5)
-//! control        components/torque_control.rs, for the demand minus the parallel spring's torque
+//! control        components/torque_control.rs, for the demand minus the torque of the parallel spring
 //! supply         components/supply.rs, for motor_power, or for voltage times motor_current as an estimate   (6)
 //!
-//! *Sign*: joint_torque > 0 pushes the joint in the positive direction, load_torque > 0 brakes a motor that turns
-//! forwards. Motor and joint have angle and speed as outputs and torque as input: no algebraic loop with either. An elastic
-//! coupling of stiffness k_c requires communication steps well below sqrt(J_motor / k_c).
-//! The estimate of (6) holds for a motor that follows `voltage`. A motor that follows `current_command` has another
-//! voltage at its terminals, so its power must come through `motor_power`, as the systems and studies of this project do.
+//! *Sign*: joint_torque > 0 accelerates the joint in the positive direction, load_torque > 0 brakes a motor that turns
+//! forwards. Motor and joint have angle and speed as outputs and torque as input, so there is no algebraic loop with either.
+//! An elastic coupling of stiffness k_c requires communication steps well below sqrt(J_motor / k_c).
+//! The estimate of (6) holds for a motor driven by `voltage`. A motor driven by `current_command` has a different terminal
+//! voltage, so its power must be connected to `motor_power`, as in the systems and studies of this project.
 //! *Neglects* the mass of springs, lever and nut (add it to the inertia), and the temperature of the motor, for which the
 //! integral part of the current control compensates.
 
@@ -37,22 +37,22 @@ const ENERGY_SHAFT: usize = 4;
 const ENERGY_JOINT: usize = 5;
 const ENERGY_TRANSMISSION: usize = 6;
 const ENERGY_SUPPLY: usize = 7;
-/// Points of a step's quadrature after the first.
+/// Number of quadrature points of a step after the first.
 const LATER: usize = POINTS - 1;
 /// Transmission and springs at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Mechanics {
-    /// Twist of the coupling, rad, speed of the input shaft, rad/s, and how much faster it is than the motor, rad/s.
+    /// Twist of the coupling, rad, speed of the input shaft, rad/s, and its speed relative to the motor, rad/s.
     shaft: [f64; 3],
-    /// Turns of the shaft for one of the spring's input.
+    /// Ratio of the shaft's speed to that of the spring's input.
     ratio: f64,
-    /// Torque that the transmission takes from its input shaft, N.m, and how much of it is friction.
+    /// Torque at the input shaft of the transmission, N.m, and its friction part, N.m.
     tau_in: f64,
     friction: f64,
-    /// Torque of an elastic coupling, N.m, and power that its damping turns into heat, W.
+    /// Torque of an elastic coupling, N.m, and dissipated power of its damping, W.
     coupling: f64,
     damping: f64,
-    /// Deflection of the series spring, play included, rad, and its rate, rad/s.
+    /// Deflection of the series spring including backlash, rad, and its derivative, rad/s.
     pub deflection: f64,
     rate: f64,
     /// The series spring.
@@ -63,9 +63,9 @@ pub struct Mechanics {
     pub joint_torque: f64,
     /// Load torque at the motor's shaft, N.m.
     pub load_torque: f64,
-    /// Heat of friction, coupling and spring, W.
+    /// Dissipated power of friction, coupling and spring, W.
     pub loss: f64,
-    /// Torque demanded of the series spring, N.m.
+    /// Torque demand on the series spring, N.m.
     demand: f64,
 }
 
@@ -76,7 +76,7 @@ pub struct Point {
     pub mechanics: Mechanics,
     /// Commands of the control.
     pub command: Command,
-    /// Power taken from the supply, W.
+    /// Power from the supply, W.
     pub supply_power: f64,
     /// Electrical power of the motor, W.
     pub motor_power: f64,
@@ -121,14 +121,14 @@ impl Actuator {
         Point { mechanics: m, command, supply_power, motor_power, rates }
     }
 
-    /// The same at the states `x`, `t` seconds into a step.
+    /// The same for the states `x`, `t` seconds after the start of a step.
     pub fn at_line(&self, line: &Line<'_, Inputs, OPENING>, t: f64, x: &[f64; STATES]) -> Point {
         let inputs = line.inputs(t);
         self.at(&At { time: line.time + t, inputs: &inputs, states: x, initial: line.initial })
     }
 
-    /// Transmission and springs, where the input shaft has this twist against the motor's, rad, and speed, rad/s;
-    /// `initial` is its angle where the motor angle is 0, rad.
+    /// Transmission and springs; `twist` is that of the input shaft relative to the motor shaft, rad, `w` its speed, rad/s,
+    /// `initial` its angle at motor angle 0, rad.
     #[inline(always)]
     fn mechanics(&self, u: &Inputs, [twist, w]: [f64; 2], initial: f64) -> Mechanics {
         let transmission = &self.transmission;
@@ -164,13 +164,13 @@ impl Actuator {
         }
     }
 
-    /// Speed at which the motor moves with joint and demand, rad/s, for the rate of the demand, N.m/s.
+    /// Motor speed that follows joint and demand, rad/s; `demand_rate` in N.m/s.
     #[inline(always)]
     fn way_speed(&self, u: &Inputs, m: &Mechanics, demand_rate: f64) -> f64 {
         m.ratio * u.joint_speed + m.ratio / self.spring.stiffness * demand_rate
     }
 
-    /// The commanded current, for the rate of the demand, N.m/s.
+    /// Unlimited current command; `demand_rate` in N.m/s.
     #[inline(always)]
     fn wanted(&self, u: &Inputs, m: &Mechanics, demand_rate: f64) -> Wanted {
         let turns_per_torque = m.ratio / self.spring.stiffness;
@@ -197,13 +197,13 @@ impl Actuator {
         [motor, self.drive.power(motor)]
     }
 
-    /// Tries a step of `h` seconds behind a rigid coupling, in which nothing has a corner. The rates need no state but the
-    /// filtered demand, which follows a line exactly:
+    /// Step of `h` seconds with a rigid coupling and without a kink of the torque. The derivatives depend on no state except the
+    /// filtered demand, which has a closed form:
     ///
     /// tau_f = tau_d - T tau_d' + (tau_f0 - tau_d0 + T tau_d') exp(-t / T)                                          (7)
     ///
-    /// All other states are integrals. `None` where the coupling gives, where the voltage is limited, so that its integral
-    /// feeds back on itself, and where there is a corner, at a time that the general integrator has to find.
+    /// All other states are integrals. `None` with an elastic coupling, with a limited voltage, whose integral part has feedback,
+    /// and at a kink of the torque, whose time the general integrator must locate.
     #[inline]
     pub(super) fn along(
         &self,
@@ -222,7 +222,7 @@ impl Actuator {
         let demand = end.torque_demand - self.parallel.at(end.joint_angle).0;
         let slope = (demand - first.mechanics.demand) / h;
         let apart = first.command.rates[0] - slope;
-        // The points lie symmetrically, so that three exponentials give all.
+        // The points are symmetric, so three exponentials give all.
         let [early, middle, late] = [1, 2, 3].map(|k| (-AT[k] * h / filter_time).exp());
         let rate = [early, middle, late, early * late].map(|decay| slope + apart * decay);
         let seen: [(Mechanics, Wanted); LATER] = std::array::from_fn(|k| {
@@ -276,8 +276,8 @@ impl Actuator {
         Some(Tried { states, error, point: None })
     }
 
-    /// On which sides of all corners of the torque it stands: where demand and spring pass through zero, so that friction
-    /// turns round, where play ends and where contact is whole, and where a parallel spring takes hold: a bit for each.
+    /// Side of each kink of the torque, one bit each: zero crossing of demand and spring, where friction reverses; end of the
+    /// backlash and full contact; engagement of a parallel spring.
     #[inline(always)]
     fn sides(&self, m: &Mechanics, joint_angle: f64) -> u8 {
         let half = 0.5 * self.transmission.backlash;
@@ -291,7 +291,7 @@ impl Actuator {
             | u8::from(self.parallel.is_one_sided() && joint_angle > self.parallel.neutral_angle) << 6
     }
 
-    /// The energy balance: power of the shaft, to the joint, into springs and inertia, and dissipated.
+    /// The energy balance: power from the motor shaft, to the joint, into springs and inertia, and dissipated.
     pub fn energy_balance(&self, now: &At<'_>, p: &Point) -> EnergyBalance {
         use Account::{Ambient, Joint, Kinetic, Shaft, Spring};
         let (u, transmission, elastic) = (now.inputs, &self.transmission, self.is_elastic());
@@ -304,7 +304,7 @@ impl Actuator {
         ledger.transfer(Kinetic, Spring, twisting + m.spring.torque * w / m.ratio);
         ledger.transfer(Spring, Ambient, m.spring.loss);
         ledger.transfer(Spring, Joint, m.joint_torque * u.joint_speed);
-        // Rates of stored energy from the states' derivatives.
+        // Rates of stored energy from the derivatives of the states.
         let stretching = m.spring.torque * m.rate - m.spring.loss;
         let into_springs = stretching + twisting - beside * u.joint_speed;
         let into_inertia = if elastic { w * (m.load_torque - m.tau_in) } else { 0.0 };
@@ -364,8 +364,8 @@ impl Actuator {
     }
 }
 
-/// Whether friction at these speeds before and after a step, rad/s, turns round faster than five points can follow: a tanh
-/// over more than twice its width, where it is not saturated.
+/// Whether friction at these speeds before and after a step, rad/s, reverses too fast for five points: the argument of the
+/// tanh changes by more than 2 outside saturation.
 #[inline]
 fn turns_round([from, to]: [f64; 2], small: f64) -> bool {
     const SATURATED: f64 = 10.0;

@@ -1,8 +1,8 @@
 //! A series elastic actuator between a motor and a joint: transmission, springs, torque control, supply.
 //!
-//! `variables.rs` has inputs, outputs and states, `equations.rs` the equations. The declared values are those of an ankle
-//! prosthesis with the declared motor; [`MOTOR_DATA`] derives the control's motor data from any other preset. The equations
-//! are not stiff, so `explicit.rs` makes a model of them.
+//! `variables.rs` declares inputs, outputs and states, `equations.rs` has the equations. The default values are those of an
+//! ankle prosthesis with the default motor; [`MOTOR_DATA`] derives the motor data of the control from any other preset. The
+//! equations are not stiff, so `explicit.rs` integrates them.
 
 mod equations;
 mod variables;
@@ -21,20 +21,20 @@ use crate::runtime::Runtime;
 use crate::solver::explicit::Tried;
 use declare::State;
 
-/// What the control of an actuator takes from its motor: parameter or input of the actuator, variable of the motor. Every
-/// tool that pairs the two with a preset of the motor derives these start values; values set explicitly count more.
+/// Start values of the actuator from its motor: parameter or input of the actuator, variable of the motor. Every tool that
+/// combines the actuator with a motor preset derives these start values; explicitly set values have priority.
 pub const MOTOR_DATA: [(&str, &str); 5] = [
     ("control.k_t", "motor.k_t"),
     ("control.R", "motor.R_ref"),
     ("control.J", "motor.J"),
     ("control.tau_c", "effect.coulomb_friction.tau_c"),
-    // A motor's preset that names its nominal voltage; 0, as declared, says nothing of the supply.
+    // Only for motor presets with a nominal voltage; the default 0 does not change the supply voltage.
     ("supply_voltage", "voltage"),
 ];
 
-/// States of the actuator.
+/// Number of states.
 pub const STATES: usize = LIST.len();
-/// Numbers fixed at the start: angle of the transmission's input at motor angle 0, rad, and stored energy, J.
+/// Number of constants from the start: angle of the transmission's input at motor angle 0, rad, and stored energy, J.
 pub const OPENING: usize = 2;
 /// The actuator as a model.
 pub type SeriesElasticActuator = Runtime<Explicit<Actuator, STATES, OPENING>, STATES>;
@@ -46,13 +46,13 @@ pub type At<'a> = Now<'a, Inputs, STATES, OPENING>;
 pub struct Actuator {
     /// Gear or ball screw.
     pub transmission: Transmission,
-    /// The spring in series with it.
+    /// Spring in series with the transmission.
     pub spring: SeriesSpring,
-    /// The spring parallel to both.
+    /// Spring parallel to transmission and series spring.
     pub parallel: ParallelSpring,
     /// Torque and current control.
     pub control: TorqueControl,
-    /// Power of the drive at its supply.
+    /// Drive and its supply.
     pub drive: Supply,
 }
 
@@ -86,8 +86,8 @@ impl Law<STATES, OPENING> for Actuator {
         })
     }
 
-    /// The spring starts with the demanded torque, so that a gait starts without a step; the input shaft starts with the
-    /// motor's speed.
+    /// The spring starts with the demanded torque, so that a gait starts without a transient; the input shaft starts at the motor
+    /// speed.
     fn start(&self, _time: f64, inputs: &Inputs) -> Result<([f64; STATES], [f64; OPENING]), Fault> {
         let (beside, _) = self.parallel.at(inputs.joint_angle);
         let carried = inputs.torque_demand - beside;
@@ -149,7 +149,7 @@ impl Law<STATES, OPENING> for Actuator {
         }
     }
 
-    /// A tunable parameter that changes the energy of springs and inertia does not count in the energy balance.
+    /// The energy balance excludes the change of stored energy by a tunable parameter.
     fn retuned(&self, before: &Self, now: &At<'_>) -> [f64; OPENING] {
         let [turn, stored] = *now.initial;
         [turn, stored + self.stored(now) - before.stored(now)]
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use crate::models::by_name;
 
-    /// The declared control belongs to the declared motor.
+    /// The default motor data of the control are those of the default motor.
     #[test]
     fn the_declared_motor_data_are_the_motors() {
         let motor = (by_name("AnnulusCooledMotor").unwrap().declaration)();

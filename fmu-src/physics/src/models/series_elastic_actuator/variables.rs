@@ -1,4 +1,4 @@
-//! Inputs, outputs, states and event indicators of the actuator. Parameters stand with their components.
+//! Inputs, outputs, states and event indicators of the actuator. The parameters are declared with their components.
 
 use declare::{State, Unit, Variable, states, variables};
 
@@ -84,8 +84,8 @@ variables! {
     }
 }
 
-// Nominal derivatives: demand over control.filter_time, voltage times control.current_bandwidth in rad/s, twist the nominal speed,
-// speed times control.natural_frequency in rad/s, energies their powers.
+// Nominal derivatives: demand / control.filter_time, voltage times control.current_bandwidth in rad/s, nominal speed for the twist,
+// speed times control.natural_frequency in rad/s, and powers for the energies.
 states! {
     /// The states, in the order of the rates.
     pub const LIST = {

@@ -1,7 +1,7 @@
-//! Thermal network of the gearmotor: capacities of the nodes, heat paths, heat set free in the nodes.
+//! Thermal network of the gearmotor: heat capacities, heat paths and heat sources of the nodes.
 //!
-//! A further node is declared here and in `../states.rs`: its capacity, its heat paths ([`PATHS`], `flows`, `flow_slopes`), the heat that
-//! is set free in it (`heats`) and its account. Integrator, energy balance, saved states and Model Exchange follow.
+//! A further node is declared here and in `../states.rs`: its heat capacity, its heat paths ([`PATHS`], `flows`, `flow_slopes`), its
+//! heat source (`heats`) and its account. Integrator, energy balance, saved states and Model Exchange need no change.
 
 use super::Step;
 use crate::ledger::Account;
@@ -12,7 +12,7 @@ use crate::models::brushed_gearmotor::states::{BOX, GEAR, HOUSING, NODES, Temper
 pub(super) const ACCOUNTS: [Account; NODES] =
     [Account::Winding, Account::Housing, Account::Enclosure, Account::Gear];
 
-/// Heat paths, each from a node to another one, or to ambient.
+/// Heat paths, each from one node to another or to ambient.
 pub(super) const PATHS: [(usize, Option<usize>); 5] = [
     (WINDING, Some(HOUSING)),
     (WINDING, Some(BOX)),
@@ -21,7 +21,7 @@ pub(super) const PATHS: [(usize, Option<usize>); 5] = [
     (GEAR, Some(HOUSING)),
 ];
 
-/// Heat capacities of the nodes, J/K; that of a gear without a temperature of its own is any, since no heat reaches its node.
+/// Heat capacities of the nodes, J/K; that of an unused gear node is arbitrary, since it receives no heat.
 pub(super) fn capacity(parameters: &Parameters) -> Temperatures {
     let thermal = &parameters.thermal;
     let gear = if thermal.has_gear() { thermal.C_g } else { thermal.C_h };
@@ -42,7 +42,7 @@ impl Step<'_> {
         if thermal.has_gear() { 1.0 / thermal.R_gh } else { 0.0 }
     }
 
-    /// Heat that is set free in the nodes by losses in the winding and by friction, W or J.
+    /// Heat from losses in the winding and from friction, by node, W or J.
     #[inline]
     pub(super) fn heats(&self, winding: f64, friction: f64) -> Temperatures {
         let thermal = &self.model.thermal;
@@ -65,7 +65,7 @@ impl Step<'_> {
         ]
     }
 
-    /// By how much the flows grow with the temperature where a path begins and fall with that where it ends, W/K.
+    /// Derivatives of the flows, W/K: with respect to the temperature at the start of a path, and minus that at its end.
     #[inline]
     pub(super) fn flow_slopes(&self, temperature: &Temperatures) -> [[f64; 2]; PATHS.len()] {
         let (thermal, effects) = (&self.model.thermal, &self.model.effects);
@@ -78,7 +78,7 @@ impl Step<'_> {
         [
             [hot, cold],
             [direct.winding; 2],
-            // What one body radiates to the other is what the other does not to the one.
+            // Radiation depends on both temperatures; the derivative for the second follows by exchanging the two.
             [
                 through + effects.housing_to_ambient_slope(t_h, t_b),
                 through + effects.housing_to_ambient_slope(t_b, t_h),

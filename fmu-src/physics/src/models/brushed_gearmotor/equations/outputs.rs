@@ -9,7 +9,7 @@ use crate::models::brushed_gearmotor::variables::Outputs;
 use crate::solver::split::System;
 
 impl Step<'_> {
-    /// Stored energies now; heat counts from the temperature `origin`, K.
+    /// Present stored energies; heat is relative to the temperature `origin`, K.
     pub fn initial_energy(&self, state: &State, origin: f64) -> InitialEnergy {
         InitialEnergy {
             stored: self.stored(state, origin),

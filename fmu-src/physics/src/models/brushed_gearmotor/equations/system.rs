@@ -1,4 +1,4 @@
-//! The equations in the form that the integrator takes.
+//! The equations in the form of the integrator.
 
 use super::Step;
 use super::nodes::PATHS;
@@ -8,19 +8,19 @@ use crate::solver::split::{Fast, Segment, System, Work};
 use nalgebra::{Matrix2, SMatrix};
 use num_dual::Dual64;
 
-/// Start, middle and end of a step.
+/// Start, midpoint and end of a step.
 const INSTANTS: [usize; 3] = [0, 1, 2];
 
-/// What an instant within a step costs.
+/// Quantities at one instant of a step that several integrals use.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant {
-    /// What the contacts lose, V.
+    /// Contact voltage drop, V.
     lost: f64,
-    /// What the bridge works against, V.
+    /// Voltage that opposes the bridge: back-EMF and contact voltage drop, V.
     e: f64,
     /// The switching cycle.
     cycle: Cycle<f64>,
-    /// Torque against the motion, N.m.
+    /// Drag torque, N.m.
     drag: f64,
 }
 
@@ -114,15 +114,15 @@ impl System<NODES> for Step<'_> {
         self.heats(r * (i * i + instant.cycle.ripple) + instant.lost * i, instant.drag * w)
     }
 
-    /// The energies of one step, each from its own law and the integrals of the fast solution, so that their balance is the error
-    /// of the step.
+    /// Energies of one step, each from its own equation and the integrals of the fast solution, so that the balance residual
+    /// is the error of the step.
     #[inline]
     fn work(&self, segment: &Segment<NODES>, instants: &[Instant; 3]) -> Work<NODES> {
         let (t, h) = (segment.t, segment.h);
         let at = [t, t + 0.5 * h, t + h];
         let simpson = |f: [f64; 3]| h / 6.0 * (f[0] + 4.0 * f[1] + f[2]);
-        // The integral of f times current or speed: the value at the end times their exact integral, and what f
-        // differs from it by Simpson's rule; with it, how far the trapezoidal rule would miss.
+        // Integral of f times current or speed: the end value of f times the exact integral, plus Simpson's rule for the
+        // deviation of f from its end value. Second result: the error that the trapezoidal rule would have.
         let against = |f: [f64; 3], k: usize| {
             let beyond = INSTANTS.map(|n| (f[n] - f[2]) * segment.x[n][k]);
             let extra = simpson(beyond);
@@ -137,7 +137,7 @@ impl System<NODES> for Step<'_> {
         let (friction, error_of_friction) = against(instants.map(|instant| instant.drag), 1);
         let load = self.load.at(t) * segment.integral[1] + self.load.slope * segment.moment[1];
         let (terminals, error_of_terminals) = against(volts, 0);
-        // R i^2: the value of R at the end times the integral of i^2, and what R differs from it by Simpson's rule.
+        // R i^2: the end value of R times the integral of i^2, plus Simpson's rule for the deviation of R from its end value.
         let (drop, error_of_drop) = against(instants.map(|instant| instant.lost), 0);
         let heating = INSTANTS.map(|n| (r[n] - r[2]) * segment.x[n][0] * segment.x[n][0]);
         let copper = r[2] * segment.square + simpson(heating) + drop;
@@ -148,7 +148,7 @@ impl System<NODES> for Step<'_> {
         let electrical = steady + simpson(rippling);
         let error_of_ripple = (ripple - 0.5 * h * (ripples[0] + ripples[2])).abs();
         let drive = electrical - terminals - ripple;
-        // What the energies of the step do not add up to.
+        // Residual of the energy balance of the step.
         let [before, after] = [segment.x[0], segment.x[2]].map(|x| self.kinetic(x[1]) + self.magnetic(x[0]));
         let missing = terminals - copper - friction - load - (after - before);
         Work {
@@ -169,7 +169,7 @@ impl System<NODES> for Step<'_> {
 
     #[inline]
     fn bends_where_stiff(&self) -> bool {
-        // The bridge's cycle bends with speed and current wherever conduction is not continuous.
+        // In discontinuous conduction the switching cycle is nonlinear in speed and current.
         true
     }
 }
