@@ -5,11 +5,11 @@ use crate::{Unit, Variable};
 /// Number of states of one declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Elements {
-    /// One scalar.
+    /// A scalar.
     One,
-    /// A constant number.
+    /// An array of constant size.
     Fixed(u32),
-    /// The value of the parameter with this name, at most the number.
+    /// An array whose size is the parameter with this name, with this largest size.
     UpTo(u32, &'static str),
 }
 
@@ -28,11 +28,11 @@ impl Elements {
 pub struct State {
     /// The state; the first element of an array.
     pub value: Variable,
-    /// Its derivative; the elements of an array have consecutive value references.
+    /// Its derivative; the derivatives of an array have consecutive value references.
     pub rate: Variable,
     /// Number of elements.
     pub elements: Elements,
-    /// Whether the array is an output in FMI 3; single elements never are.
+    /// Whether the array is an output in FMI 3; scalar states and single elements are not.
     pub shown: bool,
 }
 
@@ -47,7 +47,7 @@ impl State {
         }
     }
 
-    /// With a nominal value, and one of the derivative: what the nominal inputs cause at the start.
+    /// With nominal values of the state and of its derivative; the latter is the derivative at the start for nominal inputs.
     pub const fn nominal(mut self, value: f64, rate: f64) -> State {
         self.value = self.value.nominal(value);
         self.rate = self.rate.nominal(rate);

@@ -21,14 +21,14 @@ pub struct Display {
     pub name: &'static str,
     /// Factor on the SI value.
     pub factor: f64,
-    /// Added after the factor.
+    /// Offset, added after the factor.
     pub offset: f64,
 }
 
 macro_rules! units {
     ($($(#[doc = $doc:literal])* $unit:ident = $name:literal $({ $($base:ident : $power:literal),* })?
        $(shown as $shown:literal, $factor:expr, $offset:expr)?;)*) => {
-        /// Unit of a variable. The variants' documentation is their meaning.
+        /// Unit of a variable. The documentation of a variant is its meaning.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Unit { $($(#[doc = $doc])* $unit),* }
 
@@ -64,7 +64,7 @@ macro_rules! units {
 }
 
 impl Unit {
-    /// The physical quantity, with the names of Modelica.Units.SI; none for a coefficient without a name.
+    /// The physical quantity, with the names of Modelica.Units.SI; `None` for a coefficient without such a name.
     pub const fn quantity(self) -> Option<&'static str> {
         Some(match self {
             Unit::Second => "Time",

@@ -20,11 +20,11 @@ pub enum Causality {
 pub enum Variability {
     /// Constant after initialization.
     Fixed,
-    /// At any communication point.
+    /// Can change at any communication point.
     Tunable,
-    /// At events only.
+    /// Changes only at events.
     Discrete,
-    /// At any time.
+    /// Changes at any time.
     Continuous,
 }
 
@@ -44,7 +44,7 @@ pub enum Kind {
     Real,
     /// Integer.
     Integer,
-    /// True or false.
+    /// Boolean.
     Boolean,
     /// Enumeration.
     Enumeration(&'static Enumeration),
@@ -56,7 +56,7 @@ pub trait Scalar: Copy {
     const KIND: Kind;
     /// The value as a number: Booleans 0 or 1, enumerations their FMI value.
     fn to_f64(self) -> f64;
-    /// The value of a number, or `None` if the type has no such value.
+    /// Conversion from a number; `None` if the type has no such value.
     fn from_f64(value: f64) -> Option<Self>;
 }
 
@@ -78,7 +78,7 @@ impl Scalar for i32 {
         f64::from(self)
     }
     fn from_f64(value: f64) -> Option<i32> {
-        // The cast saturates and drops fractions and NaN; an unchanged value was an integer in range.
+        // The cast saturates and drops fractions and NaN; only an integer in range is unchanged.
         (f64::from(value as i32) == value).then_some(value as i32)
     }
 }
@@ -124,13 +124,13 @@ pub struct Variable {
     pub scale: Scale,
     /// True for a temperature difference: no offset in degrees Celsius.
     pub relative: bool,
-    /// True for a variable that grows without limit during a simulation, far beyond its nominal value.
+    /// True for a variable that grows without limit during a simulation, far above its nominal value.
     pub unbounded: bool,
-    /// True for an input that saturates: a finite value beyond the limits acts as the limit.
+    /// True for an input that saturates: a finite value outside the limits acts as the limit.
     pub saturates: bool,
     /// Description with sign convention.
     pub doc: &'static str,
-    /// Where the start value comes from; empty where it is 0, a mode, or computed.
+    /// Source of the start value; empty if the value is 0, a mode, or computed.
     pub source: &'static str,
 }
 
@@ -171,7 +171,7 @@ impl Variable {
         row.nominal(if start == 0.0 { 1.0 } else { start.abs() })
     }
 
-    /// A fixed parameter: it can be set before the end of initialization only.
+    /// A fixed parameter: it can only be set before the end of initialization.
     pub const fn fixed(value_reference: u32, start: f64, unit: Unit, min: f64, max: f64) -> Variable {
         let mut row = Variable::tunable(value_reference, start, unit, min, max);
         row.variability = Variability::Fixed;
@@ -315,12 +315,12 @@ pub trait Group {
         (0..Self::TABLE.len()).map(|row| self.get(row))
     }
 
-    /// Takes all values from a sequence; `None` where it ends or a type has no such value.
+    /// Sets all values from a sequence; `None` if it is too short or a type has no such value.
     fn take_values(&mut self, next: &mut impl FnMut() -> Option<f64>) -> Option<()> {
         (0..Self::TABLE.len()).try_for_each(|row| self.set(row, next()?).then_some(()))
     }
 
-    /// The values `t` seconds later with these derivatives, per second.
+    /// The values after `t` seconds with these derivatives, per second.
     #[inline]
     fn after(&self, t: f64, slopes: &Self) -> Self
     where

@@ -1,4 +1,4 @@
-//! From C to Rust and back: handles, arrays, strings, panics.
+//! Conversion between C and Rust: handles, arrays, strings, panics.
 
 use crate::instance::{Instance, Interface, Part, Standard};
 use crate::logger::{Delivery, Log, Sink, Status};
@@ -7,7 +7,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-/// Runs an operation on the instance of a handle; an error or a panic becomes a message and a status. The messages are delivered
+/// Runs an operation on the instance of a handle; an error or a panic is reported by message and status. Messages are delivered
 /// when no reference to the instance exists any more.
 ///
 /// # Safety
@@ -22,7 +22,7 @@ pub unsafe fn enter(
         return Status::Error;
     }
     let place = handle.cast::<Instance>();
-    // The outcome is converted here, so that the success path only returns the status.
+    // The outcome is converted here so that the success path only returns the status.
     let judged = catch_unwind(AssertUnwindSafe(|| {
         // SAFETY: by contract; instances are not shared between threads during a call (FMI 2 section 2.1.1, FMI 3
         // section 2.2.1).
@@ -42,7 +42,7 @@ pub unsafe fn enter(
     status
 }
 
-/// Queues the reason why a call was refused.
+/// Queues the reason for a rejected call.
 #[cold]
 fn refuse(instance: &mut Instance, refused: &Refused) -> Status {
     instance.has_warned = false;
@@ -50,7 +50,7 @@ fn refuse(instance: &mut Instance, refused: &Refused) -> Status {
     refused.status
 }
 
-/// After a panic.
+/// Enters the error state after a panic.
 ///
 /// # Safety
 /// As [`enter`].
@@ -76,12 +76,12 @@ unsafe fn deliver(place: *mut Instance, name: &str) {
     // SAFETY: by contract; the reference ends with the closure.
     let delivery = catch_unwind(AssertUnwindSafe(|| unsafe { &mut *place }.log.take(name)));
     if let Ok(delivery) = delivery {
-        // SAFETY: the importer gave the logger for the life of the instance.
+        // SAFETY: the importer's logger is valid as long as the instance.
         unsafe { delivery.send() };
     }
 }
 
-/// A missing array.
+/// Error of an array that is NULL.
 #[cold]
 fn missing(n: usize, what: &str) -> Refused {
     Refused::error(format!("{what} is NULL although its length is {n}."))
@@ -89,34 +89,34 @@ fn missing(n: usize, what: &str) -> Refused {
 
 /// Arguments of an instantiation.
 pub struct Instantiation {
-    /// The constructor that it calls.
+    /// The calling C function.
     pub function: &'static str,
     /// The standard.
     pub standard: Standard,
     /// The interface type.
     pub interface: Interface,
-    /// Optional features that it uses.
+    /// Optional features that the importer uses.
     pub part: Part,
     /// Name of the instance.
     pub name: *const c_char,
     /// GUID or instantiation token.
     pub token: *const c_char,
-    /// Where the archive's resources are; NULL where there are none.
+    /// Location of the archive's resources; NULL if there are none.
     pub resources: *const c_char,
-    /// Reads that text.
+    /// Converts this location to a path.
     pub locate: fn(&str) -> Option<PathBuf>,
-    /// Where messages are to go.
+    /// Destination of messages.
     pub sink: Sink,
-    /// Whether events are logged too.
+    /// Initial value of `loggingOn`.
     pub logging_on: bool,
-    /// A requested feature that this FMU does not have: one sentence.
+    /// A requested feature that this FMU does not support: one sentence.
     pub unsupported: Option<String>,
 }
 
-/// Creates an instance and returns its handle; on failure NULL and a log message.
+/// Creates an instance and returns its handle; on failure returns NULL and logs a message.
 ///
 /// # Safety
-/// The texts are NULL or end in zero.
+/// The texts are NULL or zero-terminated.
 pub unsafe fn instantiate(instantiation: Instantiation) -> *mut c_void {
     let Instantiation { function, sink, .. } = instantiation;
     let texts = [instantiation.name, instantiation.token, instantiation.resources];
@@ -130,11 +130,11 @@ pub unsafe fn instantiate(instantiation: Instantiation) -> *mut c_void {
     match made {
         Ok(Ok(instance)) => {
             let place = Box::into_raw(instance);
-            // SAFETY: the instance was made above; no reference to it exists.
+            // SAFETY: the instance was created above; no reference to it exists.
             unsafe { deliver(place, function) };
             return place.cast();
         }
-        // SAFETY: the importer gave the logger.
+        // SAFETY: the importer's logger is valid.
         Ok(Err(delivery)) => unsafe { delivery.send() },
         Err(_) => {
             let delivery = catch_unwind(|| Delivery::of_failure(sink, "", "internal failure."));
@@ -165,10 +165,10 @@ fn made(
     Ok(Box::new(instance))
 }
 
-/// Turns the messages of an instance on or off.
+/// Enables or disables the messages of an instance.
 ///
 /// # Safety
-/// As [`enter`] and [`array`]; the categories are NULL or end in zero.
+/// As [`enter`] and [`array`]; the categories are NULL or zero-terminated.
 pub unsafe fn set_logging(
     handle: *mut c_void,
     function: &str,
@@ -186,7 +186,7 @@ pub unsafe fn set_logging(
     }
 }
 
-/// Runs an operation of Model Exchange.
+/// Runs an operation that only Model Exchange has.
 ///
 /// # Safety
 /// As [`enter`].
@@ -204,7 +204,8 @@ pub unsafe fn exchange(
     }
 }
 
-/// C functions: name, arguments after the handle, operation on the instance. First [`enter`] or [`exchange`], which runs it.
+/// C functions: name, arguments after the handle, operation on the instance. The first argument of the macro is the function
+/// that runs the operation: [`enter`] or [`exchange`].
 #[macro_export]
 #[doc(hidden)]
 macro_rules! functions {
@@ -214,7 +215,7 @@ macro_rules! functions {
         $(#[doc = $doc])*
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(handle: *mut std::ffi::c_void $(, $argument: $type)*) -> $crate::logger::Status {
-            // SAFETY: as the crate's documentation says.
+            // SAFETY: by the crate's documentation.
             unsafe { $crate::boundary::$run(handle, stringify!($name), $operation) }
         }
     )*};
@@ -231,13 +232,13 @@ pub unsafe fn free_instance(handle: *mut c_void, function: &str) {
     // SAFETY: by contract.
     let status = unsafe {
         enter(handle, function, |i| match i.is_in_intermediate_update() {
-            // The step continues after the callback, in memory that would be freed.
+            // The step continues after the callback and would use freed memory.
             true => Err(Refused::error("an instance cannot be freed in intermediate update mode.")),
             false => Ok(()),
         })
     };
     if status == Status::Ok {
-        // SAFETY: by contract the handle came from `instantiate`.
+        // SAFETY: by contract the handle is from `instantiate`.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(handle.cast::<Instance>()) })));
     }
 }
@@ -245,7 +246,7 @@ pub unsafe fn free_instance(handle: *mut c_void, function: &str) {
 /// The array of `n` elements at `pointer`.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to `n` readable elements.
+/// `pointer` is NULL or points to `n` readable elements.
 #[inline]
 pub unsafe fn array<'a, T>(pointer: *const T, n: usize, what: &str) -> Outcome<&'a [T]> {
     match (n, pointer.is_null()) {
@@ -256,7 +257,7 @@ pub unsafe fn array<'a, T>(pointer: *const T, n: usize, what: &str) -> Outcome<&
     }
 }
 
-/// An array or a variable of the importer that a call writes. No reference to it is made, because its memory may be uninitialised.
+/// Memory of the importer that a call writes. No reference to it is created, because it may be uninitialised.
 #[derive(Debug)]
 pub struct Out<T> {
     pointer: *mut T,
@@ -267,7 +268,7 @@ impl<T: Copy> Out<T> {
     /// The `n` elements at `pointer`.
     ///
     /// # Safety
-    /// `pointer` is NULL or leads to `n` writable elements for the time of the call.
+    /// `pointer` is NULL or points to `n` elements that are writable during the call.
     #[inline]
     pub unsafe fn array(pointer: *mut T, n: usize, what: &str) -> Outcome<Out<T>> {
         if pointer.is_null() && n > 0 { Err(missing(n, what)) } else { Ok(Out { pointer, n }) }
@@ -285,7 +286,7 @@ impl<T: Copy> Out<T> {
         Ok(Out { pointer, n: 1 })
     }
 
-    /// The number of elements.
+    /// Number of elements.
     pub fn count(&self) -> usize {
         self.n
     }
@@ -304,7 +305,7 @@ impl<T: Copy> Out<T> {
     /// Writes the first elements.
     ///
     /// # Panics
-    /// If there are not as many.
+    /// If there are fewer elements.
     #[inline]
     pub fn fill(&self, values: &[T]) {
         assert!(values.len() <= self.n, "{} of {} elements", values.len(), self.n);
@@ -334,7 +335,7 @@ pub unsafe fn copied(
 /// Writes `value` to `pointer` unless it is NULL.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to a writable place.
+/// `pointer` is NULL or points to writable memory.
 pub unsafe fn write<T>(pointer: *mut T, value: T) {
     if !pointer.is_null() {
         // SAFETY: by contract.
@@ -342,10 +343,10 @@ pub unsafe fn write<T>(pointer: *mut T, value: T) {
     }
 }
 
-/// The text at `pointer`; `None` for NULL. Bytes that are no UTF-8 are replaced.
+/// The text at `pointer`; `None` for NULL. Invalid UTF-8 is replaced.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to a string that ends in zero.
+/// `pointer` is NULL or points to a zero-terminated string.
 pub unsafe fn text(pointer: *const c_char) -> Option<String> {
     if pointer.is_null() {
         return None;

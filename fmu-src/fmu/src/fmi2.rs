@@ -1,4 +1,4 @@
-//! FMI 2.0: the 44 functions. Only translation; what is allowed is decided in `instance.rs`.
+//! FMI 2.0: the 44 functions. They only convert arguments; `instance.rs` decides which calls are allowed.
 //!
 //! Arguments are as in the standard, "Functional Mock-up Interface for Model Exchange and Co-Simulation",
 //! version 2.0.4; each function's documentation names its section.
@@ -16,11 +16,11 @@ use crate::resources::of_uri;
 use crate::saved_handle::{self, deserialize, free, save, serialize, serialized_size};
 use std::ffi::{c_char, c_int, c_void};
 
-/// An instance's handle.
+/// Handle of an instance.
 pub type Component = *mut c_void;
-/// A saved state's handle.
+/// Handle of a saved state.
 pub type FmuState = *mut c_void;
-/// FMI 2's Boolean: zero is false.
+/// `fmi2Boolean`: zero is false.
 pub type Boolean = c_int;
 
 /// Callback functions of the importer.
@@ -28,19 +28,19 @@ pub type Boolean = c_int;
 pub struct CallbackFunctions {
     /// Logger.
     pub logger: Option<Logger2>,
-    /// Unused: this library has an allocator of its own.
+    /// Unused: this library uses its own allocator.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
     /// Unused.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
     /// Unused: steps are synchronous.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    /// Handed back to the logger.
+    /// Argument of the logger.
     pub environment: *mut c_void,
 }
 
-/// `fmi2Type`: which interface an instance is to have.
+/// `fmi2Type`: `fmi2ModelExchange`.
 const MODEL_EXCHANGE: c_int = 0;
-/// The other one.
+/// `fmi2Type`: `fmi2CoSimulation`.
 const CO_SIMULATION: c_int = 1;
 /// `fmi2StatusKind`: time of the last successful step.
 const PENDING_STATUS: c_int = 1;
@@ -65,7 +65,7 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// Turns messages on or off; section 2.1.5.
+/// Enables or disables messages; section 2.1.5.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetDebugLogging(
     c: Component,
@@ -73,11 +73,11 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     n: usize,
     categories: *const *const c_char,
 ) -> Status {
-    // SAFETY: as the crate's documentation says; so for every block below.
+    // SAFETY: by the crate's documentation; also for every block below.
     unsafe { set_logging(c, "fmi2SetDebugLogging", on != 0, n, categories) }
 }
 
-/// Makes an instance; section 2.1.5.
+/// Creates an instance; section 2.1.5.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     name: *const c_char,
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     }
 }
 
-/// Drops an instance; section 2.1.5.
+/// Frees an instance; section 2.1.5.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
     unsafe { free_instance(c, "fmi2FreeInstance") }
@@ -137,13 +137,13 @@ functions! {
         i.set_tolerance((tolerance_defined != 0).then_some(tolerance))?;
         i.set_window(start, (stop_defined != 0).then_some(stop))
     };
-    /// Begins initialization; section 2.1.6.
+    /// Enters initialization mode; section 2.1.6.
     fn fmi2EnterInitializationMode() => Instance::enter_initialization;
-    /// Ends initialization; section 2.1.6.
+    /// Exits initialization mode; section 2.1.6.
     fn fmi2ExitInitializationMode() => Instance::exit_initialization;
-    /// Ends the run; section 2.1.6.
+    /// Terminates the run; section 2.1.6.
     fn fmi2Terminate() => Instance::terminate;
-    /// Back to the state after instantiation; section 2.1.6.
+    /// Resets to the state after instantiation; section 2.1.6.
     fn fmi2Reset() => Instance::reset;
 }
 
@@ -175,17 +175,17 @@ values! {
 
 functions! {
     enter;
-    /// Saves the instance; section 2.1.8. A handle that is not NULL is used again.
+    /// Saves the instance; section 2.1.8. An existing handle is reused.
     fn fmi2GetFMUstate(state: *mut FmuState) => |i| save(i, state);
-    /// Takes the instance back; section 2.1.8.
+    /// Restores the instance; section 2.1.8.
     fn fmi2SetFMUstate(state: FmuState) => |i| saved_handle::restore(i, state);
-    /// Drops a saved state; section 2.1.8.
+    /// Frees a saved state; section 2.1.8.
     fn fmi2FreeFMUstate(state: *mut FmuState) => |_| free(state);
-    /// Bytes that a saved state needs; section 2.1.8.
+    /// Size of a serialized state in bytes; section 2.1.8.
     fn fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) => |_| serialized_size(state, size);
-    /// Writes a saved state as bytes; section 2.1.8.
+    /// Serializes a saved state; section 2.1.8.
     fn fmi2SerializeFMUstate(state: FmuState, bytes: *mut u8, n: usize) => |_| serialize(state, bytes, n);
-    /// Makes a saved state of bytes; section 2.1.8.
+    /// Deserializes a saved state; section 2.1.8.
     fn fmi2DeSerializeFMUstate(bytes: *const u8, n: usize, state: *mut FmuState) =>
         |i| deserialize(i, bytes, n, state);
     /// Derivatives with respect to inputs, states and parameters; section 2.1.9.
@@ -200,7 +200,7 @@ functions! {
         out.fill(&i.directional(unknowns, knowns, seed, n_unknown)?);
         Ok(())
     };
-    /// Sets slopes of inputs over the next step; section 4.2.1.
+    /// Sets input derivatives for the next step; section 4.2.1.
     fn fmi2SetRealInputDerivatives(vr: *const u32, n: usize, order: *const c_int, value: *const f64) => |i| {
         i.set_slopes(array(vr, n, "vr")?, array(order, n, "order")?, array(value, n, "value")?)
     };
@@ -210,9 +210,9 @@ functions! {
         out.fill(&i.output_derivatives(vr, order, n)?);
         Ok(())
     };
-    /// Steps; section 4.2.2.
+    /// Computes a step; section 4.2.2.
     fn fmi2DoStep(at: f64, h: f64, _no_set_state_prior: Boolean) => |i| i.step(at, h);
-    /// Cancels a pending step; section 4.2.2. None is ever pending.
+    /// Cancels a pending step; section 4.2.2. Always an error: steps are synchronous.
     fn fmi2CancelStep() => |_| {
         Err(Refused::error("steps are synchronous, so none can be cancelled."))
     };
@@ -227,7 +227,7 @@ functions! {
         Out::variable(value, "value")?.set(0, i.time());
         Ok(())
     };
-    /// Integer status; section 4.2.3. There is none.
+    /// Integer status; section 4.2.3. None is defined.
     fn fmi2GetIntegerStatus(_kind: c_int, _value: *mut c_int) => |i| nothing_pending(i);
     /// Whether the model requests the end of the simulation (at a limit of validity); section 4.2.3.
     fn fmi2GetBooleanStatus(kind: c_int, value: *mut Boolean) => |i| {
@@ -240,7 +240,7 @@ functions! {
     };
 }
 
-/// Text about a pending step, or why the run is over; section 4.2.3.
+/// Text about a pending step, or the reason for the end of the run; section 4.2.3.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status {
     unsafe {

@@ -1,9 +1,9 @@
-//! FMI 3.0: the 75 functions. Only translation; what is allowed is decided in `instance.rs`.
+//! FMI 3.0: the 75 functions. They only convert arguments; `instance.rs` decides which calls are allowed.
 //!
 //! Arguments are as in the standard, "Functional Mock-up Interface Specification", version 3.0.2.
 //! `fmi3/values.rs` has the getters and setters, `fmi3/stepping.rs` Co-Simulation, `fmi3/exchange.rs` Model Exchange and events,
-//! `fmi3/slopes.rs` derivatives, `fmi3/absent.rs` what these models have no use for: clocks, intervals, dependencies of array
-//! elements.
+//! `fmi3/slopes.rs` derivatives, `fmi3/absent.rs` functions that these models do not support: clocks, intervals, dependencies of
+//! array elements.
 
 mod absent;
 mod exchange;
@@ -24,11 +24,11 @@ use crate::logger::{Logger3, Sink, Status};
 use crate::saved_handle;
 use std::ffi::{c_char, c_void};
 
-/// An instance's handle.
+/// Handle of an instance.
 pub type InstanceHandle = *mut c_void;
-/// A saved state's handle.
+/// Handle of a saved state.
 pub type FmuState = *mut c_void;
-/// FMI 3's Boolean, C's bool, read as a byte: C may hand over what no Rust bool may hold.
+/// `fmi3Boolean`, C's bool, read as a byte: C may pass a value that is invalid for a Rust bool.
 pub type Boolean = u8;
 
 /// Version of the standard.
@@ -37,7 +37,7 @@ pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
 }
 
-/// Turns messages on or off.
+/// Enables or disables messages.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetDebugLogging(
     instance: InstanceHandle,
@@ -45,16 +45,16 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     n: usize,
     categories: *const *const c_char,
 ) -> Status {
-    // SAFETY: as the crate's documentation says; so for every block below.
+    // SAFETY: by the crate's documentation; also for every block below.
     unsafe { set_logging(instance, "fmi3SetDebugLogging", on != 0, n, categories) }
 }
 
-/// The sink of a logger that may be missing.
+/// The sink of an optional logger.
 fn sink(log_message: Option<Logger3>, environment: *mut c_void) -> Sink {
     log_message.map_or(Sink::None, |logger| Sink::Fmi3(logger, environment))
 }
 
-/// Drops an instance.
+/// Frees an instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: InstanceHandle) {
     unsafe { free_instance(instance, "fmi3FreeInstance") }
@@ -62,7 +62,7 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: InstanceHandle) {
 
 functions! {
     enter;
-    /// Sets tolerance, start and stop time and begins initialization.
+    /// Sets tolerance, start and stop time, and enters initialization mode.
     fn fmi3EnterInitializationMode(
         tolerance_defined: Boolean, tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
     ) => |i| {
@@ -70,29 +70,29 @@ functions! {
         i.set_window(start, (stop_defined != 0).then_some(stop))?;
         i.enter_initialization()
     };
-    /// Begins configuration, in which sizes of arrays are set.
+    /// Enters configuration mode, in which array sizes are set.
     fn fmi3EnterConfigurationMode() => Instance::enter_configuration;
-    /// Ends configuration.
+    /// Exits configuration mode.
     fn fmi3ExitConfigurationMode() => Instance::exit_configuration;
-    /// Ends initialization.
+    /// Exits initialization mode.
     fn fmi3ExitInitializationMode() => Instance::exit_initialization;
-    /// Ends the run.
+    /// Terminates the run.
     fn fmi3Terminate() => Instance::terminate;
-    /// Back to the state after instantiation.
+    /// Resets to the state after instantiation.
     fn fmi3Reset() => Instance::reset;
-    /// Saves the instance. A handle that is not NULL is used again.
+    /// Saves the instance. An existing handle is reused.
     fn fmi3GetFMUState(state: *mut FmuState) => |i| saved_handle::save(i, state);
-    /// Takes the instance back.
+    /// Restores the instance.
     fn fmi3SetFMUState(state: FmuState) => |i| saved_handle::restore(i, state);
-    /// Drops a saved state.
+    /// Frees a saved state.
     fn fmi3FreeFMUState(state: *mut FmuState) => |_| saved_handle::free(state);
-    /// Bytes that a saved state needs.
+    /// Size of a serialized state in bytes.
     fn fmi3SerializedFMUStateSize(state: FmuState, size: *mut usize) =>
         |_| saved_handle::serialized_size(state, size);
-    /// Writes a saved state as bytes.
+    /// Serializes a saved state.
     fn fmi3SerializeFMUState(state: FmuState, bytes: *mut u8, n: usize) =>
         |_| saved_handle::serialize(state, bytes, n);
-    /// Makes a saved state of bytes.
+    /// Deserializes a saved state.
     fn fmi3DeserializeFMUState(bytes: *const u8, n: usize, state: *mut FmuState) =>
         |i| saved_handle::deserialize(i, bytes, n, state);
 }

@@ -1,4 +1,4 @@
-//! An instance: its life cycle and the checks of each call.
+//! An instance: its state machine and the checks of each call.
 
 mod cache;
 mod exchange;
@@ -23,18 +23,18 @@ use saturation::Saturation;
 use std::ffi::{CStr, CString};
 use std::path::Path;
 
-/// Relative tolerance of an importer that defines none: that of `DefaultExperiment` in the model description.
+/// Relative tolerance if the importer defines none: that of `DefaultExperiment` in the model description.
 pub const DEFAULT_TOLERANCE: f64 = physics::model::TOLERANCE;
-/// The range of tolerances; values beyond it act as its ends.
+/// Range of tolerances; values outside are limited to it.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-2];
 
-/// One instance of the model that the token selects.
+/// One instance of the model that is selected by the token.
 pub struct Instance {
     kind: &'static ModelType,
     model: Box<dyn Model>,
-    /// A copy of the model for evaluating derivatives, created at the first request.
+    /// A copy of the model for the evaluation of derivatives, created at the first request.
     scratch: Option<Box<dyn Model>>,
-    /// The data of the archive.
+    /// Resources of the archive.
     resources: Resources,
     standard: Standard,
     interface: Interface,
@@ -43,39 +43,39 @@ pub struct Instance {
     /// Discrete outputs and their values since the last event; empty without event mode.
     discrete: Vec<Slot>,
     discrete_pre: Vec<f64>,
-    /// The model at the start of the present step, or of its present part, for rollback.
+    /// The model at the start of the present step or part of a step, for rollback.
     step_start: Option<Box<dyn Model>>,
     /// The model at the start of a step with intermediate updates.
     update_start: Option<Box<dyn Model>>,
-    /// The model at the start of the last part of such a step.
+    /// The model at the start of the last part of that step.
     part_start: Option<Box<dyn Model>>,
-    /// Number of elements of the arrays whose size is a structural parameter; in FMI 2 that of the archive.
+    /// Number of elements of arrays whose size is a structural parameter; in FMI 2 that of the archive.
     elements: u32,
     mode: Mode,
-    /// Start and stop time, s; the stop is infinite where it was not announced.
+    /// Start and stop time, s; the stop time is infinite if undefined.
     window: (f64, f64),
-    /// Values were set since the model last started, during initialization.
+    /// Whether values were set in initialization mode since the last initialization of the model.
     unsettled: bool,
     /// Cached lists of value references: read, set, and set with derivatives.
     read: Cache,
     written: Cache,
     sloped: Cache,
     saturation: Saturation,
-    /// Whether the present call succeeds with status Warning.
+    /// Whether the present call returns Warning if it succeeds.
     pub has_warned: bool,
-    /// Factor of the importer's tolerance on that of the integrator.
+    /// Ratio of the importer's tolerance to [`DEFAULT_TOLERANCE`].
     tolerance: f64,
-    /// Numbers on their way to the importer: states, derivatives, event indicators.
+    /// Output buffer: states, derivatives, event indicators.
     buffer: Vec<f64>,
     report: Report,
-    /// Reason of the end of the run at a limit of validity.
+    /// Reason for the end of the run at a limit of validity.
     ended: Option<CString>,
-    /// Where messages go.
+    /// Log messages.
     pub log: Log,
 }
 
 impl Instance {
-    /// The instance of the model with this token, with the data in its archive's resources.
+    /// An instance of the model with this token and the resources of its archive.
     pub fn new(
         token: Option<&str>,
         resources: Option<&Path>,
@@ -142,7 +142,7 @@ impl Instance {
         })
     }
 
-    /// The status of a call that has warned.
+    /// Status of a successful call: Ok, or Warning if the call has caused one.
     pub fn warned(&mut self) -> Status {
         self.has_warned = false;
         Status::Warning
@@ -163,12 +163,12 @@ impl Instance {
         self.mode == Mode::Error
     }
 
-    /// After a panic: only a saved state or a reset ends it.
+    /// Enters the error state after a panic; only a saved state or a reset ends it.
     pub fn enter_error_state(&mut self) {
         self.mode = Mode::Error;
     }
 
-    /// Enables or disables log categories, all of them if none is named; refuses a category that does not exist.
+    /// Enables or disables log categories, all of them if none is named; rejects an unknown category.
     pub fn set_logging(&mut self, on: bool, categories: &[Option<String>]) -> Outcome {
         let place = |category: &Option<String>| {
             let category = category.as_deref().unwrap_or("NULL");
@@ -184,8 +184,8 @@ impl Instance {
 
     /// Sets the relative tolerance; `None` is the default.
     ///
-    /// The tolerances of the integrators are multiplied by the ratio to [`DEFAULT_TOLERANCE`], for which they are designed. Below
-    /// [`TOLERANCES`] rounding prevails, above it the stages of a step would no longer agree.
+    /// The integrators' tolerances are multiplied by the ratio to [`DEFAULT_TOLERANCE`], for which they are designed. Below
+    /// [`TOLERANCES`] rounding errors dominate; above, the stages of a step become inconsistent.
     pub fn set_tolerance(&mut self, tolerance: Option<f64>) -> Outcome {
         self.require(&[Mode::Instantiated])?;
         let tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
@@ -261,7 +261,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Configuration -> instantiated, with arrays of their new sizes.
+    /// Configuration -> instantiated, with the new array sizes.
     pub fn exit_configuration(&mut self) -> Outcome {
         self.require(&[Mode::Configuration])?;
         self.count();
@@ -269,7 +269,7 @@ impl Instance {
         Ok(())
     }
 
-    /// In FMI 3 the parameter gives the number of elements of arrays; in FMI 2 the list of variables is fixed.
+    /// In FMI 3 the structural parameter determines the array size; in FMI 2 the list of variables is fixed.
     fn count(&mut self) {
         if self.standard == Standard::Three {
             self.elements = counted(self.model.as_mut());
@@ -304,7 +304,7 @@ impl Instance {
         Ok(())
     }
 
-    /// In initialization mode the model is initialized again from the values that were set last.
+    /// In initialization mode, initializes the model again with the values that were set.
     #[inline]
     fn settle(&mut self) -> Outcome {
         if self.mode == Mode::Initialization && self.unsettled {
@@ -315,7 +315,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Steps from the communication point `at`, s, by `h` seconds.
+    /// Computes a step of `h` seconds from the communication point `at`, s.
     #[inline]
     pub fn step(&mut self, at: f64, h: f64) -> Outcome {
         self.require_step(at, h)?;
@@ -348,12 +348,12 @@ impl Instance {
         Refused::discard(fault.0)
     }
 
-    /// Reason of the end of the run; `None` while it continues.
+    /// Reason for the end of the run; `None` while it continues.
     pub fn end(&self) -> Option<&CStr> {
         self.ended.as_deref()
     }
 
-    /// Whether the run is over: after a step of Co-Simulation, or with the states that an importer has put.
+    /// Whether the run is over: after a Co-Simulation step, or at the states that the importer has set.
     pub fn is_over(&mut self) -> bool {
         if self.interface == Interface::ModelExchange {
             let sentence = self.model.termination_reason();
@@ -365,7 +365,7 @@ impl Instance {
         self.ended.is_some()
     }
 
-    /// Outcome of a step in FMI 3: the end of a run is a flag and not an error status; the reason is logged.
+    /// Result of a step in FMI 3: the end of a run is a flag, not an error status; its reason is logged.
     pub fn unless_over(&mut self, outcome: Outcome) -> Outcome {
         match outcome {
             Err(refused) if self.ended.is_some() => {
@@ -376,7 +376,7 @@ impl Instance {
         }
     }
 
-    /// Whether a step may end before its end.
+    /// Whether early return is allowed.
     pub fn may_return_early(&self) -> bool {
         self.part.early_return
     }
@@ -390,7 +390,7 @@ impl Instance {
                 "the communication step size {h} s is not positive and finite."
             )));
         }
-        // A deviation up to a thousandth of a step is rounding error of the importer's time; more is an error.
+        // A deviation up to a thousandth of a step is rounding error of the importer's time; a larger one is an error.
         let rounding = (1e-3 * h).max(8.0 * f64::EPSILON * now.abs());
         if at.is_nan() || (at - now).abs() > rounding {
             return Err(Refused::error(format!(
@@ -406,13 +406,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Rejects a status function of FMI 2.0 outside a run of Co-Simulation.
+    /// Rejects a status function of FMI 2.0 outside a Co-Simulation run.
     pub fn require_stepping(&self) -> Outcome {
         self.require_interface(Interface::CoSimulation)?;
         self.require(&[Mode::Step, Mode::Terminated])
     }
 
-    /// The time reached, s.
+    /// Present time, s.
     pub fn time(&self) -> f64 {
         self.model.time()
     }
@@ -422,7 +422,7 @@ impl Instance {
         self.mode == Mode::Intermediate
     }
 
-    /// Refuses a call of the other interface.
+    /// Rejects a call of the other interface type.
     pub fn require_interface(&self, interface: Interface) -> Outcome {
         if self.interface == interface {
             return Ok(());
@@ -440,9 +440,9 @@ impl Instance {
     }
 }
 
-/// Number of elements from the structural parameter; 0 if the model has no arrays.
+/// Array size from the structural parameter; 0 if the model has no arrays.
 fn counted(model: &mut dyn Model) -> u32 {
     let declaration = model.declaration();
-    // Whole numbers within their limits pass through tables exactly.
+    // Integers within their limits are exact as f64.
     declaration.dimensions.first().map_or(0, |&k| model.get(declaration.entries[k].slot) as u32)
 }

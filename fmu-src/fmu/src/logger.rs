@@ -1,17 +1,17 @@
 //! Messages to the importer.
 //!
-//! An operation puts its messages into a queue. [`crate::boundary`] delivers them after the operation, when no Rust reference to the
-//! instance exists. A message is put into the queue only if its category is enabled, so that the queue of an instance without logging
-//! stays empty and costs no memory.
+//! An operation queues its messages. [`crate::boundary`] delivers them after the operation, when no Rust reference to the instance
+//! exists. A message is queued only if its category is enabled, so that the queue of an instance without logging is empty and
+//! allocates no memory.
 //!
-//! With logging off nothing is sent, errors included: "`logMessage` must only be called for log categories that were enabled by calls to
-//! `fmi3SetDebugLogging` or via `loggingOn`" (FMI 3.0.2 section 2.3.1; FMI 2.0.5 section 2.1.5 with "should"). The one exception is an
-//! instantiation that fails: then the logger "is called with detailed information about the reason" (the same sections), because no
+//! With logging off nothing is sent, not even errors: "`logMessage` must only be called for log categories that were enabled by calls to
+//! `fmi3SetDebugLogging` or via `loggingOn`" (FMI 3.0.2 section 2.3.1; FMI 2.0.5 section 2.1.5 with "should"). The only exception is a
+//! failed instantiation: then the logger "is called with detailed information about the reason" (the same sections), because no
 //! instance exists whose categories could be enabled.
 
 use std::ffi::{CString, c_char, c_int, c_void};
 
-/// Severity of a call's outcome, with the numbers of both standards.
+/// Status of a call, with the numbers of both standards.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {
@@ -23,14 +23,14 @@ pub enum Status {
     Discard = 2,
     /// The call is not allowed, or the model has failed. The instance is unchanged.
     Error = 3,
-    /// The instance cannot be used any more.
+    /// The instance can no longer be used.
     Fatal = 4,
 }
 
-/// Log categories, the same in both model descriptions: name and description. The last one stands for all.
+/// Log categories, the same in both model descriptions: name and description. The last one is logAll.
 pub const CATEGORIES: &[(&str, &str)] = physics::model::LOG_CATEGORIES;
 
-/// The category of a message: its place in [`CATEGORIES`].
+/// Category of a message: its index in [`CATEGORIES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Category {
@@ -40,7 +40,7 @@ pub enum Category {
     Discard = 1,
     /// A call that returns Warning, or the end of a run.
     Warning = 2,
-    /// A change of the life cycle, an event.
+    /// A mode change or an event.
     Events = 3,
     /// Rejected steps of the integrator.
     Steps = 4,
@@ -54,7 +54,7 @@ impl Category {
         CATEGORIES[self as usize].0
     }
 
-    /// The category of a call with this status.
+    /// Category of a call with this status.
     fn of(status: Status) -> Category {
         match status {
             Status::Ok => Category::Events,
@@ -65,19 +65,19 @@ impl Category {
     }
 }
 
-/// FMI 2's logger: environment, instance, status, category, printf format and its arguments.
+/// FMI 2 logger: environment, instance, status, category, printf format and its arguments.
 pub type Logger2 = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
-/// FMI 3's logger: environment, status, category, message.
+/// FMI 3 logger: environment, status, category, message.
 pub type Logger3 = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char);
 
-/// Where messages go.
+/// Destination of messages.
 #[derive(Clone, Copy)]
 pub enum Sink {
-    /// Nowhere: the importer gave no logger.
+    /// None: the importer gave no logger.
     None,
-    /// To FMI 2's logger.
+    /// FMI 2 logger.
     Fmi2(Logger2, *mut c_void),
-    /// To FMI 3's logger.
+    /// FMI 3 logger.
     Fmi3(Logger3, *mut c_void),
 }
 
@@ -98,12 +98,12 @@ pub struct Log {
 }
 
 impl Log {
-    /// Messages of the instance of this name.
+    /// Messages of the instance with this name.
     pub fn new(sink: Sink, instance: &str, on: bool) -> Log {
         Log { sink, instance: instance.to_string(), enabled: if on { ALL } else { 0 }, queue: Vec::new() }
     }
 
-    /// Enables or disables categories, by their places in [`CATEGORIES`]; all of them if there are none.
+    /// Enables or disables categories by their index in [`CATEGORIES`]; all of them if the list is empty.
     pub fn enable(&mut self, on: bool, categories: &[usize]) {
         let bit = |place: &usize| if *place == CATEGORIES.len() - 1 { ALL } else { 1 << place };
         let chosen =
@@ -123,7 +123,7 @@ impl Log {
         self.enabled & (1 << category as u8) != 0 && !matches!(self.sink, Sink::None)
     }
 
-    /// Puts a message of a category into the queue; the text is made if the category is enabled.
+    /// Queues a message of a category; the text is created only if the category is enabled.
     #[inline]
     pub fn note(&mut self, category: Category, text: impl FnOnce() -> String) {
         if self.wants(category) {
@@ -132,7 +132,7 @@ impl Log {
         }
     }
 
-    /// Puts the reason of a status into the queue.
+    /// Queues the reason for a status.
     pub fn reason(&mut self, status: Status, text: &str) {
         let category = Category::of(status);
         if self.wants(category) {
@@ -140,13 +140,13 @@ impl Log {
         }
     }
 
-    /// Whether messages wait for their delivery.
+    /// Whether messages are queued.
     #[inline]
     pub fn is_waiting(&self) -> bool {
         !self.queue.is_empty()
     }
 
-    /// The waiting messages of a call, as C needs them.
+    /// Removes the queued messages of a call and converts them for C.
     pub fn take(&mut self, function: &str) -> Delivery {
         let messages = std::mem::take(&mut self.queue).into_iter();
         let messages = messages.map(|message| {
@@ -157,7 +157,7 @@ impl Log {
     }
 }
 
-/// Messages that do not depend on an instance any more.
+/// Messages that no longer depend on an instance.
 pub struct Delivery {
     sink: Sink,
     instance: CString,
@@ -165,7 +165,7 @@ pub struct Delivery {
 }
 
 impl Delivery {
-    /// The reason of an instantiation that fails.
+    /// The reason for a failed instantiation.
     pub fn of_failure(sink: Sink, instance: &str, text: &str) -> Delivery {
         let message = (Status::Error, c_string(Category::Error.name()), c_string(&escaped(text)));
         Delivery { sink, instance: c_string(instance), messages: vec![message] }
@@ -174,10 +174,10 @@ impl Delivery {
     /// Calls the importer's logger.
     ///
     /// # Safety
-    /// The logger and its environment are still those of the importer, and no Rust reference to the instance exists.
+    /// The logger and its environment are still valid, and no Rust reference to the instance exists.
     pub unsafe fn send(self) {
         for (status, category, text) in &self.messages {
-            // SAFETY: all strings live over the call, and the format takes the one argument it gets.
+            // SAFETY: all strings are valid during the call, and the format has one argument.
             unsafe {
                 match self.sink {
                     Sink::None => {}
@@ -198,12 +198,12 @@ impl Delivery {
     }
 }
 
-/// A text in which `#` is no reference to a variable (FMI 2.0.5 section 2.1.5, FMI 3.0.2 section 2.3.1).
+/// The text with `#` escaped, so that it is no variable reference (FMI 2.0.5 section 2.1.5, FMI 3.0.2 section 2.3.1).
 fn escaped(text: &str) -> String {
     text.replace('#', "##")
 }
 
-/// A C string of the text; a zero inside, which C could not carry, becomes a space.
+/// The text as a C string; a zero inside is replaced by a space.
 pub fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }

@@ -2,12 +2,12 @@
 
 use crate::logger::Status;
 
-/// Why a call is refused.
+/// Reason for a rejected call.
 #[derive(Debug)]
 pub struct Refused {
     /// Status that the importer receives.
     pub status: Status,
-    /// One sentence for its log.
+    /// One sentence for the log.
     pub message: String,
 }
 
@@ -17,11 +17,11 @@ impl Refused {
         Refused { status: Status::Error, message: message.into() }
     }
 
-    /// A value that is refused.
+    /// A rejected value.
     pub fn discard(message: impl Into<String>) -> Refused {
         Refused { status: Status::Discard, message: message.into() }
     }
 }
 
-/// What an operation gives.
+/// Result of an operation.
 pub type Outcome<T = ()> = Result<T, Refused>;

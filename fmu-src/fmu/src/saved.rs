@@ -5,14 +5,14 @@ use crate::refusal::{Outcome, Refused};
 use physics::declare::Causality;
 use physics::model::Model;
 
-/// Begins every serialized state; the digit is the format's version.
+/// First bytes of every serialized state; the digit is the version of the format.
 const MAGIC: &[u8; 8] = b"motorfm5";
 
-/// Bytes of the checksum after it.
+/// Number of bytes of the checksum after it.
 const CHECKSUM: usize = size_of::<u32>();
 
-/// Writes the checksum (CRC-32) of the bytes that follow it. A damaged number is a valid number as a rule, and a damaged mode another
-/// mode, so only the checksum finds them.
+/// Writes the checksum (CRC-32) of the bytes that follow it. A corrupted number is usually still a valid number, and a corrupted mode
+/// another mode, so only the checksum detects them.
 pub fn seal(bytes: &mut [u8]) {
     let (head, body) = bytes.split_at_mut(MAGIC.len() + CHECKSUM);
     head[MAGIC.len()..].copy_from_slice(&crc32fast::hash(body).to_le_bytes());
@@ -22,21 +22,21 @@ pub fn seal(bytes: &mut [u8]) {
 pub struct Saved {
     /// The model with its integrator.
     pub model: Box<dyn Model>,
-    /// Which interface the instance has.
+    /// Interface type of the instance.
     pub interface: Interface,
-    /// Where in its life cycle the instance was.
+    /// Mode of the instance.
     pub mode: Mode,
-    /// The window of time the importer announced, s.
+    /// Start and stop time, s.
     pub window: (f64, f64),
-    /// Factor of its tolerance on that of the integrator.
+    /// Ratio of the importer's tolerance to the default tolerance.
     pub tolerance: f64,
-    /// Discrete outputs since the last event, if the importer uses event mode.
+    /// Pre values of the discrete outputs, if the importer uses event mode.
     pub discrete_pre: Vec<f64>,
 }
 
 impl Saved {
-    /// The state as bytes: magic, checksum of the rest, interface, mode, token, count of numbers, and these: window, tolerance, how many discrete outputs are
-    /// discrete_pre, what they show, the model.
+    /// Serializes the state: magic, checksum of the rest, interface, mode, token, count of numbers, and the numbers: start and stop time,
+    /// tolerance, number of discrete outputs, their pre values, the model.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut numbers = vec![self.window.0, self.window.1, self.tolerance, self.discrete_pre.len() as f64];
         numbers.extend(&self.discrete_pre);
@@ -54,8 +54,7 @@ impl Saved {
         bytes
     }
 
-    /// The state of bytes that [`to_bytes`](Saved::to_bytes) gave, for an instance of the model `like` with
-    /// this interface.
+    /// Deserializes the bytes of [`to_bytes`](Saved::to_bytes) for an instance of the model `like` with this interface type.
     pub fn from_bytes(bytes: &[u8], like: &dyn Model, interface: Interface) -> Outcome<Saved> {
         let bad = |why: &str| Refused::error(format!("the serialized state of {} bytes {why}.", bytes.len()));
         let mut rest = bytes;
@@ -95,8 +94,8 @@ impl Saved {
     }
 }
 
-/// Whether parameters are within the limits that the equations require. Inputs are only checked to be finite, because a derivative
-/// may have led them beyond their limits.
+/// Whether parameters are within the limits that the equations require. Inputs are only checked to be finite, because an input
+/// derivative may have moved them outside their limits.
 fn is_sound(model: &mut dyn Model) -> bool {
     model.declaration().entries.iter().all(|entry| match entry.row.causality {
         Causality::Parameter => entry.check(model.get(entry.slot), false).is_ok(),
@@ -105,12 +104,12 @@ fn is_sound(model: &mut dyn Model) -> bool {
     })
 }
 
-/// The window, s, the factor on the tolerance, what discrete outputs show, and the numbers of the model.
+/// Start and stop time, s, tolerance factor, pre values of the discrete outputs, and numbers of the model.
 type Parts<'a> = ((f64, f64), f64, &'a [f64], &'a [f64]);
 
 fn parts(numbers: &[f64]) -> Option<Parts<'_>> {
     let (&[start, stop, tolerance, count], rest) = numbers.split_first_chunk()?;
-    // An invalid count is cast to a wrong one, and then the length of the model's data does not match.
+    // An invalid count is converted to a wrong number, which then does not match the length of the model's data.
     let (discrete_pre, model) = rest.split_at_checked(count as usize)?;
     Some(((start, stop), tolerance, discrete_pre, model))
 }

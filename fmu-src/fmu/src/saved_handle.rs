@@ -1,7 +1,7 @@
-//! The importer's handles to saved states, the same for both standards.
+//! Handles of saved states, the same for both standards.
 //!
-//! A handle carries a tag that depends on its address. A pointer that is no handle, or one that was freed, is refused as long as its
-//! memory can be read and was not used again.
+//! A handle contains a tag that depends on its address. A pointer that is not a handle, or a freed handle, is rejected as long as its
+//! memory is readable and not reused.
 
 use crate::boundary::{Out, array};
 use crate::instance::Instance;
@@ -10,32 +10,32 @@ use crate::saved::Saved;
 use std::ffi::c_void;
 use std::ptr::null_mut;
 
-/// What a handle leads to.
+/// Memory behind a handle.
 #[repr(C)]
 struct Tagged {
     tag: usize,
     saved: Saved,
 }
 
-/// Combined with the address of a handle: its tag.
+/// Constant that, combined with the address of a handle, gives its tag.
 const LIVE: usize = 0x4d6f_746f_u32 as usize;
 
 fn tag_at(handle: *mut Tagged) -> usize {
     handle as usize ^ LIVE
 }
 
-/// A handle to a saved state.
+/// Creates a handle of a saved state.
 fn handle_to(saved: Saved) -> *mut c_void {
     let handle = Box::into_raw(Box::new(Tagged { tag: 0, saved }));
-    // SAFETY: made above.
+    // SAFETY: created above.
     unsafe { (*handle).tag = tag_at(handle) };
     handle.cast()
 }
 
-/// The live handle that a pointer is.
+/// Checks that a pointer is a live handle.
 ///
 /// # Safety
-/// `state` is NULL or leads to readable memory.
+/// `state` is NULL or points to readable memory.
 unsafe fn live(state: *mut c_void) -> Outcome<*mut Tagged> {
     let handle = state.cast::<Tagged>();
     if handle.is_null() {
@@ -51,7 +51,7 @@ unsafe fn live(state: *mut c_void) -> Outcome<*mut Tagged> {
 /// Restores the state of a handle.
 ///
 /// # Safety
-/// `state` is NULL or a handle that [`save`] or [`deserialize`] made.
+/// `state` is NULL or a handle from [`save`] or [`deserialize`].
 pub unsafe fn restore(i: &mut Instance, state: *mut c_void) -> Outcome {
     unsafe { i.restore(&(*live(state)?).saved) }
 }
@@ -59,7 +59,7 @@ pub unsafe fn restore(i: &mut Instance, state: *mut c_void) -> Outcome {
 /// Saves into the handle at `state`; an existing state is overwritten.
 ///
 /// # Safety
-/// `state` is NULL or leads to NULL or to a handle that this function made.
+/// `state` is NULL or points to NULL or to a handle from this function.
 pub unsafe fn save(i: &mut Instance, state: *mut *mut c_void) -> Outcome {
     unsafe {
         let out = Out::variable(state, "FMUstate")?;
@@ -97,10 +97,10 @@ pub unsafe fn free(state: *mut *mut c_void) -> Outcome {
     }
 }
 
-/// Bytes that the saved state needs.
+/// Size of a serialized state in bytes.
 ///
 /// # Safety
-/// `state` is NULL or a handle that [`save`] made.
+/// `state` is NULL or a handle from [`save`].
 pub unsafe fn serialized_size(state: *mut c_void, size: *mut usize) -> Outcome {
     unsafe {
         let bytes = (*live(state)?).saved.to_bytes().len();
@@ -109,10 +109,10 @@ pub unsafe fn serialized_size(state: *mut c_void, size: *mut usize) -> Outcome {
     }
 }
 
-/// Writes the saved state as bytes.
+/// Serializes a saved state.
 ///
 /// # Safety
-/// As [`serialized_size`]; `bytes` leads to `n` bytes.
+/// As [`serialized_size`]; `bytes` points to `n` bytes.
 pub unsafe fn serialize(state: *mut c_void, bytes: *mut u8, n: usize) -> Outcome {
     unsafe {
         let written = (*live(state)?).saved.to_bytes();
@@ -126,10 +126,10 @@ pub unsafe fn serialize(state: *mut c_void, bytes: *mut u8, n: usize) -> Outcome
     }
 }
 
-/// Makes a saved state of bytes.
+/// Deserializes a saved state.
 ///
 /// # Safety
-/// As [`save`]; `bytes` leads to `n` bytes.
+/// As [`save`]; `bytes` points to `n` bytes.
 pub unsafe fn deserialize(i: &mut Instance, bytes: *const u8, n: usize, state: *mut *mut c_void) -> Outcome {
     unsafe {
         let saved = i.deserialize(array(bytes, n, "serializedState")?)?;

@@ -21,7 +21,7 @@ pub fn solve<const S: usize>(
 /// Writes dy/dt at a time and a state.
 type Rates<'a> = dyn Fn(f64, &[f64], &mut [f64]) + 'a;
 
-/// The same for any number of states: not generic, so that diffsol is compiled here and not in every test.
+/// The same for any number of states: not generic, so that diffsol is compiled only once and not in every test.
 fn run(
     rates: &Rates,
     y0: &[f64],
@@ -34,7 +34,7 @@ fn run(
         .atol([tolerance.absolute])
         .rhs_implicit(
             |y, _p, t, dy| rates(t, y, dy),
-            // The Jacobian by central differences: it steers Newton's iteration and not the result.
+            // Jacobian by central differences: it affects the convergence of Newton's iteration, not the result.
             |y, _p, t, v, jv| {
                 let size = |a: &[f64]| a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
                 let step = 1e-6 * (1.0 + size(y)) / size(v).max(1e-300);

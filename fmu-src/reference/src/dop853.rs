@@ -1,17 +1,17 @@
 //! Runge-Kutta of order 8 with variable steps.
 //!
-//! Explicit: the fastest process of the motors, L/R of a tenth of a millisecond, limits its step, which an hour of simulated time still
-//! allows.
+//! Explicit: the fastest time constant of the motors, L/R of 0.1 ms, limits the step; one hour of simulated time is still feasible.
 //!
 //! *Source*: the crate differential-equations, DOP853 (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 1993, II.5).
 
 use crate::Tolerance;
 use differential_equations::prelude::*;
 
-/// First step, s: a fraction of L/R. The library's own guess may leave the limits within which a model has derivatives.
+/// First step, s: a fraction of L/R. The library's own estimate may leave the limits of validity, outside which there are no
+/// derivatives.
 const FIRST: f64 = 1e-6;
-/// Steps of one interval: so many, and so many for each second, twenty times what L/R of a tenth of a millisecond needs. A solution that
-/// needs more diverges.
+/// Largest number of steps of an interval: a constant, and a number per second that is twenty times the need at L/R = 0.1 ms. A
+/// solution that needs more diverges.
 const MOST: (usize, f64) = (1_000, 1e5);
 
 struct System<F>(F);
@@ -22,8 +22,8 @@ impl<const S: usize, F: Fn(f64, &[f64; S]) -> [f64; S]> ODE<f64, [f64; S]> for S
     }
 }
 
-/// The state at each of `times`. Every interval is an integration of its own: interpolation within a step is of lower order than the
-/// step.
+/// The state at each of `times`. Every interval is a separate integration, because interpolation within a step is of lower order
+/// than the step.
 pub fn solve<const S: usize>(
     rates: impl Fn(f64, &[f64; S]) -> [f64; S],
     y0: &[f64; S],

@@ -1,10 +1,10 @@
 //! Reference integration of ordinary differential equations by third-party libraries, for tests and benchmarks.
 //!
-//! It takes the derivatives of all states and shares no code with the models' own integrators. It is a crate of its
-//! own so that the models are compiled with one set of features, and the FMU library never contains it.
+//! It uses the derivatives of all states and shares no code with the models' own integrators. It is a separate crate, so that the
+//! models are compiled with one set of features and the FMU library never contains it.
 //!
-//! The everyday tests use the explicit Runge-Kutta method DOP853. With the feature `diffsol` the same tests, and the benchmarks, use
-//! the variable-order BDF of diffsol; to compile it takes two minutes of a processor.
+//! The default tests use the explicit Runge-Kutta method DOP853. With the feature `diffsol` the same tests and the benchmarks use
+//! the variable-order BDF of diffsol, which takes two minutes of processor time to compile.
 
 #[cfg(feature = "diffsol")]
 mod bdf;
@@ -24,8 +24,8 @@ pub struct Tolerance {
     pub absolute: f64,
 }
 
-/// Integrates y' = rates(t, y) from t = 0 and gives y at each of `times`, which ascend from above 0; a sentence of the library if it
-/// fails.
+/// Integrates y' = rates(t, y) from t = 0 and returns y at each of `times`, which are positive and ascending; on failure the
+/// library's error message.
 ///
 /// The rates must be smooth between 0 and the last time: restart the integration at a discontinuity of an input.
 pub fn integrate<const S: usize>(

@@ -8,7 +8,7 @@
 //!    {"name": "air flow", "port": "winding_heat",
 //!     "table": {"driver": "winding_temperature", "x": [300.0, 350.0, 400.0], "y": [0.0, -0.4, -1.5]}}]}
 //! ```
-//! A law of two drivers is a grid, and a hidden state is a lag:
+//! A term of two drivers is a grid; a term with a latent state has a lag:
 //!
 //! ```json
 //! {"name": "grease", "port": "drag_torque",
@@ -18,8 +18,8 @@
 //!  "drivers": [{"driver": "winding_temperature", "reference": 10.0, "offset": 298.15}],
 //!  "lag": {"driver": "winding_temperature", "tau": 400.0}}
 //! ```
-//! `z` has a row for each `x`; `tau` is in seconds. A lag replaces the driver in the law by its first-order lag; the drivers
-//! `copper_loss` and `friction_loss` need one.
+//! `z` has a row for each `x`; `tau` is in seconds. A lag replaces a driver of the term by its first-order lag; the drivers
+//! `copper_loss` and `friction_loss` require a lag.
 //!
 //! Optional: the name (default: number of the term), the unit (that of the port), the drivers (none: a constant), the
 //! offset (0) and the exponent (1). `physics/src/effects/generic_term.rs` documents the action of a term at each port.
@@ -43,18 +43,18 @@ use std::path::Path;
 pub const FILE_NAME: &str = "effects.json";
 /// Format identifier of the file.
 pub const FORMAT: &str = "motor-fmu effects 1";
-/// Largest amount of a coefficient, a value of a table, an offset of a driver.
+/// Largest absolute value of a coefficient, a table value or a driver offset.
 const GREATEST: f64 = 1e6;
 /// Limits of the reference value of a driver.
 const REFERENCE: (f64, f64) = (1e-9, 1e9);
 
-/// An error in a file: one sentence with its name.
+/// An error in a file: one sentence with the file name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct TermsError(String);
 
 impl TermsError {
-    /// The message of serde_json ends with the place; this one begins with it.
+    /// serde_json gives the position at the end of its message; this message starts with it.
     fn of_json(error: &serde_json::Error, file: &str) -> TermsError {
         let sentence = error.to_string();
         let reason = sentence.split(" at line ").next().unwrap_or(&sentence);
@@ -62,7 +62,7 @@ impl TermsError {
     }
 }
 
-/// The content of the file.
+/// Content of the file.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TermsFile {
@@ -81,7 +81,7 @@ pub struct TermText {
     pub name: String,
     /// Name of a [`Port`].
     pub port: String,
-    /// The value with every driver at its reference.
+    /// Value of the term with every driver at its reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
     /// Unit of the coefficient or of the values of the table; must be that of the port.
@@ -151,7 +151,7 @@ pub struct GridText {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LagText {
-    /// Name of a [`Driver`] of the law.
+    /// Name of a [`Driver`] of the term.
     pub driver: String,
     /// Time constant, s.
     pub tau: f64,
@@ -163,7 +163,7 @@ impl TermsFile {
         TermsFile { format: FORMAT.to_string(), terms }
     }
 
-    /// The file in a text; `file` names it in errors.
+    /// Parses the text of a file; errors contain the name `file`.
     pub fn parse(text: &str, file: &str) -> Result<TermsFile, TermsError> {
         let found: TermsFile =
             serde_json::from_str(text).map_err(|error| TermsError::of_json(&error, file))?;
@@ -171,7 +171,7 @@ impl TermsFile {
         Ok(found)
     }
 
-    /// The file at a path.
+    /// Reads the file at a path.
     pub fn load(path: &Path) -> Result<TermsFile, TermsError> {
         let text = std::fs::read_to_string(path)
             .map_err(|error| TermsError(format!("{} cannot be read: {error}", path.display())))?;
@@ -324,7 +324,7 @@ impl GridText {
     }
 }
 
-/// An error where a list does not ascend.
+/// Error if a list is not strictly ascending.
 fn ascending(name: &str, list: &[f64]) -> Result<(), String> {
     let ascends = |pair: &[f64]| pair[0].partial_cmp(&pair[1]) == Some(std::cmp::Ordering::Less);
     match list.windows(2).position(|pair| !ascends(pair)) {
@@ -394,7 +394,7 @@ mod tests {
         {"port": "housing_heat", "coefficient": 0.5, "drivers": [{"driver": "copper_loss", "reference": 1.0}]
          , "lag": {"driver": "copper_loss", "tau": 400.0}}]}"#;
 
-    /// A grid and a lag are the same after writing and reading; at 300 rad/s and 345 K the grid gives half of 4.5 mN.m.
+    /// A grid and a lag are unchanged after writing and reading; at 300 rad/s and 345 K the grid gives half of 4.5 mN.m.
     #[test]
     fn grids_and_lags_are_read() {
         let terms = TermsFile::parse(GRID, "x.json").unwrap().terms().unwrap();
@@ -412,7 +412,7 @@ mod tests {
         sentence
     }
 
-    /// A law is the same after writing and reading.
+    /// A term is unchanged after writing and reading.
     #[test]
     fn a_term_becomes_text_and_a_term_again() {
         let terms = TermsFile::parse(VALID, "x.json").unwrap().terms().unwrap();
@@ -433,7 +433,7 @@ mod tests {
         assert!(TermsFile::parse(&TermsFile::new(Vec::new()).text(), "z.json").is_ok());
     }
 
-    /// A valid text with one change: the message names term, field, value and limits, or the line.
+    /// Valid texts with one error each: the message names term, field, value and limits, or the line.
     #[test]
     fn errors_name_what_is_wrong() {
         for (old, new, words) in [

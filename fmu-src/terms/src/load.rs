@@ -9,9 +9,9 @@
 //!   [0.0, 12.5, 3.1],
 //!   [0.01, 12.7, 3.3]]}
 //! ```
-//! A row has time in s, torque in N.m and speed in rad/s; the first time is 0, the last is below the period. Between the rows and from the
-//! last row to the first of the next period the values are linear. Optional: source, and the angle of the first row in rad (without it the
-//! angle has zero mean).
+//! A row has time in s, torque in N.m and speed in rad/s; the first time is 0, the last is less than the period. Torque and speed are
+//! linear in time between the rows, and from the last row to the first row of the next period. Optional: source, and the angle of the
+//! first row in rad (default: the angle has zero mean).
 
 use crate::{GREATEST, TermsError, ascending, within};
 use physics::load_table::{LoadTable, MOST_ROWS};
@@ -25,16 +25,16 @@ pub const FORMAT: &str = "motor-fmu load 1";
 /// Limits of the period, s.
 const PERIOD: (f64, f64) = (1e-4, 1e7);
 
-/// The content of the file.
+/// Content of the file.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadFile {
     /// [`FORMAT`].
     pub format: String,
-    /// File and columns that the table is from.
+    /// Source of the table: file and columns.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub source: String,
-    /// s.
+    /// Period, s.
     pub period: f64,
     /// Angle of the first row, rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -52,10 +52,10 @@ impl LoadFile {
         LoadFile { format: FORMAT.to_owned(), source: source.to_owned(), period, angle, rows }
     }
 
-    /// The file in a text; `file` names it in errors.
+    /// Parses the text of a file; errors contain the name `file`.
     ///
     /// # Errors
-    /// One sentence with file and line or place, value and limits.
+    /// One sentence with file and line or field, value and limits.
     pub fn parse(text: &str, file: &str) -> Result<LoadFile, TermsError> {
         let found: LoadFile =
             serde_json::from_str(text).map_err(|error| TermsError::of_json(&error, file))?;
@@ -63,7 +63,7 @@ impl LoadFile {
         Ok(found)
     }
 
-    /// The file at a path.
+    /// Reads the file at a path.
     ///
     /// # Errors
     /// As [`parse`](LoadFile::parse), or a file that cannot be read.
@@ -76,7 +76,7 @@ impl LoadFile {
     /// The table, checked.
     ///
     /// # Errors
-    /// One sentence with place, value and limits.
+    /// One sentence with field, value and limits.
     pub fn table(&self) -> Result<LoadTable, TermsError> {
         if self.format != FORMAT {
             return Err(TermsError(format!("the format is \"{}\", not \"{FORMAT}\"", self.format)));
@@ -116,7 +116,7 @@ impl LoadFile {
         }
     }
 
-    /// The text of the file, a line for each row.
+    /// The text of the file, one line per row.
     pub fn text(&self) -> String {
         let head = LoadFile { rows: Vec::new(), ..self.clone() };
         let json = |value: &dyn Fn() -> serde_json::Result<String>| value().unwrap_or_default();

@@ -4,10 +4,10 @@ use crate::{FILE_NAME, TermsError, TermsFile, load};
 use physics::resources::Resources;
 use std::path::Path;
 
-/// The data in a resource folder; a file that does not exist is absent.
+/// Reads the resource folder; each file is optional.
 ///
 /// # Errors
-/// A file that cannot be read or used, in one sentence.
+/// A file that cannot be read or is invalid, in one sentence.
 pub fn of_resources(folder: &Path) -> Result<Resources, TermsError> {
     let there = |name: &str| Some(folder.join(name)).filter(|path| path.try_exists().unwrap_or(true));
     let terms = there(FILE_NAME).map(|path| TermsFile::load(&path)?.terms()).transpose()?;

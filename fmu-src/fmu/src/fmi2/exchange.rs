@@ -17,7 +17,7 @@ pub struct EventInfo {
     pub nominals_changed: Boolean,
     /// States have changed.
     pub values_changed: Boolean,
-    /// A time event is known.
+    /// A next time event is defined.
     pub next_event_time_defined: Boolean,
     /// Its time, s.
     pub next_event_time: f64,
@@ -25,7 +25,7 @@ pub struct EventInfo {
 
 functions! {
     exchange;
-    /// Begins an event; section 3.2.2.
+    /// Enters event mode; section 3.2.2.
     fn fmi2EnterEventMode() => Instance::enter_event;
     /// Updates the discrete variables; section 3.2.2.
     fn fmi2NewDiscreteStates(info: *mut EventInfo) => |i| {
@@ -41,7 +41,7 @@ functions! {
         });
         Ok(())
     };
-    /// Ends an event; section 3.2.2.
+    /// Enters continuous-time mode; section 3.2.2.
     fn fmi2EnterContinuousTimeMode() => Instance::enter_continuous;
     /// Completes an integrator step; section 3.2.2.
     fn fmi2CompletedIntegratorStep(
@@ -64,6 +64,6 @@ functions! {
     fn fmi2GetEventIndicators(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::indicators);
     /// Continuous states; section 3.2.2.
     fn fmi2GetContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::states);
-    /// Typical sizes of the continuous states; section 3.2.2.
+    /// Nominal values of the continuous states; section 3.2.2.
     fn fmi2GetNominalsOfContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::nominals);
 }

@@ -1,4 +1,4 @@
-//! Functions that importers resolve when they load the library and that these FMUs declare not to have.
+//! Functions that importers resolve when they load the library and that these FMUs do not support.
 
 use super::{Boolean, InstanceHandle};
 use crate::boundary::{Instantiation, instantiate};
@@ -29,7 +29,7 @@ unsafe fn refuse_to_make(
 ) -> InstanceHandle {
     let unsupported = Some(format!("this FMU has no {interface}; it has Model Exchange and Co-Simulation."));
     let sink = super::sink(log_message, environment);
-    // SAFETY: as the crate's documentation says.
+    // SAFETY: by the crate's documentation.
     unsafe {
         instantiate(Instantiation {
             function,
@@ -47,7 +47,7 @@ unsafe fn refuse_to_make(
     }
 }
 
-/// Makes an instance for Scheduled Execution.
+/// Creates an instance for Scheduled Execution.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     name: *const c_char,

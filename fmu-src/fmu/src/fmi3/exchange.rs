@@ -1,4 +1,4 @@
-//! FMI 3.0: Model Exchange, and the events that it shares with Co-Simulation.
+//! FMI 3.0: Model Exchange, and the event functions that it shares with Co-Simulation.
 
 use super::{Boolean, InstanceHandle, sink};
 use crate::boundary::{Instantiation, Out, array, copied, instantiate, write};
@@ -9,7 +9,7 @@ use crate::refusal::Outcome;
 use crate::resources::of_path;
 use std::ffi::{c_char, c_void};
 
-/// Makes an instance for Model Exchange.
+/// Creates an instance for Model Exchange.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     name: *const c_char,
@@ -20,7 +20,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     environment: *mut c_void,
     log_message: Option<Logger3>,
 ) -> InstanceHandle {
-    // SAFETY: as the crate's documentation says; so for every block below.
+    // SAFETY: by the crate's documentation; also for every block below.
     unsafe {
         instantiate(Instantiation {
             function: "fmi3InstantiateModelExchange",
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
 
 functions! {
     enter;
-    /// Begins an event.
+    /// Enters event mode.
     fn fmi3EnterEventMode() => Instance::enter_event;
     /// Has no effect: discrete states change in [`fmi3UpdateDiscreteStates`] only.
     fn fmi3EvaluateDiscreteStates() => |i| i.require_event();
@@ -62,7 +62,7 @@ functions! {
 
 functions! {
     exchange;
-    /// Ends an event.
+    /// Enters continuous-time mode.
     fn fmi3EnterContinuousTimeMode() => Instance::enter_continuous;
     /// Completes an integrator step.
     fn fmi3CompletedIntegratorStep(
@@ -84,11 +84,11 @@ functions! {
     fn fmi3GetEventIndicators(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::indicators);
     /// Continuous states.
     fn fmi3GetContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::states);
-    /// Typical sizes of the continuous states.
+    /// Nominal values of the continuous states.
     fn fmi3GetNominalsOfContinuousStates(out: *mut f64, n: usize) => |i| copied(i, out, n, Instance::nominals);
 }
 
-/// Writes a number of states or indicators; an instance for Co-Simulation has none.
+/// Writes the number of states or indicators; 0 for an instance for Co-Simulation.
 ///
 /// # Safety
 /// As [`Out::variable`].

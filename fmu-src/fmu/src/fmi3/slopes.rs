@@ -1,9 +1,9 @@
-//! FMI 3.0: directional and adjoint derivatives, and those of outputs with respect to time.
+//! FMI 3.0: directional and adjoint derivatives, and time derivatives of outputs.
 
 use crate::boundary::{Out, array};
 use crate::functions;
 
-/// Products of the matrix of partial derivatives with a seed, which one method of the instance computes.
+/// Products of the Jacobian with a seed, computed by one method of the instance each.
 macro_rules! products {
     ($($(#[doc = $doc:literal])* $name:ident => $method:ident;)*) => {
         functions! {

@@ -1,4 +1,4 @@
-//! FMI 3.0: Co-Simulation, with event mode, early return and intermediate update where the importer uses them.
+//! FMI 3.0: Co-Simulation, with event mode, early return and intermediate update if the importer uses them.
 
 use super::{Boolean, InstanceHandle, sink};
 use crate::boundary::{Instantiation, array, enter, instantiate, write};
@@ -10,7 +10,7 @@ use crate::logger::{Logger3, Status};
 use crate::resources::of_path;
 use std::ffi::{c_char, c_void};
 
-/// Makes an instance for Co-Simulation.
+/// Creates an instance for Co-Simulation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     name: *const c_char,
@@ -26,7 +26,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     log_message: Option<Logger3>,
     intermediate_update: Option<IntermediateUpdate>,
 ) -> InstanceHandle {
-    // SAFETY: as the crate's documentation says; so for every block below.
+    // SAFETY: by the crate's documentation; also for every block below.
     let references = unsafe { array(intermediate, n_intermediate, "requiredIntermediateVariables") };
     let (references, unsupported) = match (references, intermediate_update) {
         (Err(refused), _) => (Vec::new(), Some(refused.message)),
@@ -57,12 +57,12 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
 
 functions! {
     enter;
-    /// Ends an event of Co-Simulation.
+    /// Enters step mode.
     fn fmi3EnterStepMode() => Instance::enter_step;
 }
 
-/// Steps. If the step reaches a limit of validity, `terminateSimulation` is true and the state is that at `lastSuccessfulTime`,
-/// the last time within the limit. The status is OK, because `fmi3Discard` requires an unchanged state.
+/// Computes a step. If it reaches a limit of validity, `terminateSimulation` is true and the state is that at
+/// `lastSuccessfulTime`, the last time within the limit. The status is OK, because `fmi3Discard` requires an unchanged state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DoStep(
     instance: InstanceHandle,
@@ -99,7 +99,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     }
 }
 
-/// Takes a step in parts. No Rust reference to the instance exists during the intermediate update callback.
+/// Computes a step in parts. No Rust reference to the instance exists during the intermediate update callback.
 unsafe fn step_with_updates(
     instance: InstanceHandle,
     parts: &mut StepInParts,

@@ -1,5 +1,5 @@
-//! FMI 3.0 getters and setters. Float64, Int64 (whole numbers and enumerations), UInt64 (sizes of arrays) and Boolean have
-//! variables; for the other types every call returns an error. The elements of an array are consecutive.
+//! FMI 3.0 getters and setters. Variables have the types Float64, Int64 (integers and enumerations), UInt64 (array sizes) and Boolean;
+//! calls for other types return an error. The elements of an array are consecutive.
 
 use super::Boolean;
 use crate::boundary::{Out, array};

@@ -1,15 +1,15 @@
-//! Cache of the lists of value references that a master repeats at every step: resolved and checked once.
+//! Cache of the lists of value references that an importer repeats at every step: resolved and checked once.
 //!
-//! The meaning of a reference never changes, so no entry becomes invalid, neither by a reset nor by a saved state. Lists with
-//! arrays, whose sizes may change, are not stored. The last few lists are kept, since a master may set an instance in several
-//! calls; a list of one variable does not replace another one.
+//! The meaning of a reference never changes, so a reset or a restored state invalidates no entry. Lists with arrays, whose sizes may
+//! change, are not stored. The last few lists are cached, since an importer may set an instance in several calls; a list of one variable
+//! replaces no cached list.
 
 use physics::declare::Kind;
 use physics::model::{Declaration, Slot, TIME};
 
 /// Longer lists are resolved at every call.
 const ROOM: usize = 16;
-/// Lists that are kept.
+/// Number of cached lists.
 const LISTS: usize = 4;
 
 /// A real scalar: its slot and its limits.
@@ -30,7 +30,7 @@ impl Place {
     }
 }
 
-/// A list of real scalars that has passed the checks.
+/// A checked list of real scalars.
 #[derive(Clone, Copy, Debug)]
 struct List {
     count: usize,
@@ -44,18 +44,18 @@ impl List {
     const EMPTY: List = List { count: 0, references: [TIME; ROOM], places: [EMPTY; ROOM] };
 }
 
-/// The latest different lists of one function.
+/// The most recent different lists of one function.
 #[derive(Clone, Debug)]
 pub(super) struct Cache {
     lists: [List; LISTS],
-    /// The one that the next new list replaces.
+    /// Index of the list that the next new list replaces.
     oldest: usize,
 }
 
 impl Cache {
     pub(super) const EMPTY: Cache = Cache { lists: [List::EMPTY; LISTS], oldest: 0 };
 
-    /// The places of these references, if the list is stored.
+    /// Slots and limits of these references, if the list is cached.
     #[inline]
     pub(super) fn places(&self, references: &[u32]) -> Option<&[Place]> {
         let same = |list: &&List| {

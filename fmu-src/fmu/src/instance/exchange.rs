@@ -4,7 +4,7 @@ use super::{Instance, Mode, Standard};
 use crate::refusal::{Outcome, Refused};
 use physics::model::Fault;
 
-/// Where derivatives, states and indicators may be read.
+/// Modes in which derivatives, states and indicators may be read.
 const READABLE: &[Mode] =
     &[Mode::Initialization, Mode::Event, Mode::Continuous, Mode::Terminated, Mode::Error];
 
@@ -48,8 +48,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Completes an integrator step; true if the run is over. It never requests event mode, because all events are state events with
-    /// indicators or time events.
+    /// Completes an integrator step; true if the run is over. It never requests event mode, because all events are time events or
+    /// state events with indicators.
     pub fn accept_step(&mut self) -> Outcome<bool> {
         self.require(&[Mode::Continuous])?;
         self.model.accept_step();
@@ -58,7 +58,7 @@ impl Instance {
 
     /// Sets the time, s.
     pub fn set_time(&mut self, time: f64) -> Outcome {
-        // FMI 2.0 of 2014 allows the call in event mode, and importers do it; FMI 3.0 does not.
+        // FMI 2.0 of 2014 allows the call in event mode, and importers use it; FMI 3.0 does not.
         let event = if self.standard == Standard::Two { Mode::Event } else { Mode::Continuous };
         self.require(&[event, Mode::Continuous])?;
         if !time.is_finite() {
@@ -81,7 +81,7 @@ impl Instance {
         Ok(())
     }
 
-    /// The continuous states, as many as are asked for.
+    /// The first `n` continuous states.
     pub fn states(&mut self, n: usize) -> Outcome<&[f64]> {
         self.require(READABLE)?;
         self.settle()?;
@@ -90,7 +90,7 @@ impl Instance {
         Ok(&self.buffer[..n])
     }
 
-    /// Their derivatives.
+    /// Derivatives of the continuous states.
     pub fn derivatives(&mut self, n: usize) -> Outcome<&[f64]> {
         self.require(READABLE)?;
         self.settle()?;

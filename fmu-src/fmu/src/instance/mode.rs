@@ -16,7 +16,7 @@ pub enum Standard {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Interface {
-    /// The instance integrates from one communication point to the next.
+    /// The instance integrates between communication points.
     CoSimulation = 0,
     /// The importer integrates.
     ModelExchange = 1,
@@ -31,7 +31,7 @@ impl Interface {
     }
 }
 
-/// State of the life cycle.
+/// Mode of the state machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Mode {
@@ -39,24 +39,24 @@ pub enum Mode {
     Instantiated = 0,
     /// Between entering and exiting initialization.
     Initialization = 1,
-    /// Ready to step.
+    /// Step mode.
     Step = 2,
     /// Terminated.
     Terminated = 3,
-    /// Error state after an internal failure: a saved state or a reset ends it; values are for debugging.
+    /// Error state after an internal failure: a restored state or a reset ends it; values can be read for debugging.
     Error = 4,
-    /// At an event.
+    /// Event mode.
     Event = 5,
-    /// Between events of Model Exchange.
+    /// Continuous-time mode.
     Continuous = 6,
-    /// Before initialization, where sizes of arrays are chosen.
+    /// Configuration mode: before initialization, array sizes can be set.
     Configuration = 7,
-    /// Intermediate update mode, within a step.
+    /// Intermediate update mode, during a step.
     Intermediate = 8,
 }
 
 impl Mode {
-    /// The mode of this number.
+    /// The mode with this number.
     pub fn from_number(number: u8) -> Option<Mode> {
         LIVING.iter().copied().find(|m| *m as u8 == number)
     }
@@ -76,7 +76,7 @@ impl Mode {
     }
 }
 
-/// Every mode in which an instance can be saved and restored; a restored state ends the error state.
+/// All modes in which an instance can be saved and restored; a restored state ends the error state.
 pub(super) const LIVING: &[Mode] = &[
     Mode::Instantiated,
     Mode::Initialization,
@@ -88,18 +88,18 @@ pub(super) const LIVING: &[Mode] = &[
     Mode::Configuration,
 ];
 
-/// The type of the variables of a call.
+/// Type of the variables in a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
     /// FMI 2 Real, FMI 3 Float64.
     Real,
-    /// FMI 2 Integer, FMI 3 Int64: whole numbers and enumerations.
+    /// FMI 2 Integer, FMI 3 Int64: integers and enumerations.
     Integer,
-    /// FMI 3 UInt64: sizes of arrays.
+    /// FMI 3 UInt64: array sizes.
     Size,
     /// Boolean.
     Boolean,
-    /// A type that no variable has, with its name.
+    /// A type without variables, with its name.
     Absent(&'static str),
 }
 

@@ -1,6 +1,6 @@
-//! Messages about the life cycle, events and rejected steps (`logEvents`, `logRejectedSteps`).
+//! Messages about mode changes, events and rejected steps (`logEvents`, `logRejectedSteps`).
 //!
-//! They are made only if logging is on. What they observe is read from a copy of the model, so that logging changes no result.
+//! They are created only if logging is on. Values are read from a copy of the model, so that logging does not change results.
 
 use super::{Instance, Mode};
 use crate::logger::Category;
@@ -9,7 +9,7 @@ use physics::effects::IMMINENT;
 use physics::exchange::Update;
 use physics::model::{Declaration, Entry};
 
-/// What was observed last.
+/// Values at the last observation.
 #[derive(Clone, Debug)]
 pub(super) struct Report {
     /// Discrete outputs with their values; NaN before the first observation.
@@ -40,13 +40,13 @@ impl Instance {
         self.log_transition(mode.words());
     }
 
-    /// Logs a change of the life cycle.
+    /// Logs a mode change.
     pub fn log_transition(&mut self, what: &str) {
         let time = if self.mode == Mode::Initialization { self.window.0 } else { self.model.time() };
         self.log.note(Category::Events, || format!("{what}, time {time} s."));
     }
 
-    /// Changes of discrete outputs since the last observation, which becomes the present one.
+    /// Changes of discrete outputs since the last observation; stores the present values.
     pub(super) fn observe(&mut self) -> Vec<String> {
         let mut changes = Vec::new();
         if !self.log.wants(Category::Events) {
@@ -64,7 +64,7 @@ impl Instance {
         changes
     }
 
-    /// Logs what happened in a step of `h` seconds from `at`, s, before which the integrator had rejected `before` steps.
+    /// Logs events and rejected steps of a step of `h` seconds from `at`, s; `before` is the number of rejected steps at its start.
     #[cold]
     pub(super) fn report_step(&mut self, at: f64, h: f64, before: u64) {
         let rejected = self.model.rejected_steps().saturating_sub(before);

@@ -1,9 +1,9 @@
-//! Inputs that saturate in reality: a finite value beyond their limits acts as the limit.
+//! Inputs with physical saturation: a finite value outside the limits acts as the limit.
 //!
-//! The first value beyond the limits of a variable returns Warning with a message, further ones return OK. FMI 2.0.5 section 2.2.3 and
-//! FMI 3.0.2 section 2.2.6.4 leave to the FMU what happens to an input outside min and max. Reading the input returns the limited
-//! value, because this is the value that the outputs belong to. An input derivative (FMI 2) ends at the limit: the step is divided where
-//! the input reaches it.
+//! The first value of a variable outside its limits returns Warning with a message, further ones return OK. FMI 2.0.5 section 2.2.3
+//! and FMI 3.0.2 section 2.2.6.4 leave the handling of an input outside min and max to the FMU. A getter returns the limited value,
+//! because the outputs belong to that value. An input derivative (FMI 2) acts until the input reaches the limit: the step is divided
+//! at that time.
 
 use super::Instance;
 use super::stepping::copy;
@@ -22,23 +22,23 @@ struct Ramp {
 }
 
 impl Ramp {
-    /// Its value after `t` seconds without saturation.
+    /// Value after `t` seconds without saturation.
     fn after(&self, t: f64) -> f64 {
         self.from + self.slope * t
     }
 
-    /// The limit that it reaches within `h` seconds, with the time until then, s.
+    /// The limit that the input reaches within `h` seconds, and the time until then, s.
     fn limit(&self, h: f64) -> Option<(f64, f64)> {
         let limit = self.entry.row.limited(self.after(h));
         (limit != self.after(h)).then(|| (limit, ((limit - self.from) / self.slope).clamp(0.0, h)))
     }
 }
 
-/// The inputs of an instance that may have derivatives, and what has been reported.
+/// Inputs of an instance that may have derivatives, and the reported saturations.
 #[derive(Clone, Debug)]
 pub(super) struct Saturation {
     ramps: Vec<Ramp>,
-    /// Whether an input that saturates may have a derivative over the next step.
+    /// Whether a saturating input may have a derivative in the next step.
     pub(super) sloped: bool,
     /// Value references of the inputs whose saturation has been reported.
     reported: Vec<u32>,
@@ -52,7 +52,7 @@ impl Saturation {
         Saturation { reported: Vec::with_capacity(inputs), ramps, sloped: false }
     }
 
-    /// After a reset nothing has been reported.
+    /// Clears the reported saturations after a reset.
     pub(super) fn reset(&mut self) {
         self.reported.clear();
         self.sloped = false;
@@ -60,7 +60,7 @@ impl Saturation {
 }
 
 impl Instance {
-    /// An input that saturates has a derivative: the step may need a copy of the model, and allocates no memory.
+    /// Called if a saturating input has a derivative: prepares the copy that the step may need, since a step allocates no memory.
     #[cold]
     pub(super) fn expect_limits(&mut self) {
         self.saturation.sloped = true;
@@ -69,7 +69,7 @@ impl Instance {
         }
     }
 
-    /// Reports the first value of an input beyond its limits.
+    /// Reports the first value of an input outside its limits.
     #[cold]
     pub(super) fn report_saturation(&mut self, entry: &Entry, value: f64) {
         if self.saturation.reported.contains(&entry.value_reference) {
@@ -89,7 +89,7 @@ impl Instance {
         });
     }
 
-    /// A step with input derivatives, in parts that end where an input that saturates reaches its limit.
+    /// A step with input derivatives, divided at the times when a saturating input reaches its limit.
     #[cold]
     pub(super) fn advance_to_limits(&mut self, at: f64, h: f64) -> Outcome {
         let mut ramps = std::mem::take(&mut self.saturation.ramps);

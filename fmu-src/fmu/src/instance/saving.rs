@@ -10,7 +10,7 @@ impl Instance {
         self.require(LIVING)
     }
 
-    /// Saves the instance, into `old` where there is one of the same model.
+    /// Saves the instance, in the memory of `old` if that is of the same model.
     pub fn save(&self, old: Option<&mut Saved>) -> Outcome<Option<Saved>> {
         self.require_living()?;
         let (mode, window) = (self.mode, self.window);
@@ -53,7 +53,7 @@ impl Instance {
         (self.window, self.tolerance, self.unsettled) = (saved.window, saved.tolerance, true);
         self.model.scale_tolerances(self.tolerance);
         self.ended = None;
-        // The derivatives that were set for the next step are a part of the saved state.
+        // The saved state includes the input derivatives for the next step.
         self.saturation.sloped = true;
         self.count();
         if saved.discrete_pre.len() == self.discrete_pre.len() {
@@ -67,7 +67,7 @@ impl Instance {
         Ok(())
     }
 
-    /// The saved state of bytes.
+    /// Deserializes a saved state.
     pub fn deserialize(&self, bytes: &[u8]) -> Outcome<Saved> {
         self.require_living()?;
         Saved::from_bytes(bytes, self.model.as_ref(), self.interface)

@@ -9,14 +9,14 @@ use physics::slopes::{Known, Move, Slope, Slopes, Unknown};
 /// Modes in which derivatives may be requested.
 const READABLE: &[Mode] =
     &[Mode::Initialization, Mode::Step, Mode::Event, Mode::Continuous, Mode::Terminated, Mode::Error];
-/// Relative uncertainty of a derivative that is returned.
+/// Largest relative error estimate of a returned derivative.
 const RELATIVE: f64 = 1e-6;
-/// The same by what it makes of the unknown, as a share of its nominal value, where a known moves by its own.
+/// Alternative limit: change of the unknown by the error, relative to its nominal value, for a nominal change of the known.
 const OF_NOMINAL: f64 = 1e-7;
-/// Uncertainty, of itself, of a slope that is rounding: so small that it is let through, and known to no third digit.
+/// Relative error estimate above which an accepted derivative is rounding error and zero is returned.
 const ROUNDING: f64 = 1e-3;
 
-/// As many numbers as there are values.
+/// Checks that two numbers of elements are equal.
 fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     if there == wanted {
         return Ok(());
@@ -24,7 +24,7 @@ fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     Err(Refused::error(format!("the number of {what} is {there}, but {wanted} values are given.")))
 }
 
-/// The energy balance residual. Powers cancel in its derivative; what is left below their relative uncertainty is none.
+/// The energy balance residual. Powers cancel in its derivative; a value below their relative error is zero.
 const RESIDUAL: &str = "energy_balance_error";
 
 impl Instance {
@@ -126,7 +126,7 @@ impl Instance {
         Ok(all)
     }
 
-    /// Time is `None`.
+    /// The variables of these references; time is `None`.
     fn knowns(&self, references: &[u32]) -> Outcome<Vec<Option<&'static Entry>>> {
         let mut all = Vec::with_capacity(references.len());
         for &reference in references {
@@ -184,7 +184,7 @@ impl Instance {
         let mut found = slopes.along(moves, &asked);
         let good = |found: &[Slope]| !unknowns.iter().zip(found).any(|pair| doubtful(&pair));
         if !good(&found) {
-            // At the row of a table two smooth pieces meet; after the last step of a period rounding may leave time just before it.
+            // At a row of a table the derivative is one-sided; at the end of a period rounding may leave time just before that row.
             let sides = [true, false].map(|is_ahead| slopes.one_sided(moves, &asked, is_ahead));
             found = sides.into_iter().find(|side| good(side)).unwrap_or(found);
         }
@@ -194,7 +194,7 @@ impl Instance {
                 entry.name, slope.value, slope.error
             )));
         }
-        // An energy balance residual is rounding error: its derivative is zero.
+        // The derivative of the energy balance residual, for example, is only rounding error.
         let known =
             |slope: &Slope| if slope.error > ROUNDING * slope.value.abs() { 0.0 } else { slope.value };
         Ok(found.iter().map(known).collect())

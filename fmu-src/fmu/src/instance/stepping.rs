@@ -1,16 +1,16 @@
 //! Co-Simulation steps of FMI 3 with event mode, early return and intermediate update.
 //!
 //! *Event*: a discrete output changes, or a time event occurs. A change of the commutation sector or of the bridge's current direction
-//! changes no output discontinuously: the step handles these internally, and it handles all events internally if the importer does
-//! not use event mode. A discrete output is constant between two events.
+//! changes no output discontinuously, so the step handles it internally. If the importer does not use event mode, the step handles all
+//! events internally. A discrete output is constant between two events.
 //! *Early return*: the step ends at an event. The event time is located by bisection to [`NEAR`] of the step, just after the event.
-//! *Intermediate update*: a step is divided into [`PARTS`] equal parts, each within the tolerance; it is one part where the importer has
-//! named inputs alone, as nothing is read within the step and it cannot end early. After each part the importer may
-//! read intermediate variables, set continuous inputs, and end the step there or later. If a part fails, the step is undone. Inputs that
-//! are set after a part have the new value at its end and are lines over it (recommendedIntermediateInputSmoothness is 0 by default:
-//! inputs are continuous): the part is repeated with their derivatives, if no event has ended it.
+//! *Intermediate update*: a step is divided into [`PARTS`] equal parts, each within the tolerance. It is a single part if the importer
+//! named only inputs, because nothing is read during the step and it cannot end early. After each part the importer may read
+//! intermediate variables, set continuous inputs, and end the step there or later. If a part fails, the step is rolled back. Inputs set
+//! after a part have the new value at its end and are linear over it (recommendedIntermediateInputSmoothness is 0 by default: inputs
+//! are continuous): the part is repeated with their derivatives, unless an event has ended it.
 //!
-//! Without these features the result is that of the plain step, bit for bit.
+//! Without these features the result is bit-identical to that of a plain step.
 
 use super::{Instance, Interface, Mode};
 use crate::refusal::{Outcome, Refused};
@@ -20,13 +20,13 @@ use physics::exchange::Update;
 use physics::model::{Declaration, Entry, Model, Slot};
 use std::ffi::c_void;
 
-/// Parts of a step with intermediate updates.
+/// Number of parts of a step with intermediate updates.
 const PARTS: u32 = 4;
 /// Tolerance of the event time, relative to the step.
 const NEAR: f64 = 1e-6;
 
 /// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether values may be read, whether the part is final,
-/// whether the step may end here; whether it is to end, and when. Booleans are bytes, as everywhere here.
+/// whether the step may end here; outputs: early return requested, and its time. Booleans are bytes.
 pub type IntermediateUpdate = unsafe extern "C" fn(*mut c_void, f64, u8, u8, u8, u8, *mut u8, *mut f64);
 
 /// The intermediate update callback and its variables.
@@ -34,7 +34,7 @@ pub type IntermediateUpdate = unsafe extern "C" fn(*mut c_void, f64, u8, u8, u8,
 pub struct IntermediateUpdates {
     /// Called after each part.
     pub callback: IntermediateUpdate,
-    /// Its first argument.
+    /// First argument of the callback.
     pub environment: *mut c_void,
     /// Intermediate variables.
     pub references: Vec<u32>,
@@ -67,7 +67,7 @@ impl Part {
         Ok(())
     }
 
-    /// Places of the discrete outputs.
+    /// Slots of the discrete outputs.
     pub(super) fn discrete(&self, declaration: &Declaration) -> Vec<Slot> {
         let shown = |entry: &&Entry| {
             entry.row.causality == Causality::Output && entry.row.variability == Variability::Discrete
@@ -75,7 +75,7 @@ impl Part {
         declaration.entries.iter().filter(shown).map(|entry| entry.slot).collect()
     }
 
-    /// The number of parts of a step.
+    /// Number of parts of a step.
     fn parts(&self, declaration: &Declaration) -> u32 {
         let reads = |reference: &u32| !declaration.by_reference(*reference).is_some_and(Entry::is_settable);
         let mut named = self.updates.iter().flat_map(|updates| &updates.references);
@@ -88,40 +88,40 @@ impl Part {
     }
 }
 
-/// How a step, or a part of one, ended.
+/// End of a step or of a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ended {
-    /// At or after an event that the importer has to handle.
+    /// Ended at or just after an event that the importer has to handle.
     pub event: bool,
-    /// Before its end.
+    /// Ended before the requested time.
     pub early: bool,
 }
 
 /// A step with intermediate updates.
 #[derive(Clone, Copy, Debug)]
 pub struct StepInParts {
-    /// Start and end, s.
+    /// Start and end time, s.
     start: f64,
     end: f64,
     /// The requested communication step size, s.
     h: f64,
-    /// Parts taken.
+    /// Number of completed parts.
     taken: u32,
     /// Start and length of the present part, s.
     part: (f64, f64),
     done: bool,
-    /// How it has ended so far.
+    /// Result so far.
     pub ended: Ended,
 }
 
-/// One intermediate update.
+/// Arguments of one intermediate update.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// Its function.
+    /// The callback.
     pub callback: IntermediateUpdate,
-    /// Its first argument.
+    /// First argument of the callback.
     pub environment: *mut c_void,
-    /// The time reached, s.
+    /// Present time, s.
     pub time: f64,
     /// Whether inputs are among the intermediate variables.
     pub sets: bool,
@@ -163,7 +163,7 @@ impl Instance {
         Ok(update)
     }
 
-    /// Sets the discrete outputs to their present values.
+    /// Sets the pre values of the discrete outputs to their present values.
     pub(super) fn hold(&mut self) {
         for (discrete_pre, slot) in self.discrete_pre.iter_mut().zip(&self.discrete) {
             *discrete_pre = self.model.get(*slot);
@@ -191,7 +191,7 @@ impl Instance {
         self.part.updates.is_some()
     }
 
-    /// A step from the communication point `at`, s, by `h` seconds, or to an event within it.
+    /// A step of `h` seconds from the communication point `at`, s, or to an event inside it.
     #[inline]
     pub fn stride(&mut self, at: f64, h: f64) -> Outcome<Ended> {
         self.require_step(at, h)?;
@@ -214,12 +214,12 @@ impl Instance {
         let mut ended = Ended::default();
         let mut way = h;
         if ahead && self.part.early_return && timed < at + h - IMMINENT {
-            // Ends at the event, not a rounding error before it.
+            // The step must end at the event, not a rounding error before it.
             way = timed - at;
             way += if at + way < timed { f64::EPSILON * timed.abs() } else { 0.0 };
             ended.early = true;
         }
-        // An event that is not yet handled does not end the step again.
+        // A pending event that the importer has not handled does not end the step again.
         let due = self.is_due();
         let before = copy(self.step_start.take(), self.model.as_ref());
         if let Err(fault) = self.model.step(at, way) {
@@ -238,7 +238,7 @@ impl Instance {
         Ok(ended)
     }
 
-    /// Locates the change of a discrete output in the step `way` from `before`; afterwards the model is at this point.
+    /// Locates the change of a discrete output in the step of `way` seconds from `before`; the model is then just after the event.
     fn find(&mut self, before: &dyn Model, at: f64, way: f64) -> Outcome<f64> {
         let (mut low, mut high) = (0.0, way);
         let near = (NEAR * way).max(4.0 * f64::EPSILON * at.abs());
@@ -259,7 +259,7 @@ impl Instance {
         Ok(high)
     }
 
-    /// Begins a step with intermediate updates.
+    /// Starts a step with intermediate updates.
     pub fn begin(&mut self, at: f64, h: f64) -> Outcome<StepInParts> {
         self.require_step(at, h)?;
         let earlier = self.update_start.take();
@@ -275,7 +275,7 @@ impl Instance {
         })
     }
 
-    /// The next part of a step; `None` when it has ended.
+    /// Computes the next part of a step; `None` at the end of the step.
     pub fn part(&mut self, parts: &mut StepInParts) -> Outcome<Option<View>> {
         if parts.done {
             return Ok(None);
@@ -318,7 +318,7 @@ impl Instance {
         Ok(Some(View { callback, environment, time: self.model.time(), sets, may_return }))
     }
 
-    /// Continues after an intermediate update: `until` is the end of the step that the importer requests, s.
+    /// Continues after an intermediate update; `until` is the early return time that the importer requests, s.
     pub fn after_update(&mut self, parts: &mut StepInParts, until: Option<f64>) -> Outcome {
         self.require(&[Mode::Intermediate])?;
         self.mode = Mode::Step;
@@ -336,7 +336,7 @@ impl Instance {
 }
 
 impl Instance {
-    /// Undoes the step after an error that does not end the run.
+    /// Rolls back the step after an error that does not end the run.
     fn undone(&mut self, refused: Refused) -> Refused {
         if let (Some(before), None) = (&self.update_start, &self.ended) {
             self.model.copy_from(before.as_ref());
@@ -344,7 +344,7 @@ impl Instance {
         refused
     }
 
-    /// Repeats the part that has ended with lines for the inputs that were set since.
+    /// Repeats the last part with linear inputs for the inputs that were set since.
     fn repeat_with_lines(&mut self, parts: &mut StepInParts) -> Outcome {
         let (Some(mut start), Some(updates)) = (self.part_start.take(), self.part.updates.take()) else {
             return Ok(());
@@ -358,7 +358,7 @@ impl Instance {
         if has_moved {
             let (mut event, before) = (false, self.model.rejected_steps());
             for entry in inputs() {
-                // The end of the line, until the model is there.
+                // The new value is that at the end of the part.
                 let (from, to) = (start.get(entry.slot), self.model.get(entry.slot));
                 start.set_slope(entry.slot, (to - from) / h);
             }
@@ -381,7 +381,7 @@ impl Instance {
     }
 }
 
-/// A copy of a model, in the place of an older one where there is any.
+/// A copy of a model, in the memory of an older copy if there is one.
 pub(super) fn copy(old: Option<Box<dyn Model>>, model: &dyn Model) -> Box<dyn Model> {
     if let Some(mut old) = old
         && old.copy_from(model)

@@ -1,6 +1,6 @@
-//! Values by reference: access in each mode, and number of values of a variable.
+//! Values by reference: permitted access in each mode, and number of values of a variable.
 //!
-//! In FMI 2 all variables are scalars, and each element is a separate variable. In FMI 3 the elements are one variable with the reference of the first.
+//! In FMI 2 each element of an array is a separate scalar variable. In FMI 3 the elements are one variable with the reference of the first.
 
 use super::{Instance, Interface, Mode, Standard, Type};
 use crate::refusal::{Outcome, Refused};
@@ -8,7 +8,7 @@ use physics::declare::{Causality, Elements, Kind, Variability};
 use physics::model::{Element, Entry, Refusal, Slot, TIME};
 
 impl Instance {
-    /// Whether an element is there.
+    /// Whether an array element exists at the present size.
     #[inline]
     pub(super) fn holds(&self, entry: &Entry) -> bool {
         match entry.element {
@@ -17,7 +17,7 @@ impl Instance {
         }
     }
 
-    /// Whether a variable has a reference of its own.
+    /// Whether an entry has its own value reference.
     #[inline]
     fn shows(&self, entry: &Entry) -> bool {
         match entry.element {
@@ -26,7 +26,7 @@ impl Instance {
         }
     }
 
-    /// How many values a variable has.
+    /// Number of values of a variable.
     #[inline]
     pub(super) fn width(&self, entry: &Entry) -> usize {
         match entry.element {
@@ -39,11 +39,11 @@ impl Instance {
         }
     }
 
-    /// The entries of a variable: one, or an element each.
+    /// Entries of a variable: one for a scalar, one per element for an array.
     pub(super) fn elements_of(&self, entry: &'static Entry) -> impl Iterator<Item = &'static Entry> + use<> {
         let declaration = self.model.declaration();
         let (first, width) = (entry.value_reference, self.width(entry) as u32);
-        // Elements have references that follow one another.
+        // Elements have consecutive references.
         (first..first + width).filter_map(move |reference| declaration.by_reference(reference))
     }
 
@@ -71,7 +71,7 @@ impl Instance {
         Ok(entry)
     }
 
-    /// FMI 3 requires unsigned array sizes.
+    /// Type of a variable in a call; FMI 3 requires unsigned array sizes.
     #[inline]
     fn type_of(&self, entry: &Entry) -> Type {
         match Type::of(entry) {
@@ -87,7 +87,7 @@ impl Instance {
             && self.model.declaration().is_dimension(entry)
     }
 
-    /// Reads `n` values; `put` gets each with its place in the list.
+    /// Reads `n` values; `put` receives each with its index.
     #[inline]
     pub fn get(
         &mut self,
@@ -96,7 +96,7 @@ impl Instance {
         n: usize,
         mut put: impl FnMut(usize, f64),
     ) -> Outcome {
-        // In the running modes all variables may be read; the mode is checked once and not for each variable.
+        // In step and continuous-time mode all variables may be read, so the mode is checked once.
         let running = matches!(self.mode, Mode::Step | Mode::Continuous);
         if !running {
             self.require_readable()?;
@@ -159,14 +159,14 @@ impl Instance {
 
     #[inline]
     fn require_readable(&self) -> Outcome {
-        // After an error values may be read, for debugging.
+        // In the error state values may be read for debugging.
         if self.mode == Mode::Instantiated && self.standard == Standard::Two {
             return self.require(&[]);
         }
         Ok(())
     }
 
-    /// Before initialization there are start values alone, in intermediate update mode the intermediate variables.
+    /// Before initialization only start values can be read, in intermediate update mode only intermediate variables.
     #[inline]
     pub(super) fn require_to_read(&self, entry: &Entry) -> Outcome {
         let allowed = match self.mode {
@@ -201,7 +201,8 @@ impl Instance {
             self.unsettled = true;
             return Ok(());
         }
-        // In step mode only structural parameters depend on the mode, and with event mode all parameters (FMI 3.0.2 section 2.4.7.4).
+        // In step mode the check per variable is needed only for structural parameters, and with event mode for all parameters (FMI 3.0.2
+        // section 2.4.7.4).
         let special = self.mode != Mode::Step || of == Type::Size || self.part.event_mode;
         let running = !matches!(self.mode, Mode::Instantiated | Mode::Configuration | Mode::Initialization);
         let mut last = None;
@@ -213,7 +214,7 @@ impl Instance {
             if special {
                 self.require_to_set(entry)?;
             }
-            // All settable variables are scalars. A variable that cannot be set is reported as such, also if the number of values is wrong.
+            // All settable variables are scalars. A variable that cannot be set is reported first, also if the number of values is wrong.
             if n != references.len() && entry.is_settable() {
                 break;
             }
@@ -230,7 +231,7 @@ impl Instance {
         if n != references.len() {
             return Err(wrong_number(references.len(), references.len(), n));
         }
-        // All values are valid. A single value, the common case, needs no second look-up.
+        // All values are valid. A single value, the usual case, needs no second look-up.
         if let (&[_], Some(entry)) = (references, last) {
             self.write(entry, value(0));
         } else {
@@ -254,7 +255,7 @@ impl Instance {
         }
     }
 
-    /// Some variables have a mode of their own.
+    /// Rejects a variable that cannot be set in the present mode.
     #[inline]
     fn require_to_set(&self, entry: &Entry) -> Outcome {
         if !entry.is_settable() {
