@@ -24,7 +24,7 @@ fn same_number(what: &str, there: usize, wanted: usize) -> Outcome {
     Err(Refused::error(format!("the number of {what} is {there}, but {wanted} values are given.")))
 }
 
-/// The energy balance residual. Powers cancel in its derivative; a value below their relative error is zero.
+/// The energy balance residual. Powers cancel in its derivative, which is zero below [`RELATIVE`] times the largest power.
 const RESIDUAL: &str = "energy_balance_error";
 
 impl Instance {
