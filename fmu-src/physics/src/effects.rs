@@ -1,4 +1,4 @@
-//! List of the effects, one line each. An effect acts at a port of the model, keeps the energy balance, and is off by default.
+//! List of the effects, one line each. An effect acts at a port of the model, satisfies the energy balance, and is off by default.
 //!
 //! A port is a line of `ports.rs`. The model's equations use ports only, and enter each power flow with source and sink in the ledger.
 

@@ -18,7 +18,7 @@ macro_rules! ports {
         /// The part of [`drag_torque`](Effect::drag_torque) that arises in the iron, N.m.
         [] sum iron_drag [] (w: f64) -> f64, derivative [];
         /// A torque against the motion per newton metre of shaft torque on the load: with the sign of `w`
-        /// times that of the load's torque, which is about `tau`, N.m. Its power heats the housing.
+        /// times that of the load's torque, approximately `tau`, N.m. Its power heats the housing.
         [LoadDrag] sum load_drag [D: Number] (w: D, tau: f64) -> D, derivative [load_drag_slope];
         /// Voltage drop between terminals and winding at current `i`, A: V, with the sign of `i`. Its power heats
         /// the winding.
@@ -39,7 +39,7 @@ macro_rules! ports {
         /// [`next_event`](Effect::next_event) only.
         [TorqueConstant as TorqueConstant "torque_constant" One]
             factor torque_constant [] (time: f64) -> f64, derivative [];
-        /// The first time after `time` at which a port jumps, s; infinite where none does.
+        /// The first time after `time` at which a port is discontinuous, s; infinite if there is none.
         [] least next_event [] (time: f64) -> f64, derivative [];
         /// Additional heat in the winding, W, besides its current's.
         [WindingHeat as WindingHeat "winding_heat" Watt] sum winding_heat [] () -> f64, derivative [];

@@ -7,7 +7,7 @@
 //! at rest: heat from motor to tube = 2 pi L k_eff (T - T_t)/ln(D_o/D_i)                     (5)
 //! tube:    heat to ambient = F (h + h_r) pi D_o L (T_t - T_a)                               (6)
 //!
-//! sigma is the section of the gap over the fan's opening. With a pushing fan the air leaves the gap with its dynamic head, which is
+//! sigma is the ratio of the gap's section to the fan's opening. With a pushing fan the air leaves the gap with its dynamic head, which is
 //! lost (K_e(0) = 1). With a pulling fan the air enters from still ambient air (sigma = 0); the fan's static pressure refers to the total
 //! pressure before it. Friction: `correlations/annulus_friction.rs`; K_c: `correlations/entrance_exit.rs`, for a uniform profile, since
 //! the friction of the developing flow includes the momentum of the profile. A gap wider than the opening has sigma = 1: no contraction.
@@ -16,7 +16,7 @@
 //! (4) acts in an upright gap together with the fan, upwards; T_gap is the air's mean temperature. With friction and heat transfer
 //! of the developing flow, it covers the chimney flow from boundary layers to developed flow: within 15 % of Bar-Cohen and Rohsenow's
 //! channel of one isothermal and one adiabatic wall (test in `tests/fan_at_rest.rs`). A fan at rest has no pressure drop.
-//! (5) k_eff by `correlations/natural_convection.rs` (5) in a horizontal gap, conduction in an upright one, whose circulation is (4).
+//! (5) k_eff by `correlations/natural_convection.rs` (5) in a horizontal gap, conduction in an upright one, where (4) gives the flow.
 //! It replaces the two film coefficients of the developed flow with the weight exp(-Gz), Gz = Re Pr D_h/L: below Gz = 1 the air
 //! reaches the wall temperature within the gap, and the flow transports no more heat.
 //! (6) natural convection h on a cylinder in the motor's orientation, radiation h_r with the tube's emissivity, factor F.

@@ -34,7 +34,7 @@
 //! current; V_drop is at most V_s. *Neglects* dead time, switching losses, and the bridge's own heat.
 //! *Sign*: positive duty is forward; a negative duty is the mirror image.
 //! *Range*: any duty from -1 to 1; continuous between (4) and (5), and where the current starts.
-//! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sections 7-3 and 13-5, with the resistance kept.
+//! *Source*: Mohan, Undeland, Robbins, Power Electronics, 3rd ed., sections 7-3 and 13-5, here with the winding resistance.
 
 use crate::number::Number;
 use declare::{Unit, Variable, enumeration, variables};
@@ -60,7 +60,7 @@ enumeration! {
 }
 
 variables! {
-    /// Bridge of a drive whose mean voltage is duty times supply voltage.
+    /// A drive whose mean voltage is duty times its supply's voltage.
     pub struct Idle {
         /// Bridge at duty 0 (drive_mode pwm)
         zero_duty: ZeroDuty = Variable::choice(0, 1),

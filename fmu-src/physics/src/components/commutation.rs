@@ -86,7 +86,7 @@ impl Commutation {
 /// The sector is computed once for all phases, so that exactly two conduct at any angle, despite rounding.
 fn conducts(k: usize, angle: f64) -> bool {
     let sector = (angle / FRAC_PI_3).floor().rem_euclid(3.0);
-    // A phase lags by two sectors behind the one before, and begins to conduct one sector before its peak.
+    // Each phase lags the previous one by two sectors, and begins to conduct one sector before its peak.
     (sector + 1.0 + k as f64).rem_euclid(3.0) < 2.0
 }
 
@@ -100,7 +100,7 @@ fn conducted(angle: f64) -> f64 {
 /// Temperature of each phase above the winding's mean, K.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
-    /// One for each phase; their sum is 0.
+    /// One value per phase; their sum is 0.
     pub above: [f64; PHASES],
 }
 
@@ -237,7 +237,7 @@ mod tests {
         assert!((twice.hottest() - once.hottest()).abs() < 1e-12);
     }
 
-    /// A pair whose loss grows by b with its own temperature reaches (a + b d)/2 - (a + b d)/3 = G d/3:
+    /// A pair whose loss grows by b with its own temperature reaches the steady state (a + b d)/2 - (a + b d)/3 = G d/3:
     /// d = a/2 / (G - b/2).
     #[test]
     fn a_hot_phase_resists_more_by_hand() {

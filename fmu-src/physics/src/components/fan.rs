@@ -8,7 +8,7 @@
 //! *Sign*: a positive flow leaves the fan. *Range*: n from 0 to 1.
 //! *Source*: Aavid PSAD14010BH, data sheet in the thesis (`seeds`, appendix 4): 0.28 m3/min, 7.24 mm H2O, 1.2 W,
 //! 14.4 g. The curve between its end points is unknown (a straight line is the default); bore and hub of a
-//! 40 x 40 x 10 mm fan are typical values; density at which data sheets hold: 1.2 kg/m3.
+//! 40 x 40 x 10 mm fan are typical values; reference density of data sheets: 1.2 kg/m3.
 
 use crate::correlations::fan_curve::{CurveError, FanCurve, Shape, Stall};
 use crate::correlations::jet::{FanJet, TAN_SPREAD_ROUND_JET};

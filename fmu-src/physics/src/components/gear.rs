@@ -21,7 +21,7 @@ use crate::number::{Number, smooth_sign};
 use declare::{Unit, Variable, variables};
 
 variables! {
-    /// Gear, and friction referred to its output shaft.
+    /// The gear and the friction that it shows at its output shaft.
     pub struct Gear {
         /// Gear ratio: turns of the rotor for one turn of the output shaft
         ratio: f64 = Variable::tunable(0, 131.0, Unit::One, 1.0, 1e5).log()

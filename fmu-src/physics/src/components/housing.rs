@@ -7,7 +7,7 @@
 //! *Assumes* a smooth grey cylinder in large still ambient air, one coefficient for the whole surface at its mean
 //! temperature, properties at the mean of surface and air. *Neglects* fins, labels and cable glands.
 //! *Range*: that of the correlations. *Source*: (1), (2) see there; (3) Fourier. Emissivity of stainless steel,
-//! cleaned: 0.22 at 300 K (Incropera, 7th ed., table A.11, from memory; FLIR's tables give 0.24 for steel freshly
+//! cleaned: 0.22 at 300 K (Incropera, 7th ed., table A.11, not verified; FLIR's tables give 0.24 for steel freshly
 //! worked with emery); anodised aluminium has 0.8, painted metal 0.9.
 //! Diameter 30 mm: data sheet of maxon 305015; its length of 64 mm is not in the data sheet and
 //! unconfirmed. Wall of 2 mm of steel, 16 W/(m.K): an estimate.
@@ -46,7 +46,7 @@ impl Orientation {
 }
 
 variables! {
-    /// Dimensions and surface of the housing.
+    /// Size and surface of the housing.
     pub struct Housing {
         /// Outer diameter of the motor
         diameter: f64 = Variable::tunable(0, 0.030, Unit::Metre, 1e-3, 1.0).log()

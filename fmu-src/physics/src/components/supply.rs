@@ -35,7 +35,7 @@ variables! {
 }
 
 impl Supply {
-    /// Power taken from the supply, W, for `power` at the motor's terminals, W: eqs. (1) and (2).
+    /// Supply power, W, for the motor's terminal power `power`, W: eqs. (1) and (2).
     #[inline]
     pub fn power(&self, power: f64) -> f64 {
         let passed =

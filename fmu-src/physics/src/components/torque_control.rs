@@ -1,9 +1,9 @@
 //! Control of a series elastic actuator: current command from the torque demand, voltage command from the current command.
 //!
 //! spring          e = tau_d - tau_s,   e' = (tau_d - tau_f) / T - tau_s',   tau_f' = (tau_d - tau_f) / T       (1)
-//! current wanted  k_t i = tau_in(tau_d, w_d) + tau_c tanh(w_d / w_s) + (J N / k) (w0^2 e + 2 z w0 e')          (2)
+//! current command k_t i = tau_in(tau_d, w_d) + tau_c tanh(w_d / w_s) + (J N / k) (w0^2 e + 2 z w0 e')          (2)
 //! limits          |i| <= i_max   and   |R i + k_t w| <= the supply's voltage                                    (3)
-//! voltage wanted  u = R i + k_t w + v,   limited to the supply's                                                (4)
+//! voltage command u = R i + k_t w + v,   limited to the supply's                                                (4)
 //! integral        v' = w_i (R (i - i_m) + u_limited - u)                                                        (5)
 //!
 //! N tau_s'' / k is the motor's acceleration in terms of the spring torque, so the torque error of (2) decays as
@@ -20,7 +20,7 @@ use declare::{Unit, Variable, variables};
 use std::f64::consts::TAU;
 
 variables! {
-    /// The control with its motor data; the default values are those of the default motor.
+    /// The control, with its motor data: the declared values are those of the declared motor.
     pub struct TorqueControl {
         /// Natural frequency of the torque's error
         natural_frequency: f64 = Variable::tunable(0, 40.0, Unit::Hertz, 0.01, 1e4).log()

@@ -39,7 +39,7 @@ enumeration! {
 }
 
 variables! {
-    /// Transmission between motor and spring.
+    /// The transmission between motor and spring.
     pub struct Transmission {
         /// Kind of transmission
         kind: TransmissionKind = Variable::choice(0, 1),

@@ -5,7 +5,7 @@
 //! cold     every node above lowest_temperature: copper's R(T) bends there                                         (3)
 //!
 //! thermal.T_w_max is the manufacturer's limit; it sets over_temperature and does not end the simulation. At the limits here the
-//! equations no longer hold and the simulation ends: thermal runaway, fan failure, a step of hours at stall.
+//! equations no longer hold and the simulation ends: thermal runaway, fan failure, a communication step of hours at stall.
 //! *Assumes* that the extreme temperature decides: no time at temperature, no partial failure.
 //! *Sign*: [`Limits::beyond`] is positive outside. *Range*: limits that T_w_max and the ambient temperature do not reach.
 //! *Source*: (1) cut-through test of polyester enamel, class 155, at 270 degC: IEC 60317-3:2004+A1:2010, clause 10. (2) Curie

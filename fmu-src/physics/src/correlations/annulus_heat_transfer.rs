@@ -33,9 +33,9 @@ use std::f64::consts::PI;
 /// Thermal boundary condition of the inner wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wall {
-    /// One temperature along the wall
+    /// Uniform temperature along the wall
     UniformTemperature,
-    /// One heat flux along the wall
+    /// Uniform heat flux along the wall
     UniformFlux,
 }
 

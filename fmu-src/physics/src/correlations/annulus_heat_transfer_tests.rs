@@ -13,7 +13,7 @@ fn uniform_flux_is_the_numerical_solution() {
     for row in rows(FLUX) {
         close(laminar_uniform_flux(row[0]), row[1], 3e-5);
     }
-    // One of two plates heated: 140/26 (Shah and London).
+    // Two plates, one of them heated: 140/26 (Shah and London).
     close(laminar_uniform_flux(0.999), 140.0 / 26.0, 2e-3);
 }
 

@@ -6,7 +6,7 @@
 //! K_d = 6/5 laminar;  1 + 0.04 (Re/1e4)^(-0.2) turbulent;  linear in Re between 2300 and 4000 (4)
 //! p_1 - p_2 = rho u^2/2 (1 - sigma^2 + K_c) at the entrance, -rho u^2/2 (1 - sigma^2 - K_e) at the exit (5)
 //!
-//! sigma is the ratio of the gap's area to that before or behind it, C_c the contraction of the jet behind the
+//! sigma is the ratio of the gap's area to that upstream or downstream of it, C_c the contraction of the jet behind the
 //! edge, K_d the momentum of the profile divided by that of a uniform one, u the mean velocity in the gap.
 //! *Assumes* sharp edges, parallel plates (a narrow annulus), a profile that is developed where K_d > 1. With
 //! the friction of a developing profile (`annulus_friction.rs`) use K_d = 1 at the entrance; otherwise the momentum

@@ -4,7 +4,7 @@
 //! r(x) = D/2 + x tan(theta),  r_i(x) = max(0, d/2 - x tan(theta)),  A(x) = pi (r^2 - r_i^2)  (2)
 //! u(x) = u_0 (A_0/A)^m                                                                     (3)
 //!
-//! D is the bore of the fan, d its hub, theta the half-angle of spread. The air leaves as a ring that spreads outward, and inward over
+//! D is the bore of the fan, d its hub, theta the half-angle of spread. The air leaves the fan as a ring that spreads outward, and inward over
 //! the wake of the hub until it is a full disc. m = 1/2 in (3) conserves the momentum rho u^2 A: a jet with entrainment. m = 1 conserves
 //! the flow: a swirling jet that spreads by centrifugal force. A fan without guide vanes is between the two.
 //! *Assumes* one mean speed over the ring (top hat), air at rest around it, no wall nearby.
@@ -95,7 +95,7 @@ mod tests {
         assert!((5.8..=6.06).contains(&b), "{b}");
     }
 
-    /// The measured half-width S = 0.094 to 0.102 is another measurement of the same jet: the top hat with a
+    /// The measured half-width S = 0.094 to 0.102 is an independent measurement of the same jet: the top hat with a
     /// Gaussian's mass and momentum has the radius sqrt(2/ln 2) S x.
     #[test]
     fn spread_agrees_with_the_measured_half_width() {

@@ -15,7 +15,7 @@ pub mod tube_flow;
 
 /// Reynolds number up to which the flow in a duct is laminar.
 pub const RE_LAMINAR: f64 = 2300.0;
-/// Reynolds number from which on the flow in a duct counts as turbulent.
+/// Reynolds number from which on the flow in a duct is turbulent.
 pub const RE_TURBULENT: f64 = 4000.0;
 
 /// Weight of turbulent flow at the Reynolds number `re` of a duct: 0 up to 2300, 1 from 4000 on, linear

@@ -2,7 +2,7 @@
 //!
 //! tau = k w |w|,   P_shaft = k |w|^3                                                        (1)
 //!
-//! Acts in drive_mode power with an imposed speed: P_shaft is a part of the input `electrical_power` that leaves by the shaft and
+//! Acts in drive_mode power with an imposed speed: P_shaft is a part of the input `electrical_power` that is delivered at the shaft and
 //! does not heat the motor. In the other modes the torque follows from the current, and the load from the torque.
 //! *Assumes* a constant power coefficient: P_shaft = C_P rho n^3 D^5, so k = C_P rho D^5 / (2 pi)^3.
 //! *Neglects* the advance ratio and changes of air density. *Sign*: k > 0 takes power from the motor.

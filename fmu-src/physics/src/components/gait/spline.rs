@@ -61,7 +61,7 @@ fn width(knots: &[f64], k: usize) -> f64 {
     knots.get(k + 1).copied().unwrap_or(1.0) - knots[k]
 }
 
-/// Sweeps until the equations hold to rounding; each reduces the error to one quarter.
+/// Iterations until the equations are solved to rounding; each reduces the error to one quarter.
 const SWEEPS: u32 = 40;
 
 impl Spline {

@@ -218,7 +218,7 @@ fn equidistant(text: &str) -> Vec<f64> {
     let phases: Vec<f64> = column(text, "pct_cycle", |_| true).iter().map(|pct| pct / 100.0).collect();
     let values = column(text, "value", |_| true);
     let count = phases.len();
-    // The digitised points go from near 0 to near 1; beyond the ends the points of the other end are used, shifted by a period.
+    // The digitised points go from near 0 to near 1; outside, the points of the other end are used, shifted by a period.
     let around = |k: isize| {
         let turns = k.div_euclid(count as isize);
         let k = k.rem_euclid(count as isize) as usize;
