@@ -1,11 +1,11 @@
-//! The list of the continuous states, and their places in it.
+//! List of the continuous states, and their indices.
 
 use crate::components::housing::SEGMENTS;
 use crate::terms::MOST_TERMS;
 use declare::{Elements, State, Unit, states};
 
-// Nominal derivatives, with the declared motor at 24 V and 5 A: current 24 V / L, speed k_t 5 A / J, temperatures R (5 A)^2 over the heat
-// capacity, energies their powers.
+// Nominal derivatives, with the default motor at 24 V and 5 A: 24 V / L for the current, k_t 5 A / J for the speed, R (5 A)^2 over the
+// heat capacity for temperatures, and powers for the energies.
 states! {
     /// The states of the motor.
     pub const STATES = {
@@ -54,12 +54,13 @@ pub(super) const PHASES: usize = 8;
 pub(super) const ENERGIES: usize = 11;
 pub(super) const LAGS: usize = 14;
 pub(super) const HOUSING: usize = LAGS + MOST_TERMS;
-/// How many states there are, all segments counted.
+/// Number of states, including all segments.
 pub const ALL: usize = HOUSING + SEGMENTS;
 /// A number for each state.
 pub type All = [f64; ALL];
 
-/// Whether the derivative of another state depends on a state: not on angle and energies, nor on the phases, which follow the angle.
+/// Whether the derivative of another state depends on this one: not for angle and energies, nor for phase temperatures, which change
+/// with the angle.
 pub(super) fn is_coupled(k: usize) -> bool {
     k != ANGLE && !(PHASES..LAGS).contains(&k)
 }

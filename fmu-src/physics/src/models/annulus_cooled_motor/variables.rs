@@ -1,4 +1,4 @@
-//! Inputs, outputs and choices of the motor. Parameters stand with their components.
+//! Inputs, outputs and choices of the motor. The parameters are declared with their components.
 
 use crate::components::commutation::Commutation;
 use declare::{Unit, Variable, enumeration, variables};

@@ -63,7 +63,7 @@ impl Method for Annulus {
             c.inlet_rise = c.fan_power / c.m_flow_cp;
         }
         let re = gap.reynolds(mass_flow, &air);
-        // Film conductance of developed flow that replaces that of still air, W/K, and the fraction of still air.
+        // Film conductance of developed flow, W/K. Near zero flow it changes to that of air at rest; `still` is the fraction at rest.
         let share = inner / (inner + outer);
         let developed = factor * gap.heated.nu_developed() * air.k / gap.d_h * (inner + outer);
         let graetz = c.m_flow_cp * gap.d_h * gap.d_h / (air.k * gap.section * gap.length);

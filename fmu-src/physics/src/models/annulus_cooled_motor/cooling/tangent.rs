@@ -15,7 +15,7 @@ pub struct Tangent {
     slope: Coefficients,
     /// Changes for a rise of the tube temperature by [`reach_tube`], if there is a tube.
     by_tube: Option<Coefficients>,
-    /// Changes for a relative change of the fan command; computed when the command first changes.
+    /// Changes for a rise of the fan command by the fraction [`BACK`]; computed when the command first changes.
     by_command: Option<Coefficients>,
 }
 

@@ -26,7 +26,7 @@ pub struct Constants {
     pub(super) lost: f64,
     /// Fraction of electrical_power that heats the stator.
     pub(super) in_stator: f64,
-    /// Whether the effects at a port have time events.
+    /// Whether effects have time events.
     pub(in super::super) eventful: bool,
     /// Ratio of the torque constant to its data sheet value, by the commutation.
     pub(super) torque_factor: f64,

@@ -9,7 +9,7 @@ use crate::models::annulus_cooled_motor::network::Network;
 use crate::models::annulus_cooled_motor::variables::{DriveMode, EnergyBalance, Outputs};
 use crate::solver::split::{State, System};
 
-/// Output values of the cooling.
+/// Output values of network and cooling.
 struct Outside {
     /// Heat flow to ambient, W.
     to_ambient: f64,

@@ -78,7 +78,7 @@ impl Step<'_> {
         [
             [hot, cold],
             [direct.winding; 2],
-            // Radiation depends on both temperatures; the derivative for the second follows by exchanging the two.
+            // Net radiation is antisymmetric in the two temperatures, so the second derivative follows by exchanging them.
             [
                 through + effects.housing_to_ambient_slope(t_h, t_b),
                 through + effects.housing_to_ambient_slope(t_b, t_h),
