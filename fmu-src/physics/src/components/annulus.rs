@@ -16,7 +16,7 @@
 //! (4) acts in an upright gap together with the fan, upwards; T_gap is the air's mean temperature. With friction and heat transfer
 //! of the developing flow, it covers the chimney flow from boundary layers to developed flow: within 15 % of Bar-Cohen and Rohsenow's
 //! channel of one isothermal and one adiabatic wall (test in `tests/fan_at_rest.rs`). A fan at rest has no pressure drop.
-//! (5) k_eff by `correlations/natural_convection.rs` (5) in a horizontal gap, conduction in an upright one, where (4) gives the flow.
+//! (5) k_eff by `correlations/natural_convection.rs` (5) in a horizontal gap, conduction in an upright gap (convection there: (4)).
 //! It replaces the two film coefficients of the developed flow with the weight exp(-Gz), Gz = Re Pr D_h/L: below Gz = 1 the air
 //! reaches the wall temperature within the gap, and the flow transports no more heat.
 //! (6) natural convection h on a cylinder in the motor's orientation, radiation h_r with the tube's emissivity, factor F.

@@ -6,7 +6,7 @@
 //! ```text
 //! on        L di/dt = V_on - e - R i          for d P                                      (1)
 //! freewheel L di/dt = -V_off - e - R i        for at most (1 - d) P                        (2)
-//! empty     i = 0, terminal voltage e              for the rest of P                        (3)
+//! empty     i = 0, terminal voltage e         for the rest of P                            (3)
 //! ```
 //! With a = exp(-d P R/L), b = exp(-(1 - d) P R/L), I_on = (V_on - e)/R, I_off = -(V_off + e)/R, the periodic
 //! solution starts each cycle at

@@ -1,7 +1,7 @@
 //! Water jacket: parallel channels along the housing, with water driven by a pump.
 //!
 //! conductance    G = Nu k/d A_wet,                  Nu by `correlations/tube_flow.rs`          (1)
-//! capacity rate  C = m c_p,  m = rho(T_in) Q                                                  (2)
+//! capacity rate  C = m c_p,  m = rho(T_in) Q                                                   (2)
 //! effectiveness  e = 1 - exp(-G/C),  T_out = T_in + e (T_h - T_in)                             (3)
 //! bulk           T_b = T_in + (T_h - T_in) [1 - e C/G]                                         (4)
 //! pressure drop  dp = (f l/d + K) rho u^2/2,  u = Q/(N pi d^2/4),  P = dp Q                    (5)

@@ -1,7 +1,7 @@
 //! Springs of an actuator: one in series with its transmission, one parallel to it at the joint.
 //!
-//! series      d = angle_in - angle_joint,   p = d without the backlash, on the side in contact          (1)
-//!             tau = k p + c (w_in - w_joint) damping only in contact                            (2)
+//! series      d = angle_in - angle_joint,   p = d without the backlash, on the side in contact         (1)
+//!             tau = k p + c (w_in - w_joint), the damping term only in contact                         (2)
 //! parallel    tau = k (neutral - angle_joint), on both sides or on one                                 (3)
 //!
 //! *Assumes* springs without mass. Damping requires contact: it is zero inside the backlash, and rises to its full value over a further

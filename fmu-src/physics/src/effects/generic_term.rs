@@ -11,8 +11,7 @@
 //! | winding_heat | y, W, heats the winding; part of the energy input, as heat_power | |
 //! | housing_heat | y, W, heats the housing; taken from ambient (heat_to_ambient is reduced by y) | housing_temperature |
 //! | housing_ambient_conductance | y (T_h - T_a), W, leaves the housing | housing_temperature |
-//! | heat_capacity | heat capacities of winding and housing (with a network: of winding and stator) multiplied by 1 + y; the
-//! energy balance starts there | |
+//! | heat_capacity | capacities of winding and housing (network: winding and stator) times 1 + y; the energy balance starts there | |
 //! | fan_flow | the command multiplied by 1 + y, at least 0 | fan_command |
 //! | ambient_sensor | the true ambient temperature is y, K, above the indicated one | |
 //! | winding_sensor, housing_sensor | the reading is y, K, too high | |

@@ -4,7 +4,7 @@
 //!        - 280.54253e-12 t^5) / (1 + 16.879850e-3 t),   t in degC                          (1)
 //! mu  = 1e-6 (280.68 x^-1.9 + 511.45 x^-7.7 + 61.131 x^-19.6 + 0.45903 x^-40),   x = T/300 K (2)
 //! k   = 0.80201 x^-0.32 - 0.25992 x^-5.7 + 0.10024 x^-12 - 0.032005 x^-15                  (3)
-//! c_p = polynomial of degree 5 in T - 320 K                                                 (4)
+//! c_p = polynomial of degree 5 in T - 320 K                                                (4)
 //!
 //! *Assumes* pure water. *Neglects* additives: a mixture with 30 % of glycol has 20 % less conductivity and twice the viscosity.
 //! *Range*: 273.16 to 380 K; the temperature is limited to this range. (1) within 0.01 %, (2) 1 %, (3) 2 %, (4) 0.1 %.

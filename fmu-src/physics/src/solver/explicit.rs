@@ -49,7 +49,7 @@ pub struct Tried<P, const N: usize> {
 /// rejected steps. On failure `x` is unchanged.
 ///
 /// # Errors
-/// Non-finite rates, an error above the tolerance at the smallest step, or more than [`MOST_STEPS`] steps.
+/// Non-finite rates, an error above the tolerance at the smallest step, or more than `MOST_STEPS` steps.
 pub fn advance<P, const N: usize>(
     one: impl Fn(f64, &[f64; N], Option<&P>, f64) -> Tried<P, N>,
     x: &mut [f64; N],
