@@ -21,6 +21,7 @@ use crate::separate::separate;
 use crate::setup::Setup;
 use crate::telling;
 use physics::terms::Port;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Beyond its nearest rival, a force that is free in time needs this much to be called one that knows its past: a share
@@ -110,6 +111,7 @@ fn attempt<'a>(
     progress: &dyn Fn(f64, &str),
 ) -> Result<Outcome, CalibrateError> {
     let deadline = setup.deadline().clone();
+    setup.structure = Arc::default();
     let for_boxes = options.budget.map_or(BOXES.0, |budget| budget.mul_f64(BOXES.1));
     let fit = setup.runs(Role::Fit);
     // What time cuts off is answered with what there is by then.

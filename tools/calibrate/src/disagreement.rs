@@ -49,7 +49,7 @@ pub struct Disagreement<'a> {
     pub setup: Setup<'a>,
     /// The fit with it.
     pub fitted: Fitted,
-    /// Whether the plain fit predicts the very runs that it was fitted to worse than the preset, because its model ends before they do.
+    /// Whether the model of the plain fit ends before the very runs that it was fitted to do: the measured motor did not.
     pub is_plain_refuted: bool,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Setup<'a> {
         let Some((_, fitted, own)) = best.filter(|(score, ..)| *score < kept) else { return Ok(None) };
         let setup = self.with_between_runs(&own);
         let fitted = setup.judged(fitted.hypothesis, runs)?;
-        let is_plain_refuted = strict.score(&plain.hypothesis, runs).map_or(true, |score| score > before);
+        let is_plain_refuted = !strict.score(&plain.hypothesis, runs).is_ok_and(f64::is_finite);
         Ok(Some(Disagreement { setup, fitted, is_plain_refuted }))
     }
 
@@ -349,6 +349,8 @@ mod tests {
         let worse = tested(&setup, &plain);
         let found = setup.between_runs(&plain, &[0, 1, 2]).unwrap().unwrap();
         let better = tested(&found.setup, &found.fitted);
+        // It is a start of the search all the same: its model reaches the end of its own runs.
+        assert!(!found.is_plain_refuted);
         assert!(found.setup.between[2] > 10.0 * setup.sigma(2), "{:?}", found.setup.between);
         assert!(better < 0.5 * worse, "{better} K instead of {worse} K");
         for k in 0..4 {

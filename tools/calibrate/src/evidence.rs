@@ -1,4 +1,4 @@
-//! How much a further column would explain of a residual, beside all that parameters and drifting sensors can do.
+//! How much a further column would explain of a residual, beside all that parameters, drifting sensors and structure error can do.
 //!
 //! r = Z c + S s + e,   e ~ N(0, 1),   c ~ N(c0, L^-1)                                      (1)
 //! -2 log p(r) = min_c |r - Z c|^2 + (c - c0)' L (c - c0) + log |1 + K B'B|                 (2)
@@ -7,16 +7,24 @@
 //!
 //! r is a residual in units of its noise. Z holds the slopes over each declared parameter, in units of its prior's deviation,
 //! and B: what slowly drifting sensors would do, hat functions over the clock with covariance
-//! K = sd^2 exp(-|t - t'| / length). Its two numbers are not known; every gain is the fall of (2) between the best
-//! pair without S and the best pair with it. `raw` gains are those without drift. What explains a slow residual of
-//! millikelvins has to be better than a drifting sensor.
-//! *Source*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4.
+//! K = sd^2 exp(-|t - t'| / length), and the directions of the structure error (`search/structure.rs`) with covariance size^2. The
+//! three numbers are not known; every gain is the fall of (2) between the best three without S and the best with it. `raw` gains are
+//! those without drift and structure error. What explains a slow residual of millikelvins has to be better than a drifting sensor, and
+//! an effect has to explain more than structure error of the size that is seen.
+//! *Sources*: Rasmussen, Williams, Gaussian Processes for Machine Learning (2006), sec. 2.7 and 5.4; Kennedy, O'Hagan, J. R. Stat. Soc. B 63
+//! (2001) 425-464 (structure error).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Drifts that are tried: standard deviation over that of the noise, and time over which a drift forgets itself, s.
 const DRIFTS: [(f64, f64); 7] =
     [(0.0, 1.0), (0.1, 2e3), (0.1, 2e4), (0.3, 2e3), (0.3, 2e4), (1.0, 2e3), (1.0, 2e4)];
+/// Least size of structure error that is tried, in units of the noise of a block: it adds a hundredth to the residual's mean square.
+pub const LEAST_SIZE: f64 = 0.1;
+/// Each size over the one before.
+const APART: f64 = 3.0;
+/// Inverse variance of what is not there.
+const ABSENT: f64 = 1e30;
 /// Sizes of a free shape that are tried: variance over the shape's own mean uncertainty.
 const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 
@@ -24,12 +32,17 @@ const SIZES: [f64; 5] = [1.0, 3e1, 1e3, 3e4, 1e6];
 #[derive(Clone)]
 pub struct Evidence {
     r: DVector<f64>,
+    /// Parameters, drifting sensors, structure error.
     z: DMatrix<f64>,
-    drifts: Vec<Drift>,
+    apart: Vec<f64>,
+    /// Clock and sensor of each column of drift.
+    knots: Vec<(f64, usize)>,
+    /// What was compared: sizes and time scales of drift, sizes of the structure error.
+    states: Vec<State>,
 }
 
 #[derive(Clone)]
-struct Drift {
+struct State {
     /// Of Z'Z + L.
     factor: Cholesky<f64, Dyn>,
     /// What is left of r, without what c0 asks for: r - Z (Z'Z + L)^-1 (Z'r + L c0).
@@ -38,8 +51,10 @@ struct Drift {
     cost: f64,
     /// Z'r + L c0.
     rhs: DVector<f64>,
-    sd: f64,
-    length: f64,
+    /// Of the drift: standard deviation over that of the noise, and length.
+    drift: (f64, f64),
+    /// Of the structure error, in units of the noise.
+    size: f64,
 }
 
 /// A gain, the numbers, and the factor of their inverse covariance.
@@ -56,8 +71,8 @@ pub struct Gain {
     pub size: DVector<f64>,
     /// Their covariance.
     pub covariance: DMatrix<f64>,
-    /// That drift, by its index.
-    drift: usize,
+    /// That state, by its index.
+    state: usize,
 }
 
 impl Evidence {
@@ -71,56 +86,138 @@ impl Evidence {
         drift: &DMatrix<f64>,
         knots: &[(f64, usize)],
     ) -> Option<Evidence> {
-        let (n, p, d) = (r.len(), slopes.ncols(), drift.ncols());
-        let mut z = DMatrix::zeros(n, p + d);
-        z.view_mut((0, 0), (n, p)).copy_from(slopes);
-        z.view_mut((0, p), (n, d)).copy_from(drift);
-        let (ztz, ztr) = (z.tr_mul(&z), z.tr_mul(&r));
-        let drifting = if d > 0 { &DRIFTS[..] } else { &DRIFTS[..1] };
-        let mut drifts = Vec::new();
-        for &(sd, length) in drifting {
-            let mut l = DMatrix::zeros(p + d, p + d);
-            let mut toward = DVector::zeros(p + d);
-            let mut prior_cost = 0.0;
-            for (k, apart) in apart.iter().enumerate() {
-                if apart.is_finite() {
-                    l[(k, k)] = 1.0;
-                    toward[k] = -apart;
-                    prior_cost += apart * apart;
-                } else {
-                    // So flat that it does not matter, so that what is not seen at all has a size.
-                    l[(k, k)] = 1e-8;
-                }
-            }
-            let mut determinant = 0.0;
-            if sd == 0.0 {
-                for k in p..p + d {
-                    l[(k, k)] = 1e30;
-                }
-            } else {
-                let kernel = DMatrix::from_fn(d, d, |a, b| {
-                    let ((t, s), (u, v)) = (knots[a], knots[b]);
-                    let near = if s == v { (-(t - u).abs() / length).exp() } else { 0.0 };
-                    sd * sd * near + if a == b { 1e-6 * sd * sd } else { 0.0 }
-                });
-                let inverse = kernel.clone().cholesky()?.inverse();
-                l.view_mut((p, p), (d, d)).copy_from(&inverse);
-                let inner = &inverse + ztz.view((p, p), (d, d));
-                determinant = log_determinant(&inner.cholesky()?) + log_determinant(&kernel.cholesky()?);
-            }
-            let factor = (&ztz + &l).cholesky()?;
-            let rhs = &ztr + toward;
-            let c = factor.solve(&rhs);
-            let left = &r - &z * &c;
-            let cost = r.norm_squared() + prior_cost - rhs.dot(&c) + determinant;
-            drifts.push(Drift { factor, left, cost, rhs, sd, length });
-        }
-        Some(Evidence { r, z, drifts })
+        let z = beside(slopes, drift);
+        let evidence = Evidence { r, z, apart: apart.to_vec(), knots: knots.to_vec(), states: Vec::new() };
+        let sums = evidence.sums();
+        let drifting = if knots.is_empty() { &DRIFTS[..1] } else { &DRIFTS[..] };
+        let states =
+            drifting.iter().map(|drift| evidence.state(&sums, *drift, 0.0)).collect::<Option<Vec<_>>>()?;
+        Some(Evidence { states, ..evidence })
     }
 
-    /// The drift that suits best.
-    fn fitting(&self) -> &Drift {
-        self.drifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.drifts[0])
+    /// The same beside structure error, whose directions are `columns` for a size of 1.
+    pub fn with_structure(&self, columns: &DMatrix<f64>) -> Option<Evidence> {
+        let mut other = Evidence { z: beside(&self.z, columns), states: Vec::new(), ..self.clone() };
+        let sums = other.sums();
+        let plain = self.states.iter().map(|s| other.state(&sums, s.drift, 0.0));
+        let plain = plain.collect::<Option<Vec<_>>>()?;
+        let drift = self.fitting().drift;
+        // From small to large while the cost falls, then the vertex of the parabola through the last three, over the logarithm.
+        let mut sizes: Vec<State> = Vec::new();
+        while columns.ncols() > 0 && !rises(&sizes) {
+            let size = sizes.last().map_or(LEAST_SIZE, |s| APART * s.size);
+            sizes.push(other.state(&sums, drift, size)?);
+        }
+        if let [.., a, b, c] = &sizes[..] {
+            let way = vertex([a.cost, b.cost, c.cost]);
+            let size = b.size * APART.powf(way);
+            sizes.push(other.state(&sums, drift, size)?);
+        }
+        let least = |states: &[State]| states.iter().map(|s| s.cost).fold(f64::INFINITY, f64::min);
+        if least(&sizes) >= least(&plain) {
+            other.states = plain;
+            return Some(other);
+        }
+        // With it the sensors may drift otherwise.
+        let size = sizes.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.size;
+        for own in plain.iter().filter(|s| s.drift != drift) {
+            let next = other.state(&sums, own.drift, size)?;
+            if next.cost < least(&sizes) {
+                sizes.push(next);
+            }
+        }
+        // Without drift, and without structure error: what more may explain beside them.
+        other.states = plain
+            .into_iter()
+            .enumerate()
+            .filter(|(k, s)| *k == 0 || s.drift == drift)
+            .map(|(_, s)| s)
+            .collect();
+        other.states.extend(sizes);
+        Some(other)
+    }
+
+    /// Forgets what was compared but what suits best and what knows neither drift nor structure error.
+    pub fn settle(&mut self) {
+        let best = self.fitting().cost;
+        let mut first = true;
+        self.states.retain(|s| std::mem::take(&mut first) || s.cost <= best);
+    }
+
+    /// Gives back the memory of everything but the cost.
+    pub fn release(&mut self) {
+        self.settle();
+        self.z = DMatrix::zeros(0, 0);
+    }
+
+    /// Z'Z and Z'r.
+    fn sums(&self) -> (DMatrix<f64>, DVector<f64>) {
+        (self.z.tr_mul(&self.z), self.z.tr_mul(&self.r))
+    }
+
+    /// The problem with a drift and a size of the structure error.
+    fn state(
+        &self,
+        (ztz, ztr): &(DMatrix<f64>, DVector<f64>),
+        drift: (f64, f64),
+        size: f64,
+    ) -> Option<State> {
+        let (p, d) = (self.apart.len(), self.knots.len());
+        let all = self.z.ncols();
+        let mut l = DMatrix::zeros(all, all);
+        let mut toward = DVector::zeros(all);
+        let mut prior_cost = 0.0;
+        for (k, apart) in self.apart.iter().enumerate() {
+            if apart.is_finite() {
+                l[(k, k)] = 1.0;
+                toward[k] = -apart;
+                prior_cost += apart * apart;
+            } else {
+                // So flat that it does not matter, so that what is not seen at all has a size.
+                l[(k, k)] = 1e-8;
+            }
+        }
+        let mut determinant = 0.0;
+        let (sd, length) = drift;
+        if sd > 0.0 {
+            let kernel = DMatrix::from_fn(d, d, |a, b| {
+                let ((t, s), (u, v)) = (self.knots[a], self.knots[b]);
+                let near = if s == v { (-(t - u).abs() / length).exp() } else { 0.0 };
+                sd * sd * near + if a == b { 1e-6 * sd * sd } else { 0.0 }
+            });
+            let factor = kernel.cholesky()?;
+            determinant += log_determinant(&factor);
+            l.view_mut((p, p), (d, d)).copy_from(&factor.inverse());
+        }
+        let absent = |k: usize| (k < p + d && sd == 0.0) || (k >= p + d && size == 0.0);
+        for k in p..all {
+            if absent(k) {
+                l[(k, k)] = ABSENT;
+                determinant -= ABSENT.ln();
+            } else if k >= p + d {
+                l[(k, k)] = 1.0 / (size * size);
+                determinant += 2.0 * size.ln();
+            }
+        }
+        let whole = ztz + &l;
+        let inner = whole.view((p, p), (all - p, all - p)).into_owned();
+        determinant += log_determinant(&inner.cholesky()?);
+        let factor = whole.cholesky()?;
+        let rhs = ztr + toward;
+        let c = factor.solve(&rhs);
+        let left = &self.r - &self.z * &c;
+        let cost = self.r.norm_squared() + prior_cost - rhs.dot(&c) + determinant;
+        Some(State { factor, left, cost, rhs, drift, size })
+    }
+
+    /// What suits best.
+    fn fitting(&self) -> &State {
+        self.states.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap_or(&self.states[0])
+    }
+
+    /// Size of the structure error that suits best, in units of the noise.
+    pub fn structure(&self) -> f64 {
+        self.fitting().size
     }
 
     /// Number of values in the residual.
@@ -132,7 +229,7 @@ impl Evidence {
     /// memory, s.
     pub fn drift(&self) -> (f64, f64) {
         let best = self.fitting();
-        (best.sd, best.length)
+        best.drift
     }
 
     /// Mean square of what is left with the drift that suits best, beside further columns with what they explain: 1 for noise.
@@ -140,9 +237,9 @@ impl Evidence {
         let left = match beside {
             None => self.fitting().left.norm_squared(),
             Some((s, gain)) => {
-                let drift = &self.drifts[gain.drift];
-                let lent = drift.factor.solve(&self.z.tr_mul(s));
-                (&drift.left - (s - &self.z * lent) * &gain.size).norm_squared()
+                let state = &self.states[gain.state];
+                let lent = state.factor.solve(&self.z.tr_mul(s));
+                (&state.left - (s - &self.z * lent) * &gain.size).norm_squared()
             }
         };
         left / self.r.len() as f64
@@ -150,7 +247,7 @@ impl Evidence {
 
     /// Eq. (2) of the drift that suits best, and without drift.
     pub fn cost(&self) -> (f64, f64) {
-        (self.fitting().cost, self.drifts[0].cost)
+        (self.fitting().cost, self.states[0].cost)
     }
 
     /// The parameters' corrections to first order and their covariance, with the drift that suits best, in units of
@@ -160,7 +257,7 @@ impl Evidence {
         parameters: usize,
         beside: Option<(&DMatrix<f64>, &Gain)>,
     ) -> (Vec<f64>, DMatrix<f64>) {
-        let best = beside.map_or(self.fitting(), |(_, gain)| &self.drifts[gain.drift]);
+        let best = beside.map_or(self.fitting(), |(_, gain)| &self.states[gain.state]);
         let mut c = best.factor.solve(&best.rhs);
         let mut covariance = best.factor.inverse();
         if let Some((s, gain)) = beside {
@@ -214,21 +311,41 @@ impl Evidence {
         let (sts, zts) = (s.tr_mul(s), self.z.tr_mul(s));
         let mut best: Option<(f64, Explained, usize)> = None;
         let mut raw = 0.0;
-        for (k, drift) in self.drifts.iter().enumerate() {
-            let power = &sts - zts.tr_mul(&drift.factor.solve(&zts));
-            let seen = s.tr_mul(&drift.left);
+        for (k, state) in self.states.iter().enumerate() {
+            let seen_too = state.factor.l_dirty().solve_lower_triangular(&zts)?;
+            let power = &sts - seen_too.tr_mul(&seen_too);
+            let seen = s.tr_mul(&state.left);
             let Some((gain, size, factor)) = explain(&power, &seen) else { continue };
             if k == 0 {
                 raw = gain;
             }
-            let cost = drift.cost - gain;
+            let cost = state.cost - gain;
             if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
                 best = Some((cost, (gain, size, factor), k));
             }
         }
-        let (cost, (_, size, factor), drift) = best?;
-        Some(Gain { raw, whitened: self.cost().0 - cost, size, covariance: factor.inverse(), drift })
+        let (cost, (_, size, factor), state) = best?;
+        Some(Gain { raw, whitened: self.cost().0 - cost, size, covariance: factor.inverse(), state })
     }
+}
+
+/// Whether the last of some sizes costs more than the one before.
+fn rises(sizes: &[State]) -> bool {
+    matches!(sizes, [.., a, b] if b.cost.total_cmp(&a.cost).is_ge())
+}
+
+/// Where the parabola through costs at -1, 0 and 1 is least, between them.
+fn vertex([a, b, c]: [f64; 3]) -> f64 {
+    let curvature = a - 2.0 * b + c;
+    if curvature > 0.0 { (0.5 * (a - c) / curvature).clamp(-1.0, 1.0) } else { 0.0 }
+}
+
+/// Columns beside columns.
+fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut z = DMatrix::zeros(a.nrows(), a.ncols() + b.ncols());
+    z.columns_mut(0, a.ncols()).copy_from(a);
+    z.columns_mut(a.ncols(), b.ncols()).copy_from(b);
+    z
 }
 
 fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
@@ -294,6 +411,30 @@ mod tests {
         assert!((gain.size[0] - 1.0).abs() < 1e-6 && (gain.covariance[(0, 0)] - 0.5).abs() < 1e-6);
     }
 
+    /// Two laws that the null model gets wrong a little: what looks like them is no effect, where structure error of the size that is
+    /// seen explains it; what stands out far beyond is one.
+    #[test]
+    fn structure_error_is_no_effect() {
+        let (n, mut rng) = (400, crate::trial::rng(6));
+        let waves =
+            DMatrix::from_fn(n, 12, |k, j| 1.4 * ((j + 1) as f64 * 0.008 * k as f64 + j as f64).sin());
+        let none = DMatrix::zeros(n, 0);
+        let column = column(n, |t| (10.0 * t).sin());
+        let mut found = |size: f64, effect: f64| {
+            let numbers = DVector::from_fn(12, |_, _| size * normal(&mut rng));
+            let r = &waves * numbers + effect * &column + DVector::from_fn(n, |_, _| normal(&mut rng));
+            let evidence = Evidence::new(r, &none, &[], &none, &[]).unwrap().with_structure(&waves).unwrap();
+            (evidence.structure(), evidence.gain(&column.columns(0, 1).into_owned()).unwrap())
+        };
+        let (size, gain) = found(0.0, 0.0);
+        assert!(size <= LEAST_SIZE && gain.whitened < 10.0, "{size} {gain:?}");
+        let (size, gain) = found(1.0, 0.0);
+        assert!((0.4..3.0).contains(&size) && gain.whitened < 10.0 && gain.raw > 100.0, "{size} {gain:?}");
+        let (_, gain) = found(0.0, 5.0);
+        assert!(gain.whitened > 30.0, "{gain:?}");
+        assert!((gain.size[0] - 5.0).abs() < 1.0, "{gain:?}");
+    }
+
     /// -2 log of a normal density, without 2 pi.
     fn minus_two_log(r: &DVector<f64>, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
         let factor = covariance.clone().cholesky().unwrap();
@@ -331,5 +472,16 @@ mod tests {
         });
         let told = costs.fold(f64::INFINITY, f64::min);
         assert!((evidence.cost().0 - told).abs() < 1e-4, "{:?} instead of {told}", evidence.cost());
+        // Structure error of each size that was compared, as covariance.
+        let structure = DMatrix::from_vec(4, 2, vec![0.3, -0.2, 1.5, 0.4, 1.0, 0.9, -0.8, 0.1]);
+        let evidence = Evidence::new(r.clone(), &z, &[0.3], &DMatrix::zeros(4, 0), &[]).unwrap();
+        let evidence = evidence.with_structure(&structure).unwrap();
+        assert!(evidence.states.len() > 3);
+        for state in &evidence.states {
+            let wrong = &structure * structure.transpose() * (state.size * state.size);
+            let whole = minus_two_log(&r, &mean, &(&plain + &wrong));
+            let told = whole - (&plain + &wrong).determinant().ln() + (&one + &wrong).determinant().ln();
+            assert!((state.cost - told).abs() < 1e-6, "{} instead of {told}", state.cost);
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::evidence::Evidence;
 use crate::experiment::Channel;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
-use crate::search::free_in_time;
+use crate::search::{free_in_time, structure};
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe};
 use nalgebra::{DMatrix, DVector};
@@ -21,6 +21,9 @@ const HIDDEN: f64 = 4.0;
 const KNOT: f64 = 900.0;
 /// Most such points over the whole clock.
 const MOST_KNOTS: usize = 24;
+
+/// Why there is no point.
+const INSEPARABLE: &str = "the parameters cannot be told apart by these runs";
 
 /// What a point says of its numbers.
 pub struct Told {
@@ -115,7 +118,26 @@ impl<'a> Point<'a> {
         }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
-        Ok(Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs })
+        let mut point = Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs };
+        // The first that looks at all ports says what structure error does.
+        if ports.len() == Port::ALL.len() {
+            setup.structure.get_or_init(|| structure(&point));
+        }
+        if let Some(columns) = setup.structure.get() {
+            let with = point.evidence.with_structure(columns);
+            point.evidence = with.ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))?;
+        }
+        // Nothing more is looked for from here, and many such points are kept.
+        if ports.is_empty() {
+            point.evidence.settle();
+        }
+        Ok(point)
+    }
+
+    /// Gives back the memory of everything but the numbers, their errors and their cost.
+    pub fn release(&mut self) {
+        self.slopes.tangents = Vec::new();
+        self.evidence.release();
     }
 
     /// Where the numbers would move to first order, and how sure they are; beside a force at a port that is free in time, which the
@@ -293,7 +315,7 @@ impl<'a> Point<'a> {
     }
 }
 
-/// The residual of a fitted model with what may explain it already: its own numbers, drifting temperature sensors, and the
+/// The residual of a fitted model with what may explain it already: its own numbers, drifting sensors, and the
 /// first reading of the room, at which every node starts.
 fn evidence(
     setup: &Setup,
@@ -398,36 +420,33 @@ fn evidence(
         }
     }
     let known = columns.len();
-    // What drifting sensors would do.
-    let sensors: Vec<usize> =
-        (0..setup.outputs()).filter(|m| setup.experiment.outputs[*m].is_temperature()).collect();
-    // Sensors of one kind drift alike: as large as the noise of the loudest.
-    let loudest = sensors.iter().map(|s| setup.noise[inputs + s]).fold(0.0, f64::max);
+    // What drifting sensors of the outputs and of the room would do: thermometers are of one kind and drift alike, as far as the noise of
+    // the loudest.
+    let all = || setup.experiment.inputs.iter().chain(&setup.experiment.outputs).enumerate();
+    let thermometers = all().filter(|(k, c)| c.is_temperature() && *k >= inputs).map(|(k, _)| setup.noise[k]);
+    let loudest = thermometers.fold(0.0, f64::max);
     let mut knots = Vec::new();
-    for sensor in sensors.iter().map(|s| Some(*s)).chain(ambient.map(|_| None)) {
+    let drifts = |k: usize, c: &Channel| setup.noise[k] > 0.0 && (k >= inputs || c.is_temperature());
+    for (sensor, channel) in all().filter(|(k, c)| drifts(*k, c)) {
+        let size = if channel.is_temperature() { loudest } else { setup.noise[sensor] };
         for (k, point) in points.iter().enumerate() {
             let column = gather(&|r| {
                 let time = clock(r);
-                match sensor {
-                    Some(output) => {
-                        let mut values = vec![0.0; time.len() * m];
-                        for (row, t) in time.iter().enumerate() {
-                            values[row * m + output] = loudest * hat(&points, k, *t);
-                        }
-                        Some(values)
-                    }
-                    None => {
-                        let direction = slopes.further(r, further)[before_inputs + ambient?].as_ref()?;
-                        Some(
-                            slopes.tangents[r]
-                                .response(direction, |row| loudest * hat(&points, k, time[row])),
-                        )
-                    }
+                if sensor < inputs {
+                    let direction = slopes.further(r, further)[before_inputs + sensor].as_ref()?;
+                    return Some(
+                        slopes.tangents[r].response(direction, |row| size * hat(&points, k, time[row])),
+                    );
                 }
+                let mut values = vec![0.0; time.len() * m];
+                for (row, t) in time.iter().enumerate() {
+                    values[row * m + sensor - inputs] = size * hat(&points, k, *t);
+                }
+                Some(values)
             });
             if column.iter().any(|x| *x != 0.0) {
                 columns.push(column);
-                knots.push((*point, sensor.unwrap_or(m)));
+                knots.push((*point, sensor));
             }
         }
     }
@@ -436,5 +455,5 @@ fn evidence(
     };
     let (slopes, drift) = (matrix(&columns[..known]), matrix(&columns[known..]));
     Evidence::new(DVector::from_vec(residual), &slopes, &apart, &drift, &knots)
-        .ok_or_else(|| CalibrateError("the parameters cannot be told apart by these runs".to_string()))
+        .ok_or_else(|| CalibrateError(INSEPARABLE.to_string()))
 }

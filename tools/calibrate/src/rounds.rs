@@ -13,19 +13,19 @@ use crate::CalibrateError;
 use crate::hypothesis::{Addition, Hypothesis};
 use crate::outcome::{Evidence, Follows};
 use crate::point::Point;
-use crate::search::{CHOICE, Scored};
+use crate::search::{Scored, choice};
 use crate::setup::Setup;
 use gate::gate;
 pub use gate::{acting, foretells_where_it_shows};
 use physics::terms::{Driver, Port};
 use rayon::prelude::*;
 
-/// Fall of the cost that a term needs.
+/// Fall of the cost that a term needs: very strong evidence. *Source*: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795, sec. 3.2.
 pub const LEAST: f64 = 10.0;
 /// What a contender that predicts worse has to explain to be tried together with another.
 const PROMISING: f64 = 100.0;
-/// Costs as near as this cannot be told apart.
-const NEAR: f64 = 6.0;
+/// Costs as near as this cannot be told apart, and what predicts better does so by as much: strong evidence. *Source*: as above.
+pub const NEAR: f64 = 6.0;
 /// Contenders: effects of the list, powers, shapes, laws with a lag.
 const CONTENDERS: [usize; 4] = [4, 2, 2, 2];
 /// The same, by another measure.
@@ -37,9 +37,6 @@ const STORED: f64 = 0.2;
 const FORETELLING: (f64, f64) = (30.0, 0.02);
 /// A table that predicts better than a power by less than this share is not clearly better.
 const CLEARLY: f64 = 1.05;
-/// An effect of the list stands for a shape that explains more by less than this share: where the signal is a thousand times the
-/// noise, what the model rounds off shows as well.
-const STANDS_FOR: f64 = 0.003;
 /// Error on what was not fitted, over that of an effect of the list, below which a law predicts far better.
 const AHEAD: f64 = 0.7;
 
@@ -192,7 +189,7 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     let best = first.map_or(0.0, Contender::sure);
     let is_late = |c: &Contender| c.addition().late.is_some();
     let is_best_late = first.is_some_and(is_late);
-    let near = LEAST.max(best * if is_best_late { FORETELLING.1 } else { STANDS_FOR });
+    let near = if is_best_late { LEAST.max(best * FORETELLING.1) } else { LEAST };
     let stands = |c: &Contender| {
         let is_simple = c.addition().is_listed() || (is_best_late && !is_late(c));
         is_simple && best - c.sure() < near
@@ -222,6 +219,10 @@ pub fn compete<'a>(point: &Point<'a>, start: &Hypothesis, scored: &[Scored]) -> 
     if taken.is_some_and(|t| !contenders[t].addition().is_listed()) {
         alike.clear();
     }
+    // From the others nothing is looked at any more.
+    let first = contenders.iter().position(|c| at_limit(c.addition()).is_none());
+    let rest = contenders.iter_mut().enumerate().filter(|(k, _)| ![taken, first].contains(&Some(*k)));
+    rest.for_each(|(_, contender)| contender.point.release());
     Round { contenders, taken, excuse: None, alike, failed }
 }
 
@@ -366,11 +367,11 @@ fn fitted<'a>(
     let setup = point.setup;
     let fitted = setup.fit(begun(setup, start, addition), &point.runs)?;
     let larger = Point::judged(setup, fitted, &point.runs)?;
-    let cost = point.per_number() * addition.price() + if addition.is_listed() { 0.0 } else { CHOICE };
-    let choice =
+    let cost = point.per_number() * addition.price() + if addition.is_listed() { 0.0 } else { choice() };
+    let of_runs =
         if addition.active.iter().all(|on| *on) { 0.0 } else { 2.0 * point.runs.len() as f64 * 2f64.ln() };
     let (before, after) = (point.evidence.cost(), larger.evidence.cost());
-    let delta = (before.0 - after.0 - cost - choice, before.1 - after.1 - cost - choice);
+    let delta = (before.0 - after.0 - cost - of_runs, before.1 - after.1 - cost - of_runs);
     Ok(Contender { name: scored.name.clone(), point: larger, delta, validation: None, refused: None })
 }
 

@@ -13,6 +13,7 @@
 
 mod hidden;
 mod past;
+mod structure;
 #[cfg(test)]
 mod tests;
 
@@ -27,6 +28,7 @@ use past::{FREE, histories, in_time};
 pub use past::{free_at, free_in_time, known_past, remembers};
 use physics::terms::{Driver, Drivers, Factor, Port};
 use rayon::prelude::*;
+pub use structure::structure;
 
 /// Points of a smooth shape over a driver.
 const KNOTS: usize = 7;
@@ -38,8 +40,6 @@ const STILL: f64 = 0.01;
 const LEAVES: f64 = 0.9;
 /// Shapes for which powers are tried: the best.
 const LIKELY: usize = 16;
-/// What a choice among so many ports and drivers costs, beside the numbers.
-pub const CHOICE: f64 = 9.3;
 /// Exponents that are tried.
 const EXPONENTS: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
 
@@ -83,6 +83,11 @@ impl Scored {
     pub fn sure(&self) -> f64 {
         self.evidence.min(self.raw)
     }
+}
+
+/// What a choice among all ports and drivers costs, beside the numbers: as each is as likely, -2 ln p.
+pub fn choice() -> f64 {
+    2.0 * ((Port::ALL.len() * Driver::ALL.iter().filter(|d| !d.is_heat()).count()) as f64).ln()
 }
 
 /// The runs' values of a driver: least, greatest, and points between that hold as many rows each.
@@ -351,7 +356,7 @@ fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
     let columns = point.port_columns(port, knots.len(), |k, _, _, d| value(k, d))?;
     let gain = point.evidence.shape(&columns, &alike(&knots))?;
     let name = format!("{} over {}", port.name(), driver.name());
-    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + CHOICE, &knots);
+    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + choice(), &knots);
     let number = |(k, x): (usize, &f64)| Number {
         symbol: format!("value at {} = {x:.4}", driver.name()),
         value: gain.size[k],
@@ -388,7 +393,7 @@ fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
     let (exponent, gain) =
         EXPONENTS.iter().filter_map(|e| of(*e)).max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ {}^{exponent}", port.name(), driver.name());
-    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + CHOICE, &[0.0]);
+    let mut found = scored(name, port, Follows::Driver(driver), &gain, 2.0 * per_number + choice(), &[0.0]);
     let number = |symbol: &str, value: f64, limits: (f64, f64), unit: &'static str, scale: f64| Number {
         symbol: symbol.to_string(),
         value,

@@ -7,10 +7,11 @@ use crate::experiment::{Channel, Experiment, Prior, Role, Run};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
 use crate::simulate::{Bench, Drive};
+use nalgebra::DMatrix;
 use physics::model::Slot;
 use physics::terms::Drivers;
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// How coarse the many simulations of a search may be. Measured on the public sets: seven times faster, and 0.03 mK off at
 /// most.
@@ -94,6 +95,8 @@ pub struct Setup<'a> {
     pub remembered: Vec<usize>,
     /// Where the naive fit stands at the rows of the runs that are fitted: what is looked for over a driver is looked for there.
     pub reached: Arc<Vec<Drivers>>,
+    /// Directions of the structure error along the fit runs, as the first fit that is looked at has them.
+    pub structure: Arc<OnceLock<DMatrix<f64>>>,
     /// From and to of the rows that count, run by run, s.
     pub windows: Vec<(f64, f64)>,
     /// Blocks of each run.
@@ -166,6 +169,7 @@ impl<'a> Setup<'a> {
             between: Vec::new(),
             remembered: Vec::new(),
             reached: Arc::default(),
+            structure: Arc::default(),
             windows,
             blocks,
         })

@@ -5,14 +5,12 @@ use crate::CalibrateError;
 use crate::hypothesis::Addition;
 use crate::outcome::Follows;
 use crate::point::Point;
-use crate::rounds::{Contender, LEAST, Round, compete, foretells_where_it_shows};
+use crate::rounds::{Contender, LEAST, NEAR, Round, compete, foretells_where_it_shows};
 use crate::search::{Scored, free_at, known_past, remembers, search};
 use physics::terms::MOST_TERMS;
 
 /// Times that all that was found is looked at again, while it changes.
 const PASSES: usize = 2;
-/// Cost by which two effects of the list have to be better than one law in place of both.
-const ONE_LAW: f64 = 6.0;
 /// Who explains less than this share of what the first does is far behind.
 const AHEAD: f64 = 0.9;
 
@@ -209,7 +207,7 @@ impl<'a> Search<'a> {
         };
         let powers: Vec<Scored> = search(&without).iter().filter(is_power).cloned().collect();
         let round = compete(&without, &others, &powers);
-        if round.winner().is_some_and(|c| c.point.evidence.cost().0 < cost + ONE_LAW) {
+        if round.winner().is_some_and(|c| c.point.evidence.cost().0 < cost + NEAR) {
             self.rounds.retain(|round| round.winner().is_some_and(|c| place(c.addition()) != at));
             self.rounds.push(round);
         }

@@ -1,29 +1,21 @@
 //! What a contender has to pass: does it explain enough, is it physical, is it the same in every run, does it foretell.
 
-use super::{Contender, LEAST, is_sensor};
+use super::{Contender, LEAST, NEAR, is_sensor};
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
-use crate::outcome::Follows;
 use crate::point::Point;
 use crate::setup::{Setup, Shown};
-use physics::terms::Driver;
 
-/// The same for a term of no list, which has so many ports, drivers and shapes to choose from.
-const UNNAMED: f64 = 30.0;
 /// Share of a run that is held out where no validation run has the effect.
 const HELD_OUT: f64 = 0.25;
-/// A sensor may wander by so many deviations of its noise.
-const WANDERS: f64 = 4.0;
 /// A sensor is calibrated to so many deviations of its noise.
 const CALIBRATED: f64 = 0.5;
 /// Error on what was not fitted, over that without, that a term may have at most: one of the list, one of none. Asked for of
 /// those that lower BIC by less than the second number.
 const HARDLY: (f64, f64) = (0.995, 0.98);
 const WEAK: f64 = 100.0;
-/// Fall of the sum of squares over what was not fitted that a term needs: chance brings some.
-const FORETOLD: f64 = 6.0;
 /// A size within this share of itself in every run is the same.
 const ALIKE: f64 = 0.35;
 
@@ -32,10 +24,9 @@ type Judged = (Option<f64>, Option<String>);
 /// Whether a contender passes: its error on what was not fitted over that without, and why not.
 pub fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError> {
     let (white, raw) = contender.delta;
-    let least = if contender.addition().is_listed() { LEAST } else { UNNAMED };
-    if raw <= least || white <= least {
+    if raw <= LEAST || white <= LEAST {
         let sentence = format!(
-            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {least} is asked for"
+            "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {LEAST} is asked for"
         );
         return Ok((None, Some(sentence)));
     }
@@ -43,7 +34,7 @@ pub fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateEr
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
     }
-    if let Some(sentence) = wanders(contender) {
+    if let Some(sentence) = within_calibration(contender) {
         return Ok((None, Some(sentence)));
     }
     let unlike = unlike(contender);
@@ -65,30 +56,24 @@ pub fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateEr
         );
         return Ok((validation, Some(sentence)));
     }
-    if let Some(fall) = foretold.map(|f| f.without - f.with).filter(|fall| *fall < FORETOLD) {
+    if let Some(fall) = foretold.map(|f| f.without - f.with).filter(|fall| *fall < NEAR) {
         let sentence = format!(
-            "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {FORETOLD} is asked for"
+            "what was not fitted is hardly predicted better: chi square falls by {fall:.1}; {NEAR} is asked for"
         );
         return Ok((validation, Some(sentence)));
     }
     Ok((validation, None))
 }
 
-/// A finding at a sensor that is no more than what sensors do by themselves, in one sentence: a shape over time within what they
-/// wander, an effect of the list within what they are calibrated to.
-fn wanders(contender: &Contender) -> Option<String> {
+/// An effect of the list at a sensor that is within what sensors are calibrated to, in one sentence.
+fn within_calibration(contender: &Contender) -> Option<String> {
     let (setup, addition) = (contender.point.setup, contender.addition());
-    let least = match (addition.is_listed(), addition.follows) {
-        (true, _) => CALIBRATED,
-        (false, Follows::Driver(Driver::Time)) => WANDERS,
-        _ => return None,
-    };
-    if !is_sensor(addition.port) {
+    if !addition.is_listed() || !is_sensor(addition.port) {
         return None;
     }
     let most =
         contender.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
-    (most < least).then(|| {
+    (most < CALIBRATED).then(|| {
         format!("moves no output by more than {most:.1} deviations of its noise: a sensor errs by as much")
     })
 }

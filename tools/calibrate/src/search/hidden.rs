@@ -5,7 +5,7 @@
 //! by simulation then moves all numbers, the time constant among them.
 //! *Source*: profiling of a nonlinear parameter, Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432.
 
-use super::{CHOICE, Scored, is_known, scale, scored};
+use super::{Scored, choice, is_known, scale, scored};
 use crate::evidence::Gain;
 use crate::hypothesis::{Addition, Number, Shape, followed, hat, power};
 use crate::outcome::Follows;
@@ -119,7 +119,7 @@ fn powers(point: &Point, port: Port, late: &Late, taus: &[f64], per_number: f64)
     let (exponent, gain) = gains.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
     let follows = Follows::Late(late.lag.driver);
-    let mut found = scored(name, port, follows, &gain, 3.0 * per_number + CHOICE, &[0.0]);
+    let mut found = scored(name, port, follows, &gain, 3.0 * per_number + choice(), &[0.0]);
     let spread = gain.covariance[(0, 0)].sqrt();
     let numbers = vec![
         number("coefficient".to_string(), gain.size[0], FREE, port.unit().name(), spread),
@@ -143,7 +143,7 @@ fn table(point: &Point, port: Port, late: &Late, taus: &[f64], per_number: f64) 
     let gain = point.evidence.shape(&columns, &super::alike(&knots))?;
     let driver = late.lag.driver;
     let name = format!("{} over lag of {}", port.name(), driver.name());
-    let mut found = scored(name, port, Follows::Late(driver), &gain, 3.0 * per_number + CHOICE, &knots);
+    let mut found = scored(name, port, Follows::Late(driver), &gain, 3.0 * per_number + choice(), &knots);
     let value = |(k, x): (usize, &f64)| {
         let symbol = format!("value at lagged {} = {x:.4}", driver.name());
         number(symbol, gain.size[k], FREE, port.unit().name(), gain.covariance[(k, k)].sqrt())

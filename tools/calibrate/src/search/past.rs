@@ -1,6 +1,6 @@
 //! What no present value of a driver explains: forces that are free in time, and what knows its past.
 
-use super::{CHOICE, Scored, scored};
+use super::{Scored, choice, scored};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
 use crate::hypothesis::hat;
@@ -82,7 +82,7 @@ pub(super) fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scor
     let free = free_in_time(point, port)?;
     let gain = point.evidence.shape(&free.columns, &free.kernel)?;
     let name = format!("{}{FREE}", port.name());
-    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + CHOICE, &free.at))
+    Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + choice(), &free.at))
 }
 
 /// The values of a driver at the rows of each run: of a temperature what was measured, where it was. What switches does so where the
@@ -107,7 +107,7 @@ pub(super) fn histories(point: &Point, port: Port, per_number: f64) -> Vec<Score
     let mut best = |name: &str, numbers: f64, tried: Vec<(f64, Gain)>| {
         if let Some((at, gain)) = tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened)) {
             let name = format!("{} {name} {at:.4}", port.name());
-            let cost = numbers * per_number + CHOICE;
+            let cost = numbers * per_number + choice();
             let mut found = scored(name, port, Follows::History, &gain, cost, &[at]);
             found.shape.truncate(1);
             all.push(found);
