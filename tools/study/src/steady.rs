@@ -243,6 +243,34 @@ mod tests {
         Setup::new("AnnulusCooledMotor", Preset::load("maxon-305015").ok(), sets)
     }
 
+    /// Modes with a network, whose integrator leaves small errors: each search ends, with the winding at its limit, and the steady state
+    /// of that current alone is the same.
+    #[test]
+    fn the_continuous_torque_of_every_motor_is_found_in_free_and_forced_convection() {
+        for preset in ["maxon-re40-148877", "maxon-re25-118743", "maxon-eci40-488607", "faulhaber-1524t006sr"]
+        {
+            for (mode, fan) in [("bare", "0"), ("fan_crossflow", "0"), ("fan_crossflow", "1")] {
+                let sets = [("cooling_mode", mode), ("fan_command", fan)];
+                let make = |sets: &[(&str, &str)]| {
+                    Setup::new("AnnulusCooledMotor", Preset::load(preset).ok(), sets).bench().unwrap()
+                };
+                let found =
+                    continuous_torque(&make(&sets)).unwrap_or_else(|e| panic!("{preset} {mode} {fan}: {e}"));
+                let current = found.current.to_string();
+                let alone =
+                    steady(&mut make(&[&sets[..], &[("current_command", &current)]].concat())).unwrap();
+                let winding = alone.get("winding_temperature").unwrap();
+                println!("{preset} {mode} {fan}: {} N.m, {winding} K", found.torque);
+                assert!(
+                    (winding - found.winding_temperature).abs() < 2e-3,
+                    "{preset} {mode} {fan}: {winding} {found:?}"
+                );
+                let limit = make(&sets).get("thermal.T_w_max").unwrap();
+                assert!((winding - limit).abs() < 0.02, "{preset} {mode} {fan}: {winding}");
+            }
+        }
+    }
+
     /// 10 W through 1/G = 1/0.1351 K/W.
     #[test]
     fn resistance_to_ambient_comes_back() {
