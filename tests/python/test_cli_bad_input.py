@@ -130,6 +130,21 @@ def test_archive_without_its_library(motor_fmu, archive_paths, tmp_path):
     assert motor_fmu("validate", file).returncode == NO
 
 
+def test_validate_reports_every_file_that_can_be_read(motor_fmu, archive_paths, tmp_path):
+    missing, broken = tmp_path / "missing.fmu", tmp_path / "broken.fmu"
+    broken.write_bytes(b"no archive")
+    done = motor_fmu("validate", archive_paths[2], missing, archive_paths[3])
+    assert done.returncode == CANNOT
+    assert [line.split(": ")[0] for line in done.stdout.splitlines()] == [str(archive_paths[2]), str(archive_paths[3])]
+    errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
+    assert len(errors) == 1 and "missing.fmu" in errors[0]
+    listed = json.loads(motor_fmu("validate", "--json", missing, archive_paths[2], broken).stdout)
+    assert [sorted(entry) for entry in listed][:2] == [["error", "file"], ["file", "findings"]]
+    assert "missing.fmu" in listed[0]["error"] and listed[1]["findings"] == [] and len(listed) == 3
+    two = motor_fmu("validate", missing, tmp_path / "another.fmu").stderr
+    assert "missing.fmu" in two and "another.fmu" in two
+
+
 def test_validate_says_fine(motor_fmu, archive_paths):
     assert motor_fmu("validate", *archive_paths.values()).returncode == 0
 

@@ -47,21 +47,31 @@ fn report_within(files: &[PathBuf], as_json: bool, patience: f64) -> Result<Exit
     let bar = Progress::new("validating");
     for (k, file) in files.iter().enumerate() {
         bar.set(&format!("validating {}", file.display()), k as f64 / files.len() as f64);
-        reports.push((file, validate_within(file, &program, Duration::from_secs_f64(patience))?));
+        reports.push((file, validate_within(file, &program, Duration::from_secs_f64(patience))));
     }
     bar.finish();
     if as_json {
-        let list: Vec<_> = reports
-            .iter()
-            .map(|(file, findings)| json!({"file": file.to_string_lossy(), "findings": findings}))
-            .collect();
+        let entry = |(file, report): &(&PathBuf, Result<Vec<Finding>, _>)| match report {
+            Ok(findings) => json!({"file": file.to_string_lossy(), "findings": findings}),
+            Err(why) => json!({"file": file.to_string_lossy(), "error": format!("{why}")}),
+        };
+        let list: Vec<_> = reports.iter().map(entry).collect();
         crate::say(&format!("{}\n", serde_json::Value::from(list)));
     } else {
-        for (file, findings) in &reports {
+        for (file, findings) in
+            reports.iter().filter_map(|(file, report)| Some((file, report.as_ref().ok()?)))
+        {
             crate::say(&text(&file.to_string_lossy(), findings));
         }
     }
-    let breach = reports.iter().flat_map(|(_, findings)| findings).any(|f| f.severity == Severity::Error);
+    // Files that cannot be validated do not hide the reports of the others.
+    let failed: Vec<String> =
+        reports.iter().filter_map(|(_, r)| Some(r.as_ref().err()?.to_string())).collect();
+    if !failed.is_empty() {
+        return Err(Failure::new(failed.join("\n")));
+    }
+    let found = reports.iter().filter_map(|(_, report)| report.as_ref().ok()).flatten();
+    let breach = found.into_iter().any(|f| f.severity == Severity::Error);
     Ok(crate::outcome(!breach))
 }
 
