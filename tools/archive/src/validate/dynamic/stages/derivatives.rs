@@ -179,13 +179,19 @@ fn follow(
         let (mut session, mut drive) = begin(subject, &look)?;
         let start = session.now;
         let mut series = vec![Series::default(); variables.len()];
+        let mut before = session.get_all(variables)?;
         for k in 0..=look.n {
             if k > 0 && !drive.advance(&mut session, look.h)? {
                 break;
             }
+            let now = session.get_all(variables)?;
+            // The first step counts, too: a fast variable may settle in it.
+            let change = before.iter().zip(&now).map(|(a, b)| (b - a).abs() / look.h);
+            largest.iter_mut().zip(change).for_each(|(l, change)| *l = l.max(change));
+            before = now;
             if k > 0 || from_start {
-                let (x, d) = (session.get_all(variables)?, read(&mut session)?);
-                series.iter_mut().zip(x.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
+                let d = read(&mut session)?;
+                series.iter_mut().zip(before.iter().zip(&d)).for_each(|(s, (x, d))| s.push(*x, *d));
                 largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
             }
         }

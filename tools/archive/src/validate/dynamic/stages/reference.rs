@@ -13,6 +13,8 @@ const MANIFEST: &str = "fmi-ls-manifest.xml";
 /// Tolerance for another solver, relative to the range and to the magnitude of a result.
 const TOLERATED: f64 = 0.005;
 const ROUNDING: f64 = 1e-5;
+/// Relative tolerance of a solver, unless the default experiment has a smaller one.
+const SOLVER: f64 = 1e-6;
 /// Time limit of the comparison of long runs.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -136,7 +138,14 @@ fn compare(
             (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
         TOLERATED * (high - low) + ROUNDING * high.abs().max(low.abs())
     };
-    let rooms: Vec<f64> = columns.iter().map(|(c, v)| range(*c).max(1e-6 * v.nominal)).collect();
+    // A variable may be the difference of others of its unit, which have the tolerance of a solver.
+    let largest = |column: usize| table.rows.iter().map(|r| r[column].abs()).fold(0.0, f64::max);
+    let of_unit = |v: &Variable| {
+        let same = columns.iter().filter(|(_, other)| v.unit.is_some() && other.unit == v.unit);
+        same.map(|(c, _)| largest(*c)).fold(v.nominal, f64::max)
+    };
+    let tolerance = facts.tolerance.unwrap_or(SOLVER).min(SOLVER);
+    let rooms: Vec<f64> = columns.iter().map(|(c, v)| range(*c).max(tolerance * of_unit(v))).collect();
     let started = Instant::now();
     let mut session = subject.instance("probe")?;
     session.setup(None)?;
