@@ -162,16 +162,27 @@ impl Instance {
         Ok(Move { known, at, seed, size: entry.row.nominal, limits: (entry.row.min, entry.row.max) })
     }
 
+    /// The largest magnitude of the states that are energies, J.
+    fn largest_energy(&mut self) -> f64 {
+        let declaration = self.model.declaration();
+        let energies = declaration.states.iter().map(|state| &declaration.entries[state[0]]);
+        let energies = energies.filter(|entry| entry.row.unit == Unit::Joule);
+        energies.map(|entry| self.model.get(entry.slot).abs()).fold(0.0, f64::max)
+    }
+
     fn slopes(&mut self, moves: &[Move], unknowns: &[&'static Entry]) -> Outcome<Vec<f64>> {
+        // The energy balance residual is what is left of energies.
+        let energy = self.largest_energy();
+        let size = |entry: &Entry| if entry.name == RESIDUAL { energy } else { 0.0 }.max(entry.row.nominal);
         let scratch = self.scratch.get_or_insert_with(|| self.model.boxed_clone());
         let restart = (self.mode == Mode::Initialization).then_some(self.window.0);
         let asked: Vec<Unknown> =
-            unknowns.iter().map(|entry| Unknown { slot: entry.slot, size: entry.row.nominal }).collect();
+            unknowns.iter().map(|entry| Unknown { slot: entry.slot, size: size(entry) }).collect();
         let seeded = moves.iter().filter(|m| m.seed != 0.0);
         let way = seeded.map(|m| m.size.max(m.at.abs()) / m.seed.abs()).fold(f64::INFINITY, f64::min);
         let doubtful = |(entry, slope): &(&&Entry, &Slope)| {
-            let settled = slope.error <= RELATIVE * slope.value.abs()
-                || slope.error * way <= OF_NOMINAL * entry.row.nominal;
+            let settled =
+                slope.error <= RELATIVE * slope.value.abs() || slope.error * way <= OF_NOMINAL * size(entry);
             !settled
         };
         let stepping = self.interface == Interface::CoSimulation;
