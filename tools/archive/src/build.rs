@@ -96,11 +96,12 @@ pub fn build_all(
         return Err(BuildError(format!("preset {} is for {} and not for {name}", preset.name, preset.model)));
     }
     let mut starts = contents.preset.map(|p| p.starts.clone()).unwrap_or_default();
-    let experiment = contents.preset.map(|p| p.experiment).unwrap_or_default();
     let resources = resources(kind, contents)?;
     if resources.load.is_some() {
         select_table(kind, &mut starts);
     }
+    let given = contents.preset.and_then(|p| p.experiment);
+    let (starts, experiment) = describe::experiment::of(kind, &starts, &resources, given);
     let binaries = libraries.iter().map(|library| binary(library, &starts)).collect::<Result<Vec<_>, _>>()?;
     let (found, common) = rayon::join(
         || Dependencies::of(kind, &resources, &starts),

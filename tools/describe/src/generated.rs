@@ -1,7 +1,7 @@
 //! The generated files of `model-description/`: their text, and a check that they are up to date.
 
 use crate::preset::StartValues;
-use crate::{Dependencies, Experiment};
+use crate::{Dependencies, Resources, experiment};
 use crate::{fmi2, fmi3, lock, markdown};
 use std::fs;
 use std::io;
@@ -26,20 +26,16 @@ pub enum GenerateError {
 /// Every generated file below `folder`: path and text.
 pub fn files(folder: &Path) -> Result<Vec<(PathBuf, String)>, GenerateError> {
     let mut files = Vec::new();
-    let starts = StartValues::default();
     for kind in physics::models::ALL {
         let declaration = (kind.declaration)();
         let home = folder.join(declaration.name);
         let found = Dependencies::of_all(kind);
-        files.push((
-            home.join("fmi2.xml"),
-            fmi2::model_description(declaration, &starts, &found, Experiment::default()),
-        ));
-        files.push((
-            home.join("fmi3.xml"),
-            fmi3::model_description(declaration, &starts, &found, Experiment::default()),
-        ));
-        files.push((home.join("parameters.md"), markdown::parameters(kind)));
+        let (starts, experiment) = experiment::of(kind, &StartValues::default(), &Resources::default(), None);
+        files
+            .push((home.join("fmi2.xml"), fmi2::model_description(declaration, &starts, &found, experiment)));
+        files
+            .push((home.join("fmi3.xml"), fmi3::model_description(declaration, &starts, &found, experiment)));
+        files.push((home.join("parameters.md"), markdown::parameters(kind, &starts)));
         files.push((home.join("dependencies.toml"), found.text(declaration)));
     }
     let declarations: Vec<_> = physics::models::ALL.iter().map(|m| (m.declaration)()).collect();

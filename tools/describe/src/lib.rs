@@ -5,6 +5,7 @@
 //! numerically from the model.
 
 mod dependencies;
+pub mod experiment;
 pub mod fmi2;
 pub mod fmi3;
 pub mod generated;

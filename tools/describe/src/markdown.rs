@@ -61,10 +61,10 @@ fn row(entry: &Entry, starts: &StartValues) -> [String; COLUMNS.len()] {
 }
 
 /// The text of parameters.md.
-pub fn parameters(kind: &ModelType) -> String {
+pub fn parameters(kind: &ModelType, starts: &StartValues) -> String {
     let declaration = (kind.declaration)();
     let mut text = format!("# {}\n\n{}.\n", declaration.name, declaration.description);
-    for section in sections(kind, &StartValues::default()) {
+    for section in sections(kind, starts) {
         let _ = write!(
             text,
             "\n## {}\n\n| {} |\n|{}\n",

@@ -42,8 +42,8 @@ pub struct Preset {
     pub description: String,
     /// The values.
     pub starts: StartValues,
-    /// The default experiment.
-    pub experiment: Experiment,
+    /// The times of the default experiment, where the preset gives them.
+    pub experiment: Option<Experiment>,
     /// The file, whose comments name the sources of the values; empty for derived values.
     pub file: String,
 }
@@ -104,7 +104,7 @@ impl Preset {
             model: declaration.name.to_owned(),
             description: format!("motor data of the control from preset {}", self.name),
             starts,
-            experiment: Experiment::default(),
+            experiment: None,
             file: String::new(),
         })
     }
@@ -125,7 +125,7 @@ impl Preset {
         let mut source = Source::new(text, file);
         let table = source.table();
         let mut words = BTreeMap::new();
-        let (mut start, mut experiment) = (None, Experiment::default());
+        let (mut start, mut experiment) = (None, None);
         for (key, value) in table.get_ref() {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 (known @ ("name" | "model" | "description"), DeValue::String(word)) => {
@@ -136,7 +136,7 @@ impl Preset {
                 }
                 ("start", DeValue::Table(values)) => start = Some(values),
                 ("experiment", DeValue::Table(values)) => {
-                    experiment = values::experiment(values, &mut source)
+                    experiment = Some(values::experiment(values, &mut source))
                 }
                 ("datasheet", DeValue::Table(_)) => source.error(
                     key.span().start,
@@ -223,8 +223,8 @@ mod tests {
                 format!("name = \"x\"\nmodel = \"AnnulusCooledMotor\"\n\n[experiment]\n{experiment}\n");
             Preset::parse(&text, "x.toml").map(|preset| preset.experiment).map_err(|error| error.to_string())
         };
-        assert_eq!(of(""), Ok(Experiment::default()));
-        assert_eq!(of("stop = \"10 min\"\nstep = 0.01"), Ok(Experiment { stop: 600.0, step: 0.01 }));
+        assert_eq!(of(""), Ok(Some(Experiment::default())));
+        assert_eq!(of("stop = \"10 min\"\nstep = 0.01"), Ok(Some(Experiment { stop: 600.0, step: 0.01 })));
         for (wrong, words) in [
             ("stop = 0", "x.toml:5: stop is not a time above 0"),
             ("stop = \"5 V\"", "x.toml:5: stop is not a time"),

@@ -33,13 +33,14 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
     let of_role = || experiment.runs.iter().zip(&outcome.settings).filter(|(r, _)| r.role == role);
     let mut replayed: Vec<String> = of_role().map(|(r, _)| r.file.clone()).collect();
     replayed.dedup();
+    let operating = operating_point(experiment, exported)?;
     let replay_one = |(standard, path): &(Standard, PathBuf)| -> Result<Vec<ReplayedChannel>, Failure> {
         let archive = Archive::open(path)?;
         let mut sums: Vec<Sum> = experiment.outputs.iter().map(|_| Sum::default()).collect();
         for (run, setting) in of_role() {
             let drive = Drive::new(experiment, run)?;
             let shown = if carries(setting, outcome) {
-                shown(&archive, &differences(setting, outcome, exported), experiment, &drive)?
+                shown(&archive, &differences(setting, outcome, exported, &operating), experiment, &drive)?
             } else {
                 // A run with its own terms needs a separate archive.
                 let folder =
@@ -51,7 +52,12 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
                     ..Contents::default()
                 };
                 let path = build(exported.kind, *standard, contents, &exported.library, folder.path())?;
-                shown(&Archive::open(&path)?, &differences(setting, outcome, exported), experiment, &drive)?
+                shown(
+                    &Archive::open(&path)?,
+                    &differences(setting, outcome, exported, &operating),
+                    experiment,
+                    &drive,
+                )?
             };
             compare(experiment, outcome, run, &shown, &mut sums);
         }
@@ -94,7 +100,7 @@ pub fn replay(experiment: &Experiment, outcome: &Outcome, exported: &Exported) -
         role: role_name(role),
         start_values: of_role()
             .map(|(run, setting)| {
-                (run.file.clone(), differences(setting, outcome, exported).into_iter().collect())
+                (run.file.clone(), differences(setting, outcome, exported, &operating).into_iter().collect())
             })
             .collect(),
         channels,
@@ -117,8 +123,30 @@ fn carries(setting: &Setting, outcome: &Outcome) -> bool {
     setting.terms == outcome.export.terms || setting.terms.is_empty()
 }
 
+/// Values of the inputs that no column of the bench data gives, where the default experiment of the archives has others.
+fn operating_point(experiment: &Experiment, exported: &Exported) -> Result<Vec<(String, f64)>, Failure> {
+    let Some((_, path)) = exported.archives.first() else { return Ok(Vec::new()) };
+    let archive = Archive::open(path)?;
+    let entries = (exported.kind.declaration)().entries.iter();
+    let open = entries.filter(|entry| {
+        let is_column = experiment.inputs.iter().any(|channel| channel.input == Some(entry.name.as_str()));
+        entry.row.causality == describe::Causality::Input && !is_column
+    });
+    let differs = |entry: &describe::Entry| {
+        let start = archive.description().variable(&entry.name)?.start.as_ref()?.parse::<f64>().ok()?;
+        let value = exported.preset.starts.of(entry);
+        (start != value).then(|| (entry.name.clone(), value))
+    };
+    Ok(open.filter_map(differs).collect())
+}
+
 /// Start values that differ from those of the archives.
-fn differences(setting: &Setting, outcome: &Outcome, exported: &Exported) -> Vec<(String, f64)> {
+fn differences(
+    setting: &Setting,
+    outcome: &Outcome,
+    exported: &Exported,
+    operating: &[(String, f64)],
+) -> Vec<(String, f64)> {
     let declaration = (exported.kind.declaration)();
     let export = &outcome.export.values;
     let of = |values: &[(String, f64)], name: &str| {
@@ -134,6 +162,13 @@ fn differences(setting: &Setting, outcome: &Outcome, exported: &Exported) -> Vec
         .filter(|(_, here, there)| here != there)
         .map(|(name, here, _)| (name.clone(), here))
         .collect();
+    let others = operating.iter().filter(|(name, _)| !all.iter().any(|(known, _)| known == name));
+    let others: Vec<(String, f64)> = others
+        .map(|(name, value)| {
+            (name.clone(), setting.values.iter().find(|(n, _)| n == name).map_or(*value, |(_, v)| *v))
+        })
+        .collect();
+    all.extend(others);
     if setting.terms.is_empty() && !outcome.export.terms.is_empty() {
         all.retain(|(name, _)| name != GAIN);
         all.push((GAIN.to_owned(), 0.0));
