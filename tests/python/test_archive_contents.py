@@ -6,9 +6,12 @@ import re
 import struct
 import sys
 import zipfile
+from pathlib import Path
 from xml.etree import ElementTree
 
+import pyssp_standard
 import pytest
+import xmlschema
 from clients import paths
 from conftest import STANDARDS
 
@@ -193,6 +196,15 @@ def test_the_metadata_say_what_the_archive_is_made_of(packed):
     assert found["motor-fmu.model"]["preset"].startswith("none")
     if model.endswith("otor"):
         assert found["motor-fmu.validity"]["validity.lowest_temperature"].startswith("100 K; ")
+
+
+def test_the_metadata_follow_the_schema_of_the_specification(packed):
+    resources = Path(pyssp_standard.__file__).parent / "resources"
+    schema = xmlschema.XMLSchema11(resources / "SRMD11.xsd")
+    files = packed[3]
+    text = files["extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"].decode()
+    assert [error.reason for error in schema.iter_errors(text)] == []
+    assert list(schema.iter_errors(text.replace("ClassificationEntry", "ClassificationItem")))
 
 
 @pytest.mark.parametrize("fmi", STANDARDS)
