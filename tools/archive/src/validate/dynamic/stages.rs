@@ -14,6 +14,7 @@ use cosim::raw::InterfaceType::{self, CoSimulation, ModelExchange, ScheduledExec
 use cosim::raw::{Experiment, RawBinary, RawSetup, RawState};
 use cosim::{Kind, Log, Status};
 use setting::others;
+use std::collections::HashMap;
 
 mod compare;
 mod derivatives;
@@ -103,3 +104,15 @@ pub(super) static ALL: &[Stage] = &[
     Stage { is_misuse: true, ..stage("NaN and values outside the limits", moves, misuse::values) },
     Stage { is_misuse: true, ..stage("value references that do not exist", moves, misuse::references) },
 ];
+
+/// The largest number of the variables of the same unit; 0 for a variable without unit.
+fn largest_of_unit<'a>(numbers: impl Iterator<Item = (&'a Variable, f64)>) -> impl Fn(&Variable) -> f64 {
+    let mut largest: HashMap<&str, f64> = HashMap::new();
+    for (v, number) in numbers {
+        if let Some(unit) = &v.unit {
+            let place = largest.entry(unit).or_default();
+            *place = place.max(number);
+        }
+    }
+    move |v| v.unit.as_deref().and_then(|unit| largest.get(unit)).copied().unwrap_or_default()
+}

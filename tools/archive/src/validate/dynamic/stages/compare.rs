@@ -72,14 +72,13 @@ fn differs<'a>(
             (high - low, high.abs().max(low.abs()))
         })
         .collect();
+    let of_unit = largest_of_unit(watched.iter().copied().zip(sizes.iter().map(|(range, _)| *range)));
     let scale: Vec<f64> = watched
         .iter()
         .zip(&sizes)
         .map(|(v, (range, size))| {
             // Differences below 1e-6 of the nominal value are ignored, and of what varies most in its unit: it may be the balance of others.
-            let alike =
-                watched.iter().zip(&sizes).filter(|(other, _)| v.unit.is_some() && other.unit == v.unit);
-            let least = alike.map(|(_, (range, _))| *range).fold(v.nominal, f64::max);
+            let least = v.nominal.max(of_unit(v));
             // A nearly constant variable is compared relative to its magnitude.
             range.max(1e-4 * size).max(SMALLEST / TOLERATED * least)
         })

@@ -116,16 +116,6 @@ fn noise(facts: &Facts, v: &Variable, value: f64) -> f64 {
     uncertainty(facts) * value.abs().max(v.nominal)
 }
 
-/// The largest derivative of each variable's unit. A variable may be the balance of others of its unit, whose errors are its own.
-fn largest_of_unit(variables: &[&Variable], largest: &[f64]) -> Vec<f64> {
-    let of = |v: &Variable| {
-        let alike =
-            variables.iter().zip(largest).filter(|(other, _)| v.unit.is_some() && other.unit == v.unit);
-        alike.map(|(_, l)| *l).fold(0.0, f64::max)
-    };
-    variables.iter().map(|v| of(v)).collect()
-}
-
 /// `derivative=` names the variable whose derivative this is.
 pub(super) fn declared(subject: &Subject, seen: &mut Seen) -> Result<(), Fault> {
     let facts = subject.facts;
@@ -195,10 +185,11 @@ fn follow(
                 largest.iter_mut().zip(&d).for_each(|(l, d)| *l = l.max(d.abs()));
             }
         }
-        let of_unit = largest_of_unit(variables, &largest);
+        // A variable may be the balance of others of its unit, whose errors are its own.
+        let of_unit = largest_of_unit(variables.iter().copied().zip(largest.iter().copied()));
         for (i, (v, series)) in variables.iter().zip(series).enumerate() {
             let noise = |x| noise(subject.facts, v, x);
-            let least = STIFF * largest[i] + uncertainty(subject.facts) * of_unit[i];
+            let least = STIFF * largest[i] + uncertainty(subject.facts) * of_unit(v);
             if let Some((k, given, measured)) = series.disagrees(&look, least, noise) {
                 let points = k + usize::from(!from_start);
                 report(i, start + look.h * points as f64, given, measured);

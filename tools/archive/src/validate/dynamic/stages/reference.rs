@@ -140,12 +140,10 @@ fn compare(
     };
     // A variable may be the difference of others of its unit, which have the tolerance of a solver.
     let largest = |column: usize| table.rows.iter().map(|r| r[column].abs()).fold(0.0, f64::max);
-    let of_unit = |v: &Variable| {
-        let same = columns.iter().filter(|(_, other)| v.unit.is_some() && other.unit == v.unit);
-        same.map(|(c, _)| largest(*c)).fold(v.nominal, f64::max)
-    };
+    let of_unit = largest_of_unit(columns.iter().map(|(c, v)| (*v, largest(*c))));
     let tolerance = facts.tolerance.unwrap_or(SOLVER).min(SOLVER);
-    let rooms: Vec<f64> = columns.iter().map(|(c, v)| range(*c).max(tolerance * of_unit(v))).collect();
+    let rooms: Vec<f64> =
+        columns.iter().map(|(c, v)| range(*c).max(tolerance * v.nominal.max(of_unit(v)))).collect();
     let started = Instant::now();
     let mut session = subject.instance("probe")?;
     session.setup(None)?;
