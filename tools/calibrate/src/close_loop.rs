@@ -6,20 +6,20 @@
 //! 4. What no present value of a driver explains but a force that is free in time does, follows its history.
 //! 5. The test runs are opened.
 
-mod looking;
+mod stepwise;
 
 use crate::CalibrateError;
 use crate::deadline::Deadline;
+use crate::estimates;
 use crate::experiment::{Experiment, Role};
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
+use crate::linearization::Linearization;
 use crate::outcome::{Evidence, Follows, Found, Localised, Outcome, Unexplained, Verdict};
-use crate::point::Point;
-use crate::rounds::{Contender, Round, acting};
-use crate::search::{Scored, free_at, known_past, search};
+use crate::search::{Scored, best_memory_term, latent_input_at, search};
+use crate::selection::{Candidate, Round, acting};
 use crate::separate::separate;
 use crate::setup::Setup;
-use crate::telling;
 use physics::terms::Port;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -117,7 +117,7 @@ fn attempt<'a>(
     // What time cuts off is answered with what there is by then.
     let mut is_cut = deadline.is_near();
     if !is_cut {
-        let heard = refit.and_then(|r| setup.hear_inputs(&r, &fit).map(|()| r));
+        let heard = refit.and_then(|r| setup.include_input_noise(&r, &fit).map(|()| r));
         progress(0.15, "looking for what is missing");
         refit = heard.and_then(|r| setup.fit(r.hypothesis, &fit));
         is_cut = deadline.is_near();
@@ -139,7 +139,7 @@ fn attempt<'a>(
     }
     let Some(mut search_of) = looked else {
         deadline.lift();
-        let point = Point::judged(&setup, refit.clone(), &fit)?;
+        let point = Linearization::judged(&setup, refit.clone(), &fit)?;
         let verdict = if options.fit_only { Verdict::Fitted } else { Verdict::Nothing };
         let mut judgement = Judgement::of(verdict, &point);
         judgement.time_for_boxes = for_boxes;
@@ -149,7 +149,7 @@ fn attempt<'a>(
                 setup.declared.len()
             ));
         }
-        let mut outcome = telling::outcome(&setup, &point, &refit.hypothesis, judgement)?;
+        let mut outcome = estimates::outcome(&setup, &point, &refit.hypothesis, judgement)?;
         outcome.is_cut = is_cut;
         return Ok(outcome);
     };
@@ -157,7 +157,7 @@ fn attempt<'a>(
     // What is clear from the start needs no second look.
     if !search_of.remember() {
         // What cannot be looked at again stays as it was found.
-        if let Err(e) = search_of.look_again(progress) {
+        if let Err(e) = search_of.search_again(progress) {
             search_of.notes.push(format!("what was found could not be looked at again: {e}"));
         }
         if let Err(e) = search_of.one_law() {
@@ -170,7 +170,7 @@ fn attempt<'a>(
     progress(0.85, "judging what was found");
     let mut verdict = search_of.verdict()?;
     verdict.time_for_boxes = for_boxes;
-    let mut outcome = telling::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
+    let mut outcome = estimates::outcome(&setup, &search_of.first, &refit.hypothesis, verdict)?;
     outcome.is_cut = is_cut;
     Ok(outcome)
 }
@@ -179,7 +179,7 @@ fn attempt<'a>(
 struct Search<'a> {
     setup: &'a Setup<'a>,
     /// The naive fit.
-    first: Point<'a>,
+    first: Linearization<'a>,
     /// What was scored there, and at the point of each round that has taken something.
     scored: Vec<Vec<Scored>>,
     /// The rounds, each from the model that the one before has taken.
@@ -199,7 +199,7 @@ pub struct Judgement<'a> {
     /// The verdict.
     pub verdict: Verdict,
     /// The model, linearised; `None` where it is the naive fit.
-    pub point: Option<Point<'a>>,
+    pub point: Option<Linearization<'a>>,
     /// The model with the runs in which everything acts, the runs that were not fitted included.
     pub hypothesis: Hypothesis,
     /// What was added, but for its numbers.
@@ -207,11 +207,11 @@ pub struct Judgement<'a> {
     /// What has no name.
     pub unexplained: Option<Unexplained>,
     /// Where something has no name: the model from which parameters are told beside a force at its port that is free in time.
-    pub beside: Option<(Point<'a>, Port)>,
+    pub beside: Option<(Linearization<'a>, Port)>,
     /// Where the residual sat.
     pub localised: Vec<Localised>,
     /// What was tried.
-    pub ladder: Vec<Evidence>,
+    pub candidate_table: Vec<Evidence>,
     /// What is odd.
     pub notes: Vec<String>,
     /// Time for the black boxes.
@@ -223,7 +223,7 @@ const BOXES: (Duration, f64) = (Duration::from_secs(60), 0.15);
 
 impl Judgement<'_> {
     /// A verdict on a model to which nothing was added.
-    fn of(verdict: Verdict, point: &Point) -> Self {
+    fn of(verdict: Verdict, point: &Linearization) -> Self {
         Judgement {
             verdict,
             time_for_boxes: BOXES.0,
@@ -233,7 +233,7 @@ impl Judgement<'_> {
             unexplained: None,
             beside: None,
             localised: Vec::new(),
-            ladder: Vec::new(),
+            candidate_table: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -241,7 +241,7 @@ impl Judgement<'_> {
 
 impl<'a> Search<'a> {
     fn new(setup: &'a Setup<'a>, refit: Fitted, fit: &[usize]) -> Result<Search<'a>, CalibrateError> {
-        let first = Point::new(setup, refit, fit)?;
+        let first = Linearization::new(setup, refit, fit)?;
         let scored = search(&first);
         Ok(Search {
             setup,
@@ -255,12 +255,12 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The contender that the last round has taken.
-    fn taken(&self) -> Option<&Contender<'a>> {
+    /// The candidate that the last round has taken.
+    fn taken(&self) -> Option<&Candidate<'a>> {
         self.rounds.iter().rev().find_map(Round::winner)
     }
 
-    fn point(&self) -> &Point<'a> {
+    fn point(&self) -> &Linearization<'a> {
         self.taken().map_or(&self.first, |c| &c.point)
     }
 
@@ -278,12 +278,14 @@ impl<'a> Search<'a> {
 
     fn verdict(&mut self) -> Result<Judgement<'a>, CalibrateError> {
         let rounds = self.rounds.iter().enumerate();
-        let ladder: Vec<Evidence> =
-            rounds.flat_map(|(k, round)| round.ladder(k + 1)).chain(self.refused.drain(..)).collect();
+        let candidate_table: Vec<Evidence> = rounds
+            .flat_map(|(k, round)| round.candidate_table(k + 1))
+            .chain(self.refused.drain(..))
+            .collect();
         let localised = self.localised();
         let notes = std::mem::take(&mut self.notes);
         let mut judgement =
-            Judgement { localised, ladder, notes, ..Judgement::of(Verdict::Nothing, &self.first) };
+            Judgement { localised, candidate_table, notes, ..Judgement::of(Verdict::Nothing, &self.first) };
         let remembered = self.remembered.take();
         let setup = self.setup;
         if remembered.is_none()
@@ -298,7 +300,7 @@ impl<'a> Search<'a> {
                 ));
             } else {
                 judgement.verdict = Verdict::Unexplained;
-                judgement.unexplained = Some(told(&free, false));
+                judgement.unexplained = Some(unexplained(&free, false));
                 judgement.beside = self.beside(free.port, &self.first);
                 return Ok(judgement);
             }
@@ -319,7 +321,7 @@ impl<'a> Search<'a> {
         };
         if let Some(free) = remembered {
             judgement.verdict = Verdict::Unexplained;
-            judgement.unexplained = Some(told(&free, false));
+            judgement.unexplained = Some(unexplained(&free, false));
         } else if let Some(k) = unnamed {
             // The shape that the data draws by itself, beside the law that was taken.
             let found = &effects[k];
@@ -331,7 +333,7 @@ impl<'a> Search<'a> {
             && let Some(rest) = self.left().iter().find(|s| !s.listed).filter(|s| s.sure() > SAID)
         {
             judgement.verdict = Verdict::Unexplained;
-            judgement.unexplained = Some(told(rest, false));
+            judgement.unexplained = Some(unexplained(rest, false));
         }
         judgement.effects = effects;
         if let Some(unexplained) = &judgement.unexplained {
@@ -340,7 +342,7 @@ impl<'a> Search<'a> {
         if let Some(taken) = self.rounds.iter().rposition(|r| r.taken.is_some()) {
             let mut rounds = std::mem::take(&mut self.rounds);
             let round = rounds.swap_remove(taken);
-            let point = round.contenders.into_iter().nth(round.taken.unwrap_or(0)).map(|c| c.point);
+            let point = round.candidates.into_iter().nth(round.taken.unwrap_or(0)).map(|c| c.point);
             if let Some(point) = point {
                 judgement.hypothesis = point.fitted.hypothesis.clone();
                 judgement.point = Some(point);
@@ -373,19 +375,20 @@ impl<'a> Search<'a> {
     }
 
     /// A model moved to where its numbers are best beside a force at a port that is free in time; `None` where that cannot be run.
-    fn beside(&self, port: Port, from: &Point) -> Option<(Point<'a>, Port)> {
+    fn beside(&self, port: Port, from: &Linearization) -> Option<(Linearization<'a>, Port)> {
         let (setup, runs) = (self.setup, &self.first.runs);
         let place = Port::ALL.iter().find(|p| **p == port && !self.is_cut)?;
-        let mut point = Point::beside(setup, from.fitted.clone(), runs, place).ok()?;
+        let mut point = Linearization::beside(setup, from.fitted.clone(), runs, place).ok()?;
         for _ in 0..MOVES {
-            let told = point.told(Some(port));
+            let told = point.estimated(Some(port));
             let far = |(k, way): (usize, &f64)| way.abs() > SETTLED * told.covariance[(k, k)].sqrt();
             if !told.moves.iter().enumerate().any(far) {
                 break;
             }
             let mut moved = point.fitted.hypothesis.clone();
             moved.take(&told.moved);
-            let Ok(next) = setup.judged(moved, runs).and_then(|f| Point::beside(setup, f, runs, place))
+            let Ok(next) =
+                setup.judged(moved, runs).and_then(|f| Linearization::beside(setup, f, runs, place))
             else {
                 break;
             };
@@ -397,11 +400,11 @@ impl<'a> Search<'a> {
     /// What a round has taken, but for its numbers.
     fn found(&self, round: &Round, taken: usize) -> Result<Found, CalibrateError> {
         let setup = self.setup;
-        let contender = &round.contenders[taken];
-        let addition = contender.addition();
+        let candidate = &round.candidates[taken];
+        let addition = candidate.addition();
         let mut alternatives: Vec<String> = Vec::new();
         let mut separating = None;
-        for other in round.alike.iter().map(|k| &round.contenders[*k]) {
+        for other in round.alike.iter().map(|k| &round.candidates[*k]) {
             let id = &other.addition().id;
             if *id == addition.id || alternatives.contains(id) {
                 continue;
@@ -411,7 +414,7 @@ impl<'a> Search<'a> {
                 let names = [addition.id.as_str(), id.as_str()];
                 separating = separate(
                     setup,
-                    &contender.point.fitted.hypothesis,
+                    &candidate.point.fitted.hypothesis,
                     &other.point.fitted.hypothesis,
                     names,
                 );
@@ -427,10 +430,10 @@ impl<'a> Search<'a> {
             parameters: Vec::new(),
             term: addition.term(),
             separating_experiment: separating,
-            delta_bic: contender.delta.1,
-            delta_bic_whitened: contender.delta.0,
-            validation_ratio: contender.validation,
-            magnitude: telling::magnitude(&contender.point),
+            delta_bic: candidate.delta.1,
+            delta_bic_whitened: candidate.delta.0,
+            validation_ratio: candidate.validation,
+            magnitude: estimates::magnitude(&candidate.point),
         })
     }
 
@@ -454,8 +457,8 @@ impl<'a> Search<'a> {
 /// Forces that are free in time explain the same at many ports of heat. One that latches, switches or comes and goes says at which it
 /// does: the force there, where that explains nearly as much.
 fn switched<'s>(scored: &'s [Scored], free: &'s Scored) -> &'s Scored {
-    let known = known_past(scored).filter(|known| known.sure() > SWITCHED * free.sure());
-    known.and_then(|known| free_at(scored, known.port)).unwrap_or(free)
+    let known = best_memory_term(scored).filter(|known| known.sure() > SWITCHED * free.sure());
+    known.and_then(|known| latent_input_at(scored, known.port)).unwrap_or(free)
 }
 
 /// The files of active runs, each once.
@@ -469,6 +472,6 @@ fn files(setup: &Setup, active: &[bool]) -> Vec<String> {
     all
 }
 
-fn told(scored: &Scored, added: bool) -> Unexplained {
+fn unexplained(scored: &Scored, added: bool) -> Unexplained {
     Unexplained { port: scored.port, follows: scored.follows, shape: scored.shape.clone(), added }
 }

@@ -261,17 +261,17 @@ fn residual(runs: &[Vec<f64>]) -> Residual {
 mod tests {
     use super::*;
     use crate::experiment::{Experiment, Role};
-    use crate::trial;
+    use crate::testing;
 
     /// White noise has no memory; an AR(1) process of coefficient a has (1 + a) / (1 - a); an offset is one reading.
     #[test]
     fn memory_of_noise_of_a_process_and_of_an_offset() {
-        let mut rng = trial::rng(3);
+        let mut rng = testing::rng(3);
         let mut process = |a: f64| -> Vec<Vec<f64>> {
             let mut run = || {
                 let mut x = 0.0;
                 let next = |_| {
-                    x = a * x + trial::normal(&mut rng);
+                    x = a * x + testing::normal(&mut rng);
                     x
                 };
                 (0..4000).map(next).collect()
@@ -296,21 +296,21 @@ mod tests {
     /// rise of the winding is off by the fraction `off[k]`, which grows over the run, that of the housing by the opposite.
     fn runs(off: [f64; 3]) -> Experiment {
         use crate::experiment::{Deviation, Prior};
-        let mut experiment = trial::experiment(PRIORS, true);
+        let mut experiment = testing::experiment(PRIORS, true);
         let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
-        trial::read(&mut experiment, &preset, None);
+        testing::read(&mut experiment, &preset, None);
         let name = "effect.winding_sensor_stem_loss.k".to_string();
         let seat = Prior { name, deviation: Deviation::Absolute(0.1) };
         let first = experiment.runs[0].clone();
         let outputs = experiment.inputs.len();
-        let mut rng = trial::rng(11);
+        let mut rng = testing::rng(11);
         let all = off.into_iter().map(Some).chain([None]).enumerate().map(|(k, off)| {
             let mut run = first.clone();
             run.file = format!("run-{k}.csv");
             (run.role, run.priors) =
                 if off.is_some() { (Role::Fit, vec![seat.clone()]) } else { (Role::Test, Vec::new()) };
             for column in &mut run.table.columns[outputs..] {
-                column.iter_mut().for_each(|x| *x += trial::NOISE * trial::normal(&mut rng));
+                column.iter_mut().for_each(|x| *x += testing::NOISE * testing::normal(&mut rng));
             }
             let off = off.unwrap_or(0.0);
             for (column, part) in run.table.columns[outputs + 2..].iter_mut().zip([off, -off]) {

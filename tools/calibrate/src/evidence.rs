@@ -355,7 +355,7 @@ fn log_determinant(factor: &Cholesky<f64, Dyn>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::normal;
+    use crate::testing::normal;
 
     fn column(n: usize, of: impl Fn(f64) -> f64) -> DMatrix<f64> {
         DMatrix::from_fn(n, 1, |k, _| of(k as f64 / n as f64))
@@ -372,7 +372,7 @@ mod tests {
     /// A planted signal comes back with its size, beside a parameter and a drifting sensor, as surely as least squares say.
     #[test]
     fn what_was_planted_is_found() {
-        let (n, mut rng) = (400, crate::trial::rng(2));
+        let (n, mut rng) = (400, crate::testing::rng(2));
         let fast = column(n, |t| if (40.0 * t).sin() > 0.0 { 1.0 } else { -1.0 });
         let slope = column(n, |t| 5.0 * t);
         let r = DVector::from_fn(n, |k, _| 0.7 * fast[(k, 0)] + 0.4 * slope[(k, 0)] + normal(&mut rng));
@@ -389,7 +389,7 @@ mod tests {
     /// A sensor that drifts, and a slow column that looks like it: white noise alone would take it, drift explains it.
     #[test]
     fn a_drift_is_no_effect() {
-        let (n, mut rng) = (400, crate::trial::rng(4));
+        let (n, mut rng) = (400, crate::testing::rng(4));
         let (drift, knots) = sensor(n);
         let walk = |t: f64| (3.1 * t).sin() + 0.5 * (7.3 * t + 1.0).cos();
         let r = DVector::from_fn(n, |k, _| 1.5 * walk(k as f64 / n as f64) + normal(&mut rng));
@@ -415,7 +415,7 @@ mod tests {
     /// seen explains it; what stands out far beyond is one.
     #[test]
     fn structure_error_is_no_effect() {
-        let (n, mut rng) = (400, crate::trial::rng(6));
+        let (n, mut rng) = (400, crate::testing::rng(6));
         let waves =
             DMatrix::from_fn(n, 12, |k, j| 1.4 * ((j + 1) as f64 * 0.008 * k as f64 + j as f64).sin());
         let none = DMatrix::zeros(n, 0);

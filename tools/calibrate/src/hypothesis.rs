@@ -1,7 +1,7 @@
 //! A model that may be: the declared parameters with their values, and what was added.
 
-use crate::change::Change;
 use crate::outcome::Follows;
+use crate::overrides::Override;
 use physics::components::sensor::lagged;
 use physics::model::Slot;
 use physics::terms::{Driver, Drivers, Factor, GenericTerm, Lag, Law, Port, Product, Table};
@@ -172,7 +172,7 @@ impl Addition {
     }
 
     /// Adds itself to a change.
-    pub fn apply(&self, change: &mut Change) {
+    pub fn apply(&self, change: &mut Override) {
         if let Shape::Listed { slots, with, .. } = &self.shape {
             change.values.extend(with);
             change.values.extend(slots.iter().zip(&self.numbers).map(|(slot, number)| (*slot, number.value)));
@@ -350,7 +350,7 @@ mod tests {
         assert_eq!((product.coefficient, product.factors[0].unwrap().exponent), (0.3, 0.7));
         let table = addition(Shape::Table { driver: Driver::Speed, knots: vec![0.0, 10.0] }, &[1.0, 3.0]);
         assert!(matches!(table.term().unwrap().law, Law::Table(_)));
-        let mut change = Change::default();
+        let mut change = Override::default();
         table.apply(&mut change);
         assert_eq!((change.terms.len(), change.values.len()), (1, 0));
         let listed = addition(Shape::Listed { slots: Vec::new(), with: Vec::new(), stores: false }, &[]);

@@ -14,11 +14,11 @@ mod response;
 mod signals;
 
 use crate::CalibrateError;
-use crate::change::Change;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
 use crate::fit::is_wide;
 use crate::hypothesis::Hypothesis;
+use crate::overrides::Override;
 use crate::setup::Setup;
 use crate::simulate::{Bench, Drive};
 use physics::declare::Unit;
@@ -187,7 +187,7 @@ fn predicted(experiment: &Experiment, preset: &[(u32, f64)], runs: &[usize]) -> 
     bench.deadline = Deadline::after(PATIENCE);
     let of = |run: &usize| {
         let run = &experiment.runs[*run];
-        let shown = Drive::new(experiment, run).and_then(|drive| bench.run(&drive, &Change::default()));
+        let shown = Drive::new(experiment, run).and_then(|drive| bench.run(&drive, &Override::default()));
         shown.unwrap_or_else(|_| vec![vec![f64::NAN; run.table.time.len()]; experiment.outputs.len()])
     };
     runs.par_iter().map(of).collect()

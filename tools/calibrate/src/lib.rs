@@ -26,32 +26,32 @@
 
 mod blackbox;
 pub mod catalogue;
-pub mod change;
 pub mod close_loop;
 mod comparison;
 mod deadline;
 mod disagreement;
+mod estimates;
 pub mod evidence;
 pub mod experiment;
 pub mod fit;
-mod hearing;
 pub mod hypothesis;
 pub mod initial;
+mod input_noise;
 pub mod intake;
+pub mod linearization;
 pub mod noise;
 pub mod outcome;
-pub mod point;
+pub mod overrides;
 mod prediction;
 pub mod report;
-pub mod rounds;
 pub mod search;
+pub mod selection;
 pub mod separate;
 pub mod setup;
 pub mod simulate;
 pub mod tangent;
-mod telling;
 #[cfg(test)]
-mod trial;
+mod testing;
 
 /// Why an experiment cannot be used: one sentence with file and, where there is one, line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -127,7 +127,7 @@ pub fn of_experiment(experiment: &Experiment) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::{normal, rng};
+    use crate::testing::{normal, rng};
     use rand::RngExt;
     use rand_pcg::Pcg64Mcg;
 

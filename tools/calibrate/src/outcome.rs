@@ -263,7 +263,7 @@ pub struct Outcome {
     /// Where the residual sits.
     pub localised: Vec<Localised>,
     /// What was tried, in order.
-    pub ladder: Vec<Evidence>,
+    pub candidate_table: Vec<Evidence>,
     /// Whether what is left is noise.
     pub whiteness: Vec<Whiteness>,
     /// What would have been seen.

@@ -95,20 +95,23 @@ fn excursion(setup: &Setup, predicted: &Shown, place: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial;
+    use crate::testing;
 
     const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
 
     /// The intervals of a model that is right hold 95 % of its readings; those of one with a structure error are as much wider.
     #[test]
     fn intervals_hold_what_they_promise() {
-        let mut experiment = trial::experiment(PRIORS, true);
+        let mut experiment = testing::experiment(PRIORS, true);
         let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
-        trial::read(&mut experiment, &preset, None);
+        testing::read(&mut experiment, &preset, None);
         let inputs = experiment.inputs.len();
-        let (mut rng, exact) = (trial::rng(8), experiment.runs[0].table.columns.clone());
+        let (mut rng, exact) = (testing::rng(8), experiment.runs[0].table.columns.clone());
         for (column, own) in experiment.runs[0].table.columns[inputs..].iter_mut().zip(&exact[inputs..]) {
-            column.iter_mut().zip(own).for_each(|(x, own)| *x = own + trial::NOISE * trial::normal(&mut rng));
+            column
+                .iter_mut()
+                .zip(own)
+                .for_each(|(x, own)| *x = own + testing::NOISE * testing::normal(&mut rng));
         }
         let of = |experiment: &crate::experiment::Experiment| -> (f64, f64, f64) {
             let setup = Setup::new(experiment, &[]).unwrap();
@@ -125,7 +128,7 @@ mod tests {
         let (width, inside, kappa) = of(&experiment);
         // 300 readings: 0.95 +- 3 standard deviations.
         assert!((inside - 0.95).abs() < 0.04 && kappa < 1e-3, "{inside} {kappa}");
-        assert!((width / (SURE * trial::NOISE) - 1.0).abs() < 0.1, "{width}");
+        assert!((width / (SURE * testing::NOISE) - 1.0).abs() < 0.1, "{width}");
         // A winding that rises by 2 % more.
         let column = &mut experiment.runs[0].table.columns[inputs + 2];
         let cold = column[0];
@@ -140,9 +143,9 @@ mod tests {
     /// Uncertain numbers widen the interval by what the outputs answer to them: R of a winding by the voltage at its current.
     #[test]
     fn uncertain_numbers_widen_the_interval() {
-        let mut experiment = trial::experiment(PRIORS, false);
+        let mut experiment = testing::experiment(PRIORS, false);
         let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
-        trial::read(&mut experiment, &preset, None);
+        testing::read(&mut experiment, &preset, None);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let hypothesis = setup.preset();
         let slopes = Slopes::new(&setup, &hypothesis, &[0], &[]).unwrap();

@@ -126,7 +126,7 @@ pub struct Report<'a> {
     refit: InOrder<'a, Parameter>,
     correlated: Vec<Pair<'a>>,
     localised: Vec<Localised>,
-    ladder: Vec<Rung<'a>>,
+    candidate_table: Vec<CandidateRow<'a>>,
     whiteness: InOrder<'a, Whiteness>,
     detection_limits: Vec<Limit<'a>>,
 }
@@ -196,11 +196,11 @@ struct Unexplained {
     added: bool,
     unit: &'static str,
     driver_unit: Option<&'static str>,
-    shape: Vec<Point>,
+    shape: Vec<Linearization>,
 }
 
 #[derive(Debug, Serialize)]
-struct Point {
+struct Linearization {
     driver: f64,
     value: f64,
     deviation: f64,
@@ -237,7 +237,7 @@ struct Localised {
 }
 
 #[derive(Debug, Serialize)]
-struct Rung<'a> {
+struct CandidateRow<'a> {
     round: usize,
     name: &'a str,
     port: &'static str,
@@ -324,7 +324,7 @@ impl<'a> Report<'a> {
                 .iter()
                 .map(|l| Localised { port: l.port.name(), share: l.share, driver: l.follows.name() })
                 .collect(),
-            ladder: outcome.ladder.iter().map(rung).collect(),
+            candidate_table: outcome.candidate_table.iter().map(candidate_row).collect(),
             whiteness: InOrder(outcome.whiteness.iter().map(whiteness).collect()),
             detection_limits: outcome
                 .limits
@@ -375,7 +375,7 @@ impl<'a> Report<'a> {
             refit: InOrder(Vec::new()),
             correlated: Vec::new(),
             localised: Vec::new(),
-            ladder: Vec::new(),
+            candidate_table: Vec::new(),
             whiteness: InOrder(Vec::new()),
             detection_limits: Vec::new(),
         }
@@ -420,7 +420,7 @@ fn unexplained(found: &outcome::Unexplained) -> Unexplained {
         outcome::Follows::Driver(driver) => Some(driver_unit(driver)),
         _ => None,
     };
-    let point = |(driver, value, deviation): &(f64, f64, f64)| Point {
+    let point = |(driver, value, deviation): &(f64, f64, f64)| Linearization {
         driver: *driver,
         value: *value,
         deviation: *deviation,
@@ -435,8 +435,8 @@ fn unexplained(found: &outcome::Unexplained) -> Unexplained {
     }
 }
 
-fn rung(evidence: &outcome::Evidence) -> Rung<'_> {
-    Rung {
+fn candidate_row(evidence: &outcome::Evidence) -> CandidateRow<'_> {
+    CandidateRow {
         round: evidence.round,
         name: &evidence.name,
         port: evidence.port.name(),

@@ -12,7 +12,7 @@
 //! Everything is compared by the fall of the evidence's cost less ln n for each number (Schwarz), n the blocks.
 
 mod hidden;
-mod past;
+mod memory_terms;
 mod structure;
 #[cfg(test)]
 mod tests;
@@ -21,11 +21,11 @@ use crate::catalogue::{LISTED, Listed, Way};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
 use crate::hypothesis::{Addition, Number, Shape, hat, power};
+use crate::linearization::Linearization;
 use crate::outcome::Follows;
-use crate::point::Point;
+use memory_terms::{FREE, histories, latent_inputs};
+pub use memory_terms::{best_memory_term, latent_input, latent_input_at, needs_memory};
 use nalgebra::DMatrix;
-use past::{FREE, histories, in_time};
-pub use past::{free_at, free_in_time, known_past, remembers};
 use physics::terms::{Driver, Drivers, Factor, Port};
 use rayon::prelude::*;
 pub use structure::structure;
@@ -91,7 +91,7 @@ pub fn choice() -> f64 {
 }
 
 /// The runs' values of a driver: least, greatest, and points between that hold as many rows each.
-fn knots(point: &Point, driver: Driver) -> Option<Vec<f64>> {
+fn knots(point: &Linearization, driver: Driver) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = point.drivers().map(|d| d.of(driver)).collect();
     values.sort_by(f64::total_cmp);
     let (least, most) = (values[0], values[values.len() - 1]);
@@ -123,7 +123,7 @@ fn alike(knots: &[f64]) -> DMatrix<f64> {
 }
 
 /// Zero and usual size of a driver.
-fn scale(point: &Point, driver: Driver) -> Factor {
+fn scale(point: &Linearization, driver: Driver) -> Factor {
     let offset = match driver {
         Driver::WindingTemperature | Driver::HousingTemperature => 298.15,
         Driver::AmbientTemperature => 293.15,
@@ -134,7 +134,7 @@ fn scale(point: &Point, driver: Driver) -> Factor {
 }
 
 /// Whether the bench tells a driver: a load that is imposed, a temperature of a node that has a sensor.
-fn is_known(point: &Point, driver: Driver) -> bool {
+fn is_known(point: &Linearization, driver: Driver) -> bool {
     let has_sensor = || Channel::reading(driver).is_none_or(|c| point.is_read(c));
     match driver {
         Driver::LoadTorque => point.setup.has_load(),
@@ -144,7 +144,7 @@ fn is_known(point: &Point, driver: Driver) -> bool {
 }
 
 /// Everything that a model may lack at a point, the one with the most evidence first.
-pub fn search(point: &Point) -> Vec<Scored> {
+pub fn search(point: &Linearization) -> Vec<Scored> {
     let per_number = point.per_number();
     let mut all = listed(point, per_number);
     let jobs: Vec<(Port, Driver)> = Port::ALL
@@ -169,7 +169,7 @@ pub fn search(point: &Point) -> Vec<Scored> {
     );
     all.extend(shapes.into_iter().map(|(_, _, shape)| shape));
     let mut free: Vec<Scored> =
-        Port::ALL.par_iter().filter_map(|port| in_time(point, *port, per_number)).collect();
+        Port::ALL.par_iter().filter_map(|port| latent_inputs(point, *port, per_number)).collect();
     free.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let ports: Vec<Port> = free.iter().take(4).map(|s| s.port).collect();
     all.extend(hidden::lagging(point, &ports, per_number));
@@ -196,7 +196,7 @@ fn within(value: f64, limits: (f64, f64)) -> bool {
     (limits.0..=limits.1).contains(&value)
 }
 
-fn listed(point: &Point, per_number: f64) -> Vec<Scored> {
+fn listed(point: &Linearization, per_number: f64) -> Vec<Scored> {
     let runs = point.runs.len();
     let known: Vec<_> = point.listed().collect();
     let mut all: Vec<Scored> = (0..known.len())
@@ -260,7 +260,7 @@ fn named(listed: &Listed, name: String, addition: Addition, gain: &Gain, cost: f
 }
 
 /// A step at a time that is tried: first all over the clock, then at every row near the best.
-fn step(point: &Point, mut addition: Addition) -> Option<(Addition, Gain)> {
+fn step(point: &Linearization, mut addition: Addition) -> Option<(Addition, Gain)> {
     let clock = |r: usize, row: usize| point.setup.drives[point.runs[r]].time[row];
     let best = |times: Vec<f64>| -> Vec<(f64, Gain)> {
         let mut gains: Vec<(f64, Gain)> = times
@@ -301,7 +301,7 @@ fn step(point: &Point, mut addition: Addition) -> Option<(Addition, Gain)> {
 }
 
 /// Sizes that are tried for an effect with a store of its own: to the answer of each, a size to first order.
-fn store(point: &Point, addition: Addition) -> Option<(Addition, Gain)> {
+fn store(point: &Linearization, addition: Addition) -> Option<(Addition, Gain)> {
     let declaration = point.setup.bench.declaration();
     let of = |name: &str| {
         let declared = point.setup.declared.iter().position(|d| d.name == name);
@@ -349,7 +349,7 @@ fn scored(name: String, port: Port, follows: Follows, gain: &Gain, cost: f64, x:
     }
 }
 
-fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
+fn smooth(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
     let knots = knots(point, driver)?;
     let hidden = point.hidden(Some(driver));
     let value = |k: usize, d: &Drivers| if hidden(d) { 0.0 } else { hat(&knots, k, d.of(driver)) };
@@ -379,7 +379,7 @@ fn smooth(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<
     Some(found)
 }
 
-fn powers(point: &Point, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
+fn powers(point: &Linearization, port: Port, driver: Driver, per_number: f64) -> Option<Scored> {
     knots(point, driver)?;
     let factor = scale(point, driver);
     let hidden = point.hidden(Some(driver));

@@ -173,17 +173,17 @@ fn compare(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial;
+    use crate::testing;
 
     fn with(setup: &Setup, id: &str, size: f64) -> Hypothesis {
-        Hypothesis { additions: vec![trial::addition(setup, id, size)], ..setup.preset() }
+        Hypothesis { additions: vec![testing::addition(setup, id, size)], ..setup.preset() }
     }
 
     /// Drags that grow with the root of the speed and with its square, alike at the one speed of the run: another speed shows
     /// it, at the shaft.
     #[test]
     fn another_speed_tells_drags_apart() {
-        let experiment = trial::experiment("", false);
+        let experiment = testing::experiment("", false);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let (one, other) =
             (with(&setup, "iron_loss", 1e-4), with(&setup, "windage", 1e-4 * 400f64.sqrt() / 400f64.powi(2)));
@@ -204,7 +204,7 @@ mod tests {
     /// A winding's sensor that nobody read: its offset shows there and nowhere else.
     #[test]
     fn a_reading_that_was_not_taken_is_asked_for() {
-        let mut experiment = trial::experiment("", true);
+        let mut experiment = testing::experiment("", true);
         let place = experiment.outputs.iter().position(|c| c.column == "winding_temperature_degC").unwrap();
         experiment.outputs.remove(place);
         experiment.runs[0].table.columns.remove(experiment.inputs.len() + place);

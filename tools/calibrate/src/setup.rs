@@ -1,11 +1,11 @@
 //! An experiment, ready to be asked: the bench, the runs, what may be fitted, the noise.
 
 use crate::CalibrateError;
-use crate::change::Change;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Prior, Role, Run};
 use crate::hypothesis::Hypothesis;
 use crate::noise;
+use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 use nalgebra::DMatrix;
 use physics::model::Slot;
@@ -258,8 +258,8 @@ impl<'a> Setup<'a> {
     }
 
     /// The change that a hypothesis makes in a run.
-    pub fn change(&self, hypothesis: &Hypothesis, run: usize) -> Change {
-        let mut change = Change::default();
+    pub fn change(&self, hypothesis: &Hypothesis, run: usize) -> Override {
+        let mut change = Override::default();
         let declared = self.declared.iter().zip(&hypothesis.declared).filter(|(d, _)| d.acts_in(run));
         change.values.extend(declared.map(|(d, value)| (d.slot, *value)));
         hypothesis.additions.iter().filter(|a| a.active[run]).for_each(|a| a.apply(&mut change));
@@ -267,7 +267,7 @@ impl<'a> Setup<'a> {
     }
 
     /// The same without the unknowns of that run alone: as another run would have it.
-    pub fn common_change(&self, hypothesis: &Hypothesis, run: usize) -> Change {
+    pub fn common_change(&self, hypothesis: &Hypothesis, run: usize) -> Override {
         let mut change = self.change(hypothesis, run);
         change.values.retain(|(slot, _)| {
             !self
@@ -404,12 +404,12 @@ fn blocks(experiment: &Experiment, run: &Run, window: (f64, f64)) -> Vec<Block> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial;
+    use crate::testing;
 
     /// 1000 rows make 334 blocks of three, of which the last has one; rows outside the window and blanks are in none.
     #[test]
     fn blocks_hold_what_was_measured_and_counts() {
-        let mut experiment = trial::experiment("", true);
+        let mut experiment = testing::experiment("", true);
         let run = &mut experiment.runs[0];
         run.table.time = (0..1000).map(f64::from).collect();
         for column in &mut run.table.columns {
@@ -440,7 +440,7 @@ mod tests {
     /// Of white noise, block means in units of their noise have variance 1, whatever the blocks' length.
     #[test]
     fn means_of_white_noise_have_variance_one() {
-        let experiment = trial::experiment("", true);
+        let experiment = testing::experiment("", true);
         let mut setup = Setup::new(&experiment, &[]).unwrap();
         let rows = 300;
         for length in [1, 4] {
@@ -450,11 +450,11 @@ mod tests {
                 chunks.into_iter().map(move |rows| Block { output, rows, time: 0.0 })
             };
             setup.blocks[0] = (0..4).flat_map(of).collect();
-            let mut rng = trial::rng(5);
+            let mut rng = testing::rng(5);
             let (mut sum, mut count) = (0.0, 0);
             for _ in 0..20 {
                 let values: Vec<f64> =
-                    (0..rows as usize * 4).map(|k| setup.sigma(k % 4) * trial::normal(&mut rng)).collect();
+                    (0..rows as usize * 4).map(|k| setup.sigma(k % 4) * testing::normal(&mut rng)).collect();
                 let mut means = Vec::new();
                 setup.means(0, &values, &mut means);
                 sum += means.iter().map(|x| x * x).sum::<f64>();

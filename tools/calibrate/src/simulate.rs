@@ -4,10 +4,10 @@
 //! one, at the rows' own steps, which its integrator cuts where it must.
 
 use crate::CalibrateError;
-use crate::change::Change;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Experiment, Role, Run, Start};
 use crate::initial::{self, Node};
+use crate::overrides::Override;
 use physics::model::{Declaration, Model, ModelType, Slot};
 
 /// A model with the start values of an experiment, ready to be run with other parameters.
@@ -105,7 +105,7 @@ impl Bench {
     ///
     /// # Errors
     /// What the model says where it cannot start.
-    pub fn initial(&self, drive: &Drive, change: &Change) -> Result<Vec<(String, f64)>, CalibrateError> {
+    pub fn initial(&self, drive: &Drive, change: &Override) -> Result<Vec<(String, f64)>, CalibrateError> {
         if drive.warm.is_empty() {
             return Ok(Vec::new());
         }
@@ -114,7 +114,7 @@ impl Bench {
     }
 
     /// Every start value with a change and what a run says of itself, by full name; of several the last.
-    pub fn values(&self, drive: &Drive, change: &Change) -> Vec<(String, f64)> {
+    pub fn values(&self, drive: &Drive, change: &Override) -> Vec<(String, f64)> {
         self.named(self.starts.iter().chain(&change.values).chain(&drive.set))
     }
 
@@ -143,7 +143,7 @@ impl Bench {
     ///
     /// # Errors
     /// What the model says where it cannot start.
-    pub fn begin(&self, drive: &Drive, change: &Change) -> Result<Box<dyn Model>, CalibrateError> {
+    pub fn begin(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = self.set_up(drive, change)?;
         self.start(model.as_mut(), drive)?;
         model.ease(self.ease);
@@ -151,7 +151,7 @@ impl Bench {
     }
 
     /// The model changed, with the inputs of the first row.
-    fn set_up(&self, drive: &Drive, change: &Change) -> Result<Box<dyn Model>, CalibrateError> {
+    fn set_up(&self, drive: &Drive, change: &Override) -> Result<Box<dyn Model>, CalibrateError> {
         let mut model = (self.kind.new)();
         // What a run says of itself holds in it, whatever is tried elsewhere.
         for (slot, value) in self.starts.iter().chain(&change.values).chain(&drive.set) {
@@ -173,7 +173,7 @@ impl Bench {
     ///
     /// # Errors
     /// What the model says where it cannot start or step.
-    pub fn run(&self, drive: &Drive, change: &Change) -> Result<Vec<Vec<f64>>, CalibrateError> {
+    pub fn run(&self, drive: &Drive, change: &Override) -> Result<Vec<Vec<f64>>, CalibrateError> {
         let mut model = self.begin(drive, change)?;
         let rows = drive.time.len();
         let mut shown = vec![Vec::with_capacity(rows); self.outputs.len()];
@@ -227,7 +227,7 @@ impl Bench {
     ///
     /// # Errors
     /// As [`run`](Bench::run).
-    pub fn ending(&self, drive: &Drive, change: &Change) -> Result<Option<String>, CalibrateError> {
+    pub fn ending(&self, drive: &Drive, change: &Override) -> Result<Option<String>, CalibrateError> {
         let mut model = self.begin(drive, change)?;
         self.along(drive, model.as_mut(), |_, _| {})
     }
@@ -438,7 +438,7 @@ mod tests {
         let (experiment, bench) = bench("start = \"measured\"\n", ROWS);
         let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
         let slot = |name: &str| bench.declaration().by_name(name).unwrap().slot;
-        let off = |k: f64| Change {
+        let off = |k: f64| Override {
             values: vec![
                 (slot("effect.winding_sensor_offset.offset"), 3.0 * k),
                 (slot("effect.housing_sensor_stem_loss.k"), 0.2 * k),
@@ -464,15 +464,15 @@ mod tests {
             "[run.set]\n\"conductance.G_still\" = 0.4\n[[run]]\nfile = \"a.csv\"\nrole = \"test\"\n",
             &rows,
         );
-        let rise = |run: usize, change: &Change| {
+        let rise = |run: usize, change: &Override| {
             let drive = Drive::new(&experiment, &experiment.runs[run]).unwrap();
             bench.run(&drive, change).unwrap()[1][2] - 293.15
         };
         // 10 W through the conductance, six time constants on.
-        assert!((rise(0, &Change::default()) - 25.0).abs() < 0.1);
-        assert!((rise(1, &Change::default()) - 50.0).abs() < 0.2);
+        assert!((rise(0, &Override::default()) - 25.0).abs() < 0.1);
+        assert!((rise(1, &Override::default()) - 50.0).abs() < 0.2);
         let slot = bench.declaration().by_name("conductance.G_still").unwrap().slot;
-        let tried = Change { values: vec![(slot, 0.8)], terms: Vec::new() };
+        let tried = Override { values: vec![(slot, 0.8)], terms: Vec::new() };
         assert!((rise(0, &tried) - 25.0).abs() < 0.1 && (rise(1, &tried) - 12.5).abs() < 0.1);
     }
 }

@@ -10,7 +10,7 @@
 //! (2010), for the phi functions.
 
 use crate::CalibrateError;
-use crate::change::Change;
+use crate::overrides::Override;
 use crate::simulate::{Bench, Drive};
 use nalgebra::DMatrix;
 use physics::model::{Model, Slot};
@@ -91,7 +91,7 @@ impl Tangent {
     pub fn new(
         bench: &Bench,
         drive: &Drive,
-        change: &Change,
+        change: &Override,
         probes: &[Probe],
     ) -> Result<Tangent, CalibrateError> {
         let mut model = bench.begin(drive, change)?;
@@ -302,7 +302,7 @@ impl Moved {
     fn new(
         bench: &Bench,
         drive: &Drive,
-        change: &Change,
+        change: &Override,
         probe: &Probe,
         beside: &dyn Model,
     ) -> Option<Moved> {
@@ -396,26 +396,27 @@ role = "fit"
         let slot = bench.declaration().by_name("motor.R_ref").unwrap().slot;
         let resistance = Probe::Parameter { slot, with: Vec::new(), way: 1e-4 };
         let probes = [Probe::Port(Port::DragTorque), resistance, Probe::Input(3)];
-        let tangent = Tangent::new(&bench, &drive, &Change::default(), &probes).unwrap();
+        let tangent = Tangent::new(&bench, &drive, &Override::default(), &probes).unwrap();
         let flat = |columns: Vec<Vec<f64>>| -> Vec<f64> {
             (0..drive.time.len())
                 .flat_map(|row| columns.iter().map(move |c| c[row]).collect::<Vec<_>>())
                 .collect()
         };
-        let base = flat(bench.run(&drive, &Change::default()).unwrap());
+        let base = flat(bench.run(&drive, &Override::default()).unwrap());
         assert!(base.iter().zip(&tangent.shown).all(|(a, b)| (a - b).abs() < 1e-9));
 
         let size = 1e-5;
         let factor = Factor { driver: Driver::Speed, offset: 0.0, reference: 100.0, exponent: 0.5 };
         let law = Law::Product(Product { coefficient: size, factors: [Some(factor), None, None] });
-        let dragged = Change { terms: vec![GenericTerm::new(Port::DragTorque, law)], ..Change::default() };
+        let dragged =
+            Override { terms: vec![GenericTerm::new(Port::DragTorque, law)], ..Override::default() };
         let warmer = drive.with_input_moved(3, 0.01);
-        let heavier = Change { values: vec![(slot, bench.start_of(slot) + 1e-4)], ..Change::default() };
+        let heavier = Override { values: vec![(slot, bench.start_of(slot) + 1e-4)], ..Override::default() };
         let speed = |row: usize| (tangent.drivers[row].speed / 100.0).sqrt();
         for (probe, size, shape, other) in [
             (0, size, &speed as &dyn Fn(usize) -> f64, bench.run(&drive, &dragged).unwrap()),
             (1, 1e-4, &|_| 1.0, bench.run(&drive, &heavier).unwrap()),
-            (2, 0.01, &|_| 1.0, bench.run(&warmer, &Change::default()).unwrap()),
+            (2, 0.01, &|_| 1.0, bench.run(&warmer, &Override::default()).unwrap()),
         ] {
             let answer = tangent.response(tangent.directions[probe].as_ref().unwrap(), shape);
             let truth: Vec<f64> = flat(other).iter().zip(&base).map(|(a, b)| (a - b) / size).collect();
@@ -432,23 +433,23 @@ role = "fit"
     /// Noise on the current and on the room's sensor, followed through the model and by a hundred simulations.
     #[test]
     fn variances_are_those_of_simulations() {
-        let experiment = crate::trial::experiment("", true);
+        let experiment = crate::testing::experiment("", true);
         let bench = Bench::new(&experiment, &[]).unwrap();
         let drive = Drive::new(&experiment, &experiment.runs[0]).unwrap();
         let probes = [Probe::Input(0), Probe::Input(3)];
-        let tangent = Tangent::new(&bench, &drive, &Change::default(), &probes).unwrap();
+        let tangent = Tangent::new(&bench, &drive, &Override::default(), &probes).unwrap();
         let sigmas = [0.05, 0.1];
         let directions = tangent.directions.iter().map(|d| d.as_ref().unwrap());
         let noises: Vec<(&Direction, f64)> = directions.zip(sigmas).collect();
         let (direct, whole) = tangent.variance(&noises);
-        let (trials, mut rng) = (120, crate::trial::rng(9));
+        let (trials, mut rng) = (120, crate::testing::rng(9));
         let mut sums = [0.0; 4];
         for _ in 0..trials {
             let mut inputs = drive.inputs().to_vec();
             for (k, sigma) in [0, 3].into_iter().zip(sigmas) {
-                inputs[k].iter_mut().for_each(|x| *x += sigma * crate::trial::normal(&mut rng));
+                inputs[k].iter_mut().for_each(|x| *x += sigma * crate::testing::normal(&mut rng));
             }
-            let shown = bench.run(&Drive::of(drive.time.clone(), inputs), &Change::default()).unwrap();
+            let shown = bench.run(&Drive::of(drive.time.clone(), inputs), &Override::default()).unwrap();
             for (output, column) in shown.iter().enumerate() {
                 let base = tangent.shown.iter().skip(output).step_by(4);
                 sums[output] += column.iter().zip(base).map(|(a, b)| (a - b).powi(2)).sum::<f64>();

@@ -35,7 +35,7 @@ fn set(name: &str) -> &'static Set {
 }
 
 impl Set {
-    fn told(&self, error: &ChannelError, key: &str) -> f64 {
+    fn estimated(&self, error: &ChannelError, key: &str) -> f64 {
         let role = format!("{:?}", error.role).to_lowercase();
         self.truth["rmse"][&role][error.column][key].as_f64().unwrap()
     }
@@ -45,12 +45,12 @@ impl Set {
         assert_eq!(self.outcome.errors.len(), 12);
         let beside_refit = if self.outcome.verdict == Verdict::Nothing { 1.01 } else { 1.0 };
         for error in &self.outcome.errors {
-            let (before, refit) = (self.told(error, "before"), self.told(error, "refit"));
+            let (before, refit) = (self.estimated(error, "before"), self.estimated(error, "refit"));
             assert!((error.before / before - 1.0).abs() <= 2e-3, "{before} told: {error:?}");
             // A refit may stop a little elsewhere than another fitter's.
             assert!((error.refit / refit - 1.0).abs() <= 0.05, "{refit} told: {error:?}");
             if error.role == calibrate::experiment::Role::Test {
-                let floor = self.told(error, "floor");
+                let floor = self.estimated(error, "floor");
                 assert!(error.after <= beside_floor * floor, "{floor} told: {error:?}");
                 assert!(error.after <= beside_refit * error.refit, "{error:?}");
             }

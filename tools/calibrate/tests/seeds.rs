@@ -4,7 +4,7 @@
 use calibrate::experiment::{Experiment, Role};
 use calibrate::fit::Fitted;
 use calibrate::hypothesis::Hypothesis;
-use calibrate::point::Point;
+use calibrate::linearization::Linearization;
 use calibrate::setup::Setup;
 use describe::Preset;
 use nalgebra::{DMatrix, DVector};
@@ -156,7 +156,7 @@ fn the_paper_is_explained_by_drop_and_friction_but_for_its_temperatures() {
     assert!((value(&setup, &fitted, "gear.k") - 0.0114).abs() < 5e-4);
     // The line's intercept of +0.63 V asks for less than no drop while the current runs free.
     assert_eq!(value(&setup, &fitted, "drive.freewheel_drop"), 0.0);
-    let point = Point::new(&setup, fitted.clone(), &runs).unwrap();
+    let point = Linearization::new(&setup, fitted.clone(), &runs).unwrap();
     assert_eq!(Sure::of(&setup, &fitted, &runs).together(0.9), [("thermal.C_h", "thermal.G_hb")]);
     // The plateaus ask for a body a third as heavy and are missed by 9 K all the same: what would help is a
     // room, or a sensor, 12 K warmer.

@@ -189,14 +189,14 @@ mod tests {
 
     /// y_k = 0.9 y_{k-1} + 0.5 u_k + 0.2 u_{k-1}, with an input that switches; `noise` on the readings.
     fn run(role: Role, seed: u64, noise: f64) -> Series {
-        let mut rng = crate::trial::rng(seed);
+        let mut rng = crate::testing::rng(seed);
         let inputs: Vec<f64> =
             (0..800u64).map(|k| f64::from(u8::from((k / 37 + seed).is_multiple_of(3)))).collect();
         let mut y = vec![0.0; 800];
         for k in 1..800 {
             y[k] = 0.9 * y[k - 1] + 0.5 * inputs[k] + 0.2 * inputs[k - 1];
         }
-        let outputs = vec![y.iter().map(|y| y + noise * crate::trial::normal(&mut rng)).collect()];
+        let outputs = vec![y.iter().map(|y| y + noise * crate::testing::normal(&mut rng)).collect()];
         let time: Vec<f64> = (0..800).map(f64::from).collect();
         let counts = vec![true; 800];
         Series { role, time, inputs: vec![inputs], ambient: vec![0.0; 800], outputs, counts, is_warm: false }

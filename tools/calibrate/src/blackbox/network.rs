@@ -311,15 +311,15 @@ mod tests {
     use crate::blackbox::black_boxes;
     use crate::outcome::BlackBox;
     use crate::setup::Setup;
-    use crate::trial;
+    use crate::testing;
 
     /// A run that a motor of two nodes makes is followed by the network to some hundredths of a kelvin, where its ambient
     /// temperature stands still as where it moves.
     #[test]
     fn two_nodes_follow_two_nodes() {
-        let mut experiment = trial::experiment("\"thermal.C_w\" = 0.1", true);
+        let mut experiment = testing::experiment("\"thermal.C_w\" = 0.1", true);
         let truth = Setup::new(&experiment, &[]).unwrap().preset().declared;
-        trial::read(&mut experiment, &truth, None);
+        testing::read(&mut experiment, &truth, None);
         let setup = Setup::new(&experiment, &[]).unwrap();
         let boxes = black_boxes(&setup, &Deadline::default());
         assert_eq!(boxes.len(), 4, "{boxes:?}");

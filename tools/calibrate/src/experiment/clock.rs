@@ -171,7 +171,7 @@ mod tests {
 
     /// A motor under steps of current every 60 rows of 2 s with noise, its outputs `late` rows late: voltage, winding.
     fn run(file: &str, begin: f64, late: [usize; 2]) -> Run {
-        let mut rng = crate::trial::rng(7);
+        let mut rng = crate::testing::rng(7);
         let mut noise = || rng.random_range(-0.5..0.5);
         let time: Vec<f64> = (0..1200).map(|k| begin + 2.0 * f64::from(k)).collect();
         let current = |k: usize| [1.0, 6.0, 3.0, 8.0, 0.0][k / 60 % 5];

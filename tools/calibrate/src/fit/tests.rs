@@ -1,5 +1,5 @@
 use super::*;
-use crate::trial;
+use crate::testing;
 use physics::terms::{GenericTerm, Law, Product};
 
 const PRIORS: &str = "\"motor.R_ref\" = 0.1\n\"conductance.G_still\" = 0.1\n\
@@ -11,10 +11,10 @@ fn preset(experiment: &crate::experiment::Experiment) -> Vec<f64> {
 
 #[test]
 fn planted_numbers_come_back() {
-    let mut experiment = trial::experiment(PRIORS, true);
+    let mut experiment = testing::experiment(PRIORS, true);
     let mut truth = preset(&experiment);
     truth.iter_mut().zip([1.03, 0.93, 1.4, 1.08]).for_each(|(x, share)| *x *= share);
-    trial::read(&mut experiment, &truth, None);
+    testing::read(&mut experiment, &truth, None);
     let setup = Setup::new(&experiment, &[]).unwrap();
     let found = setup.fit(setup.preset(), &[0]).unwrap();
     for ((found, told), d) in found.hypothesis.declared.iter().zip(&truth).zip(&setup.declared) {
@@ -28,10 +28,10 @@ fn planted_numbers_come_back() {
 #[test]
 fn unknowns_of_single_runs_come_back() {
     use crate::experiment::{Deviation, Prior, Role};
-    let mut experiment = trial::experiment(PRIORS, true);
+    let mut experiment = testing::experiment(PRIORS, true);
     let mut truth = preset(&experiment);
     truth.iter_mut().zip([1.03, 0.93, 1.4, 1.08]).for_each(|(x, share)| *x *= share);
-    trial::read(&mut experiment, &truth, None);
+    testing::read(&mut experiment, &truth, None);
     let deviation = Deviation::Absolute(2.0);
     let offset = "effect.winding_sensor_offset.offset";
     experiment.runs[0].priors = vec![Prior { name: offset.to_string(), deviation }];
@@ -55,7 +55,8 @@ fn unknowns_of_single_runs_come_back() {
     }
     // The second file is as it is wherever it stands; a model for other runs has no such offset.
     let slot = setup.declared[4].slot;
-    let of = |change: crate::change::Change| change.values.iter().find(|(s, _)| *s == slot).map(|(_, v)| *v);
+    let of =
+        |change: crate::overrides::Override| change.values.iter().find(|(s, _)| *s == slot).map(|(_, v)| *v);
     assert_eq!(of(setup.change(&found.hypothesis, 2)), Some(found.hypothesis.declared[5]));
     assert_eq!(of(setup.common_change(&found.hypothesis, 0)), None);
     assert_eq!(of(setup.common_change(&found.hypothesis, 2)), None);
@@ -66,14 +67,14 @@ fn unknowns_of_single_runs_come_back() {
 #[test]
 fn one_that_stands_at_its_limit_does_not_stop_the_others() {
     let priors = format!("{PRIORS}\n\"effect.viscous_friction.k\" = 10");
-    let mut experiment = trial::experiment(&priors, true);
+    let mut experiment = testing::experiment(&priors, true);
     let mut truth = preset(&experiment);
     let place = |name: &str| experiment.priors.iter().position(|p| p.name == name).unwrap();
     let (none, grows) = (place("effect.coulomb_friction.tau_c"), place("effect.viscous_friction.k"));
     truth[none] = 0.0;
     truth[grows] = 2e-5;
     let law = Law::Product(Product { coefficient: -1e-4, factors: [None; 3] });
-    trial::read(&mut experiment, &truth, Some(GenericTerm::new(Port::DragTorque, law)));
+    testing::read(&mut experiment, &truth, Some(GenericTerm::new(Port::DragTorque, law)));
     let setup = Setup::new(&experiment, &[]).unwrap();
     let found = setup.fit(setup.preset(), &[0]).unwrap();
     assert_eq!(found.hypothesis.declared[none], 0.0);

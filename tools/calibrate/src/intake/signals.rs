@@ -294,7 +294,7 @@ pub fn jumps(column: &[f64]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::{normal, rng};
+    use crate::testing::{normal, rng};
 
     /// A winding that warms and cools with noise of 0.1 K.
     fn warming(seed: u64) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! Mistakes in data that are the model's own with noise.
 
 use super::*;
-use crate::trial::{self, normal, rng};
+use crate::testing::{self, normal, rng};
 
 const PRIORS: &str = "\"motor.R_ref\" = 0.05\n\"motor.k_t\" = 0.05\n\"thermal.R_wh\" = 0.2\n\"thermal.C_w\" = 0.2\n\
                       \"conductance.G_still\" = 0.2\n\"thermal.C_h\" = 0.2\n\"conductance.G_forced\" = 0.2";
@@ -22,7 +22,7 @@ fn experiment(seed: u64) -> Experiment {
 
 /// The same with other inputs.
 fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
-    let mut experiment = trial::experiment(PRIORS, true);
+    let mut experiment = testing::experiment(PRIORS, true);
     experiment.noise.clear();
     let rows = 1200;
     let table = &mut experiment.runs[0].table;
@@ -39,7 +39,7 @@ fn with_inputs(seed: u64, change: impl Fn(&mut [Vec<f64>])) -> Experiment {
     let setup = Setup::new(&experiment, &[]).unwrap();
     let shares = [1.02, 0.98, 1.1, 0.9, 1.1, 0.95, 0.9];
     let truth: Vec<f64> = setup.declared.iter().zip(shares).map(|(d, share)| share * d.prior).collect();
-    trial::read(&mut experiment, &truth, None);
+    testing::read(&mut experiment, &truth, None);
     let mut rng = rng(seed);
     for (column, sigma) in experiment.runs[0].table.columns.iter_mut().zip(SIGMA) {
         column.iter_mut().for_each(|x| *x += sigma * normal(&mut rng));
@@ -251,7 +251,7 @@ fn an_ambient_sensor_that_the_motor_heats_is_unusable() {
 #[test]
 fn a_small_current_is_no_dead_sensor() {
     let outputs = ["current_A", "shaft_torque_Nm", "winding_temperature_degC", "housing_temperature_degC"];
-    let mut run = trial::driven_by(("voltage_V", 1.0, 190.0), &outputs, PRIORS, true);
+    let mut run = testing::driven_by(("voltage_V", 1.0, 190.0), &outputs, PRIORS, true);
     run.noise.clear();
     let start =
         |name: &str| Setup::new(&run, &[]).unwrap().declared.iter().find(|d| d.name == name).unwrap().prior;

@@ -8,8 +8,8 @@
 use super::{Scored, choice, is_known, scale, scored};
 use crate::evidence::Gain;
 use crate::hypothesis::{Addition, Number, Shape, followed, hat, power};
+use crate::linearization::Linearization;
 use crate::outcome::Follows;
-use crate::point::Point;
 use physics::terms::{Driver, Factor, Lag, Port};
 use rayon::prelude::*;
 
@@ -30,7 +30,7 @@ struct Late {
 }
 
 impl Late {
-    fn new(point: &Point, lag: Lag) -> Late {
+    fn new(point: &Linearization, lag: Lag) -> Late {
         let tangents = point.slopes.tangents.iter();
         let reached: Vec<Vec<f64>> = tangents.map(|t| followed(&t.time, &t.drivers, lag)).collect();
         let factor = scale(point, lag.driver);
@@ -38,14 +38,14 @@ impl Late {
         Late { lag, reached, factor: Factor { reference: most, ..factor } }
     }
 
-    fn gain(&self, point: &Point, port: Port, exponent: f64) -> Option<Gain> {
+    fn gain(&self, point: &Linearization, port: Port, exponent: f64) -> Option<Gain> {
         let value = |r: usize, row: usize| power(&self.factor, self.reached[r][row], exponent);
         point.evidence.gain(&point.port_columns(port, 1, |_, r, row, _| value(r, row))?)
     }
 }
 
 /// Time constants that are tried: from a few rows to the longest run.
-fn time_constants(point: &Point) -> Vec<f64> {
+fn time_constants(point: &Linearization) -> Vec<f64> {
     let runs = point.slopes.tangents.iter().map(|t| (t.time[t.time.len() - 1] - t.time[0], t.time.len()));
     let longest = runs.clone().map(|(span, _)| span).fold(0.0, f64::max);
     let row = runs.map(|(span, rows)| span / rows as f64).fold(f64::INFINITY, f64::min);
@@ -55,7 +55,7 @@ fn time_constants(point: &Point) -> Vec<f64> {
 }
 
 /// The best law over a lag of each driver, at these ports.
-pub(super) fn lagging(point: &Point, ports: &[Port], per_number: f64) -> Vec<Scored> {
+pub(super) fn lagging(point: &Linearization, ports: &[Port], per_number: f64) -> Vec<Scored> {
     let taus = time_constants(point);
     let moves = |driver: Driver| {
         let values = || point.drivers().map(|d| d.of(driver));
@@ -102,7 +102,7 @@ fn number(symbol: String, value: f64, limits: (f64, f64), unit: &'static str, sc
 
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-fn addition(point: &Point, port: Port, late: &Late, shape: Shape, numbers: Vec<Number>) -> Addition {
+fn addition(point: &Linearization, port: Port, late: &Late, shape: Shape, numbers: Vec<Number>) -> Addition {
     Addition {
         id: "generic_term".to_string(),
         port,
@@ -114,7 +114,7 @@ fn addition(point: &Point, port: Port, late: &Late, shape: Shape, numbers: Vec<N
     }
 }
 
-fn powers(point: &Point, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
+fn powers(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
     let gains = EXPONENTS.iter().filter_map(|e| Some((*e, late.gain(point, port, *e)?)));
     let (exponent, gain) = gains.max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened))?;
     let name = format!("{} ~ lag of {}^{exponent}", port.name(), late.lag.driver.name());
@@ -131,7 +131,7 @@ fn powers(point: &Point, port: Port, late: &Late, taus: &[f64], per_number: f64)
     Some(found)
 }
 
-fn table(point: &Point, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
+fn table(point: &Linearization, port: Port, late: &Late, taus: &[f64], per_number: f64) -> Option<Scored> {
     let values = || late.reached.iter().flatten();
     let (least, most) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(*z), b.max(*z)));
     let knots: Vec<f64> =

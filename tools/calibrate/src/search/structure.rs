@@ -12,7 +12,7 @@
 use super::{alike, is_known, knots};
 use crate::evidence::LEAST_SIZE;
 use crate::hypothesis::hat;
-use crate::point::Point;
+use crate::linearization::Linearization;
 use nalgebra::{DMatrix, DVector};
 use physics::terms::{Driver, Drivers, Port};
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 const DIRECTIONS: usize = 48;
 
 /// Directions of the structure error of size 1 at a point: S of (2).
-pub fn structure(point: &Point) -> DMatrix<f64> {
+pub fn structure(point: &Linearization) -> DMatrix<f64> {
     let places: Vec<(Port, Driver)> = Port::ALL
         .iter()
         .flat_map(|port| Driver::ALL.iter().map(move |driver| (*port, *driver)))
@@ -33,7 +33,7 @@ pub fn structure(point: &Point) -> DMatrix<f64> {
 }
 
 /// The answers to a law, each column with a number of variance 1.
-fn law(point: &Point, port: Port, driver: Driver) -> Option<DMatrix<f64>> {
+fn law(point: &Linearization, port: Port, driver: Driver) -> Option<DMatrix<f64>> {
     let knots = knots(point, driver)?;
     let hidden = point.hidden(Some(driver));
     let value = |k: usize, d: &Drivers| if hidden(d) { 0.0 } else { hat(&knots, k, d.of(driver)) };
@@ -70,7 +70,7 @@ fn compressed(laws: &[DMatrix<f64>], values: usize) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::{normal, rng};
+    use crate::testing::{normal, rng};
 
     /// A law of some numbers over `n` values, scaled as [`law`] does.
     fn trial(n: usize, numbers: usize, seed: u64) -> DMatrix<f64> {

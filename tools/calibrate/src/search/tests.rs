@@ -1,7 +1,7 @@
 use super::*;
 use crate::hypothesis::Hypothesis;
 use crate::setup::Setup;
-use crate::trial;
+use crate::testing;
 use physics::terms::{GenericTerm, Lag, Law, Product};
 
 /// A law over a driver with so much evidence, and its shape: driver and value.
@@ -51,24 +51,24 @@ fn heat_that_falls_as_the_housing_warms_leaves_by_a_conductance() {
 fn what_knows_its_past_is_clear_where_no_present_value_comes_near() {
     let latch = law(Port::DragTorque, Follows::History, 1000.0, &[(310.0, 1.0)]);
     let present = |sure: f64| law(Port::DragTorque, over(Driver::Speed), sure, &[(0.0, 1.0)]);
-    assert!(remembers(&[latch.clone(), present(850.0)]));
-    assert!(!remembers(&[latch.clone(), present(900.0)]));
+    assert!(needs_memory(&[latch.clone(), present(850.0)]));
+    assert!(!needs_memory(&[latch.clone(), present(900.0)]));
     // A law over time may be the same in other words; a force that is free in time is none that latches.
-    let in_time = law(Port::DragTorque, over(Driver::Time), 990.0, &[(0.0, 1.0)]);
-    assert!(remembers(&[latch.clone(), in_time]));
+    let latent_inputs = law(Port::DragTorque, over(Driver::Time), 990.0, &[(0.0, 1.0)]);
+    assert!(needs_memory(&[latch.clone(), latent_inputs]));
     let free = Scored { name: format!("{}{FREE}", latch.name), ..latch };
-    assert!(!remembers(&[free, present(100.0)]));
+    assert!(!needs_memory(&[free, present(100.0)]));
 }
 
 const PRIORS: &str = "\"motor.R_ref\" = 0.03\n\"motor.k_t\" = 0.02\n\"conductance.G_still\" = 0.1";
 
 /// What a search finds in readings of a motor with a term, and the point from which it was looked for.
-fn found_of<T>(term: GenericTerm, see: impl Fn(&Point, Vec<Scored>) -> T) -> T {
-    let mut experiment = trial::experiment(PRIORS, true);
+fn found_of<T>(term: GenericTerm, see: impl Fn(&Linearization, Vec<Scored>) -> T) -> T {
+    let mut experiment = testing::experiment(PRIORS, true);
     let preset = Setup::new(&experiment, &[]).unwrap().preset().declared;
-    trial::read(&mut experiment, &preset, Some(term));
+    testing::read(&mut experiment, &preset, Some(term));
     let setup = Setup::new(&experiment, &[]).unwrap();
-    let point = Point::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+    let point = Linearization::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
     let scored = search(&point);
     see(&point, scored)
 }
@@ -125,24 +125,24 @@ fn a_law_over_time_is_not_added() {
 fn effects_of_test_rigs_are_named() {
     let power = ("electrical_power_W", 4.0, 190.0);
     let current = ("current_A", 1.0, 190.0);
-    let temperatures = &trial::OUTPUTS[2..];
+    let temperatures = &testing::OUTPUTS[2..];
     for (id, size, drive, outputs) in [
-        ("speed_convection", 0.05, current, &trial::OUTPUTS[..]),
+        ("speed_convection", 0.05, current, &testing::OUTPUTS[..]),
         ("speed_convection", 0.01, power, temperatures),
-        ("torque_sensor_offset", 0.004, current, &trial::OUTPUTS[..]),
-        ("torque_sensor_offset", -0.004, current, &trial::OUTPUTS[..]),
+        ("torque_sensor_offset", 0.004, current, &testing::OUTPUTS[..]),
+        ("torque_sensor_offset", -0.004, current, &testing::OUTPUTS[..]),
         ("stator_loss", 0.2, power, temperatures),
         ("propeller_load", 1e-8, power, temperatures),
         ("drive_loss", 0.1, power, temperatures),
     ] {
         let what = format!("{id} = {size} with {}", drive.0);
-        let mut experiment = trial::driven_by(drive, outputs, PRIORS, true);
-        trial::read_of(&mut experiment, |setup| {
-            let additions = vec![trial::addition(setup, id, size)];
+        let mut experiment = testing::driven_by(drive, outputs, PRIORS, true);
+        testing::read_of(&mut experiment, |setup| {
+            let additions = vec![testing::addition(setup, id, size)];
             setup.change(&Hypothesis { additions, ..setup.preset() }, 0)
         });
         let setup = Setup::new(&experiment, &[]).unwrap();
-        let point = Point::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
+        let point = Linearization::new(&setup, setup.fit(setup.preset(), &[0]).unwrap(), &[0]).unwrap();
         let scored = search(&point);
         let listed: Vec<&Scored> = scored.iter().filter(|s| s.listed).collect();
         assert_eq!(

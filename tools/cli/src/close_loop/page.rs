@@ -320,14 +320,14 @@ fn residuals(experiment: &Experiment, outcome: &Outcome) -> Markup {
 /// Probability of a candidate among those of its round and the model without any, as far as BIC approximates the marginal likelihood
 /// (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773-795).
 fn probability(of: &Evidence, outcome: &Outcome) -> f64 {
-    let round = outcome.ladder.iter().filter(|e| e.round == of.round).map(|e| e.delta_bic_whitened);
+    let round = outcome.candidate_table.iter().filter(|e| e.round == of.round).map(|e| e.delta_bic_whitened);
     let most = round.clone().fold(0.0, f64::max);
     let weight = |delta: f64| (0.5 * (delta - most)).exp();
     weight(of.delta_bic_whitened) / (weight(0.0) + round.map(weight).sum::<f64>())
 }
 
 fn candidates(outcome: &Outcome) -> Markup {
-    let mut ranked: Vec<&Evidence> = outcome.ladder.iter().collect();
+    let mut ranked: Vec<&Evidence> = outcome.candidate_table.iter().collect();
     ranked.sort_by(|a, b| a.round.cmp(&b.round).then(b.delta_bic_whitened.total_cmp(&a.delta_bic_whitened)));
     let row = |e: &Evidence| {
         vec![
@@ -354,7 +354,7 @@ fn candidates(outcome: &Outcome) -> Markup {
         "reason",
     ];
     html! {
-        @if !outcome.ladder.is_empty() {
+        @if !outcome.candidate_table.is_empty() {
             h2 { "Candidates" }
             p {
                 "By rank in each round. Probability: of this candidate among those of its round and the model without any of them, from BIC \

@@ -76,7 +76,7 @@ pub fn outcome(verdict: Verdict) -> Outcome {
         added: true,
     });
     let limit = Limit { id: "iron_loss".to_owned(), symbol: "k", size: 2e-6, unit: "N.m.s^0.5" };
-    let rung = |name: &str, accepted: bool, reason: &str| Evidence {
+    let candidate_row = |name: &str, accepted: bool, reason: &str| Evidence {
         round: 1,
         name: name.to_owned(),
         port: Port::DragTorque,
@@ -131,9 +131,13 @@ pub fn outcome(verdict: Verdict) -> Outcome {
             Localised { port: Port::DragTorque, share: 0.92, follows: Follows::Driver(Driver::Speed) },
             Localised { port: Port::WindingHeat, share: 0.31, follows: Follows::Nothing },
         ],
-        ladder: vec![
-            rung("iron_loss", true, "it halves the error on what was not fitted"),
-            rung("drag_torque ~ speed^0.75", false, "iron_loss explains the same with a number less"),
+        candidate_table: vec![
+            candidate_row("iron_loss", true, "it halves the error on what was not fitted"),
+            candidate_row(
+                "drag_torque ~ speed^0.75",
+                false,
+                "iron_loss explains the same with a number less",
+            ),
         ],
         whiteness: vec![Whiteness {
             column: "voltage_V",

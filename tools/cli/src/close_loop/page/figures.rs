@@ -221,7 +221,7 @@ pub fn forest(experiment: &Experiment, outcome: &Outcome) -> Plate {
     };
     let known = outcome.parameters.iter().filter(|p| p.prior != 0.0);
     let figure = Rows::new(
-        "Change of the parameters",
+        "Override of the parameters",
         "change from the preset in %",
         &["after", "refit", "prior"],
         known.map(row).collect(),

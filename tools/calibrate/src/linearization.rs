@@ -6,7 +6,7 @@ use crate::evidence::Evidence;
 use crate::experiment::Channel;
 use crate::fit::{Fitted, Slopes};
 use crate::hypothesis::{Addition, Shape, hat};
-use crate::search::{free_in_time, structure};
+use crate::search::{latent_input, structure};
 use crate::setup::{Setup, Shown};
 use crate::tangent::{Direction, Probe};
 use nalgebra::{DMatrix, DVector};
@@ -26,7 +26,7 @@ const MOST_KNOTS: usize = 24;
 const INSEPARABLE: &str = "the parameters cannot be told apart by these runs";
 
 /// What a point says of its numbers.
-pub struct Told {
+pub struct Estimated {
     /// How far each would move, in units of its prior's deviation.
     pub moves: Vec<f64>,
     /// Where each would stand, within its limits.
@@ -38,7 +38,7 @@ pub struct Told {
 }
 
 /// A fitted model, linearised.
-pub struct Point<'a> {
+pub struct Linearization<'a> {
     /// The experiment.
     pub setup: &'a Setup<'a>,
     /// The model.
@@ -56,21 +56,29 @@ pub struct Point<'a> {
     ports: &'static [Port],
 }
 
-impl<'a> Point<'a> {
+impl<'a> Linearization<'a> {
     /// The point of a fitted model over the runs that it was fitted to, from which further effects can be looked for.
     ///
     /// # Errors
     /// What the model says where it cannot be run.
-    pub fn new(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
-        Point::of(setup, fitted, runs, &LISTED, Port::ALL)
+    pub fn new(
+        setup: &'a Setup<'a>,
+        fitted: Fitted,
+        runs: &[usize],
+    ) -> Result<Linearization<'a>, CalibrateError> {
+        Linearization::of(setup, fitted, runs, &LISTED, Port::ALL)
     }
 
     /// The same, from which nothing further is looked for: it knows what is left and how sure its numbers are.
     ///
     /// # Errors
     /// What the model says where it cannot be run.
-    pub fn judged(setup: &'a Setup<'a>, fitted: Fitted, runs: &[usize]) -> Result<Point<'a>, CalibrateError> {
-        Point::of(setup, fitted, runs, &[], &[])
+    pub fn judged(
+        setup: &'a Setup<'a>,
+        fitted: Fitted,
+        runs: &[usize],
+    ) -> Result<Linearization<'a>, CalibrateError> {
+        Linearization::of(setup, fitted, runs, &[], &[])
     }
 
     /// The same, from which a force at one port can be looked for.
@@ -82,8 +90,8 @@ impl<'a> Point<'a> {
         fitted: Fitted,
         runs: &[usize],
         port: &'static Port,
-    ) -> Result<Point<'a>, CalibrateError> {
-        Point::of(setup, fitted, runs, &[], std::slice::from_ref(port))
+    ) -> Result<Linearization<'a>, CalibrateError> {
+        Linearization::of(setup, fitted, runs, &[], std::slice::from_ref(port))
     }
 
     fn of(
@@ -92,7 +100,7 @@ impl<'a> Point<'a> {
         runs: &[usize],
         effects: &'static [Listed],
         ports: &'static [Port],
-    ) -> Result<Point<'a>, CalibrateError> {
+    ) -> Result<Linearization<'a>, CalibrateError> {
         let all = vec![true; setup.experiment.runs.len()];
         let known = |listed: &Listed, addition: &Addition| {
             let Shape::Listed { slots, .. } = &addition.shape else { return true };
@@ -118,7 +126,8 @@ impl<'a> Point<'a> {
         }
         let slopes = Slopes::new(setup, &fitted.hypothesis, runs, &further)?;
         let evidence = evidence(setup, &fitted, runs, &slopes, further.len(), ports.len())?;
-        let mut point = Point { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs };
+        let mut point =
+            Linearization { setup, fitted, runs: runs.to_vec(), slopes, evidence, ports, listed, inputs };
         // The first that looks at all ports says what structure error does.
         if ports.len() == Port::ALL.len() {
             setup.structure.get_or_init(|| structure(&point));
@@ -142,8 +151,8 @@ impl<'a> Point<'a> {
 
     /// Where the numbers would move to first order, and how sure they are; beside a force at a port that is free in time, which the
     /// point must look at.
-    pub fn told(&self, beside: Option<Port>) -> Told {
-        let free = beside.and_then(|port| free_in_time(self, port));
+    pub fn estimated(&self, beside: Option<Port>) -> Estimated {
+        let free = beside.and_then(|port| latent_input(self, port));
         let gain = free.as_ref().and_then(|f| self.evidence.shape(&f.columns, &f.kernel));
         let beside = free.as_ref().zip(gain.as_ref()).map(|(f, gain)| (&f.columns, gain));
         let scales = self.setup.scales(&self.fitted.hypothesis);
@@ -152,7 +161,7 @@ impl<'a> Point<'a> {
         let moved = numbers
             .map(|((x, (scale, (least, most), _)), way)| (x + way * scale).clamp(*least, *most))
             .collect();
-        Told { moves, moved, covariance, misfit: self.evidence.misfit(beside) }
+        Estimated { moves, moved, covariance, misfit: self.evidence.misfit(beside) }
     }
 
     /// What a number costs: ln n, n the blocks.

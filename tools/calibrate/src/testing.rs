@@ -1,8 +1,8 @@
 //! Experiments whose readings are the model's own: for tests.
 
-use crate::change::Change;
 use crate::experiment::Experiment;
 use crate::hypothesis::{Addition, Hypothesis};
+use crate::overrides::Override;
 use crate::setup::Setup;
 use physics::terms::GenericTerm;
 use rand::{RngExt, SeedableRng};
@@ -63,7 +63,7 @@ pub fn read(experiment: &mut Experiment, declared: &[f64], term: Option<GenericT
 }
 
 /// Lets the run read what the model shows with a change.
-pub fn read_of(experiment: &mut Experiment, change: impl Fn(&Setup) -> Change) {
+pub fn read_of(experiment: &mut Experiment, change: impl Fn(&Setup) -> Override) {
     let columns = {
         let setup = Setup::new(experiment, &[]).unwrap().exact();
         setup.bench.run(&setup.drives[0], &change(&setup)).unwrap()

@@ -1,4 +1,4 @@
-//! What the noise of the inputs does to a model: it hears them, and some of what they say it remembers.
+//! What the noise of the inputs does to a model: it hears them, and some of what they say it needs_memory.
 
 use crate::CalibrateError;
 use crate::fit::{Fitted, Slopes};
@@ -16,9 +16,9 @@ impl Setup<'_> {
     ///
     /// # Errors
     /// What the model says where it cannot be run.
-    pub fn hear_inputs(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
+    pub fn include_input_noise(&mut self, fitted: &Fitted, runs: &[usize]) -> Result<(), CalibrateError> {
         let (m, inputs) = (self.outputs(), self.experiment.inputs.len());
-        let slopes = self.by_inputs(&fitted.hypothesis, runs)?;
+        let slopes = self.input_sensitivities(&fitted.hypothesis, runs)?;
         let slow = |input: &usize| {
             let (direct, whole) = self.variances(&slopes, |k| k == *input);
             (0..m).any(|k| whole[k] - direct[k] > (REMEMBERED * self.sigma(k)).powi(2))
@@ -33,7 +33,7 @@ impl Setup<'_> {
         Ok(())
     }
 
-    /// Mean variance of each output that white noise on the inputs makes over linearised runs ([`by_inputs`](Setup::by_inputs)): at once,
+    /// Mean variance of each output that white noise on the inputs makes over linearised runs ([`input_sensitivities`](Setup::input_sensitivities)): at once,
     /// and in all.
     pub fn input_noise(&self, slopes: &Slopes) -> (Vec<f64>, Vec<f64>) {
         self.variances(slopes, |_| true)
@@ -43,7 +43,11 @@ impl Setup<'_> {
     ///
     /// # Errors
     /// What the model says where it cannot be run.
-    pub fn by_inputs(&self, hypothesis: &Hypothesis, runs: &[usize]) -> Result<Slopes, CalibrateError> {
+    pub fn input_sensitivities(
+        &self,
+        hypothesis: &Hypothesis,
+        runs: &[usize],
+    ) -> Result<Slopes, CalibrateError> {
         let probes: Vec<Probe> = (0..self.experiment.inputs.len()).map(Probe::Input).collect();
         Slopes::new(self, hypothesis, runs, &probes)
     }

@@ -1,11 +1,11 @@
-//! What a contender has to pass: does it explain enough, is it physical, is it the same in every run, does it foretell.
+//! What a candidate has to pass: does it explain enough, is it physical, is it the same in every run, does it foretell.
 
-use super::{Contender, LEAST, NEAR, is_sensor};
+use super::{Candidate, LEAST, NEAR, is_sensor};
 use crate::CalibrateError;
 use crate::experiment::Role;
 use crate::fit::Fitted;
 use crate::hypothesis::Hypothesis;
-use crate::point::Point;
+use crate::linearization::Linearization;
 use crate::setup::{Setup, Shown};
 
 /// Share of a run that is held out where no validation run has the effect.
@@ -21,24 +21,24 @@ const ALIKE: f64 = 0.35;
 
 type Judged = (Option<f64>, Option<String>);
 
-/// Whether a contender passes: its error on what was not fitted over that without, and why not.
-pub fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateError> {
-    let (white, raw) = contender.delta;
+/// Whether a candidate passes: its error on what was not fitted over that without, and why not.
+pub fn gate(before: &Linearization, candidate: &Candidate) -> Result<Judged, CalibrateError> {
+    let (white, raw) = candidate.delta;
     if raw <= LEAST || white <= LEAST {
         let sentence = format!(
             "lowers BIC by {raw:.1} for white noise and by {white:.1} for noise with a memory; more than {LEAST} is asked for"
         );
         return Ok((None, Some(sentence)));
     }
-    let addition = contender.addition();
+    let addition = candidate.addition();
     if addition.is_listed() && addition.numbers[0].limits.0 == 0.0 && addition.numbers[0].value <= 0.0 {
         return Ok((None, Some(format!("{} would have to be negative", addition.numbers[0].symbol))));
     }
-    if let Some(sentence) = within_calibration(contender) {
+    if let Some(sentence) = within_calibration(candidate) {
         return Ok((None, Some(sentence)));
     }
-    let unlike = unlike(contender);
-    let foretold = validation(before, contender)?;
+    let unlike = unlike(candidate);
+    let foretold = validation(before, candidate)?;
     let validation = foretold.map(|f| (f.with / f.without).sqrt());
     if let Some(sentence) = unlike {
         return Ok((validation, Some(sentence)));
@@ -49,7 +49,7 @@ pub fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateEr
         return Ok((validation, Some(sentence)));
     }
     let most = if addition.is_listed() { HARDLY.0 } else { HARDLY.1 };
-    let weak = contender.sure() < WEAK;
+    let weak = candidate.sure() < WEAK;
     if let Some(ratio) = validation.filter(|ratio| weak && *ratio >= most) {
         let sentence = format!(
             "what was not fitted is hardly predicted better: {ratio:.4} times the error without it; {most} is asked for"
@@ -66,21 +66,21 @@ pub fn gate(before: &Point, contender: &Contender) -> Result<Judged, CalibrateEr
 }
 
 /// An effect of the list at a sensor that is within what sensors are calibrated to, in one sentence.
-fn within_calibration(contender: &Contender) -> Option<String> {
-    let (setup, addition) = (contender.point.setup, contender.addition());
+fn within_calibration(candidate: &Candidate) -> Option<String> {
+    let (setup, addition) = (candidate.point.setup, candidate.addition());
     if !addition.is_listed() || !is_sensor(addition.port) {
         return None;
     }
     let most =
-        contender.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
+        candidate.point.reach().iter().enumerate().map(|(k, x)| x / setup.sigma(k)).fold(0.0, f64::max);
     (most < CALIBRATED).then(|| {
         format!("moves no output by more than {most:.1} deviations of its noise: a sensor errs by as much")
     })
 }
 
 /// A run that wants another size than the others, in one sentence: what leaving it out would show.
-fn unlike(contender: &Contender) -> Option<String> {
-    let (point, addition) = (&contender.point, contender.addition());
+fn unlike(candidate: &Candidate) -> Option<String> {
+    let (point, addition) = (&candidate.point, candidate.addition());
     let active: Vec<usize> = (0..point.runs.len()).filter(|r| addition.active[point.runs[*r]]).collect();
     if active.len() < 2 {
         return None;
@@ -102,29 +102,29 @@ fn unlike(contender: &Contender) -> Option<String> {
 
 /// Sums of squares over what was not fitted, in units of the noise.
 #[derive(Clone, Copy)]
-struct Foretold {
+struct Validated {
     with: f64,
     without: f64,
 }
 
-/// Error on what was not fitted with a contender and without: on the validation runs, and where it acts in none of them on
+/// Error on what was not fitted with a candidate and without: on the validation runs, and where it acts in none of them on
 /// the end of the runs in which it acts, fitted without it.
-fn validation(before: &Point, contender: &Contender) -> Result<Option<Foretold>, CalibrateError> {
+fn validation(before: &Linearization, candidate: &Candidate) -> Result<Option<Validated>, CalibrateError> {
     let setup = before.setup;
     let runs = setup.runs(Role::Validate);
-    let addition = contender.addition();
+    let addition = candidate.addition();
     let partly = addition.active.iter().any(|on| !on);
     if !runs.is_empty() {
         let mut without = before.fitted.hypothesis.clone();
         acting(setup, &mut without, &runs)?;
         let without = setup.show(&without, &runs)?;
-        let mut with = contender.point.fitted.hypothesis.clone();
+        let mut with = candidate.point.fitted.hypothesis.clone();
         acting(setup, &mut with, &runs)?;
         let active = with.additions.last().is_some_and(|own| runs.iter().any(|run| own.active[*run]));
         let shown = setup.show(&with, &runs)?;
         if !partly || active {
             let (with, without) = (setup.chi_square(&runs, &shown).0, setup.chi_square(&runs, &without).0);
-            return Ok(Some(Foretold { with, without }));
+            return Ok(Some(Validated { with, without }));
         }
     }
     let mut part = setup.clone();
@@ -141,25 +141,25 @@ fn validation(before: &Point, contender: &Contender) -> Result<Option<Foretold>,
         return Ok(None);
     }
     let without = part.fit(before.fitted.hypothesis.clone(), &before.runs)?;
-    let with = part.fit(contender.point.fitted.hypothesis.clone(), &before.runs)?;
+    let with = part.fit(candidate.point.fitted.hypothesis.clone(), &before.runs)?;
     let error = |fitted: &Fitted| -> Result<f64, CalibrateError> {
         let shown = judged.show(&fitted.hypothesis, &held)?;
         Ok(judged.chi_square(&held, &shown).0)
     };
-    Ok(Some(Foretold { with: error(&with)?, without: error(&without)? }))
+    Ok(Some(Validated { with: error(&with)?, without: error(&without)? }))
 }
 
-/// Whether the outputs that a contender explains in what was fitted are predicted better with it, whatever comes of the others.
+/// Whether the outputs that a candidate explains in what was fitted are predicted better with it, whatever comes of the others.
 ///
 /// # Errors
 /// What the model says where it cannot be run.
-pub fn foretells_where_it_shows(before: &Point, contender: &Contender) -> Result<bool, CalibrateError> {
+pub fn predicts_where_it_acts(before: &Linearization, candidate: &Candidate) -> Result<bool, CalibrateError> {
     let (setup, runs) = (before.setup, before.setup.runs(Role::Validate));
     let by_output = |runs: &[usize], shown: &[Shown]| setup.chi_squares(runs, shown);
-    let fitted = [before, &contender.point].map(|point| by_output(&before.runs, &point.fitted.shown));
+    let fitted = [before, &candidate.point].map(|point| by_output(&before.runs, &point.fitted.shown));
     let explained: Vec<f64> = fitted[0].iter().zip(&fitted[1]).map(|(a, b)| (a - b).max(0.0)).collect();
     let without = by_output(&runs, &setup.show(&before.fitted.hypothesis, &runs)?);
-    let with = by_output(&runs, &setup.show(&contender.point.fitted.hypothesis, &runs)?);
+    let with = by_output(&runs, &setup.show(&candidate.point.fitted.hypothesis, &runs)?);
     let whole: f64 = explained.iter().sum();
     let ratio = |k: usize| if without[k] > 0.0 { with[k] / without[k] } else { 1.0 };
     let foretold: f64 = explained.iter().enumerate().map(|(k, own)| own / whole * ratio(k)).sum();

@@ -3,10 +3,10 @@
 use super::{SAID, Search};
 use crate::CalibrateError;
 use crate::hypothesis::Addition;
+use crate::linearization::Linearization;
 use crate::outcome::Follows;
-use crate::point::Point;
-use crate::rounds::{Contender, LEAST, NEAR, Round, compete, foretells_where_it_shows};
-use crate::search::{Scored, free_at, known_past, remembers, search};
+use crate::search::{Scored, best_memory_term, latent_input_at, needs_memory, search};
+use crate::selection::{Candidate, LEAST, NEAR, Round, compete, predicts_where_it_acts};
 use physics::terms::MOST_TERMS;
 
 /// Times that all that was found is looked at again, while it changes.
@@ -56,22 +56,23 @@ impl<'a> Search<'a> {
 
     /// What the model as it stands may lack.
     fn look_on(&self) -> Result<Vec<Scored>, CalibrateError> {
-        Ok(search(&Point::new(self.setup, self.point().fitted.clone(), &self.first.runs)?))
+        Ok(search(&Linearization::new(self.setup, self.point().fitted.clone(), &self.first.runs)?))
     }
 
-    /// A contender that explains a lot and predicts worse, together with what else there is. It is taken where both predict better, and
+    /// A candidate that explains a lot and predicts worse, together with what else there is. It is taken where both predict better, and
     /// where nothing else shows in what was fitted but the outputs that it explains are predicted better: then the others meet something
     /// new. Whether it was taken.
     fn together(&mut self, round: Round<'a>, k: usize) -> bool {
         // One that cannot be looked at has not proved itself.
-        let Ok(point) = Point::new(self.setup, round.contenders[k].point.fitted.clone(), &self.first.runs)
+        let Ok(point) =
+            Linearization::new(self.setup, round.candidates[k].point.fitted.clone(), &self.first.runs)
         else {
             self.rounds.push(round);
             return false;
         };
         let scored = search(&point);
         let alone = scored.first().is_none_or(|s| s.sure() <= LEAST);
-        if alone && foretells_where_it_shows(self.point(), &round.contenders[k]).unwrap_or(false) {
+        if alone && predicts_where_it_acts(self.point(), &round.candidates[k]).unwrap_or(false) {
             let excuse = "explains all there is; the outputs in which it shows are predicted better, the others meet something new";
             self.rounds.push(round.with_taken(k, excuse));
             self.scored.push(scored);
@@ -94,16 +95,16 @@ impl<'a> Search<'a> {
     /// near it or leaves much of it: that stood in for it. Whether it is so.
     pub(super) fn remember(&mut self) -> bool {
         let rest = self.left().first().is_some_and(|s| s.follows == Follows::History && s.sure() > SAID);
-        if !remembers(&self.scored[0]) || !(rest || self.history().is_some()) {
+        if !needs_memory(&self.scored[0]) || !(rest || self.history().is_some()) {
             return false;
         }
-        let Some(known) = known_past(&self.scored[0]) else { return false };
-        self.remembered = Some(free_at(&self.scored[0], known.port).unwrap_or(known).clone());
+        let Some(known) = best_memory_term(&self.scored[0]) else { return false };
+        self.remembered = Some(latent_input_at(&self.scored[0], known.port).unwrap_or(known).clone());
         // A law that predicts better stays, whatever remains unexplained beside it.
         if !self.has_law() {
             for (k, round) in self.rounds.drain(..).enumerate() {
                 let round = round.without_taken("stood in for what knows its past, and leaves much of it");
-                self.refused.extend(round.ladder(k + 1));
+                self.refused.extend(round.candidate_table(k + 1));
             }
         }
         true
@@ -112,11 +113,11 @@ impl<'a> Search<'a> {
     /// Looks at each addition once more, from the others and the numbers that were found with it: there the slopes are those
     /// of the right neighbourhood, where the naive fit may have been far astray, and a first choice that had to stand for
     /// two effects gives way.
-    pub(super) fn look_again(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
+    pub(super) fn search_again(&mut self, progress: &dyn Fn(f64, &str)) -> Result<(), CalibrateError> {
         // A round that took nothing is the last.
         let taken = self.rounds.iter().filter(|r| r.taken.is_some()).count();
         for (k, round) in self.rounds.drain(taken..).enumerate() {
-            self.refused.extend(round.ladder(taken + k + 1));
+            self.refused.extend(round.candidate_table(taken + k + 1));
         }
         let count = self.rounds.len();
         let listed = self.taken().is_some_and(|c| c.addition().is_listed());
@@ -157,7 +158,7 @@ impl<'a> Search<'a> {
         } else {
             self.setup.fit(others.clone(), &runs)?
         };
-        let without = Point::judged(self.setup, refit, &runs)?;
+        let without = Linearization::judged(self.setup, refit, &runs)?;
         let cost = |r: &Round| r.winner().map_or(f64::INFINITY, |c| c.point.evidence.cost().0);
         let whole = self.rounds.last().map_or(f64::INFINITY, cost);
         // What the others explain without it was a first choice that had to stand for them.
@@ -168,7 +169,7 @@ impl<'a> Search<'a> {
             }
             return Ok(true);
         }
-        let stripped = Point::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
+        let stripped = Linearization::new(self.setup, self.setup.judged(others.clone(), &runs)?, &runs)?;
         let round = compete(&without, &others, &search(&stripped));
         if let Some(winner) = round.winner().filter(|_| cost(&round) < whole + LEAST) {
             let same = (&winner.addition().id, winner.addition().port) == (&own.id, own.port);
@@ -179,7 +180,7 @@ impl<'a> Search<'a> {
         // It stays, last of all.
         let mut kept = others;
         kept.additions.push(own);
-        let point = Point::judged(self.setup, self.setup.judged(kept, &runs)?, &runs)?;
+        let point = Linearization::judged(self.setup, self.setup.judged(kept, &runs)?, &runs)?;
         // Only now: where time ends before, the rounds stay those of the model.
         let old = self.rounds.remove(0);
         self.rounds.push(old.with_point(point));
@@ -201,7 +202,7 @@ impl<'a> Search<'a> {
         others.additions.retain(|a| place(a) != at);
         let runs = self.first.runs.clone();
         let refit = self.setup.fit(others.clone(), &runs)?;
-        let without = Point::new(self.setup, refit, &runs)?;
+        let without = Linearization::new(self.setup, refit, &runs)?;
         let is_power = |s: &&Scored| {
             s.addition.as_ref().is_some_and(|a| place(a) == at && !a.is_listed() && !a.is_table())
         };
@@ -219,8 +220,8 @@ impl<'a> Search<'a> {
         let Some((round, best)) = self.rounds.first().and_then(|r| Some((r, r.winner()?))) else {
             return false;
         };
-        let elsewhere = round.contenders.iter().filter(|c| c.addition().port != best.addition().port);
-        elsewhere.map(Contender::sure).fold(0.0, f64::max) < AHEAD * best.sure()
+        let elsewhere = round.candidates.iter().filter(|c| c.addition().port != best.addition().port);
+        elsewhere.map(Candidate::sure).fold(0.0, f64::max) < AHEAD * best.sure()
     }
 
     /// Whether a parameter of the naive fit has gone so far that it stands in for something else.

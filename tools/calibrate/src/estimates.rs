@@ -7,13 +7,13 @@ use crate::comparison;
 use crate::deadline::Deadline;
 use crate::experiment::{Channel, Role};
 use crate::hypothesis::Hypothesis;
+use crate::linearization::Linearization;
 use crate::outcome::{
     ChannelError, Curve, Curves, Estimate, Limit, Outcome, Prediction, Setting, Verdict, Whiteness,
 };
-use crate::point::Point;
 use crate::prediction;
 use crate::report::{ROLES, column_words};
-use crate::rounds::LEAST;
+use crate::selection::LEAST;
 use crate::setup::{Declared, Setup, Shown};
 use nalgebra::DMatrix;
 use physics::terms::Port;
@@ -37,7 +37,7 @@ const CORRELATED: f64 = 0.9;
 /// What the model says where it cannot be run.
 pub fn outcome(
     setup: &Setup,
-    first: &Point,
+    first: &Linearization,
     refit: &Hypothesis,
     judged: Judgement,
 ) -> Result<Outcome, CalibrateError> {
@@ -130,7 +130,7 @@ pub fn outcome(
             continue;
         }
         let (b, r, a) = (rmse(&before), rmse(&fitted), rmse(&after));
-        let slopes = setup.by_inputs(&hypothesis, &runs)?;
+        let slopes = setup.input_sensitivities(&hypothesis, &runs)?;
         let (direct, whole) = setup.input_noise(&slopes);
         let variances: Vec<Vec<f64>> = (0..runs.len())
             .into_par_iter()
@@ -203,7 +203,7 @@ pub fn outcome(
         correlated,
         errors,
         localised: judged.localised,
-        ladder: judged.ladder,
+        candidate_table: judged.candidate_table,
         whiteness: whiteness(setup, first, point),
         limits: limits(point),
         curves: all
@@ -257,14 +257,14 @@ fn is_no_worse(exact: &Setup, one: &Hypothesis, other: &Hypothesis) -> Result<bo
 /// that is free in time. Where sensors drift, a `corrected` hypothesis takes the numbers that are best with that drift.
 fn estimates(
     setup: &Setup,
-    point: &Point,
+    point: &Linearization,
     beside: Option<Port>,
     corrected: Option<&mut Hypothesis>,
 ) -> (Vec<Estimate>, DMatrix<f64>) {
     let hypothesis = &point.fitted.hypothesis;
     let scales = setup.scales(hypothesis);
     let p = scales.len();
-    let told = point.told(beside);
+    let told = point.estimated(beside);
     // The last step, along slopes that know nothing of the inputs' noise and beside drifting sensors; where much is left
     // that they do not know of it would lead astray.
     let steps = beside.is_some() || (corrected.is_some() && told.misfit < TRUSTED);
@@ -306,7 +306,7 @@ fn interval(number: f64, way: f64, half: f64, (least, most): (f64, f64)) -> (f64
 }
 
 /// The greatest change of each output by the last addition, in words.
-pub fn magnitude(point: &Point) -> String {
+pub fn magnitude(point: &Linearization) -> String {
     let parts = point.setup.experiment.outputs.iter().zip(point.reach()).filter(|(_, reach)| *reach > 0.0);
     let change = |(channel, reach): (&&Channel, f64)| {
         let (name, unit) = column_words(channel.column);
@@ -317,7 +317,7 @@ pub fn magnitude(point: &Point) -> String {
     format!("changes at most {}", parts.join(", "))
 }
 
-fn limits(point: &Point) -> Vec<Limit> {
+fn limits(point: &Linearization) -> Vec<Limit> {
     let least = LEAST + point.per_number();
     let known: Vec<_> = point.listed().collect();
     let everywhere = vec![true; point.runs.len()];
@@ -342,8 +342,8 @@ fn limits(point: &Point) -> Vec<Limit> {
     all
 }
 
-fn whiteness(setup: &Setup, first: &Point, point: &Point) -> Vec<Whiteness> {
-    let blocks = |point: &Point| -> Vec<f64> {
+fn whiteness(setup: &Setup, first: &Linearization, point: &Linearization) -> Vec<Whiteness> {
+    let blocks = |point: &Linearization| -> Vec<f64> {
         let mut sums = vec![(0.0, 0usize); setup.outputs()];
         for (run, shown) in point.runs.iter().zip(&point.fitted.shown) {
             let mut values = Vec::new();
@@ -355,7 +355,7 @@ fn whiteness(setup: &Setup, first: &Point, point: &Point) -> Vec<Whiteness> {
         }
         sums.iter().map(|(sum, count)| if *count > 0 { sum / *count as f64 } else { f64::NAN }).collect()
     };
-    let neighbours = |point: &Point| -> Vec<f64> {
+    let neighbours = |point: &Linearization| -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); setup.outputs()];
         for (run, shown) in point.runs.iter().zip(&point.fitted.shown) {
             let mut last = vec![f64::NAN; setup.outputs()];

@@ -4,8 +4,8 @@ use super::{Scored, choice, scored};
 use crate::evidence::Gain;
 use crate::experiment::Channel;
 use crate::hypothesis::hat;
+use crate::linearization::Linearization;
 use crate::outcome::Follows;
-use crate::point::Point;
 use nalgebra::DMatrix;
 use physics::terms::{Driver, Port};
 
@@ -16,25 +16,25 @@ pub(super) const FREE: &str = " free in time";
 /// Parts of a driver's span, as its rows stand, between which a threshold is tried.
 const THRESHOLDS: usize = 32;
 /// What knows its past has to explain this many times as much as the present does, and so much more.
-const REMEMBERS: (f64, f64) = (1.1, 30.0);
+const NEEDS_MEMORY: (f64, f64) = (1.1, 30.0);
 
 /// Whether something that knows its past explains more at a point than all that follow a present value: what latches or switches by
 /// what the motor has measured, clearly.
-pub fn remembers(scored: &[Scored]) -> bool {
+pub fn needs_memory(scored: &[Scored]) -> bool {
     // A law over time may be the same in other words.
     let present =
         scored.iter().filter(|s| !matches!(s.follows, Follows::History | Follows::Driver(Driver::Time)));
     let present = present.map(Scored::sure).fold(0.0, f64::max);
-    known_past(scored).is_some_and(|past| past.sure() > REMEMBERS.0 * present + REMEMBERS.1)
+    best_memory_term(scored).is_some_and(|past| past.sure() > NEEDS_MEMORY.0 * present + NEEDS_MEMORY.1)
 }
 
 /// What explains most of all that latches, switches or comes and goes; `scored` has the surest first.
-pub fn known_past(scored: &[Scored]) -> Option<&Scored> {
+pub fn best_memory_term(scored: &[Scored]) -> Option<&Scored> {
     past(scored).find(|s| !s.is_free())
 }
 
 /// The force at a port that is free in time.
-pub fn free_at(scored: &[Scored], port: Port) -> Option<&Scored> {
+pub fn latent_input_at(scored: &[Scored], port: Port) -> Option<&Scored> {
     past(scored).find(|s| s.is_free() && s.port == port)
 }
 
@@ -43,12 +43,12 @@ fn past(scored: &[Scored]) -> impl Iterator<Item = &Scored> {
 }
 
 /// The clock of each row of each run.
-fn clock<'a>(point: &'a Point, r: usize) -> &'a [f64] {
+fn clock<'a>(point: &'a Linearization, r: usize) -> &'a [f64] {
     &point.setup.drives[point.runs[r]].time
 }
 
 /// A force at a port that is free in time.
-pub struct Free {
+pub struct LatentInput {
     /// Columns of its values at instants.
     pub columns: DMatrix<f64>,
     /// Their covariance: near instants are alike.
@@ -58,7 +58,7 @@ pub struct Free {
 }
 
 /// A force that is free in time.
-pub fn free_in_time(point: &Point, port: Port) -> Option<Free> {
+pub fn latent_input(point: &Linearization, port: Port) -> Option<LatentInput> {
     let mut instants: Vec<(usize, Vec<f64>)> = Vec::new();
     for r in 0..point.runs.len() {
         let time = clock(point, r);
@@ -75,11 +75,11 @@ pub fn free_in_time(point: &Point, port: Port) -> Option<Free> {
     })?;
     let memory = 600.0;
     let kernel = DMatrix::from_fn(at.len(), at.len(), |a, b| (-(at[a] - at[b]).abs() / memory).exp());
-    Some(Free { columns, kernel, at })
+    Some(LatentInput { columns, kernel, at })
 }
 
-pub(super) fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scored> {
-    let free = free_in_time(point, port)?;
+pub(super) fn latent_inputs(point: &Linearization, port: Port, per_number: f64) -> Option<Scored> {
+    let free = latent_input(point, port)?;
     let gain = point.evidence.shape(&free.columns, &free.kernel)?;
     let name = format!("{}{FREE}", port.name());
     Some(scored(name, port, Follows::History, &gain, 2.0 * per_number + choice(), &free.at))
@@ -87,7 +87,7 @@ pub(super) fn in_time(point: &Point, port: Port, per_number: f64) -> Option<Scor
 
 /// The values of a driver at the rows of each run: of a temperature what was measured, where it was. What switches does so where the
 /// motor was, and not where a model without it goes.
-fn stood(point: &Point, driver: Driver) -> Vec<Vec<f64>> {
+fn stood(point: &Linearization, driver: Driver) -> Vec<Vec<f64>> {
     let experiment = point.setup.experiment;
     let sensor = Channel::reading(driver).filter(|c| c.is_temperature());
     let output = sensor.and_then(|s| experiment.outputs.iter().position(|c| c.column == s.column));
@@ -102,7 +102,7 @@ fn stood(point: &Point, driver: Driver) -> Vec<Vec<f64>> {
 }
 
 /// What knows its past: it latches, switches with hysteresis, or comes and goes.
-pub(super) fn histories(point: &Point, port: Port, per_number: f64) -> Vec<Scored> {
+pub(super) fn histories(point: &Linearization, port: Port, per_number: f64) -> Vec<Scored> {
     let mut all = Vec::new();
     let mut best = |name: &str, numbers: f64, tried: Vec<(f64, Gain)>| {
         if let Some((at, gain)) = tried.into_iter().max_by(|a, b| a.1.whitened.total_cmp(&b.1.whitened)) {

@@ -5,7 +5,7 @@ use physics::terms::GenericTerm;
 
 /// A change of a model.
 #[derive(Clone, Debug, Default)]
-pub struct Change {
+pub struct Override {
     /// Values of parameters.
     pub values: Vec<(Slot, f64)>,
     /// Terms.
